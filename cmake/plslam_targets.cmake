@@ -1,0 +1,54 @@
+# Compiler flags of all our targets, and the two functions that declare them.
+add_library(plslam_flags INTERFACE)
+target_include_directories(plslam_flags INTERFACE ${CMAKE_SOURCE_DIR})
+# -ffp-contract=off: the same floating-point result on machines with and without fused multiply-add.
+target_compile_options(plslam_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                       -Wold-style-cast -Wconversion -Wno-sign-conversion -Werror -ffp-contract=off)
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  target_compile_options(plslam_flags INTERFACE -O1)
+endif()
+if(PLSLAM_SANITIZE)
+  add_compile_options(-fsanitize=${PLSLAM_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${PLSLAM_SANITIZE})
+  add_compile_definitions(PLSLAM_SANITIZED=1)
+endif()
+add_compile_definitions(PLSLAM_VERSION="${PROJECT_VERSION}")
+
+find_program(CCACHE_PROGRAM ccache)
+if(CCACHE_PROGRAM)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+endif()
+
+# plslam_library(NAME SOURCES a.cpp ... LINK target ...): a static library of this tree.
+function(plslam_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC plslam_flags ${ARG_LINK})
+endfunction()
+
+# plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin.
+function(plslam_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE plslam_flags ${ARG_LINK})
+endfunction()
+
+# plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit]): a GoogleTest executable, run by ctest.
+function(plslam_test name)
+  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINK" ${ARGN})
+  if(NOT ARG_LABEL)
+    set(ARG_LABEL unit)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE plslam_flags plslam_test_support GTest::gmock GTest::gtest_main ${ARG_LINK})
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/bin
+                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 300)
+endfunction()
+
+# plslam_benchmark(NAME SOURCES a_benchmark.cpp LINK target ...): a Google Benchmark executable in build/PRESET/bin.
+function(plslam_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE plslam_flags plslam_test_support benchmark::benchmark ${ARG_LINK})
+endfunction()

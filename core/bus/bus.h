@@ -1,0 +1,81 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/bus/channels.h"
+#include "core/bus/options.h"
+
+namespace plslam::bus {
+
+/// Counts of what went over the bus since start; published in `status_t.counters`.
+struct BusCounters {
+  int64_t sent = 0;
+  int64_t received = 0;
+  int64_t lost = 0;        ///< messages of ordered channels that were missed on the wire
+  int64_t repaired = 0;    ///< of those, delivered after all
+  int64_t resent = 0;      ///< our own, on request
+  int64_t rejected = 0;    ///< malformed, foreign schema, unauthenticated, oversized
+  int64_t duplicates = 0;  ///< replayed or sent twice
+  int64_t skipped = 0;     ///< of kLatest channels, overtaken by newer ones
+};
+
+/// The only door to LCM. Receives on a thread of its own, checks and orders there, and delivers on the thread that
+/// calls `Run`, one message at a time: handlers need no locks.
+///
+/// Publishing is safe from any thread. An ordered message that cannot be sent at once (a reader is behind and the
+/// window is full) makes `Publish` wait, at most `BusOptions::max_wait_ms`; then it is left to repair.
+class Bus {
+ public:
+  /// Throws std::runtime_error with one sentence where the URL, the key file or the history folder do not work.
+  Bus(const BusOptions& options, const std::string& process);
+  ~Bus();
+  Bus(const Bus&) = delete;
+  Bus& operator=(const Bus&) = delete;
+
+  /// Random name of this process start (`header_t.source`).
+  int64_t source() const;
+
+  /// Fills in `message.header` (all but `t_ns` and `session`, which the caller sets) and sends.
+  /// T is a generated type whose name stands in `channel.type`.
+  template <class T>
+  void Publish(const Channel& channel, T message);
+
+  /// Delivers messages of `channel` from all publishers to `handler` on the thread of `Run`. Ordered channels are
+  /// delivered in order for each publisher, from the publisher's oldest kept message on.
+  template <class T>
+  void Subscribe(const Channel& channel, std::function<void(const T&)> handler);
+
+  /// The same for an ordered channel, without asking for repairs or acknowledging: what comes, comes (pictures).
+  template <class T>
+  void SubscribeBestEffort(const Channel& channel, std::function<void(const T&)> handler);
+
+  /// Calls `f` on the thread of `Run`, soon; from any thread.
+  void Post(std::function<void()> f);
+
+  /// Calls `f` on the thread of `Run` every `period`.
+  void Every(std::chrono::milliseconds period, std::function<void()> f);
+
+  /// Delivers until `Stop` (from any thread or a handler). Returns at once if stopped before.
+  void Run();
+  void Stop();
+
+  /// Ordered readers of `channel` that have acknowledged something within the last second.
+  int ReaderCount(const Channel& channel) const;
+
+  /// Blocks until every such reader has everything sent, or the time is over. True if they have.
+  bool Flush(std::chrono::milliseconds limit);
+
+  BusCounters counters() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plslam::bus

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace plslam::bus {
+
+/// `header_t.schema` of every message; messages with another are rejected and counted.
+inline constexpr int32_t kSchemaVersion = 1;
+
+/// How a channel is delivered. kEvery: ordered and gap-free for each publisher, repaired from its history.
+/// kLatest: the newest wins.
+enum class Delivery { kEvery, kLatest };
+
+/// What a publisher keeps of an ordered channel. kAll: from the first message on, spilled to disk beyond a bound.
+/// kUnacknowledged: until every reader that has acknowledged something has it (a bounded window).
+enum class Retention { kNone, kUnacknowledged, kAll };
+
+/// One row of the channel table, which lcmtypes/README.md and the tests read too.
+struct Channel {
+  std::string_view name;
+  std::string_view type;
+  std::string_view publisher;
+  Delivery delivery;
+  Retention retention;
+  std::string_view meaning;
+};
+
+inline constexpr Channel kCamera{"CAMERA",          "camera_t",       "player",
+                                 Delivery::kLatest, Retention::kNone, "the rig, whole, at 1 Hz"};
+inline constexpr Channel kStream{"STREAM",         "stream_t",      "player",
+                                 Delivery::kEvery, Retention::kAll, "begin and end of a stream of frames"};
+inline constexpr Channel kStereoFrame{"STEREO_FRAME",
+                                      "image_strip_t",
+                                      "player",
+                                      Delivery::kEvery,
+                                      Retention::kUnacknowledged,
+                                      "frames in lockstep, by strips"};
+inline constexpr Channel kStereoFrameLive{"STEREO_FRAME_LIVE", "image_strip_t",  "player",
+                                          Delivery::kLatest,   Retention::kNone, "frames in real time, by strips"};
+inline constexpr Channel kGroundTruth{"GROUND_TRUTH",   "ground_truth_t", "player",
+                                      Delivery::kEvery, Retention::kAll,  "true poses, for evaluation only"};
+inline constexpr Channel kPose{
+    "POSE", "pose_t", "vo", Delivery::kEvery, Retention::kAll, "a pose for every frame; acknowledges it in lockstep"};
+inline constexpr Channel kTracks{"TRACKS",          "tracks_t",       "vo",
+                                 Delivery::kLatest, Retention::kNone, "features of a frame, for pictures"};
+inline constexpr Channel kKeyframe{"KEYFRAME",       "keyframe_t",    "vo",
+                                   Delivery::kEvery, Retention::kAll, "keyframes, by pages"};
+inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
+                                 Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz"};
+inline constexpr Channel kCommand{
+    "COMMAND", "command_t", "plslam", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
+inline constexpr Channel kRepairRequest{
+    "REPAIR_REQUEST",  "repair_request_t", "all",
+    Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};
+inline constexpr Channel kAnnounce{"ANNOUNCE",        "announce_t",     "all",
+                                   Delivery::kLatest, Retention::kNone, "what publishers of ordered channels have"};
+
+/// All rows.
+std::span<const Channel> Channels();
+
+}  // namespace plslam::bus

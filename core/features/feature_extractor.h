@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/features.h"
+#include "core/features/options.h"
+
+namespace plslam {
+
+/// Points and lines of one rectified 8-bit image (PL-SLAM §IV.A-B): ORB spread over the image, line segments by the
+/// chosen detector, LBD computed from gradients that the stages share.
+///
+/// One extractor per image stream and thread: it keeps buffers between images, never results; equal images give
+/// equal features. An image without structure gives none; any size from 1x1 is accepted.
+class FeatureExtractor {
+ public:
+  explicit FeatureExtractor(const FeatureOptions& options);
+  ~FeatureExtractor();
+  FeatureExtractor(FeatureExtractor&&) noexcept;
+  FeatureExtractor& operator=(FeatureExtractor&&) noexcept;
+
+  ImageFeatures Extract(const cv::Mat& image);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/segment.h"
+
+namespace plslam {
+
+/// 256 bits: ORB for points, LBD for lines.
+using Descriptor = std::array<uint64_t, 4>;
+
+/// Number of differing bits, 0..256.
+int HammingDistance(const Descriptor& a, const Descriptor& b);
+
+/// A point of one rectified image.
+struct PointFeature {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  float response = 0.0F;
+  float angle_rad = 0.0F;
+  int octave = 0;
+  Descriptor descriptor{};
+};
+
+/// A line segment of one rectified image.
+struct LineFeature {
+  Segment2 segment;
+  float response = 0.0F;
+  int octave = 0;
+  Descriptor descriptor{};
+};
+
+/// Points and lines of one rectified image.
+struct ImageFeatures {
+  std::vector<PointFeature> points;
+  std::vector<LineFeature> lines;
+};
+
+/// A point of the left image with the disparity of its match, if it has one.
+struct StereoPoint {
+  PointFeature left;
+  /// u_left - u_right with sub-pixel precision; negative where there is no match.
+  double disparity_px = -1.0;
+  /// Standard deviations of u and v, and of the disparity.
+  double sigma_px = 1.0;
+  double sigma_disparity_px = 1.0;
+
+  bool HasDepth() const { return disparity_px > 0.0; }
+};
+
+/// A line segment of the left image with the disparities of its endpoints, if they can be had.
+struct StereoLine {
+  LineFeature left;
+  /// Disparities of the left endpoints on the matched right line. Negative without depth: no match, or too nearly
+  /// parallel to the baseline for a depth from one pair.
+  double disparity_p_px = -1.0;
+  double disparity_q_px = -1.0;
+  /// Standard deviation of an endpoint across the segment, and of the two disparities.
+  double sigma_px = 1.0;
+  double sigma_disparity_p_px = 1.0;
+  double sigma_disparity_q_px = 1.0;
+
+  bool HasDepth() const { return disparity_p_px > 0.0 && disparity_q_px > 0.0; }
+};
+
+/// What one stereo frame offers to tracking and mapping. Points and lines without depth are kept: time may give it.
+struct StereoFeatures {
+  std::vector<StereoPoint> points;
+  std::vector<StereoLine> lines;
+};
+
+}  // namespace plslam

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace plslam {
+
+/// A rectified stereo pair: one focal length, one principal point, the right camera `baseline_m` along +x of the left.
+///
+/// Camera frame c: x right, y down, z forward. A stereo measurement is (u, v, d): left pixel and disparity
+/// d = u_left - u_right = f b / Z. Pixel centres have integer coordinates.
+struct StereoCamera {
+  double f_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  double baseline_m = 0.0;
+  int width_px = 0;
+  int height_px = 0;
+
+  double FocalBaseline() const { return f_px * baseline_m; }
+  double Depth(double disparity_px) const { return FocalBaseline() / disparity_px; }
+
+  /// Left pixel of a point in front of the camera (z > 0 is the caller's duty).
+  Eigen::Vector2d Project(const Eigen::Vector3d& p_c) const {
+    const double k = f_px / p_c.z();
+    return {k * p_c.x() + cx_px, k * p_c.y() + cy_px};
+  }
+
+  /// (u, v, disparity) of a point in front of the camera.
+  Eigen::Vector3d ProjectStereo(const Eigen::Vector3d& p_c) const {
+    const Eigen::Vector2d uv = Project(p_c);
+    return {uv.x(), uv.y(), FocalBaseline() / p_c.z()};
+  }
+
+  /// Derivative of `ProjectStereo` by the point.
+  Eigen::Matrix3d ProjectStereoJacobian(const Eigen::Vector3d& p_c) const;
+
+  /// Point of a measurement (u, v, d) with d > 0, in the left camera.
+  Eigen::Vector3d Backproject(const Eigen::Vector3d& uvd) const {
+    const double z = Depth(uvd.z());
+    return {(uvd.x() - cx_px) * z / f_px, (uvd.y() - cy_px) * z / f_px, z};
+  }
+
+  /// Covariance of `Backproject` for independent errors of u and v (`sigma_px`) and of d (`sigma_disparity_px`).
+  Eigen::Matrix3d BackprojectCovariance(const Eigen::Vector3d& uvd, double sigma_px, double sigma_disparity_px) const;
+
+  bool InImage(const Eigen::Vector2d& px, double margin_px) const {
+    return px.x() >= margin_px && px.y() >= margin_px && px.x() <= width_px - 1 - margin_px &&
+           px.y() <= height_px - 1 - margin_px;
+  }
+};
+
+}  // namespace plslam

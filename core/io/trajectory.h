@@ -1,0 +1,34 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// A pose of a trajectory. Which frames `T_a_b` joins is said by whoever made it.
+struct TrajectoryPose {
+  int64_t t_ns = 0;
+  SE3 T_a_b;
+};
+
+using Trajectory = std::vector<TrajectoryPose>;
+
+enum class TrajectoryFormat {
+  kTum,    ///< `t tx ty tz qx qy qz qw`, seconds
+  kKitti,  ///< 12 numbers, the rows of [R t]; no times
+  kEuroc,  ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line
+};
+
+/// Reads a trajectory, its format recognised by its first data line unless named. KITTI files take their times from
+/// `times_path` (one second value a line) or, without one, count frames as seconds. Throws std::runtime_error with
+/// file, line and value.
+Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
+Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
+
+/// Writes beside the file and renames, so that a reader never sees half of it. Times of TUM files have nine decimals.
+void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory);
+
+}  // namespace plslam

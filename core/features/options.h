@@ -17,16 +17,54 @@ struct OrbOptions {
 
 /// Line segments and their descriptors (PL-SLAM §IV.B).
 struct LineOptions {
-  /// "lsd" (the paper's), "edlines", or a faster one of this tree.
-  std::string detector = "lsd";
+  /// "edgechain" (this tree's, fast), "edlines" (OpenCV's), or "lsd" (the paper's).
+  std::string detector = "edgechain";
   int max_lines = 200;
   double min_length_px = 20.0;
+  /// Contrast across a segment, grey levels; edgechain only.
+  double min_contrast = 8.0;
+  /// Size of the image LSD works on, relative to the input.
+  double lsd_scale = 1.2;
+};
+
+/// Matching of lines between frames, by projection or by descriptors alone.
+struct LineMatchOptions {
+  double max_angle_deg = 12.0;
+  /// Distance of the feature's endpoints from the predicted infinite line, and the other way round.
+  double max_across_px = 20.0;
+  /// Shared part along the line, relative to the shorter of the two; and shorter to longer length.
+  double min_overlap = 0.3;
+  double min_length_ratio = 0.25;
+  int max_descriptor_distance = 70;
+  /// Best to second best descriptor distance.
+  double max_ratio = 0.85;
 };
 
 /// Stereo matching of both kinds (PL-SLAM §IV.A-B).
 struct StereoOptions {
   double min_disparity_px = 0.5;
   double max_disparity_px = 256.0;
+  /// Lines: least angle to the baseline for a depth, and the largest difference of directions.
+  double line_min_angle_deg = 10.0;
+  double line_max_angle_difference_deg = 15.0;
+  /// Shorter to longer segment, and shared rows relative to the shorter one.
+  double line_min_length_ratio = 0.3;
+  double line_min_overlap = 0.4;
+  int line_max_descriptor_distance = 70;
+  /// Best to second best descriptor distance.
+  double line_max_ratio = 0.85;
+  /// Smaller to larger endpoint disparity.
+  double line_min_disparity_ratio = 0.4;
+  /// Largest standard deviation of an endpoint disparity; above it the line has no depth.
+  double line_max_sigma_disparity_px = 2.0;
+};
+
+/// Matching of descriptors between images.
+struct MatchOptions {
+  int max_distance = 64;
+  double ratio = 0.85;
+  int octave_window = 1;
+  bool check_rotation = false;
 };
 
 /// "points" gives the paper's P-SLAM, "lines" L-SLAM, "both" PL-SLAM.
@@ -47,15 +85,45 @@ void VisitFields(Visitor& visit, OrbOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LineOptions& o) {
-  visit("detector", o.detector, OneOf{"lsd", "edlines"}, "line segment detector");
-  visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest");
-  visit("min_length_px", o.min_length_px, Bounds{5, 1000}, "shortest segment kept");
+  visit("detector", o.detector, OneOf{"edgechain", "edlines", "lsd"}, "line segment detector");
+  visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest, spread");
+  visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
+  visit("min_contrast", o.min_contrast, Bounds{2, 100}, "contrast across a segment, grey levels (edgechain)");
+  visit("lsd_scale", o.lsd_scale, Bounds{0.3, 2.0}, "size of the image LSD works on, relative to the input");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, LineMatchOptions& o) {
+  visit("max_angle_deg", o.max_angle_deg, Bounds{0.1, 90}, "difference of direction from the prediction");
+  visit("max_across_px", o.max_across_px, Bounds{0.5, 1000}, "distance of a segment's ends from the predicted line");
+  visit("min_overlap", o.min_overlap, Bounds{0, 1}, "overlap along the line, of the shorter segment");
+  visit("min_length_ratio", o.min_length_ratio, Bounds{0, 1}, "shorter to longer segment");
+  visit("max_descriptor_distance", o.max_descriptor_distance, Bounds{0, 256}, "differing bits of a match");
+  visit("max_ratio", o.max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, StereoOptions& o) {
   visit("min_disparity_px", o.min_disparity_px, Bounds{0.01, 100}, "smallest disparity with a depth");
   visit("max_disparity_px", o.max_disparity_px, Bounds{1, 2000}, "largest disparity searched");
+  visit("line_min_angle_deg", o.line_min_angle_deg, Bounds{0, 90},
+        "angle of a line to the baseline that gives depth");
+  visit("line_max_angle_difference_deg", o.line_max_angle_difference_deg, Bounds{0.1, 90}, "left to right direction");
+  visit("line_min_length_ratio", o.line_min_length_ratio, Bounds{0, 1}, "shorter to longer segment");
+  visit("line_min_overlap", o.line_min_overlap, Bounds{0, 1}, "shared rows, of the shorter segment");
+  visit("line_max_descriptor_distance", o.line_max_descriptor_distance, Bounds{0, 256}, "differing bits of a match");
+  visit("line_max_ratio", o.line_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
+  visit("line_min_disparity_ratio", o.line_min_disparity_ratio, Bounds{0, 1}, "smaller to larger endpoint disparity");
+  visit("line_max_sigma_disparity_px", o.line_max_sigma_disparity_px, Bounds{0.01, 100},
+        "uncertainty of an endpoint disparity above which a line has no depth");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, MatchOptions& o) {
+  visit("max_distance", o.max_distance, Bounds{0, 256}, "largest number of differing descriptor bits of a match");
+  visit("ratio", o.ratio, Bounds{0.1, 1.0}, "best distance over second best, at most; 1 switches the test off");
+  visit("octave_window", o.octave_window, Bounds{0, 12}, "octaves by which a match may differ from the prediction");
+  visit("check_rotation", o.check_rotation, "reject matches whose turn disagrees with most others");
 }
 
 template <class Visitor>

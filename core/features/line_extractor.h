@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/features.h"
+#include "core/features/options.h"
+
+namespace plslam {
+
+/// Line segments of one rectified 8-bit image with their descriptors (PL-SLAM §IV.B).
+///
+/// Segments are directed (the brighter side is on the right of p->q as seen in the image), at least
+/// `min_length_px` long, free of duplicates, with collinear pieces of one edge joined. Where more are found than
+/// `max_lines`, the longest are kept, spread over the image. `response` is the contrast across the segment in grey
+/// levels; all segments have octave 0.
+///
+/// One extractor per image stream and thread: it keeps buffers between images, never results. Any image from 1x1 is
+/// accepted; an empty or structureless one gives none. Throws std::invalid_argument for another type than CV_8UC1.
+class LineExtractor {
+ public:
+  explicit LineExtractor(const LineOptions& options);
+  ~LineExtractor();
+  LineExtractor(LineExtractor&&) noexcept;
+  LineExtractor& operator=(LineExtractor&&) noexcept;
+
+  std::vector<LineFeature> Extract(const cv::Mat& image);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace plslam

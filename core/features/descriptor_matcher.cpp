@@ -1,0 +1,214 @@
+#include "core/features/descriptor_matcher.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/features/hamming.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kCellSize_px = 24.0;
+constexpr int kTooFar = 257;  // above any distance of 256 bits
+constexpr int kTurnBins = 30;
+
+template <class Points, class GetPoint>
+std::vector<PointGrid::Entry> MakeEntries(const Points& points, const GetPoint& get) {
+  std::vector<PointGrid::Entry> entries;
+  entries.reserve(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    const PointFeature& f = get(points[i]);
+    entries.push_back({f.px, f.angle_rad, f.octave, static_cast<int>(i), f.descriptor});
+  }
+  return entries;
+}
+
+/// Best and second best of what was offered.
+struct BestTwo {
+  int best_distance = kTooFar;
+  int second_distance = kTooFar;
+  int best_index = -1;
+
+  void Offer(int distance, int index) {
+    if (distance < best_distance || (distance == best_distance && index < best_index)) {
+      second_distance = best_distance;
+      best_distance = distance;
+      best_index = index;
+    } else if (distance < second_distance) {
+      second_distance = distance;
+    }
+  }
+
+  bool Accepted(const MatchOptions& options) const {
+    if (best_index < 0 || best_distance > options.max_distance) return false;
+    return options.ratio >= 1.0 || second_distance == kTooFar || best_distance <= options.ratio * second_distance;
+  }
+};
+
+int TurnBin(float from_rad, float to_rad) {
+  constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+  const double turn = (static_cast<double>(to_rad) - static_cast<double>(from_rad)) / kTurn_rad;
+  if (!std::isfinite(turn)) return 0;
+  return static_cast<int>((turn - std::floor(turn)) * kTurnBins) % kTurnBins;
+}
+
+/// Takes back the matches whose turn lies outside the most frequent bin and its two neighbours.
+template <class Turn>
+void KeepCommonTurn(std::vector<int>& matches, const Turn& turn_bin) {
+  std::array<int, kTurnBins> histogram{};
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] >= 0) ++histogram[turn_bin(static_cast<int>(i), matches[i])];
+  }
+  // The best window of three bins, so that a peak on a border is not cut.
+  int best_bin = 0;
+  int best_count = -1;
+  for (int b = 0; b < kTurnBins; ++b) {
+    const int count = histogram[(b + kTurnBins - 1) % kTurnBins] + histogram[b] + histogram[(b + 1) % kTurnBins];
+    if (count > best_count) {
+      best_count = count;
+      best_bin = b;
+    }
+  }
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] < 0) continue;
+    const int apart = (turn_bin(static_cast<int>(i), matches[i]) - best_bin + kTurnBins) % kTurnBins;
+    if (apart > 1 && apart < kTurnBins - 1) matches[i] = -1;
+  }
+}
+
+/// Leaves each target to the query nearest to it.
+void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, int target_count) {
+  std::vector<int> owner(target_count, -1);
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] < 0) continue;
+    int& current = owner[matches[i]];
+    if (current < 0 || distances[i] < distances[current]) current = static_cast<int>(i);
+  }
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (matches[i] >= 0 && owner[matches[i]] != static_cast<int>(i)) matches[i] = -1;
+  }
+}
+
+}  // namespace
+
+PointGrid::PointGrid(const std::vector<PointFeature>& points) {
+  Build(MakeEntries(points, [](const PointFeature& f) -> const PointFeature& { return f; }));
+}
+
+PointGrid::PointGrid(const std::vector<StereoPoint>& points) {
+  Build(MakeEntries(points, [](const StereoPoint& p) -> const PointFeature& { return p.left; }));
+}
+
+void PointGrid::Build(std::vector<Entry> entries) {
+  if (entries.empty()) return;
+  Eigen::Vector2d last_px = entries.front().px;
+  origin_px_ = last_px;
+  for (const Entry& e : entries) {
+    origin_px_ = origin_px_.cwiseMin(e.px);
+    last_px = last_px.cwiseMax(e.px);
+  }
+  columns_ = static_cast<int>((last_px.x() - origin_px_.x()) / kCellSize_px) + 1;
+  rows_ = static_cast<int>((last_px.y() - origin_px_.y()) / kCellSize_px) + 1;
+  const auto cell_of = [this](const Entry& e) {
+    const Eigen::Vector2i cell = ((e.px - origin_px_) / kCellSize_px).cast<int>();
+    return cell.y() * columns_ + cell.x();
+  };
+  // Counting sort by cell, stable by index.
+  cell_begin_.assign(columns_ * rows_ + 1, 0);
+  for (const Entry& e : entries) ++cell_begin_[cell_of(e) + 1];
+  for (size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
+  std::vector<int> next(cell_begin_.begin(), cell_begin_.end() - 1);
+  entries_.resize(entries.size());
+  for (const Entry& e : entries) entries_[next[cell_of(e)]++] = e;
+}
+
+PointGrid::Cells PointGrid::CellsAround(const Eigen::Vector2d& center_px, double radius_px) const {
+  if (entries_.empty() || !center_px.allFinite() || !(radius_px >= 0.0)) return {};
+  // Clamped before the conversion: predictions may lie far outside what an int holds.
+  const auto cell = [](double offset_px, int count) {
+    return static_cast<int>(std::clamp(std::floor(offset_px / kCellSize_px), -1.0, static_cast<double>(count)));
+  };
+  const Eigen::Vector2d from = center_px - origin_px_;
+  Cells cells;
+  cells.x_begin = std::max(cell(from.x() - radius_px, columns_), 0);
+  cells.x_end = std::min(cell(from.x() + radius_px, columns_), columns_ - 1) + 1;
+  cells.y_begin = std::max(cell(from.y() - radius_px, rows_), 0);
+  cells.y_end = std::min(cell(from.y() + radius_px, rows_), rows_ - 1) + 1;
+  if (cells.x_begin >= cells.x_end || cells.y_begin >= cells.y_end) return {};
+  return cells;
+}
+
+std::vector<int> PointGrid::Within(const Eigen::Vector2d& center_px, double radius_px) const {
+  std::vector<int> indices;
+  ForEachWithin(center_px, radius_px, [&indices](const Entry& e) { indices.push_back(e.index); });
+  std::sort(indices.begin(), indices.end());
+  return indices;
+}
+
+std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
+                                         const MatchOptions& options) {
+  std::vector<int> matches(queries.size(), -1);
+  std::vector<int> distances(queries.size(), kTooFar);
+  std::vector<float> angles_rad(grid.size(), 0.0F);
+  for (size_t i = 0; i < queries.size(); ++i) {
+    const PointQuery& query = queries[i];
+    BestTwo two;
+    grid.ForEachWithin(query.px, query.radius_px, [&](const PointGrid::Entry& e) {
+      if (query.octave >= 0 && std::abs(e.octave - query.octave) > options.octave_window) return;
+      two.Offer(HammingDistance(query.descriptor, e.descriptor), e.index);
+      if (two.best_index == e.index) angles_rad[e.index] = e.angle_rad;
+    });
+    if (!two.Accepted(options)) continue;
+    matches[i] = two.best_index;
+    distances[i] = two.best_distance;
+  }
+  KeepMutual(matches, distances, grid.size());
+  if (options.check_rotation) {
+    KeepCommonTurn(matches, [&](int i, int j) { return TurnBin(queries[i].angle_rad, angles_rad[j]); });
+  }
+  return matches;
+}
+
+std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
+                                 const MatchOptions& options) {
+  const int b_count = static_cast<int>(b.size());
+  std::vector<int> matches(a.size(), -1);
+  std::vector<int> best_of_b(b_count, -1);
+  std::vector<uint16_t> best_distance_of_b(b_count, kTooFar);
+  std::vector<uint16_t> distances(b_count);
+  for (size_t i = 0; i < a.size(); ++i) {
+    HammingDistances(a[i], b.data(), b_count, distances.data());
+    BestTwo two;
+    for (int j = 0; j < b_count; ++j) {
+      if (distances[j] < best_distance_of_b[j]) {
+        best_distance_of_b[j] = distances[j];
+        best_of_b[j] = static_cast<int>(i);
+      }
+      if (distances[j] < two.second_distance) two.Offer(distances[j], j);
+    }
+    if (two.Accepted(options)) matches[i] = two.best_index;
+  }
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (matches[i] >= 0 && best_of_b[matches[i]] != static_cast<int>(i)) matches[i] = -1;
+  }
+  return matches;
+}
+
+std::vector<int> MatchPointsBruteForce(const std::vector<PointFeature>& a, const std::vector<PointFeature>& b,
+                                       const MatchOptions& options) {
+  const auto descriptors_of = [](const std::vector<PointFeature>& points) {
+    std::vector<Descriptor> descriptors;
+    descriptors.reserve(points.size());
+    for (const PointFeature& p : points) descriptors.push_back(p.descriptor);
+    return descriptors;
+  };
+  std::vector<int> matches = MatchBruteForce(descriptors_of(a), descriptors_of(b), options);
+  if (options.check_rotation) {
+    KeepCommonTurn(matches, [&](int i, int j) { return TurnBin(a[i].angle_rad, b[j].angle_rad); });
+  }
+  return matches;
+}
+
+}  // namespace plslam

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/features/features.h"
+#include "core/features/options.h"
+
+namespace plslam {
+
+/// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away.
+class PointGrid {
+ public:
+  /// A point as matching sees it; `index` is its place in the vector that the grid was made from.
+  struct Entry {
+    Eigen::Vector2d px = Eigen::Vector2d::Zero();
+    float angle_rad = 0.0F;
+    int octave = 0;
+    int index = 0;
+    Descriptor descriptor{};
+  };
+
+  PointGrid() = default;
+  explicit PointGrid(const std::vector<PointFeature>& points);
+  explicit PointGrid(const std::vector<StereoPoint>& points);
+
+  int size() const { return static_cast<int>(entries_.size()); }
+
+  /// Indices of the points within `radius_px` (Euclidean) of `center_px`, ascending. A centre that is not finite has
+  /// none.
+  std::vector<int> Within(const Eigen::Vector2d& center_px, double radius_px) const;
+
+  /// Calls `visit(entry)` for each point within `radius_px`; the order depends on the points only.
+  template <class Visit>
+  void ForEachWithin(const Eigen::Vector2d& center_px, double radius_px, const Visit& visit) const {
+    const Cells cells = CellsAround(center_px, radius_px);
+    for (int y = cells.y_begin; y < cells.y_end; ++y) {
+      // Cells of one row are neighbours in memory.
+      const int begin = cell_begin_[y * columns_ + cells.x_begin];
+      const int end = cell_begin_[y * columns_ + cells.x_end];
+      for (int i = begin; i < end; ++i) {
+        if ((entries_[i].px - center_px).squaredNorm() <= radius_px * radius_px) visit(entries_[i]);
+      }
+    }
+  }
+
+ private:
+  struct Cells {
+    int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+  };
+  void Build(std::vector<Entry> entries);
+  Cells CellsAround(const Eigen::Vector2d& center_px, double radius_px) const;
+
+  Eigen::Vector2d origin_px_ = Eigen::Vector2d::Zero();
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<int> cell_begin_;
+  std::vector<Entry> entries_;
+};
+
+/// Where a known point is expected in the current image, and what it looks like.
+struct PointQuery {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  double radius_px = 0.0;
+  /// Expected octave; points up to `MatchOptions::octave_window` away are compared. Negative: any octave.
+  int octave = -1;
+  float angle_rad = 0.0F;
+  Descriptor descriptor{};
+};
+
+/// For each query the index of its match in the vector that the grid was made from, or -1.
+///
+/// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is at
+/// most `max_distance`, clearly below the second best (`ratio`), if no other query is nearer to that point (mutual
+/// best; equal distances: the lower query), and, with `check_rotation`, if its turn agrees with most of the others.
+std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
+                                         const MatchOptions& options);
+
+/// For each descriptor of `a` the index of its match in `b`, or -1: mutual best over all pairs, with `max_distance` and
+/// `ratio`. For recovery, where no prediction can be trusted. Works for points and lines alike.
+std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
+                                 const MatchOptions& options);
+
+/// The same for points, with the optional test of rotations.
+std::vector<int> MatchPointsBruteForce(const std::vector<PointFeature>& a, const std::vector<PointFeature>& b,
+                                       const MatchOptions& options);
+
+}  // namespace plslam

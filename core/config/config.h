@@ -1,9 +1,12 @@
 #pragma once
 
+#include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/config/field_list.h"
 #include "core/config/fields.h"
 
 namespace plslam {
@@ -21,12 +24,11 @@ class ConfigError : public std::runtime_error {
 /// `ConfigError`s. Sections of other processes are not looked at, so that one file serves all processes.
 class Config {
  public:
-  Config();
-  ~Config();
-  Config(Config&&) noexcept;
-  Config& operator=(Config&&) noexcept;
+  /// Empty: every option keeps its default.
+  Config() = default;
 
   static Config FromFile(const std::string& path);
+  /// `name` stands for the file in messages.
   static Config FromString(const std::string& yaml, const std::string& name);
 
   /// Later overrides win over the file and over earlier ones.
@@ -34,19 +36,43 @@ class Config {
 
   /// Fills `options` from `section`; what the file does not name keeps its default.
   template <class Options>
-  void Read(const std::string& section, Options& options) const;
+  void Read(const std::string& section, Options& options) const {
+    ReadFields(section, ListFields(options));
+  }
+  void ReadFields(const std::string& section, const std::vector<Field>& fields) const;
+
+  /// Throws where the first level has a key that is none of `known`.
+  void RequireSections(std::span<const std::string_view> known) const;
 
  private:
-  struct Data;
-  Data* data_;
+  /// A leaf of the file, or an override.
+  struct Entry {
+    std::string key;  ///< dotted, with the section
+    enum class Kind { kNothing, kScalar, kList } kind = Kind::kNothing;
+    std::string scalar;
+    std::vector<std::string> list;
+    std::string origin;  ///< "rig.yaml:12" or "override 'vo.x=1'"
+  };
+  friend class ConfigParser;
+  friend class FieldReader;
+
+  std::vector<Entry> entries_;
 };
 
-/// All fields with their values as YAML (`section:` on top), for status messages and for files a user can edit.
-template <class Options>
-std::string ToYaml(const std::string& section, Options& options);
-
+/// All fields with their values as YAML (`section:` on top), for status messages and for files a user can edit. With
+/// `comments` the meaning and the bounds of each option stand above it.
+std::string FieldsToYaml(const std::string& section, const std::vector<Field>& fields, bool comments = false);
 /// The same as a Markdown table: key, default, bounds, meaning.
+std::string FieldsToMarkdown(const std::string& section, const std::vector<Field>& fields);
+
 template <class Options>
-std::string ToMarkdown(const std::string& section, Options& options);
+std::string ToYaml(const std::string& section, Options& options, bool comments = false) {
+  return FieldsToYaml(section, ListFields(options), comments);
+}
+
+template <class Options>
+std::string ToMarkdown(const std::string& section, Options& options) {
+  return FieldsToMarkdown(section, ListFields(options));
+}
 
 }  // namespace plslam

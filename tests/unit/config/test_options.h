@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/config/fields.h"
+
+namespace plslam::test {
+
+/// One field of each kind, for the tests of this folder.
+struct InnerOptions {
+  double scale = 1.2;
+  std::vector<double> sigmas = {1.0, 2.5};
+};
+
+struct OuterOptions {
+  bool enabled = true;
+  int max_points = 1000;
+  int64_t seed = 7;
+  std::string score = "harris";
+  std::string folder;
+  InnerOptions inner;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, InnerOptions& o) {
+  visit("scale", o.scale, Bounds{1.05, 2.0}, "size ratio");
+  visit("sigmas", o.sigmas, Bounds{0, 100}, "deviations");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, OuterOptions& o) {
+  visit("enabled", o.enabled, "in use");
+  visit("max_points", o.max_points, Bounds{0, 20000}, "points kept");
+  visit("seed", o.seed, Bounds{0, 1e15}, "seed");
+  visit("score", o.score, OneOf{"harris", "fast"}, "what ranks the corners");
+  visit("folder", o.folder, "where");
+  visit("inner", o.inner, "a struct within");
+}
+
+}  // namespace plslam::test

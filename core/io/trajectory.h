@@ -1,7 +1,7 @@
 #pragma once
 
-#include <iosfwd>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/se3.h"
@@ -23,12 +23,25 @@ enum class TrajectoryFormat {
 };
 
 /// Reads a trajectory, its format recognised by its first data line unless named. KITTI files take their times from
-/// `times_path` (one second value a line) or, without one, count frames as seconds. Throws std::runtime_error with
-/// file, line and value.
+/// `times_path` (one second value a line) or, without one, count frames as seconds; the other formats have times of
+/// their own and leave `times_path` unread.
+///
+/// Empty lines and lines that begin with # are passed over, and both ends of line are understood. Times must
+/// increase from row to row and are exact to the nanosecond (further digits are rounded). Quaternions and rotation
+/// matrices are normalised when they are within 1 % of a rotation. A file without rows is an empty trajectory.
+/// Anything else throws std::runtime_error with file, line and value.
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
 
-/// Writes beside the file and renames, so that a reader never sees half of it. Times of TUM files have nine decimals.
+/// Writes beside the file and renames, so that a reader never sees half of it. Times of TUM files have nine decimals,
+/// positions nine, quaternions (w >= 0) twelve. Throws std::runtime_error where a pose is not finite or the file
+/// cannot be written.
 void WriteTrajectory(const std::string& path, TrajectoryFormat format, const Trajectory& trajectory);
+
+/// "tum", "kitti" or "euroc"; throws std::runtime_error for any other name.
+TrajectoryFormat TrajectoryFormatFromName(std::string_view name);
+
+/// Seconds with nine decimals, exactly ("1403636579.763555584").
+std::string SecondsText(int64_t t_ns);
 
 }  // namespace plslam

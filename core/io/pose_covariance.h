@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// Covariance of the pose (or motion) of a trajectory at a time, of the right perturbation [translation_m;
+/// rotation_rad] in the moving frame: `T_true = T * Exp(x)`.
+struct PoseCovariance {
+  int64_t t_ns = 0;
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+/// Rows of `t` in seconds and the 36 numbers of the covariance, row by row, separated by blanks; lines that begin
+/// with # are comments. Times increase. Throws std::runtime_error with file, line and value, also where a covariance
+/// is not symmetric or has a negative variance.
+std::vector<PoseCovariance> ReadPoseCovariances(const std::string& path);
+
+/// Writes beside the file and renames. Numbers are written so that reading gives the same bits.
+void WritePoseCovariances(const std::string& path, const std::vector<PoseCovariance>& covariances);
+
+}  // namespace plslam

@@ -1,25 +1,36 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "core/bus/bus.h"
 #include "core/config/config.h"
 
+namespace CLI {
+class App;
+}
+
 namespace plslam::bus {
 
 /// What a node gets to work with: the bus, and its face to the world (status).
 class Process {
  public:
+  /// Starts in state "starting". Throws what Bus throws.
   Process(const std::string& name, const BusOptions& options);
   ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
 
   Bus& bus() { return *bus_; }
   const std::string& name() const { return name_; }
 
-  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory.
+  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory. RunProcess
+  /// sets "ready" after `make_node` where the node has set nothing itself.
   void SetState(const std::string& state, const std::string& reason = "");
+  /// Effective configuration of the node's own sections; that of the bus is put in front. Where all of it does not
+  /// fit into a message it is cut at a line, which the last line then says.
   void SetConfiguration(const std::string& yaml);
   /// A named number of the status ("queue.frames", "frames.skipped").
   void SetCounter(const std::string& name, double value);
@@ -28,26 +39,26 @@ class Process {
   void Finish(int exit_code = 0);
 
  private:
-  friend int RunProcess(int, char**, const struct ProcessSpec&);
-  std::string name_;
-  std::unique_ptr<Bus> bus_;
+  friend class ProcessRunner;
   struct Impl;
+  std::string name_;
   std::unique_ptr<Impl> impl_;
+  std::unique_ptr<Bus> bus_;
 };
 
 /// A process of the system.
 struct ProcessSpec {
   std::string name;         ///< "vo"
   std::string description;  ///< for --help
-  /// Adds options of its own to the command line; may be empty. `app` is a CLI::App*.
-  std::function<void(void* app)> add_options;
+  /// Adds options of its own to the command line; may be empty. Include <CLI/CLI.hpp> to use it.
+  std::function<void(CLI::App* app)> add_options;
   /// Makes the node: reads its options from the configuration, subscribes, returns what must live until the end.
   std::function<std::shared_ptr<void>(Process&, const Config&)> make_node;
 };
 
 /// The one main of all processes: command line (`--config FILE`, `--set KEY=VALUE`, `--url`, `--prefix`, `--help`,
-/// `--version`), configuration, bus, node, run loop. SIGINT and SIGTERM end it cleanly (exit code 0); an exception
-/// becomes one line on stderr, state "failed", and exit code 1.
+/// `--version`), configuration, bus, node, run loop. SIGINT and SIGTERM end it cleanly (exit code 0), a second one at
+/// once; an exception becomes one line on stderr, state "failed", and exit code 1.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 }  // namespace plslam::bus

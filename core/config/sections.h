@@ -1,0 +1,10 @@
+#pragma once
+
+#include <string_view>
+
+namespace plslam {
+
+/// First-level keys of a configuration file, one for each process or shared part.
+inline constexpr std::string_view kConfigSections[] = {"bus", "player", "vo", "viewer"};
+
+}  // namespace plslam

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Core>
+
+#include "core/geometry/calibration.h"
+
+namespace plslam {
+
+/// Lens distortion on the plane z = 1: "pinhole" (none), "radtan" (k1 k2 p1 p2 [k3], Brown-Conrady as in OpenCV) and
+/// "equidistant" (k1 k2 k3 k4, Kannala-Brandt as in Kalibr).
+///
+/// A polynomial lens model is only meaningful up to the angle where its radius stops growing; beyond, several rays
+/// share a pixel. Nothing is returned there.
+class Distortion {
+ public:
+  /// Throws std::runtime_error with a sentence for an unknown model or a wrong number of coefficients.
+  explicit Distortion(const CameraCalibration& calibration);
+
+  /// Distorted from undistorted coordinates; nullopt beyond `max_radius`.
+  std::optional<Eigen::Vector2d> Distort(const Eigen::Vector2d& xy) const;
+
+  /// Inverse of `Distort` to about 1e-12, by Newton's method; nullopt where no ray reaches that place.
+  std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
+
+  /// Derivative of `Distort`.
+  Eigen::Matrix2d Jacobian(const Eigen::Vector2d& xy) const;
+
+  /// Largest undistorted radius, i.e. tangent of the angle from the axis, at which the model is monotonic.
+  double max_radius() const { return max_radius_; }
+
+  bool IsIdentity() const;
+
+ private:
+  enum class Model { kPinhole, kRadtan, kEquidistant };
+
+  /// Distorted radius and its derivative by the model's own variable: the radius, or the angle of a fisheye.
+  double Profile(double s) const;
+  double ProfileDerivative(double s) const;
+  double MonotonicLimit(double end) const;
+  double InvertProfile(double distorted_radius) const;
+  Eigen::Vector2d Apply(const Eigen::Vector2d& xy) const;
+
+  Model model_ = Model::kPinhole;
+  // k: radial terms of s^3, s^5, s^7, s^9; p: tangential terms.
+  double k_[4] = {0.0, 0.0, 0.0, 0.0};
+  double p_[2] = {0.0, 0.0};
+  double max_profile_variable_ = 0.0;
+  double max_radius_ = 0.0;
+};
+
+}  // namespace plslam

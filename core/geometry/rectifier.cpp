@@ -1,0 +1,91 @@
+#include "core/geometry/rectifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+
+#include <opencv2/imgproc.hpp>
+
+namespace plslam {
+namespace {
+
+constexpr int kSubpixels = 32;
+
+// Outside of every image: the remapping writes its border value.
+constexpr int16_t kNowhere = -2;
+
+int16_t ToInt16(int64_t value) { return static_cast<int16_t>(value); }
+
+}  // namespace
+
+Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
+  if (rectification_.identity) return;
+  left_ = MakeMaps(rectification_.left);
+  if (rig.kind == RigCalibration::Kind::kStereo) right_ = MakeMaps(rectification_.right);
+}
+
+Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view) const {
+  const StereoCamera& c = rectification_.camera;
+  Maps maps{cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere)),
+            cv::Mat(c.height_px, c.width_px, CV_16UC1, cv::Scalar(0)),
+            cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere)),
+            cv::Mat(c.height_px, c.width_px, CV_8UC1, cv::Scalar(0))};
+  bool everywhere = true;
+  for (int v = 0; v < c.height_px; ++v) {
+    for (int u = 0; u < c.width_px; ++u) {
+      const auto raw = view.RawPixel(c, {u, v});
+      // Half a pixel beyond the centres of the border pixels still belongs to the image, as a repeated pixel.
+      const bool inside = raw && raw->x() >= -0.5 && raw->y() >= -0.5 && raw->x() <= c.width_px - 0.5 &&
+                          raw->y() <= c.height_px - 0.5;
+      everywhere = everywhere && inside;
+      if (!inside) continue;
+      const double x = std::clamp(raw->x(), 0.0, c.width_px - 1.0);
+      const double y = std::clamp(raw->y(), 0.0, c.height_px - 1.0);
+      const int64_t x32 = std::llround(x * kSubpixels);
+      const int64_t y32 = std::llround(y * kSubpixels);
+      maps.whole.at<cv::Vec2s>(v, u) = {ToInt16(x32 / kSubpixels), ToInt16(y32 / kSubpixels)};
+      maps.fraction.at<uint16_t>(v, u) = static_cast<uint16_t>((y32 % kSubpixels) * kSubpixels + x32 % kSubpixels);
+      maps.nearest.at<cv::Vec2s>(v, u) = {ToInt16(std::llround(x)), ToInt16(std::llround(y))};
+      maps.mask.at<uint8_t>(v, u) = 255;
+    }
+  }
+  if (everywhere) maps.mask.release();
+  return maps;
+}
+
+void Rectifier::CheckImage(const cv::Mat& image, int type, const char* side) const {
+  const StereoCamera& c = rectification_.camera;
+  if (image.type() == type && image.cols == c.width_px && image.rows == c.height_px) return;
+  std::ostringstream text;
+  text << "the " << side << " image is " << image.cols << "x" << image.rows << " of type "
+       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says " << c.width_px
+       << "x" << c.height_px << " of type " << cv::typeToString(type);
+  throw std::runtime_error(text.str());
+}
+
+cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
+  CheckImage(image, CV_8UC1, "left");
+  if (rectification_.identity) return image;
+  cv::Mat result;
+  cv::remap(image, result, left_.whole, left_.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return result;
+}
+
+cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
+  CheckImage(image, CV_8UC1, "right");
+  if (rectification_.identity || right_.whole.empty()) return image;
+  cv::Mat result;
+  cv::remap(image, result, right_.whole, right_.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return result;
+}
+
+cv::Mat Rectifier::RectifyDepth(const cv::Mat& depth) const {
+  CheckImage(depth, CV_16UC1, "depth");
+  if (rectification_.identity) return depth;
+  cv::Mat result;
+  cv::remap(depth, result, left_.nearest, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return result;
+}
+
+}  // namespace plslam

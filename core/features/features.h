@@ -23,6 +23,8 @@ struct PointFeature {
   float angle_rad = 0.0F;
   int octave = 0;
   Descriptor descriptor{};
+  /// Size of a pixel of the octave, in pixels of the image: the scale that `px` is precise to.
+  double scale = 1.0;
 };
 
 /// A line segment of one rectified image.

@@ -44,6 +44,20 @@ struct LineMatchOptions {
 struct StereoOptions {
   double min_disparity_px = 0.5;
   double max_disparity_px = 256.0;
+  /// Standard deviation of the row of a right measurement against the left one: how well the pair is rectified.
+  double row_sigma_px = 0.3;
+  /// Points: standard deviation of a position, and tolerance of rows, both for octave 0; they grow with the scale.
+  double point_sigma_px = 0.7;
+  double point_row_tolerance_px = 2.0;
+  int point_max_descriptor_distance = 80;
+  /// Best to second best descriptor distance (the paper asks for 0.5).
+  double point_max_ratio = 0.9;
+  /// Normalised correlation of the aligned patches.
+  double point_min_correlation = 0.8;
+  /// Largest standard deviation of a disparity, for octave 0; above it the point has no depth.
+  double point_max_sigma_disparity_px = 0.5;
+  /// Depth cameras: standard deviation of a depth Z is this times Z^2.
+  double depth_noise_per_m = 0.002;
   /// Lines: least angle to the baseline for a depth, and the largest difference of directions.
   double line_min_angle_deg = 10.0;
   double line_max_angle_difference_deg = 15.0;
@@ -106,6 +120,16 @@ template <class Visitor>
 void VisitFields(Visitor& visit, StereoOptions& o) {
   visit("min_disparity_px", o.min_disparity_px, Bounds{0.01, 100}, "smallest disparity with a depth");
   visit("max_disparity_px", o.max_disparity_px, Bounds{1, 2000}, "largest disparity searched");
+  visit("row_sigma_px", o.row_sigma_px, Bounds{0.01, 10}, "standard deviation of rows between left and right");
+  visit("point_sigma_px", o.point_sigma_px, Bounds{0.05, 10}, "standard deviation of a point of octave 0");
+  visit("point_row_tolerance_px", o.point_row_tolerance_px, Bounds{0.1, 20}, "difference of rows, for octave 0");
+  visit("point_max_descriptor_distance", o.point_max_descriptor_distance, Bounds{0, 256},
+        "differing bits of a match");
+  visit("point_max_ratio", o.point_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
+  visit("point_min_correlation", o.point_min_correlation, Bounds{0, 1}, "correlation of the aligned patches");
+  visit("point_max_sigma_disparity_px", o.point_max_sigma_disparity_px, Bounds{0.01, 100},
+        "uncertainty of a disparity above which a point of octave 0 has no depth");
+  visit("depth_noise_per_m", o.depth_noise_per_m, Bounds{1e-5, 1}, "depth cameras: sigma of a depth over its square");
   visit("line_min_angle_deg", o.line_min_angle_deg, Bounds{0, 90},
         "angle of a line to the baseline that gives depth");
   visit("line_max_angle_difference_deg", o.line_max_angle_difference_deg, Bounds{0.1, 90}, "left to right direction");

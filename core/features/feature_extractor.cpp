@@ -1,0 +1,35 @@
+#include "core/features/feature_extractor.h"
+
+#include <utility>
+
+#include "core/features/line_extractor.h"
+#include "core/features/orb_extractor.h"
+
+namespace plslam {
+
+struct FeatureExtractor::Impl {
+  explicit Impl(const FeatureOptions& options)
+      : with_points(options.features != "lines"),
+        with_lines(options.features != "points"),
+        orb(options.orb),
+        lines(options.lines) {}
+
+  bool with_points;
+  bool with_lines;
+  OrbExtractor orb;
+  LineExtractor lines;
+};
+
+FeatureExtractor::FeatureExtractor(const FeatureOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+FeatureExtractor::~FeatureExtractor() = default;
+FeatureExtractor::FeatureExtractor(FeatureExtractor&&) noexcept = default;
+FeatureExtractor& FeatureExtractor::operator=(FeatureExtractor&&) noexcept = default;
+
+ImageFeatures FeatureExtractor::Extract(const cv::Mat& image) {
+  ImageFeatures features;
+  if (impl_->with_points) features.points = impl_->orb.Extract(image);
+  if (impl_->with_lines) features.lines = impl_->lines.Extract(image);
+  return features;
+}
+
+}  // namespace plslam

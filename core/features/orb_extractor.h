@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/features.h"
+#include "core/features/image_pyramid.h"
+#include "core/features/options.h"
+#include "core/features/orb_descriptor.h"
+
+namespace plslam {
+
+/// ORB points of an image (Rublee 2011; PL-SLAM §IV.A): FAST corners on a pyramid, spread over the image, turned by the
+/// intensity centroid, steered BRIEF.
+///
+/// Keeps buffers between images, never results. At most `max_points`; order: by octave, then as spread.
+class OrbExtractor {
+ public:
+  explicit OrbExtractor(const OrbOptions& options) : options_(options) {}
+
+  /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave.
+  std::vector<PointFeature> Extract(const cv::Mat& image);
+
+ private:
+  OrbOptions options_;
+  ImagePyramid pyramid_;
+  cv::Mat blurred_;
+  std::vector<OrbDescriptor> descriptors_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,185 @@
+#include "core/features/patch_aligner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+#include <opencv2/imgproc.hpp>
+
+namespace plslam {
+namespace {
+
+constexpr int kHalf = 5;
+constexpr int kSide = 2 * kHalf + 1;
+constexpr int kRow = 12;  // a row of the patch and one column of weight 0, for whole vector registers
+constexpr int kPixels = kSide * kSide;
+constexpr int kLevels = 3;
+constexpr int kMaxIterations = 8;
+constexpr double kConverged = 0.01;
+constexpr double kMaxTravel = 2.5;
+/// Grey levels; quantisation and sensor noise hardly go below this.
+constexpr double kMinNoise = 1.0;
+
+/// Column-major, so one image row is one column here.
+using Patch = Eigen::Array<float, kRow, kSide>;
+
+float Dot(const Patch& a, const Patch& b) { return (a * b).sum(); }
+
+/// The left patch, ready for Gauss-Newton: its pixels and gradients, orthogonal to a constant, the gradients also to
+/// the pixels. So offset and gain of brightness drop out of the equations for the shift.
+struct Template {
+  Patch pixels;
+  Patch grad_u;
+  Patch grad_v;
+  double energy = 0.0;
+  Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
+};
+
+void RemoveMean(Patch& p) {
+  const float mean = p.sum() / kPixels;
+  p.topRows<kSide>() -= mean;
+}
+
+Template MakeTemplate(const cv::Mat& image, int u, int v) {
+  Template t;
+  t.pixels.setZero();
+  t.grad_u.setZero();
+  t.grad_v.setZero();
+  for (int y = 0; y < kSide; ++y) {
+    const uint8_t* above = image.ptr<uint8_t>(v + y - kHalf - 1) + u - kHalf;
+    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
+    const uint8_t* below = image.ptr<uint8_t>(v + y - kHalf + 1) + u - kHalf;
+    for (int x = 0; x < kSide; ++x) {
+      t.pixels(x, y) = row[x];
+      t.grad_u(x, y) = 0.5F * static_cast<float>(row[x + 1] - row[x - 1]);
+      t.grad_v(x, y) = 0.5F * static_cast<float>(below[x] - above[x]);
+    }
+  }
+  RemoveMean(t.pixels);
+  RemoveMean(t.grad_u);
+  RemoveMean(t.grad_v);
+  const float energy = Dot(t.pixels, t.pixels);
+  t.energy = energy;
+  if (energy > 0.0F) {
+    t.grad_u -= t.pixels * (Dot(t.grad_u, t.pixels) / energy);
+    t.grad_v -= t.pixels * (Dot(t.grad_v, t.pixels) / energy);
+  }
+  const double uv = Dot(t.grad_u, t.grad_v);
+  t.hessian << Dot(t.grad_u, t.grad_u), uv, uv, Dot(t.grad_v, t.grad_v);
+  return t;
+}
+
+/// Patch centred at a fractional place, bilinear. The place must keep the patch and one more pixel in the image.
+void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
+  const int u0 = static_cast<int>(std::floor(u));
+  const int v0 = static_cast<int>(std::floor(v));
+  const auto fu = static_cast<float>(u - u0);
+  const auto fv = static_cast<float>(v - v0);
+  Eigen::Array<float, kRow, kSide + 1> along;
+  for (int y = 0; y <= kSide; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(v0 + y - kHalf) + u0 - kHalf;
+    for (int x = 0; x < kRow; ++x) {
+      const auto a = static_cast<float>(row[x]);
+      const auto b = static_cast<float>(row[x + 1]);
+      along(x, y) = a + fu * (b - a);
+    }
+  }
+  patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
+  patch.bottomRows<1>().setZero();
+}
+
+bool Inside(const cv::Mat& image, double u, double v) {
+  // One pixel more than the patch: gradients on the left, interpolation and the idle column on the right.
+  constexpr double kMargin = kHalf + 2;
+  return u >= kMargin && v >= kMargin && u <= image.cols - 1 - kMargin && v <= image.rows - 1 - kMargin;
+}
+
+cv::Mat Halved(const cv::Mat& image) {
+  const cv::Size half(image.cols / 2, image.rows / 2);
+  cv::Mat halved;
+  if (half.area() > 0)
+    cv::resize(image(cv::Rect(0, 0, 2 * half.width, 2 * half.height)), halved, half, 0, 0, cv::INTER_AREA);
+  return halved;
+}
+
+/// What comparing the left patch with one right patch says.
+struct Comparison {
+  double gain = 0.0;
+  double correlation = 0.0;
+  double noise = 0.0;  // residual standard deviation in grey levels of the left image
+  Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
+};
+
+Comparison Compare(const Template& t, const Patch& right) {
+  Comparison c;
+  const double sum = right.sum();
+  const double energy = Dot(right, right) - sum * sum / kPixels;
+  const double cross = Dot(t.pixels, right);
+  c.gain = cross / t.energy;
+  if (!(energy > 0.0) || !(cross > 0.0)) return c;
+  c.correlation = cross / std::sqrt(t.energy * energy);
+  c.gradient = Eigen::Vector2d(Dot(t.grad_u, right), Dot(t.grad_v, right)) / c.gain;
+  const double residual = energy / (c.gain * c.gain) - t.energy;
+  c.noise = std::max(std::sqrt(std::max(residual, 0.0) / (kPixels - 4)), kMinNoise);
+  return c;
+}
+
+}  // namespace
+
+PatchAligner::PatchAligner(const cv::Mat& left, const cv::Mat& right, double sigma_row_px)
+    : sigma_row_px_(sigma_row_px) {
+  levels_.push_back({left, right, 1.0});
+  while (static_cast<int>(levels_.size()) < kLevels) {
+    const Level& last = levels_.back();
+    Level next{Halved(last.left), Halved(last.right), 2.0 * last.size_px};
+    if (next.left.empty() || next.right.empty()) break;
+    levels_.push_back(next);
+  }
+}
+
+const PatchAligner::Level& PatchAligner::LevelFor(double scale) const {
+  // Nearest power of two, geometrically.
+  size_t level = 0;
+  while (level + 1 < levels_.size() && scale > levels_[level].size_px * 1.4142135623730951) ++level;
+  return levels_[level];
+}
+
+std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px, double scale,
+                                                  double disparity_px) const {
+  const Level& level = LevelFor(scale);
+  const double size_px = level.size_px;
+  const Eigen::Vector2d left = ((left_px.array() + 0.5) / size_px - 0.5).matrix();
+  const int u = static_cast<int>(std::lround(left.x()));
+  const int v = static_cast<int>(std::lround(left.y()));
+  if (!Inside(level.left, u, v)) return std::nullopt;
+  const Template patch = MakeTemplate(level.left, u, v);
+  if (!(patch.energy > kPixels * kMinNoise * kMinNoise) || !(patch.hessian(0, 0) > 0.0)) return std::nullopt;
+
+  const double start = disparity_px / size_px;
+  const double row_information = size_px * size_px / (sigma_row_px_ * sigma_row_px_);
+  Eigen::Vector2d shift(-start, 0.0);
+  Patch right;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    if (!Inside(level.right, u + shift.x(), v + shift.y())) return std::nullopt;
+    Sample(level.right, u + shift.x(), v + shift.y(), right);
+    const Comparison c = Compare(patch, right);
+    if (!(c.correlation > 0.0)) return std::nullopt;
+    Eigen::Matrix2d hessian = patch.hessian;
+    Eigen::Vector2d gradient = c.gradient;
+    const double prior = c.noise * c.noise * row_information;
+    hessian(1, 1) += prior;
+    gradient.y() += prior * shift.y();
+    const double determinant = hessian.determinant();
+    if (!(determinant > 1e-6 * hessian(0, 0) * hessian(1, 1))) return std::nullopt;
+    const Eigen::Vector2d step = hessian.inverse() * gradient;
+    shift -= step;
+    if (!(std::abs(shift.x() + start) <= kMaxTravel)) return std::nullopt;
+    if (step.cwiseAbs().maxCoeff() > kConverged) continue;
+    const double variance = c.noise * c.noise * hessian(1, 1) / determinant;
+    return PatchAlignment{-shift.x() * size_px, std::sqrt(variance) * size_px, shift.y() * size_px, c.correlation,
+                          c.gain};
+  }
+  return std::nullopt;
+}
+
+}  // namespace plslam

@@ -1,0 +1,126 @@
+#include "core/features/point_stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/features/patch_aligner.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kNone = 257;  // above any distance of 256 bits
+constexpr int kMaxOctavesApart = 1;
+constexpr double kMinGain = 0.25;
+constexpr double kMaxGain = 4.0;
+
+/// Indices of the right points by integer row.
+class RowIndex {
+ public:
+  explicit RowIndex(const std::vector<PointFeature>& points) {
+    int rows = 0;
+    for (const PointFeature& p : points) rows = std::max(rows, Row(p) + 1);
+    begin_.assign(rows + 1, 0);
+    for (const PointFeature& p : points) ++begin_[Row(p) + 1];
+    for (int r = 0; r < rows; ++r) begin_[r + 1] += begin_[r];
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    indices_.resize(points.size());
+    for (size_t i = 0; i < points.size(); ++i) indices_[next[Row(points[i])]++] = static_cast<int>(i);
+  }
+
+  template <class Visit>
+  void ForEachNear(double row_px, double tolerance_px, const Visit& visit) const {
+    const int rows = static_cast<int>(begin_.size()) - 1;
+    const int first = std::clamp(static_cast<int>(std::floor(row_px - tolerance_px)), 0, rows);
+    const int last = std::clamp(static_cast<int>(std::floor(row_px + tolerance_px)) + 1, first, rows);
+    for (int i = begin_[first]; i < begin_[last]; ++i) visit(indices_[i]);
+  }
+
+ private:
+  static int Row(const PointFeature& p) { return std::max(static_cast<int>(std::floor(p.px.y())), 0); }
+  std::vector<int> begin_;
+  std::vector<int> indices_;
+};
+
+struct Candidate {
+  int index = -1;
+  int distance = kNone;
+  int second = kNone;
+};
+
+bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoOptions& options) {
+  if (std::abs(left.octave - right.octave) > kMaxOctavesApart) return false;
+  const double scale = std::max(left.scale, right.scale);
+  if (std::abs(left.px.y() - right.px.y()) > options.point_row_tolerance_px * scale) return false;
+  // Corners are placed to a pixel or so of their octave; the gates on the disparity itself come after alignment.
+  const double disparity_px = left.px.x() - right.px.x();
+  return disparity_px >= options.min_disparity_px - scale && disparity_px <= options.max_disparity_px + scale;
+}
+
+/// For each left point its nearest right descriptor and the distance of the second.
+std::vector<Candidate> FindCandidates(const std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                                      const StereoOptions& options) {
+  const RowIndex rows(right);
+  std::vector<Candidate> candidates(left.size());
+  std::vector<Candidate> of_right(right.size());
+  for (size_t i = 0; i < left.size(); ++i) {
+    const PointFeature& feature = left[i].left;
+    Candidate& best = candidates[i];
+    // The right point may be an octave coarser than the left.
+    const double reach_px = options.point_row_tolerance_px * feature.scale * 2.0;
+    rows.ForEachNear(feature.px.y(), reach_px, [&](int j) {
+      if (!MayMatch(feature, right[j], options)) return;
+      const int distance = HammingDistance(feature.descriptor, right[j].descriptor);
+      if (distance < of_right[j].distance) of_right[j] = {static_cast<int>(i), distance, kNone};
+      if (distance < best.distance) {
+        best = {j, distance, best.distance};
+      } else {
+        best.second = std::min(best.second, distance);
+      }
+    });
+  }
+  for (size_t i = 0; i < left.size(); ++i) {
+    Candidate& c = candidates[i];
+    const bool accepted = c.index >= 0 && of_right[c.index].index == static_cast<int>(i) &&
+                          c.distance <= options.point_max_descriptor_distance &&
+                          (c.second == kNone || c.distance <= options.point_max_ratio * c.second);
+    if (!accepted) c.index = -1;
+  }
+  return candidates;
+}
+
+bool Accepted(const PatchAlignment& a, double scale, const StereoOptions& options) {
+  return a.correlation >= options.point_min_correlation && a.gain >= kMinGain && a.gain <= kMaxGain &&
+         a.sigma_disparity_px <= options.point_max_sigma_disparity_px * scale &&
+         a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
+}
+
+}  // namespace
+
+std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options) {
+  std::vector<StereoPoint> without(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    without[i].left = points[i];
+    without[i].sigma_px = options.point_sigma_px * points[i].scale;
+  }
+  return without;
+}
+
+void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options) {
+  if (left.empty() || right.empty()) return;
+  const std::vector<Candidate> candidates = FindCandidates(left, right, options);
+  const PatchAligner aligner(left_image, right_image, options.row_sigma_px);
+  for (size_t i = 0; i < left.size(); ++i) {
+    if (candidates[i].index < 0) continue;
+    const PointFeature& feature = left[i].left;
+    const double start_px = feature.px.x() - right[candidates[i].index].px.x();
+    const std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, start_px);
+    if (!found || !Accepted(*found, feature.scale, options)) continue;
+    left[i].disparity_px = found->disparity_px;
+    left[i].sigma_disparity_px = found->sigma_disparity_px;
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,31 @@
+#include "core/features/stereo_matcher.h"
+
+#include <utility>
+
+#include "core/features/depth_points.h"
+#include "core/features/line_stereo.h"
+#include "core/features/point_stereo.h"
+
+namespace plslam {
+
+StereoFeatures MatchStereo(ImageFeatures left, const ImageFeatures& right, const cv::Mat& left_image,
+                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options) {
+  StereoFeatures features;
+  features.points = WithoutDepth(std::move(left.points), options);
+  features.lines = WithoutDepth(std::move(left.lines));
+  MatchPointsStereo(features.points, right.points, left_image, right_image, options);
+  MatchLinesStereo(features.lines, right.lines, left_image, right_image, camera, options);
+  return features;
+}
+
+StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double depth_units_per_m,
+                           const StereoCamera& camera, const StereoOptions& options) {
+  StereoFeatures features;
+  features.points = WithoutDepth(std::move(left.points), options);
+  features.lines = WithoutDepth(std::move(left.lines));
+  AttachDepthToPoints(features.points, depth, depth_units_per_m, camera, options);
+  AttachDepthToLines(features.lines, depth, depth_units_per_m, camera, options);
+  return features;
+}
+
+}  // namespace plslam

@@ -1,0 +1,221 @@
+#include "core/motion/motion_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "core/motion/normal_equations.h"
+
+namespace plslam {
+namespace {
+
+// Steps are measured in standard deviations of the motion (squared): the first step only has to tell outliers apart.
+constexpr double kCoarseStep = 0.05;
+constexpr double kFineStep = 1e-4;
+constexpr double kConvergedStep = 1e-2;
+// Covariances of the residuals follow the pose, so even a good step may raise the cost by a trifle.
+constexpr double kToleratedRise = 1e-3;
+constexpr double kMinDamping = 1e-9;
+constexpr double kFirstDamping = 1e-3;
+constexpr double kMinRelativeEigenvalue = 1e-11;
+
+struct Solution {
+  SE3 T_cur_ref;
+  NormalEquations equations;
+  double step = 0.0;
+  int iterations = 0;
+  bool finite = true;
+};
+
+class Estimator {
+ public:
+  Estimator(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+            const StereoCamera& camera, const std::optional<MotionPrior>& prior, const MotionOptions& options)
+      : observations_(points, lines, options),
+        camera_(camera),
+        prior_(prior),
+        options_(options),
+        expectations_(ExpectRobust(options.huber_delta, options.gate_sigmas)) {
+    if (prior_) prior_information_ = prior_->covariance.llt().solve(Matrix6d::Identity());
+  }
+
+  std::optional<MotionEstimate> Estimate(const SE3& initial, size_t n_points, size_t n_lines) const;
+
+ private:
+  NormalEquations Build(const SE3& T_cur_ref, const ActiveSet& active) const;
+  Solution Solve(const SE3& initial, const ActiveSet& active, double stop_step) const;
+  ActiveSet Classify(const SE3& T_cur_ref) const;
+  std::optional<Matrix6d> Covariance(const Solution& solution, const ActiveSet& active) const;
+  double MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const;
+  bool Enough(const ActiveSet& active) const {
+    return active.CountPoints() + 2 * active.CountLines() >= options_.min_inliers;
+  }
+
+  PreparedObservations observations_;
+  const StereoCamera& camera_;
+  const std::optional<MotionPrior>& prior_;
+  const MotionOptions& options_;
+  RobustExpectations expectations_;
+  Matrix6d prior_information_ = Matrix6d::Zero();
+};
+
+// Inverse right Jacobian of SE(3), to second order.
+Matrix6d InverseRightJacobian(const Vector6d& x) {
+  Matrix6d ad = Matrix6d::Zero();
+  ad.topLeftCorner<3, 3>() = Skew(x.tail<3>());
+  ad.topRightCorner<3, 3>() = Skew(x.head<3>());
+  ad.bottomRightCorner<3, 3>() = ad.topLeftCorner<3, 3>();
+  return Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
+}
+
+NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) const {
+  NormalEquations equations =
+      BuildNormalEquations(observations_, active, T_cur_ref, camera_, expectations_, options_);
+  if (prior_) {
+    const Vector6d e = (prior_->T_cur_ref * T_cur_ref.Inverse()).Log();
+    const Matrix6d J = InverseRightJacobian(e);
+    const Vector6d weighted = prior_information_ * e;
+    equations.H_prior = J.transpose() * prior_information_ * J;
+    equations.g += J.transpose() * weighted;
+    equations.cost += e.dot(weighted);
+  }
+  return equations;
+}
+
+Solution Estimator::Solve(const SE3& initial, const ActiveSet& active, double stop_step) const {
+  Solution now{initial, Build(initial, active)};
+  double damping = kMinDamping;
+  for (int i = 0; i < options_.max_iterations; ++i) {
+    const Matrix6d H = now.equations.H();
+    Matrix6d damped = H;
+    damped.diagonal() *= 1.0 + damping;
+    const Vector6d x = -damped.ldlt().solve(now.equations.g);
+    now.finite = x.allFinite();
+    if (!now.finite) break;
+    now.step = x.dot(H * x);
+    ++now.iterations;
+    const SE3 trial = SE3::Exp(-x) * now.T_cur_ref;
+    NormalEquations at_trial = Build(trial, active);
+    if (at_trial.cost <= now.equations.cost * (1.0 + kToleratedRise)) {
+      now.T_cur_ref = trial;
+      now.equations = at_trial;
+      damping = std::max(kMinDamping, 0.1 * damping);
+    } else {
+      damping = std::max(kFirstDamping, 10.0 * damping);
+    }
+    if (now.step < stop_step) break;
+  }
+  return now;
+}
+
+ActiveSet Estimator::Classify(const SE3& T_cur_ref) const {
+  const std::vector<Deviation> points = PointDeviations(observations_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> lines = LineDeviations(observations_, T_cur_ref, camera_, options_);
+  std::vector<double> ratios;
+  ratios.reserve(points.size() + lines.size());
+  for (const Deviation& d : points) ratios.push_back(d.squared / d.median);
+  for (const Deviation& d : lines) ratios.push_back(d.squared / d.median);
+  const double squared_scale = std::clamp(Median(ratios), 1.0, options_.max_scale * options_.max_scale);
+  ActiveSet active;
+  active.points.reserve(points.size());
+  active.lines.reserve(lines.size());
+  for (const Deviation& d : points) active.points.push_back(d.squared <= squared_scale * d.gate ? 1 : 0);
+  for (const Deviation& d : lines) active.lines.push_back(d.squared <= squared_scale * d.gate ? 1 : 0);
+  return active;
+}
+
+double Estimator::MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const {
+  std::vector<double> depths;
+  for (size_t i = 0; i < active.points.size(); ++i) {
+    if (active.points[i] != 0) depths.push_back((T_cur_ref * observations_.points[i].p_ref).z());
+  }
+  for (size_t i = 0; i < active.lines.size(); ++i) {
+    const Segment3& s = observations_.lines[i].segment_ref;
+    if (active.lines[i] != 0) depths.push_back((T_cur_ref * Eigen::Vector3d(0.5 * (s.p + s.q))).z());
+  }
+  return Median(depths);
+}
+
+std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const ActiveSet& active) const {
+  const NormalEquations& e = solution.equations;
+  if (e.dimensions == 0) return std::nullopt;
+  // What the weights take from a Gaussian's information, and larger residuals than the sigmas promise.
+  const double weighting = e.expected_weight * e.expected_B / (e.expected_A * e.expected_A);
+  const double freedom = std::max(1.0, e.dimensions - 6.0) / e.dimensions;
+  const double excess = std::max(1.0, e.weighted_squares / (e.expected_weighted_squares * freedom));
+  const Matrix6d H = e.H_data / (weighting * excess) + e.H_prior;
+
+  // Unit diagonal first: metres and radians do not compare.
+  const Vector6d scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Matrix6d scaled = scale.asDiagonal() * H * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(scaled);
+  const Vector6d& values = eigen.eigenvalues();
+  if (!values.allFinite() || !(values.minCoeff() > kMinRelativeEigenvalue * values.maxCoeff())) return std::nullopt;
+  const Matrix6d half = scale.asDiagonal() * eigen.eigenvectors();
+  const Matrix6d covariance = half * values.cwiseInverse().asDiagonal() * half.transpose();
+  if (!covariance.allFinite()) return std::nullopt;
+  if (!prior_) {
+    const double translation = std::sqrt(covariance.diagonal().head<3>().sum());
+    const double rotation = std::sqrt(covariance.diagonal().tail<3>().sum());
+    const double depth = MedianDepth(solution.T_cur_ref, active);
+    if (translation > options_.max_relative_sigma * depth || rotation > options_.max_relative_sigma) {
+      return std::nullopt;
+    }
+  }
+  return Matrix6d(0.5 * (covariance + covariance.transpose()));
+}
+
+std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_points, size_t n_lines) const {
+  ActiveSet active{std::vector<char>(observations_.points.size(), 1),
+                   std::vector<char>(observations_.lines.size(), 1)};
+  if (!Enough(active)) return std::nullopt;
+  Solution solution = Solve(initial, active, kCoarseStep);
+  int iterations = solution.iterations;
+  for (int round = 0; round < options_.max_refinements && solution.finite; ++round) {
+    ActiveSet refreshed = Classify(solution.T_cur_ref);
+    if (round > 0 && refreshed == active) break;
+    active = std::move(refreshed);
+    if (!Enough(active)) return std::nullopt;
+    solution = Solve(solution.T_cur_ref, active, kFineStep);
+    iterations += solution.iterations;
+  }
+  if (!solution.finite || !(solution.step < kConvergedStep)) return std::nullopt;
+  const std::optional<Matrix6d> covariance = Covariance(solution, active);
+  if (!covariance || !solution.T_cur_ref.IsFinite()) return std::nullopt;
+
+  MotionEstimate estimate;
+  estimate.T_cur_ref = solution.T_cur_ref;
+  estimate.covariance = *covariance;
+  estimate.point_inliers.assign(n_points, false);
+  estimate.line_inliers.assign(n_lines, false);
+  for (size_t i = 0; i < active.points.size(); ++i) {
+    estimate.point_inliers[observations_.point_index[i]] = active.points[i] != 0;
+  }
+  for (size_t i = 0; i < active.lines.size(); ++i) {
+    estimate.line_inliers[observations_.line_index[i]] = active.lines[i] != 0;
+  }
+  estimate.n_point_inliers = active.CountPoints();
+  estimate.n_line_inliers = active.CountLines();
+  estimate.iterations = iterations;
+  estimate.rms = std::sqrt(solution.equations.squares / solution.equations.dimensions);
+  return estimate;
+}
+
+bool IsUsable(const MotionPrior& prior) {
+  return prior.T_cur_ref.IsFinite() && prior.covariance.allFinite() &&
+         prior.covariance.llt().info() == Eigen::Success;
+}
+
+}  // namespace
+
+std::optional<MotionEstimate> EstimateMotion(const std::vector<PointObservation>& points,
+                                             const std::vector<LineObservation>& lines, const StereoCamera& camera,
+                                             const SE3& initial, const std::optional<MotionPrior>& prior,
+                                             const MotionOptions& options) {
+  if (!initial.IsFinite() || (prior && !IsUsable(*prior))) return std::nullopt;
+  return Estimator(points, lines, camera, prior, options).Estimate(initial, points.size(), lines.size());
+}
+
+}  // namespace plslam

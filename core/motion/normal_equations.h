@@ -1,0 +1,67 @@
+#pragma once
+
+#include <vector>
+
+#include "core/motion/line_residual.h"
+#include "core/motion/point_residual.h"
+#include "core/motion/robust.h"
+
+namespace plslam {
+
+/// Usable observations of one stereo frame, with the places they had in the caller's lists.
+struct PreparedObservations {
+  std::vector<PreparedPoint> points;
+  std::vector<PreparedLine> lines;
+  std::vector<int> point_index;
+  std::vector<int> line_index;
+
+  PreparedObservations(const std::vector<PointObservation>& point_observations,
+                       const std::vector<LineObservation>& line_observations, const MotionOptions& options);
+};
+
+/// Which of the prepared observations take part (1) or not (0).
+struct ActiveSet {
+  std::vector<char> points;
+  std::vector<char> lines;
+
+  bool operator==(const ActiveSet&) const = default;
+  int CountPoints() const;
+  int CountLines() const;
+};
+
+/// Weighted normal equations H x = -g of the motion at one pose, and the sums that judge them.
+struct NormalEquations {
+  Matrix6d H_data = Matrix6d::Zero();
+  Matrix6d H_prior = Matrix6d::Zero();
+  Vector6d g = Vector6d::Zero();
+  double cost = 0.0;
+  int dimensions = 0;
+  double squares = 0.0;
+  double weighted_squares = 0.0;
+  double expected_weighted_squares = 0.0;
+  /// Sums over the residuals of the expectations of `RobustExpectation`, times their dimension.
+  double expected_weight = 0.0;
+  double expected_A = 0.0;
+  double expected_B = 0.0;
+
+  Matrix6d H() const { return H_data + H_prior; }
+};
+
+/// Adds all active observations, as seen from `T_cur_ref`.
+NormalEquations BuildNormalEquations(const PreparedObservations& observations, const ActiveSet& active,
+                                     const SE3& T_cur_ref, const StereoCamera& camera,
+                                     const RobustExpectations& expectations, const MotionOptions& options);
+
+/// Squared whitened norms per expected median, for the robust scale, and their gates: an observation is an inlier where
+/// `squared <= scale^2 * gate`. Infinity where it cannot be seen. Sigmas are at least `min_scale_px` here.
+struct Deviation {
+  double squared;
+  double median;
+  double gate;
+};
+std::vector<Deviation> PointDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+                                       const StereoCamera& camera, const MotionOptions& options);
+std::vector<Deviation> LineDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+                                      const StereoCamera& camera, const MotionOptions& options);
+
+}  // namespace plslam

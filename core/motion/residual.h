@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
+
+namespace plslam {
+
+/// A residual vector linearised at a pose: r, its derivative by the right perturbation x of T_ref_cur * Exp(x), and the
+/// covariance S of r (noise of the measurement, and of the landmark seen through the projection). Rows that
+/// have no measurement hold a zero residual, a zero derivative and unit variance, and do not count in `dimension`.
+template <int N>
+struct Residual {
+  Eigen::Matrix<double, N, 1> r;
+  Eigen::Matrix<double, N, 6> J;
+  Eigen::Matrix<double, N, N> S;
+  int dimension = 0;
+};
+
+/// What every residual of one pose shares.
+struct PoseView {
+  PoseView(const SE3& T_cur_ref, const StereoCamera& camera_in)
+      : R(T_cur_ref.R()), t(T_cur_ref.translation()), camera(camera_in), min_depth_m(MinDepth(camera_in)) {}
+
+  /// A disparity of four focal lengths: nearer than anything a pair can see.
+  static double MinDepth(const StereoCamera& camera) { return std::max(1e-3, 0.25 * camera.baseline_m); }
+
+  Eigen::Matrix3d R;
+  Eigen::Vector3d t;
+  const StereoCamera& camera;
+  double min_depth_m;
+};
+
+/// Derivative of a row g^T p_c by the perturbation: p_c moves by -translation - rotation x p_c.
+inline Eigen::Matrix<double, 1, 6> PoseRow(const Eigen::Vector3d& g, const Eigen::Vector3d& p_c) {
+  Eigen::Matrix<double, 1, 6> row;
+  row << -g.transpose(), g.cross(p_c).transpose();
+  return row;
+}
+
+/// Lower Cholesky factor of S in place, and L^-1 applied to r and J: afterwards r ~ N(0, I). False where S is not
+/// positive definite or not finite.
+template <int N>
+bool Whiten(Residual<N>& residual) {
+  auto& S = residual.S;
+  for (int j = 0; j < N; ++j) {
+    double pivot = S(j, j);
+    for (int k = 0; k < j; ++k) pivot -= S(j, k) * S(j, k);
+    if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
+    const double diagonal = std::sqrt(pivot);
+    S(j, j) = diagonal;
+    for (int i = j + 1; i < N; ++i) {
+      double value = S(i, j);
+      for (int k = 0; k < j; ++k) value -= S(i, k) * S(j, k);
+      S(i, j) = value / diagonal;
+    }
+    for (int k = 0; k < j; ++k) {
+      residual.r(j) -= S(j, k) * residual.r(k);
+      residual.J.row(j) -= S(j, k) * residual.J.row(k);
+    }
+    residual.r(j) /= diagonal;
+    residual.J.row(j) /= diagonal;
+  }
+  return residual.r.allFinite() && residual.J.allFinite();
+}
+
+}  // namespace plslam

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace plslam {
+
+/// Pseudo-Huber loss 2 d^2 (sqrt(1 + s^2 / d^2) - 1) of the squared norm s^2 of a whitened residual vector.
+double PseudoHuberLoss(double squared, double delta);
+
+/// Its derivative by s^2: the weight of iteratively reweighted least squares, 1 at zero.
+double PseudoHuberWeight(double squared, double delta);
+
+/// Quantile of the chi-square distribution at the normal quantile `z` (0: the median; 2.33: 99 %), by Wilson and
+/// Hilferty's cube; good to 1 % for 2 and more degrees of freedom.
+double ChiSquareQuantile(int dimension, double z);
+
+/// Middle element, the upper one of an even number; 0 for none. Reorders its argument.
+double Median(std::vector<double>& values);
+
+/// What weights w of pseudo-Huber, cut off at a gate, do to Gaussian residuals of one dimension: expectations over
+/// s < gate. They turn the inverse weighted Hessian into an honest covariance (M-estimator theory: the covariance is
+/// A^-1 B A^-1 with A = E[w s^2] / dim by Stein's identity, and B = E[w^2 s^2] / dim).
+struct RobustExpectation {
+  double probability = 0.0;
+  double weight = 0.0;
+  double A = 0.0;
+  double B = 0.0;
+};
+
+/// Index: dimension, 2 to 4.
+using RobustExpectations = std::array<RobustExpectation, 5>;
+
+RobustExpectations ExpectRobust(double delta, double gate_sigmas);
+
+}  // namespace plslam

@@ -16,6 +16,8 @@ namespace {
 // How far a quaternion's norm or a matrix product R R^T may be from 1: files are rounded to five digits and more.
 constexpr double kRotationTolerance = 0.01;
 constexpr int64_t kNsPerS = 1'000'000'000;
+// The year 2115; the difference of two times within it fits 64 bits.
+constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 
 void RequireFields(const TextRow& row, size_t n, const char* format) {
   if (row.fields.size() != n) {
@@ -70,7 +72,12 @@ TrajectoryFormat Recognise(const TextRow& row) {
                        row.fields.size()));
 }
 
+void RequireTimeInRange(const TextRow& row, int64_t t_ns) {
+  if (t_ns > kMaxTime_ns || t_ns < -kMaxTime_ns) row.Fail(fmt::format("time {} ns is beyond the year 2115", t_ns));
+}
+
 void Append(const TextRow& row, const TrajectoryPose& pose, Trajectory& trajectory) {
+  RequireTimeInRange(row, pose.t_ns);
   if (!trajectory.empty() && pose.t_ns <= trajectory.back().t_ns) {
     row.Fail(fmt::format("time {} ns is not after the {} ns of the row before", pose.t_ns, trajectory.back().t_ns));
   }
@@ -88,6 +95,7 @@ void ApplyTimes(const std::string& path, const std::string& times_path, Trajecto
   ForEachRow(times_path, [&](const TextRow& row) {
     RequireFields(row, 1, "times");
     const int64_t t_ns = row.Scaled(0, 9);
+    RequireTimeInRange(row, t_ns);
     if (n > 0 && n <= trajectory.size() && t_ns <= trajectory[n - 1].t_ns) {
       row.Fail(fmt::format("time {} s is not after the one before", row.fields[0]));
     }

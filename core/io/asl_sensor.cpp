@@ -1,0 +1,67 @@
+#include "core/io/asl_sensor.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/io/check_rig.h"
+#include "core/io/yaml_map.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kMaxSize_px = 16384.0;
+
+// Name in the file, and ours.
+constexpr std::array<std::pair<const char*, const char*>, 6> kModels = {{{"radial-tangential", "radtan"},
+                                                                         {"radtan", "radtan"},
+                                                                         {"plumb_bob", "radtan"},
+                                                                         {"equidistant", "equidistant"},
+                                                                         {"none", "pinhole"},
+                                                                         {"None", "pinhole"}}};
+
+int ToPixels(const YamlMap& yaml, double value) {
+  if (!(value >= 1.0 && value <= kMaxSize_px) || value != std::floor(value)) {
+    yaml.Fail("resolution", fmt::format("{} is not a whole number from 1 to {}", value, kMaxSize_px));
+  }
+  return static_cast<int>(value);
+}
+
+std::string Model(const YamlMap& yaml) {
+  const std::string name = yaml.Text("distortion_model");
+  for (const auto& [theirs, ours] : kModels) {
+    if (name == theirs) return ours;
+  }
+  yaml.Fail("distortion_model", fmt::format("'{}' is none of radial-tangential, equidistant, none", name));
+}
+
+}  // namespace
+
+CameraCalibration ReadAslCamera(const std::string& path) {
+  const YamlMap yaml = YamlMap::FromFile(path);
+  if (yaml.Has("camera_model") && yaml.Text("camera_model") != "pinhole") {
+    yaml.Fail("camera_model", fmt::format("'{}' is not pinhole", yaml.Text("camera_model")));
+  }
+  CameraCalibration camera;
+  camera.T_b_cam = yaml.Transform("T_BS");
+  const std::vector<double> size = yaml.Numbers("resolution", 2, 2);
+  camera.width_px = ToPixels(yaml, size[0]);
+  camera.height_px = ToPixels(yaml, size[1]);
+  const std::vector<double> intrinsics = yaml.Numbers("intrinsics", 4, 4);
+  camera.fx_px = intrinsics[0];
+  camera.fy_px = intrinsics[1];
+  camera.cx_px = intrinsics[2];
+  camera.cy_px = intrinsics[3];
+  camera.model = Model(yaml);
+  if (camera.model != "pinhole") camera.distortion = yaml.Numbers("distortion_coefficients", 4, 5);
+  yaml.Require("resolution", SizeComplaint(camera));
+  yaml.Require("intrinsics", FocalComplaint(camera));
+  yaml.Require("intrinsics", CentreComplaint(camera));
+  if (camera.model != "pinhole") yaml.Require("distortion_coefficients", DistortionComplaint(camera));
+  return camera;
+}
+
+}  // namespace plslam

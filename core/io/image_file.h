@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+
+#include <opencv2/core/mat.hpp>
+
+namespace plslam {
+
+/// Width and height of an image.
+struct ImageSize {
+  int width_px = 0;
+  int height_px = 0;
+  bool operator==(const ImageSize&) const = default;
+};
+
+/// Images larger than this are refused before they are decoded.
+inline constexpr int kMaxImagePixels = 64 * 1024 * 1024;
+
+/// Size of a PNG, JPEG or binary PGM image from its header; no pixel is decoded. Throws DatasetError.
+ImageSize ReadImageSize(const std::string& path);
+
+/// An image as 8-bit grey. 16-bit values are scaled (65535 becomes 255, rounded), colour is weighted as in ITU-R
+/// BT.601; both in integers. Throws DatasetError where the file is missing, truncated, no image, or not of the size
+/// `expected` (looked at before anything is decoded).
+cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected);
+
+/// A 16-bit single-channel image (depth map). Throws DatasetError like `ReadGreyImage`, and where it has other pixels.
+cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected);
+
+}  // namespace plslam

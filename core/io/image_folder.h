@@ -1,0 +1,31 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <tuple>
+
+namespace plslam {
+
+/// What names an image within its folder: the last number of its name (whole, or with a point: "1305031102.175"), or
+/// the whole name without extension where it has none. Ordered by value, names without a number last.
+struct ImageKey {
+  bool has_number = false;
+  std::string whole;     ///< digits before the point, without leading zeros
+  std::string fraction;  ///< digits after it
+  std::string name;      ///< where there is no number
+
+  bool operator<(const ImageKey& other) const {
+    const auto rank = [](const ImageKey& k) {
+      return std::tuple(!k.has_number, k.whole.size(), k.whole, k.fraction, k.name);
+    };
+    return rank(*this) < rank(other);
+  }
+};
+
+ImageKey KeyOfImage(const std::string& file_name);
+
+/// The images (png, jpg, jpeg, pgm; hidden files passed over) of a folder by their keys. Throws DatasetError where two
+/// have the same key, or the folder cannot be read or has none.
+std::map<ImageKey, std::string> ListImages(const std::string& folder);
+
+}  // namespace plslam

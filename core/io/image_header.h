@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace plslam {
+
+enum class ImageFormat { kPng, kJpeg, kPgm };
+
+/// What the first bytes of an image file say.
+struct ImageHeader {
+  ImageFormat format = ImageFormat::kPng;
+  int64_t width_px = 0;
+  int64_t height_px = 0;
+  /// PGM only: largest grey value, and where the pixels begin.
+  int max_value = 0;
+  size_t data_offset = 0;
+};
+
+/// Header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, decoded by us so that
+/// the size is known before a decoder allocates anything. nullopt where the bytes are none of them or end too early.
+std::optional<ImageHeader> ParseImageHeader(std::span<const uint8_t> bytes);
+
+/// Whether the file reaches the end mark of its format (PNG: chunk IEND; JPEG: marker EOI; PGM: all pixels).
+/// Decoders fill what is missing of a truncated JPEG with grey and say nothing.
+bool IsComplete(const ImageHeader& header, std::span<const uint8_t> bytes);
+
+}  // namespace plslam

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+
+#include "core/io/trajectory.h"
+
+namespace plslam {
+
+/// Pose at a time between two poses of a trajectory: translation on the straight line, rotation on the great arc. nullopt
+/// before the first and after the last pose, and where the two are further apart than `max_gap_ns`: nothing is
+/// extrapolated. Exactly the pose itself where the times agree.
+std::optional<SE3> InterpolatePose(const Trajectory& trajectory, int64_t t_ns, int64_t max_gap_ns);
+
+}  // namespace plslam

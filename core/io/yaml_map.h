@@ -1,0 +1,54 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// A map of a YAML calibration file, read strictly. Every complaint is a DatasetError `FILE:LINE: KEY...`. Files above
+/// 64 kB, duplicate keys and numbers that are not finite are refused. A first line `%YAML:1.0`, as OpenCV writes it, is
+/// passed over.
+class YamlMap {
+ public:
+  static YamlMap FromFile(const std::string& path);
+
+  bool Has(std::string_view key) const;
+  std::string Text(std::string_view key) const;
+  double Number(std::string_view key) const;
+  /// A list of `min_count` to `max_count` numbers.
+  std::vector<double> Numbers(std::string_view key, size_t min_count, size_t max_count) const;
+  YamlMap Map(std::string_view key) const;
+
+  /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not
+  /// 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV).
+  SE3 Transform(std::string_view key) const;
+
+  /// `Fail`s at a key that is not among `known`.
+  void AllowOnly(const std::vector<std::string>& known) const;
+
+  /// `FILE:LINE: KEY WHAT`, at the line of the key (or of the map, where it is absent).
+  [[noreturn]] void Fail(std::string_view key, const std::string& what) const;
+
+  /// `Fail`s where there is a complaint.
+  void Require(std::string_view key, const std::string& complaint) const;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  YamlMap(std::string path, YAML::Node node);
+  YAML::Node Get(std::string_view key) const;
+  double ToNumber(std::string_view key, const YAML::Node& node) const;
+
+  std::string path_;
+  YAML::Node node_;
+};
+
+/// A rigid transform from 12 or 16 numbers, row by row; a complaint where there is none, empty otherwise.
+std::string TransformFrom(const std::vector<double>& rows, SE3* T);
+
+}  // namespace plslam

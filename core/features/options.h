@@ -54,6 +54,11 @@ struct StereoOptions {
   double point_max_ratio = 0.9;
   /// Normalised correlation of the aligned patches.
   double point_min_correlation = 0.8;
+  /// Also search the row of the right image for the patches of points without a matching corner ("direct"), asking for
+  /// this correlation, and for a second best whose distance to 1 is larger by this factor.
+  bool point_direct = true;
+  double point_direct_min_correlation = 0.9;
+  double point_direct_max_ratio = 0.6;
   /// Largest standard deviation of a disparity, for octave 0; above it the point has no depth.
   double point_max_sigma_disparity_px = 0.5;
   /// Depth cameras: standard deviation of a depth Z is this times Z^2.
@@ -127,6 +132,10 @@ void VisitFields(Visitor& visit, StereoOptions& o) {
         "differing bits of a match");
   visit("point_max_ratio", o.point_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
   visit("point_min_correlation", o.point_min_correlation, Bounds{0, 1}, "correlation of the aligned patches");
+  visit("point_direct", o.point_direct, "search the right row for points without a matching right corner");
+  visit("point_direct_min_correlation", o.point_direct_min_correlation, Bounds{0, 1}, "correlation of such a match");
+  visit("point_direct_max_ratio", o.point_direct_max_ratio, Bounds{0.05, 1},
+        "1 - correlation of the best place over that of the second, at most");
   visit("point_max_sigma_disparity_px", o.point_max_sigma_disparity_px, Bounds{0.01, 100},
         "uncertainty of a disparity above which a point of octave 0 has no depth");
   visit("depth_noise_per_m", o.depth_noise_per_m, Bounds{1e-5, 1}, "depth cameras: sigma of a depth over its square");

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include <Eigen/LU>
-#include <opencv2/imgproc.hpp>
 
 namespace plslam {
 namespace {
@@ -13,7 +12,6 @@ constexpr int kHalf = 5;
 constexpr int kSide = 2 * kHalf + 1;
 constexpr int kRow = 12;  // a row of the patch and one column of weight 0, for whole vector registers
 constexpr int kPixels = kSide * kSide;
-constexpr int kLevels = 3;
 constexpr int kMaxIterations = 8;
 constexpr double kConverged = 0.01;
 constexpr double kMaxTravel = 2.5;
@@ -94,14 +92,6 @@ bool Inside(const cv::Mat& image, double u, double v) {
   return u >= kMargin && v >= kMargin && u <= image.cols - 1 - kMargin && v <= image.rows - 1 - kMargin;
 }
 
-cv::Mat Halved(const cv::Mat& image) {
-  const cv::Size half(image.cols / 2, image.rows / 2);
-  cv::Mat halved;
-  if (half.area() > 0)
-    cv::resize(image(cv::Rect(0, 0, 2 * half.width, 2 * half.height)), halved, half, 0, 0, cv::INTER_AREA);
-  return halved;
-}
-
 /// What comparing the left patch with one right patch says.
 struct Comparison {
   double gain = 0.0;
@@ -126,29 +116,11 @@ Comparison Compare(const Template& t, const Patch& right) {
 
 }  // namespace
 
-PatchAligner::PatchAligner(const cv::Mat& left, const cv::Mat& right, double sigma_row_px)
-    : sigma_row_px_(sigma_row_px) {
-  levels_.push_back({left, right, 1.0});
-  while (static_cast<int>(levels_.size()) < kLevels) {
-    const Level& last = levels_.back();
-    Level next{Halved(last.left), Halved(last.right), 2.0 * last.size_px};
-    if (next.left.empty() || next.right.empty()) break;
-    levels_.push_back(next);
-  }
-}
-
-const PatchAligner::Level& PatchAligner::LevelFor(double scale) const {
-  // Nearest power of two, geometrically.
-  size_t level = 0;
-  while (level + 1 < levels_.size() && scale > levels_[level].size_px * 1.4142135623730951) ++level;
-  return levels_[level];
-}
-
 std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px, double scale,
                                                   double disparity_px) const {
-  const Level& level = LevelFor(scale);
+  const HalvedPair::Level& level = pair_->LevelFor(scale);
   const double size_px = level.size_px;
-  const Eigen::Vector2d left = ((left_px.array() + 0.5) / size_px - 0.5).matrix();
+  const Eigen::Vector2d left = level.FromImage(left_px);
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
   if (!Inside(level.left, u, v)) return std::nullopt;

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include <Eigen/Core>
-#include <opencv2/core/mat.hpp>
+
+#include "core/features/halved_pair.h"
 
 namespace plslam {
 
@@ -28,8 +28,8 @@ struct PatchAlignment {
 /// sigma. Patches of coarse features are taken from halved images.
 class PatchAligner {
  public:
-  /// Both images are CV_8UC1 of one size and are shared, not copied.
-  PatchAligner(const cv::Mat& left, const cv::Mat& right, double sigma_row_px);
+  /// `pair` must outlive the aligner.
+  PatchAligner(const HalvedPair& pair, double sigma_row_px) : pair_(&pair), sigma_row_px_(sigma_row_px) {}
 
   /// Aligns the patch at `left_px`, found at a pixel size of `scale`, starting from `disparity_px`. nullopt where the
   /// patch leaves an image, has no gradient along the row, does not converge, or ends more than 2.5 pixels of its size
@@ -37,14 +37,7 @@ class PatchAligner {
   std::optional<PatchAlignment> Align(const Eigen::Vector2d& left_px, double scale, double disparity_px) const;
 
  private:
-  struct Level {
-    cv::Mat left;
-    cv::Mat right;
-    double size_px = 1.0;
-  };
-  const Level& LevelFor(double scale) const;
-
-  std::vector<Level> levels_;
+  const HalvedPair* pair_;
   double sigma_row_px_;
 };
 

@@ -5,7 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/features/halved_pair.h"
 #include "core/features/patch_aligner.h"
+#include "core/features/row_search.h"
 
 namespace plslam {
 namespace {
@@ -90,10 +92,23 @@ std::vector<Candidate> FindCandidates(const std::vector<StereoPoint>& left, cons
   return candidates;
 }
 
-bool Accepted(const PatchAlignment& a, double scale, const StereoOptions& options) {
-  return a.correlation >= options.point_min_correlation && a.gain >= kMinGain && a.gain <= kMaxGain &&
+bool Accepted(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
+  return a.correlation >= min_correlation && a.gain >= kMinGain && a.gain <= kMaxGain &&
          a.sigma_disparity_px <= options.point_max_sigma_disparity_px * scale &&
          a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
+}
+
+/// By searching the right row for the patch, where it is unmistakable.
+std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearch& search,
+                                           const PatchAligner& aligner, const StereoOptions& options) {
+  const std::optional<RowMatch> place =
+      search.Find(feature.px, feature.scale, options.min_disparity_px, options.max_disparity_px);
+  if (!place || 1.0 - place->correlation > options.point_direct_max_ratio * (1.0 - place->second_correlation)) {
+    return std::nullopt;
+  }
+  const std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
+  if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
+  return found;
 }
 
 }  // namespace
@@ -109,15 +124,21 @@ std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const St
 
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
                        const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options) {
-  if (left.empty() || right.empty()) return;
+  if (left.empty()) return;
   const std::vector<Candidate> candidates = FindCandidates(left, right, options);
-  const PatchAligner aligner(left_image, right_image, options.row_sigma_px);
+  const HalvedPair pair(left_image, right_image);
+  const PatchAligner aligner(pair, options.row_sigma_px);
+  RowSearch search(pair);
   for (size_t i = 0; i < left.size(); ++i) {
-    if (candidates[i].index < 0) continue;
     const PointFeature& feature = left[i].left;
-    const double start_px = feature.px.x() - right[candidates[i].index].px.x();
-    const std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, start_px);
-    if (!found || !Accepted(*found, feature.scale, options)) continue;
+    std::optional<PatchAlignment> found;
+    if (candidates[i].index >= 0) {
+      const double start_px = feature.px.x() - right[candidates[i].index].px.x();
+      found = aligner.Align(feature.px, feature.scale, start_px);
+      if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
+    }
+    if (!found && options.point_direct) found = FindDirectly(feature, search, aligner, options);
+    if (!found) continue;
     left[i].disparity_px = found->disparity_px;
     left[i].sigma_disparity_px = found->sigma_disparity_px;
   }

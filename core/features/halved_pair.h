@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+namespace plslam {
+
+/// A rectified pair at full, half and quarter size, for comparing patches of features of different scales.
+class HalvedPair {
+ public:
+  struct Level {
+    cv::Mat left;
+    cv::Mat right;
+    /// Size of a pixel of this level in pixels of the images: 1, 2, 4.
+    double size_px = 1.0;
+
+    Eigen::Vector2d FromImage(const Eigen::Vector2d& px) const {
+      return ((px.array() + 0.5) / size_px - 0.5).matrix();
+    }
+  };
+
+  /// Both images are CV_8UC1 of one size; they are shared, not copied.
+  HalvedPair(const cv::Mat& left, const cv::Mat& right);
+
+  /// The level whose pixels are nearest to `scale` in size.
+  const Level& LevelFor(double scale) const;
+
+ private:
+  std::vector<Level> levels_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,148 @@
+#include "core/features/row_search.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/features/cpu_clones.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kHalf = 5;
+constexpr int kSide = 2 * kHalf + 1;
+constexpr int kRow = 16;  // pixels of a patch row in memory, the last five of weight 0: whole vector registers
+constexpr int kPixels = kSide * kSide;
+/// Places nearer to the best than this are the same peak.
+constexpr int kPeakHalfWidth = 3;
+/// Grey levels^2: variance of a patch below which there is nothing to compare.
+constexpr double kMinVariance = 4.0;
+
+using Patch = std::array<int16_t, static_cast<size_t>(kSide) * kRow>;
+
+/// The strip of rows under the patches, as 16 bit.
+PLSLAM_AVX2_CLONES
+void Widen(const uint8_t* row, int count, int16_t* out) {
+  for (int i = 0; i < count; ++i) out[i] = row[i];
+}
+
+/// Products of the patch with `places` windows of the strip that begin one pixel after the other.
+PLSLAM_AVX2_CLONES
+void Correlate(const int16_t* patch, const int16_t* strip, int stride, int places, int* cross) {
+  for (int p = 0; p < places; ++p) {
+    int sum = 0;
+    for (int y = 0; y < kSide; ++y) {
+      const int16_t* a = patch + y * kRow;
+      const int16_t* b = strip + y * stride + p;
+      for (int x = 0; x < kRow; ++x) sum += a[x] * b[x];
+    }
+    cross[p] = sum;
+  }
+}
+
+/// Sums and sums of squares of the columns of the strip.
+PLSLAM_AVX2_CLONES
+void ColumnSums(const int16_t* strip, int stride, int columns, int* sum, int* square) {
+  for (int x = 0; x < columns; ++x) sum[x] = square[x] = 0;
+  for (int y = 0; y < kSide; ++y) {
+    const int16_t* row = strip + y * stride;
+    for (int x = 0; x < columns; ++x) {
+      sum[x] += row[x];
+      square[x] += row[x] * row[x];
+    }
+  }
+}
+
+/// Column sums to window sums, in place.
+void WindowSums(std::vector<int>& columns, int places) {
+  int window = 0;
+  for (int x = 0; x < kSide; ++x) window += columns[x];
+  for (int p = 0; p < places; ++p) {
+    const int first = columns[p];
+    columns[p] = window;
+    window += columns[p + kSide] - first;
+  }
+}
+
+/// Left patch minus its mean (times 1, rounded); its energy is exact for what is stored.
+struct LeftPatch {
+  Patch pixels{};
+  int sum = 0;
+  double energy = 0.0;
+};
+
+LeftPatch ReadPatch(const cv::Mat& image, int u, int v) {
+  LeftPatch patch;
+  int total = 0;
+  for (int y = 0; y < kSide; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
+    for (int x = 0; x < kSide; ++x) total += row[x];
+  }
+  const int mean = (total + kPixels / 2) / kPixels;
+  int square = 0;
+  for (int y = 0; y < kSide; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
+    for (int x = 0; x < kSide; ++x) {
+      const int value = row[x] - mean;
+      patch.pixels[static_cast<size_t>(y) * kRow + x] = static_cast<int16_t>(value);
+      patch.sum += value;
+      square += value * value;
+    }
+  }
+  patch.energy = square - static_cast<double>(patch.sum) * patch.sum / kPixels;
+  return patch;
+}
+
+}  // namespace
+
+std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double scale, double min_disparity_px,
+                                        double max_disparity_px) {
+  const HalvedPair::Level& level = pair_->LevelFor(scale);
+  const Eigen::Vector2d left = level.FromImage(left_px);
+  const int u = static_cast<int>(std::lround(left.x()));
+  const int v = static_cast<int>(std::lround(left.y()));
+  const int columns = level.left.cols;
+  if (u < kHalf || v < kHalf || u >= columns - kHalf || v >= level.left.rows - kHalf) return std::nullopt;
+  const LeftPatch patch = ReadPatch(level.left, u, v);
+  if (!(patch.energy > kMinVariance * kPixels)) return std::nullopt;
+
+  // Centres in the right image, left to right.
+  const int first = std::max(u - static_cast<int>(std::ceil(max_disparity_px / level.size_px)), kHalf);
+  const int last = std::min(u - static_cast<int>(std::floor(min_disparity_px / level.size_px)), columns - 1 - kHalf);
+  const int places = last - first + 1;
+  if (places <= 0) return std::nullopt;
+  const int stride = places + kRow;
+  strip_.assign(static_cast<size_t>(kSide) * stride, 0);
+  for (int y = 0; y < kSide; ++y) {
+    const int start = first - kHalf;
+    Widen(level.right.ptr<uint8_t>(v + y - kHalf) + start, std::min(stride, columns - start),
+          strip_.data() + static_cast<size_t>(y) * stride);
+  }
+  cross_.resize(places);
+  sum_.resize(stride);
+  square_.resize(stride);
+  score_.resize(places);
+  Correlate(patch.pixels.data(), strip_.data(), stride, places, cross_.data());
+  ColumnSums(strip_.data(), stride, stride, sum_.data(), square_.data());
+  WindowSums(sum_, places);
+  WindowSums(square_, places);
+
+  int best = -1;
+  for (int p = 0; p < places; ++p) {
+    const double mean = static_cast<double>(sum_[p]) / kPixels;
+    const double energy = square_[p] - mean * sum_[p];
+    const double cross = cross_[p] - mean * patch.sum;
+    // Squared, which keeps the order; negative correlations count as none.
+    score_[p] = cross > 0.0 && energy > 0.0 ? static_cast<float>(cross * cross / (energy * patch.energy)) : 0.0F;
+    if (score_[p] > 0.0F && (best < 0 || score_[p] > score_[best])) best = p;
+  }
+  if (best < 0) return std::nullopt;
+  float second = 0.0F;
+  for (int p = 0; p < places; ++p) {
+    if (std::abs(p - best) >= kPeakHalfWidth) second = std::max(second, score_[p]);
+  }
+  return RowMatch{(u - first - best) * level.size_px, std::sqrt(static_cast<double>(score_[best])),
+                  std::sqrt(static_cast<double>(second))};
+}
+
+}  // namespace plslam

@@ -1,0 +1,45 @@
+#include "core/features/line_edge_map.h"
+
+#include <cstdlib>
+
+#include "core/features/line_simd.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kMargin = 2;
+
+int16_t Magnitude(int16_t v) { return static_cast<int16_t>(v < 0 ? -v : v); }
+
+/// Pointers stand at the first pixel to mark; `up` and `down` are the dy rows above and below.
+PLSLAM_INTEGER_SIMD void MarkRow(const int16_t* dx, const int16_t* dy, const int16_t* up, const int16_t* down,
+                                 int count, int16_t threshold, uint8_t* __restrict out) {
+  for (int x = 0; x < count; ++x) {
+    const int16_t ax = Magnitude(dx[x]);
+    const int16_t ay = Magnitude(dy[x]);
+    const bool steep = ax >= ay;
+    const int16_t peak = steep ? ax : ay;
+    const int16_t before = steep ? Magnitude(dx[x - 1]) : Magnitude(up[x]);
+    const int16_t after = steep ? Magnitude(dx[x + 1]) : Magnitude(down[x]);
+    const bool is_edge = (peak >= threshold) & (peak > before) & (peak >= after);
+    const int kind = steep ? kSteepEdge : kFlatEdge;
+    out[x] = static_cast<uint8_t>(is_edge ? kind : kNoEdge);
+  }
+}
+
+}  // namespace
+
+void ComputeEdgeMap(const Gradients& gradients, int threshold, cv::Mat& out) {
+  const int width = gradients.dx.cols;
+  const int height = gradients.dx.rows;
+  out.create(height, width, CV_8UC1);
+  out.setTo(kNoEdge);
+  if (width <= 2 * kMargin || height <= 2 * kMargin) return;
+  for (int y = kMargin; y < height - kMargin; ++y) {
+    MarkRow(gradients.dx.ptr<int16_t>(y) + kMargin, gradients.dy.ptr<int16_t>(y) + kMargin,
+            gradients.dy.ptr<int16_t>(y - 1) + kMargin, gradients.dy.ptr<int16_t>(y + 1) + kMargin,
+            width - 2 * kMargin, static_cast<int16_t>(threshold), out.ptr<uint8_t>(y) + kMargin);
+  }
+}
+
+}  // namespace plslam

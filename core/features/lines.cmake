@@ -1,0 +1,15 @@
+# Line segments: detection, description, matching. Included by this folder's CMakeLists.txt.
+set(plslam_line_sources
+  gradients.cpp
+  lbd.cpp
+  line_depth.cpp
+  line_detector.cpp
+  line_detector_opencv.cpp
+  line_edge_map.cpp
+  line_edgechain.cpp
+  line_extractor.cpp
+  line_grower.cpp
+  line_matcher.cpp
+  line_select.cpp
+  line_sigma.cpp
+  line_stereo.cpp)

@@ -106,6 +106,7 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error("1 0 0 0 0 0 0 0\n"), HasSubstr("norm 0"));
   EXPECT_THAT(error(row + row), HasSubstr("t:2: time 1000000000 ns is not after the 1000000000 ns"));
   EXPECT_THAT(error("1403636579763555584 0 0 0 0 0 0 1\n"), HasSubstr("is it in nanoseconds?"));
+  EXPECT_THAT(error("4700000000 0 0 0 0 0 0 1\n"), HasSubstr("t:1: time 4700000000000000000 ns is beyond"));
   EXPECT_THAT(error("1,2,3\n"), HasSubstr("t:1: 3 columns, but a row of the EuRoC format has at least 8"));
   EXPECT_THAT(error("timestamp,a,b,c,d,e,f,g\n"), HasSubstr("t:1: 'timestamp'"));
   EXPECT_THAT(error("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("t:1: the matrix is no rotation"));

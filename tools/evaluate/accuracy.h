@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/io/pose_covariance.h"
+#include "core/io/trajectory.h"
+#include "tools/evaluate/absolute_error.h"
+#include "tools/evaluate/alignment.h"
+#include "tools/evaluate/consistency.h"
+#include "tools/evaluate/keyframe_error.h"
+#include "tools/evaluate/kitti_error.h"
+#include "tools/evaluate/relative_error.h"
+#include "tools/evaluate/statistics.h"
+
+namespace plslam {
+
+/// What to compare and how. docs/metrics.md defines every number.
+struct EvaluateOptions {
+  Alignment alignment = Alignment::kSe3;
+  /// Poses belong together when their times differ by no more than this.
+  int64_t max_difference_ns = 20'000'000;
+  /// Instead of the nearest true pose, the truth interpolated at the time of the estimate, across gaps up to this.
+  bool interpolate_truth = false;
+  int64_t max_gap_ns = 500'000'000;
+  /// Intervals of the relative pose error.
+  std::vector<Delta> deltas{{1.0, Delta::Unit::kFrames}, {1.0, Delta::Unit::kSeconds}, {1.0, Delta::Unit::kMetres}};
+  /// Frames that could have had a pose; 0: as many as there are true poses.
+  int64_t n_frames = 0;
+  /// Times of the keyframes, of the covariances of poses, and of motions; empty: not evaluated.
+  std::vector<int64_t> keyframe_t_ns;
+  std::vector<PoseCovariance> covariances;
+  std::vector<PoseCovariance> motion_covariances;
+};
+
+struct RelativeErrorSummary {
+  Delta delta;
+  Statistics translation_m;
+  Statistics rotation_deg;
+};
+
+/// Everything that can be said about an estimate with the truth at hand. Never NaN: what has no samples is zero, and
+/// its count says so.
+struct Accuracy {
+  int estimated_poses = 0;
+  int true_poses = 0;
+  PosePairs pairs;
+  /// Poses found in the estimate, of `n_frames` or of the true poses.
+  double coverage_percent = 0.0;
+  double true_path_m = 0.0;
+  double duration_s = 0.0;
+  Alignment alignment_kind = Alignment::kSe3;
+  Similarity alignment;
+  AbsoluteErrors absolute;  ///< one for each pair
+  Statistics ate_m;
+  Statistics ate_deg;
+  std::vector<RelativeErrorSummary> relative;
+  KittiErrors kitti;
+  KittiErrors kitti_short;
+  std::optional<KeyframeErrors> keyframes;
+  std::optional<Consistency> pose_consistency;
+  std::optional<Consistency> motion_consistency;
+  /// A sentence where something stands in the way ("no pose of the estimate is within 0.02 s of a true one").
+  std::string note;
+};
+
+Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options);
+
+/// `ate_m` (rmse) first; the counts, errors and tables by name. Leaves the pairs out.
+nlohmann::ordered_json ToJson(const Accuracy& accuracy);
+
+}  // namespace plslam

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/io/trajectory.h"
+
+namespace plslam {
+
+/// An estimated pose and the true one of (about) the same time.
+struct PosePair {
+  int64_t t_ns = 0;  ///< of the estimate
+  SE3 estimate;
+  SE3 truth;
+  int estimate_index = 0;  ///< place in the estimated trajectory
+};
+
+using PosePairs = std::vector<PosePair>;
+
+/// Pairs poses whose times differ by at most `max_difference_ns`, each used once, closest pairs first (Sturm et al.
+/// 2012). Sorted by time. Both trajectories have increasing times.
+PosePairs AssociateNearest(const Trajectory& estimate, const Trajectory& truth, int64_t max_difference_ns);
+
+/// Pairs each estimated pose with the truth interpolated at its time (position linearly, rotation spherically), where
+/// the true poses before and after it are at most `max_gap_ns` apart.
+PosePairs AssociateInterpolated(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns);
+
+}  // namespace plslam

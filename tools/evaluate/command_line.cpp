@@ -1,0 +1,124 @@
+#include "tools/evaluate/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <string_view>
+
+#include "core/io/atomic_file.h"
+#include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/plot.h"
+#include "tools/evaluate/table.h"
+
+namespace plslam {
+namespace {
+
+struct Arguments {
+  std::string estimate;
+  std::string estimate_format = "auto";
+  std::string truth;
+  std::string truth_format = "auto";
+  std::string times;
+  std::string align = "se3";
+  double max_difference_s = 0.02;
+  bool interpolate = false;
+  double max_gap_s = 0.5;
+  std::vector<std::string> deltas{"1f", "1s", "1m"};
+  int64_t frames = 0;
+  std::string keyframes;
+  std::string covariance;
+  std::string motion_covariance;
+  std::string json;
+  std::string plot;
+};
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  const CLI::IsMember formats({"auto", "tum", "kitti", "euroc"});
+  app.add_option("estimate", a.estimate, "estimated trajectory (TUM, KITTI or EuRoC format)")->required();
+  app.add_option("--truth", a.truth, "true trajectory, in any of these formats")->required();
+  app.add_option("--estimate-format", a.estimate_format, "instead of looking at the file")->check(formats);
+  app.add_option("--truth-format", a.truth_format, "instead of looking at the file")->check(formats);
+  app.add_option("--times", a.times, "times of trajectories in KITTI format, one second value a line");
+  app.add_option("--align", a.align, "none, first, se3 or sim3")
+      ->check(CLI::IsMember({"none", "first", "se3", "sim3"}));
+  app.add_option("--max-difference", a.max_difference_s, "largest time difference of two poses [s]")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_flag("--interpolate", a.interpolate, "interpolate the truth instead of taking the nearest pose");
+  app.add_option("--max-gap", a.max_gap_s, "largest gap of the truth to interpolate across [s]")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--delta", a.deltas, "intervals of the relative error: 5f, 1s, 2.5m ...");
+  app.add_option("--frames", a.frames, "frames of the sequence, for the coverage (default: true poses)")
+      ->check(CLI::Range(int64_t{0}, int64_t{1} << 40));
+  app.add_option("--keyframes", a.keyframes, "trajectory of the keyframes alone: errors between keyframes");
+  app.add_option("--covariance", a.covariance, "covariances of the poses (covariance.txt of the viewer): NEES");
+  app.add_option("--motion-covariance", a.motion_covariance, "covariances of the motions: NEES");
+  app.add_option("--json", a.json, "write all numbers to this file");
+  app.add_option("--plot", a.plot, "write a picture of the paths and errors (PNG)");
+  app.set_version_flag("--version", PLSLAM_VERSION);
+}
+
+Trajectory Read(const std::string& path, const std::string& format, const std::string& times) {
+  if (format == "auto") return ReadTrajectory(path, times);
+  return ReadTrajectory(path, TrajectoryFormatFromName(format), times);
+}
+
+int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
+
+EvaluateOptions ToOptions(const Arguments& a) {
+  EvaluateOptions options;
+  options.alignment = AlignmentFromName(a.align);
+  options.max_difference_ns = ToNs(a.max_difference_s);
+  options.interpolate_truth = a.interpolate;
+  options.max_gap_ns = ToNs(a.max_gap_s);
+  options.n_frames = a.frames;
+  options.deltas.clear();
+  for (const std::string& delta : a.deltas) options.deltas.push_back(DeltaFromText(delta));
+  if (!a.keyframes.empty()) {
+    for (const TrajectoryPose& pose : ReadTrajectory(a.keyframes, a.times))
+      options.keyframe_t_ns.push_back(pose.t_ns);
+  }
+  if (!a.covariance.empty()) options.covariances = ReadPoseCovariances(a.covariance);
+  if (!a.motion_covariance.empty()) options.motion_covariances = ReadPoseCovariances(a.motion_covariance);
+  return options;
+}
+
+void WritePlot(const Accuracy& accuracy, const Arguments& a) {
+  std::vector<uchar> png;
+  cv::imencode(".png", PlotAccuracy(accuracy, std::filesystem::path(a.estimate).filename().string()), png);
+  WriteFileAtomically(a.plot, std::string(png.begin(), png.end()));
+}
+
+int Evaluate(const Arguments& a) {
+  const Trajectory estimate = Read(a.estimate, a.estimate_format, a.times);
+  const Trajectory truth = Read(a.truth, a.truth_format, a.times);
+  const Accuracy accuracy = EvaluateTrajectory(estimate, truth, ToOptions(a));
+  fmt::print("{}", AccuracyTable(accuracy));
+  if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");
+  if (!a.plot.empty()) WritePlot(accuracy, a);
+  if (!accuracy.pairs.empty()) return 0;
+  fmt::print(stderr, "evaluate: {}\n", accuracy.note);
+  return 1;
+}
+
+}  // namespace
+
+int RunEvaluate(int argc, char** argv) {
+  CLI::App app("Compares an estimated trajectory with the truth. docs/metrics.md defines the numbers.", "evaluate");
+  Arguments arguments;
+  AddOptions(app, arguments);
+  try {
+    app.parse(argc, argv);
+    return Evaluate(arguments);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "evaluate: {}\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,95 @@
+#include "tools/evaluate/consistency.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "tools/evaluate/relative_error.h"
+#include "tools/evaluate/statistics.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kZ95 = 1.959964;
+constexpr double kQuantile95Of6 = 12.591587;
+
+const Matrix6d* Find(const std::vector<PoseCovariance>& covariances, int64_t t_ns) {
+  const auto found = std::lower_bound(covariances.begin(), covariances.end(), t_ns,
+                                      [](const PoseCovariance& row, int64_t t) { return row.t_ns < t; });
+  return found != covariances.end() && found->t_ns == t_ns ? &found->covariance : nullptr;
+}
+
+// nullopt where the covariance is not positive definite. Scaled to unit variances first, since those of metres and of
+// radians differ by orders of magnitude.
+std::optional<double> Nees(const Vector6d& x, const Matrix6d& covariance) {
+  if (!(covariance.diagonal().minCoeff() > 0.0)) return std::nullopt;
+  const Vector6d scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix6d correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Eigen::LLT<Matrix6d> llt(correlation);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  const double nees = llt.matrixL().solve(scale.cwiseProduct(x)).squaredNorm();
+  return std::isfinite(nees) ? std::optional(nees) : std::nullopt;
+}
+
+class Collector {
+ public:
+  // `error` takes the true motion to the estimated one: T_true = T * Exp(x) is T^-1 T_true = error^-1.
+  void Add(const SE3& error, const Matrix6d& covariance) {
+    const std::optional<double> nees = Nees(error.Inverse().Log(), covariance);
+    if (nees) {
+      values_.push_back(*nees);
+    } else {
+      ++result_.singular;
+    }
+  }
+
+  Consistency Result() {
+    result_.n = static_cast<int>(values_.size());
+    if (values_.empty()) return result_;
+    const double n = static_cast<double>(values_.size());
+    const auto above = std::count_if(values_.begin(), values_.end(), [](double v) { return v > kQuantile95Of6; });
+    result_.above_95_percent = 100.0 * static_cast<double>(above) / n;
+    result_.mean_nees = Summarise(values_).mean;
+    result_.lower_bound = ChiSquareQuantile(6.0 * n, -kZ95) / n;
+    result_.upper_bound = ChiSquareQuantile(6.0 * n, kZ95) / n;
+    return result_;
+  }
+
+ private:
+  std::vector<double> values_;
+  Consistency result_;
+};
+
+}  // namespace
+
+Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances) {
+  Collector collector;
+  const PosePair* first = nullptr;
+  const Matrix6d* first_covariance = nullptr;
+  for (const PosePair& pair : pairs) {
+    const Matrix6d* covariance = Find(covariances, pair.t_ns);
+    if (covariance == nullptr) continue;
+    if (first == nullptr) {
+      first = &pair;
+      first_covariance = covariance;
+      continue;
+    }
+    const SE3 T_first_pair = first->estimate.Inverse() * pair.estimate;
+    const Matrix6d carried = ComposeCovariance(*first_covariance, T_first_pair, Matrix6d::Zero());
+    collector.Add(MotionError(*first, pair), *covariance - carried);
+  }
+  return collector.Result();
+}
+
+Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances) {
+  Collector collector;
+  for (size_t i = 1; i < pairs.size(); ++i) {
+    if (pairs[i].estimate_index != pairs[i - 1].estimate_index + 1) continue;
+    const Matrix6d* covariance = Find(covariances, pairs[i].t_ns);
+    if (covariance != nullptr) collector.Add(MotionError(pairs[i - 1], pairs[i]), *covariance);
+  }
+  return collector.Result();
+}
+
+}  // namespace plslam

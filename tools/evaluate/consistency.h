@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "core/io/pose_covariance.h"
+#include "tools/evaluate/association.h"
+
+namespace plslam {
+
+/// Whether covariances fit the errors: NEES x^T C^-1 x of the error x with T_true = T * Exp(x) (Bar-Shalom et al. 2001,
+/// §5.4). With honest covariances it has mean 6.
+struct Consistency {
+  int n = 0;
+  int singular = 0;  ///< left out: no positive definite covariance
+  double mean_nees = 0.0;
+  /// Share of the samples above the 95 % quantile of one sample (12.59).
+  double above_95_percent = 0.0;
+  /// The mean of n independent samples lies between these with 95 %.
+  double lower_bound = 0.0;
+  double upper_bound = 0.0;
+};
+
+/// Of the pose since the first pair that has a covariance: both trajectories are made equal there, and its covariance,
+/// carried along, is taken off the later ones. Errors of successive poses are correlated, so the mean scatters more
+/// than the bounds say.
+Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances);
+
+/// Of the motion from each estimated pose to the next one. `covariances` belong to the motion that ends at their time;
+/// a pose without a row is passed over. The samples are as good as independent, so the bounds apply.
+Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances);
+
+}  // namespace plslam

@@ -1,0 +1,3 @@
+#include "tools/evaluate/command_line.h"
+
+int main(int argc, char** argv) { return plslam::RunEvaluate(argc, argv); }

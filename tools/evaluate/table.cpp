@@ -1,0 +1,76 @@
+#include "tools/evaluate/table.h"
+
+#include <fmt/format.h>
+
+namespace plslam {
+namespace {
+
+std::string Value(int n, double value) { return n > 0 ? fmt::format("{:.4f}", value) : "-"; }
+
+std::string StatisticsRow(const std::string& name, const Statistics& s) {
+  return fmt::format("{:<26}{:>8}{:>12}{:>12}{:>12}{:>12}\n", name, s.n, Value(s.n, s.rmse), Value(s.n, s.mean),
+                     Value(s.n, s.median), Value(s.n, s.max));
+}
+
+std::string Head(const Accuracy& a) {
+  std::string text = fmt::format("poses       {} estimated, {} true, {} associated; coverage {:.1f} %\n",
+                                 a.estimated_poses, a.true_poses, a.pairs.size(), a.coverage_percent);
+  text += fmt::format("true path   {:.3f} m in {:.3f} s\n", a.true_path_m, a.duration_s);
+  text += fmt::format("alignment   {}", AlignmentName(a.alignment_kind));
+  if (a.alignment_kind == Alignment::kSim3) text += fmt::format(", scale {:.6f}", a.alignment.scale);
+  text += '\n';
+  if (!a.note.empty()) text += fmt::format("note        {}\n", a.note);
+  return text;
+}
+
+std::string StatisticsTable(const Accuracy& a) {
+  std::string text = fmt::format("\n{:<26}{:>8}{:>12}{:>12}{:>12}{:>12}\n", "", "n", "rmse", "mean", "median", "max");
+  text += StatisticsRow("ATE position [m]", a.ate_m);
+  text += StatisticsRow("ATE orientation [deg]", a.ate_deg);
+  for (const RelativeErrorSummary& r : a.relative) {
+    text += StatisticsRow(fmt::format("RPE {} translation [m]", DeltaText(r.delta)), r.translation_m);
+    text += StatisticsRow(fmt::format("RPE {} rotation [deg]", DeltaText(r.delta)), r.rotation_deg);
+  }
+  return text;
+}
+
+std::string KittiRow(const std::string& name, int segments, double t_rel, double r_rel) {
+  return fmt::format("{:<26}{:>8}{:>12}{:>16}\n", name, segments, Value(segments, t_rel), Value(segments, r_rel));
+}
+
+std::string KittiTable(const std::string& name, const KittiErrors& errors) {
+  if (errors.segments == 0) return "";
+  std::string text = fmt::format("\n{:<26}{:>8}{:>12}{:>16}\n", name, "n", "t_rel [%]", "r_rel [deg/100m]");
+  for (const KittiLengthError& row : errors.lengths) {
+    text += KittiRow(fmt::format("{:g} m", row.length_m), row.segments, row.t_rel_percent, row.r_rel_deg_per_100m);
+  }
+  return text + KittiRow("mean of all", errors.segments, errors.t_rel_percent, errors.r_rel_deg_per_100m);
+}
+
+std::string KeyframeTable(const KeyframeErrors& e) {
+  return fmt::format(
+      "\nbetween keyframes         n {}, translation rmse {} m, rotation rmse {} deg\n"
+      "  relative to distance    n {}, rmse {}, t_rel {} %, R_rel {} deg/100m\n",
+      e.motions, Value(e.motions, e.rmse_m), Value(e.motions, e.rmse_deg), e.moving, Value(e.moving, e.relative_rmse),
+      Value(e.moving, e.t_rel_percent), Value(e.moving, e.R_rel_deg_per_100m));
+}
+
+std::string ConsistencyRow(const std::string& name, const Consistency& c) {
+  if (c.n == 0) return fmt::format("\n{:<26}n 0, {} singular covariances\n", name, c.singular);
+  return fmt::format("\n{:<26}n {}, mean {:.3f} (6 expected, 95 % between {:.3f} and {:.3f}), {:.1f} % above 12.59\n",
+                     name, c.n, c.mean_nees, c.lower_bound, c.upper_bound, c.above_95_percent);
+}
+
+}  // namespace
+
+std::string AccuracyTable(const Accuracy& a) {
+  std::string text = Head(a) + StatisticsTable(a);
+  text += KittiTable("KITTI", a.kitti);
+  text += KittiTable("KITTI's, short lengths", a.kitti_short);
+  if (a.keyframes) text += KeyframeTable(*a.keyframes);
+  if (a.pose_consistency) text += ConsistencyRow("NEES of poses", *a.pose_consistency);
+  if (a.motion_consistency) text += ConsistencyRow("NEES of motions", *a.motion_consistency);
+  return text;
+}
+
+}  // namespace plslam

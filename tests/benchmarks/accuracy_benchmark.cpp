@@ -1,0 +1,93 @@
+// Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the numbers
+// that count come from `plslam run`.
+//
+//   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
+
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "core/config/config.h"
+#include "player/open_dataset.h"
+#include "tests/support/odometry_run.h"
+
+namespace {
+
+using plslam::test::OdometryFrame;
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::string StageMedians(const std::vector<OdometryFrame>& frames) {
+  std::map<std::string, std::vector<double>> times;
+  for (const OdometryFrame& frame : frames) {
+    for (const plslam::StageTime& stage : frame.stages) times[stage.name].push_back(stage.ms);
+  }
+  std::string text;
+  for (auto& [name, values] : times) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, " %s %.2f", name.c_str(), Median(values));
+    text += buffer;
+  }
+  return text;
+}
+
+template <class Member>
+double Mean(const std::vector<OdometryFrame>& frames, Member member) {
+  double sum = 0.0;
+  for (const OdometryFrame& frame : frames) sum += frame.*member;
+  return frames.empty() ? 0.0 : sum / static_cast<double>(frames.size());
+}
+
+void PrintFrame(int index, const OdometryFrame& f) {
+  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d  t %.4f %.4f %.4f\n", index, static_cast<int>(f.state),
+              f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines, f.keyframe ? 1 : 0,
+              f.T_odom_l.translation().x(), f.T_odom_l.translation().y(), f.T_odom_l.translation().z());
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::vector<std::string> datasets;
+  std::vector<std::string> overrides;
+  std::string config_path;
+  int stride = 1;
+  int frames_wanted = 1 << 30;
+  bool verbose = false;
+  CLI::App app("Accuracy and time of odometry in one process, without messages");
+  app.add_option("datasets", datasets, "datasets")->required();
+  app.add_option("--set", overrides, "KEY=VALUE");
+  app.add_option("--config", config_path, "configuration file");
+  app.add_option("--stride", stride, "every so many frames");
+  app.add_option("--frames", frames_wanted, "at most so many");
+  app.add_flag("--verbose", verbose, "a line for each frame");
+  CLI11_PARSE(app, argc, argv);
+  cv::setNumThreads(1);
+  plslam::Config config;
+  if (!config_path.empty()) config = plslam::Config::FromFile(config_path);
+  for (const std::string& assignment : overrides) config.Override(assignment);
+  plslam::VoOptions options;
+  config.Read("vo", options);
+  for (const std::string& location : datasets) {
+    const auto dataset = plslam::OpenDataset(location, "");
+    const auto frames = plslam::test::RunOdometry(*dataset, options, stride, frames_wanted);
+    const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
+    for (int i = 0; verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
+    std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",
+                location.substr(location.size() > 40 ? location.size() - 40 : 0).c_str(), frames.size(),
+                plslam::test::LostFrames(frames), keyframes, plslam::test::AbsoluteTrajectoryError(frames),
+                plslam::test::MotionNees(frames), Mean(frames, &OdometryFrame::n_tracked_points),
+                Mean(frames, &OdometryFrame::n_points), Mean(frames, &OdometryFrame::n_tracked_lines),
+                Mean(frames, &OdometryFrame::n_lines), StageMedians(frames).c_str());
+  }
+  return 0;
+}

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
+
+namespace plslam::test {
+
+/// A world of points and segments with descriptors of their own, seen without images: stereo features as a perfect
+/// front end would find them, with Gaussian noise of the stated deviations.
+class FeatureWorld {
+ public:
+  struct Counts {
+    int points = 400;
+    int lines = 80;
+  };
+
+  /// A shell of landmarks between 2 and 8 m around the origin.
+  FeatureWorld(const Counts& counts, uint64_t seed);
+
+  /// What the camera at `T_w_c` sees. `noise_px` is the deviation of each coordinate; 0 gives the exact projections.
+  StereoFeatures Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const;
+
+  static StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.12, 640, 480}; }
+
+ private:
+  struct Point {
+    Eigen::Vector3d p_w;
+    Descriptor descriptor;
+  };
+  struct Line {
+    Segment3 segment_w;
+    Descriptor descriptor;
+  };
+
+  std::vector<Point> points_;
+  std::vector<Line> lines_;
+};
+
+}  // namespace plslam::test

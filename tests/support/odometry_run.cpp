@@ -1,0 +1,105 @@
+#include "tests/support/odometry_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "vo_process/stereo_front_end.h"
+
+namespace plslam::test {
+namespace {
+
+double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+OdometryFrame Summarise(const OdometryResult& result, const SE3& T_l_c) {
+  OdometryFrame frame;
+  frame.state = result.state;
+  frame.T_odom_l = result.T_odom_c * T_l_c.Inverse();
+  frame.covariance = result.covariance;
+  frame.T_prev_c = result.T_prev_c;
+  frame.motion_covariance = result.motion_covariance;
+  frame.T_l_c = T_l_c;
+  frame.keyframe = result.keyframe.has_value();
+  frame.n_points = static_cast<int>(result.features.points.size());
+  frame.n_lines = static_cast<int>(result.features.lines.size());
+  frame.n_tracked_points = result.n_tracked_points;
+  frame.n_tracked_lines = result.n_tracked_lines;
+  return frame;
+}
+
+}  // namespace
+
+std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& options, int stride, int max_frames,
+                                       const std::function<void(const StereoImages&, const OdometryResult&)>& visit) {
+  StereoFrontEnd front_end(dataset.rig(), options);
+  Odometry odometry(front_end.camera(), options);
+  const SE3 T_l_c(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero());
+  std::vector<OdometryFrame> frames;
+  for (int i = 0; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
+    const StereoImages images = dataset.Read(i);
+    StageTimer timer(NowMs);
+    OdometryResult result;
+    timer.Time("total", [&] {
+      StereoFeatures features = front_end.Process(images, timer);
+      result = timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features)); });
+    });
+    OdometryFrame frame = Summarise(result, T_l_c);
+    frame.t_ns = images.t_ns;
+    frame.T_w_l = dataset.GroundTruth(i);
+    frame.stages = timer.stages();
+    frames.push_back(frame);
+    if (visit) visit(images, result);
+  }
+  return frames;
+}
+
+double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames) {
+  std::vector<Eigen::Vector3d> estimate;
+  std::vector<Eigen::Vector3d> truth;
+  for (const OdometryFrame& frame : frames) {
+    if (!frame.T_w_l || frame.state == TrackingState::kLost || frame.state == TrackingState::kInitialising) continue;
+    estimate.push_back(frame.T_odom_l.translation());
+    truth.push_back(frame.T_w_l->translation());
+  }
+  const int n = static_cast<int>(estimate.size());
+  if (n < 3) return -1.0;
+  Eigen::Matrix3Xd a(3, n);
+  Eigen::Matrix3Xd b(3, n);
+  for (int i = 0; i < n; ++i) {
+    a.col(i) = estimate[i];
+    b.col(i) = truth[i];
+  }
+  const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
+  const Eigen::Matrix3Xd error = ((T.topLeftCorner<3, 3>() * a).colwise() + T.topRightCorner<3, 1>().eval()) - b;
+  return std::sqrt(error.colwise().squaredNorm().mean());
+}
+
+double MotionNees(const std::vector<OdometryFrame>& frames) {
+  std::vector<double> values;
+  for (size_t i = 1; i < frames.size(); ++i) {
+    const OdometryFrame& previous = frames[i - 1];
+    const OdometryFrame& frame = frames[i];
+    if (!frame.T_w_l || !previous.T_w_l || frame.state != TrackingState::kTracking) continue;
+    const SE3 truth = frame.T_l_c.Inverse() * (previous.T_w_l->Inverse() * *frame.T_w_l) * frame.T_l_c;
+    const Vector6d error = (frame.T_prev_c.Inverse() * truth).Log();
+    values.push_back(error.dot(frame.motion_covariance.ldlt().solve(error)));
+  }
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  values.resize(std::max<size_t>(1, values.size() - values.size() / 100));
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+int LostFrames(const std::vector<OdometryFrame>& frames) {
+  return static_cast<int>(std::count_if(
+      frames.begin(), frames.end(), [](const OdometryFrame& frame) { return frame.state == TrackingState::kLost; }));
+}
+
+}  // namespace plslam::test

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "core/io/dataset.h"
+#include "vo_process/odometry.h"
+#include "vo_process/options.h"
+#include "vo_process/stage_timer.h"
+
+namespace plslam::test {
+
+/// What is kept of a frame, with the truth where the dataset has it.
+struct OdometryFrame {
+  int64_t t_ns = 0;
+  TrackingState state = TrackingState::kInitialising;
+  /// Left camera as calibrated, as in trajectory files.
+  SE3 T_odom_l;
+  Matrix6d covariance = Matrix6d::Zero();
+  SE3 T_prev_c;
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  std::optional<SE3> T_w_l;
+  SE3 T_l_c;
+  bool keyframe = false;
+  int n_points = 0;
+  int n_lines = 0;
+  int n_tracked_points = 0;
+  int n_tracked_lines = 0;
+  std::vector<StageTime> stages;
+};
+
+/// Front end and odometry over a dataset in this process: what vo_process does, without messages. `visit`, if given,
+/// sees each frame's whole result with its images.
+std::vector<OdometryFrame> RunOdometry(
+    const Dataset& dataset, const VoOptions& options, int stride = 1, int max_frames = 1 << 30,
+    const std::function<void(const StereoImages&, const OdometryResult&)>& visit = nullptr);
+
+/// Root mean square of the position error after the best rigid alignment, over frames that are not lost and have a
+/// truth. Negative where there are fewer than 3.
+double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);
+
+/// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 where the covariance is honest), leaving
+/// out the largest hundredth, which are outliers of any Gaussian.
+double MotionNees(const std::vector<OdometryFrame>& frames);
+
+/// Frames with state lost.
+int LostFrames(const std::vector<OdometryFrame>& frames);
+
+}  // namespace plslam::test

@@ -1,0 +1,75 @@
+#include "vo_process/keyframe_policy.h"
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+KeyframeCandidate Standing() {
+  KeyframeCandidate candidate;
+  candidate.covariance = 1e-8 * Matrix6d::Identity();
+  candidate.tracked_from_keyframe = 200;
+  candidate.median_depth_m = 4.0;
+  return candidate;
+}
+
+KeyframeCandidate Moved(double metres) {
+  KeyframeCandidate candidate = Standing();
+  candidate.T_kf_c = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(metres, 0.0, 0.0));
+  return candidate;
+}
+
+KeyframeReason Second(const KeyframeCandidate& candidate) {
+  KeyframePolicy policy{KeyframeOptions()};
+  policy.Decide(Standing());
+  return policy.Decide(candidate).reason;
+}
+
+TEST(KeyframePolicy, StandingCameraMakesNoneHoweverLongItStands) {
+  KeyframePolicy policy{KeyframeOptions()};
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(policy.Decide(Standing()).reason, KeyframeReason::kNone) << "frame " << i;
+}
+
+TEST(KeyframePolicy, SmallMotionAloneIsNoReason) { EXPECT_EQ(Second(Moved(0.2)), KeyframeReason::kNone); }
+
+TEST(KeyframePolicy, RatioOfFirstFrameIsOne) {
+  KeyframePolicy policy{KeyframeOptions()};
+  EXPECT_NEAR(policy.Decide(Standing()).entropy_ratio, 1.0, 1e-12);
+}
+
+TEST(KeyframePolicy, GrownUncertaintyIsAReason) {
+  KeyframeCandidate candidate = Moved(0.2);
+  candidate.covariance *= 100.0;
+  EXPECT_EQ(Second(candidate), KeyframeReason::kEntropy);
+}
+
+TEST(KeyframePolicy, LostLandmarksAreAReason) {
+  KeyframeCandidate candidate = Moved(0.2);
+  candidate.tracked_from_keyframe = 40;
+  EXPECT_EQ(Second(candidate), KeyframeReason::kTracked);
+}
+
+TEST(KeyframePolicy, LargeBaselineIsAReason) { EXPECT_EQ(Second(Moved(2.0)), KeyframeReason::kBaseline); }
+
+TEST(KeyframePolicy, RotationIsAReason) {
+  KeyframeCandidate candidate = Standing();
+  candidate.T_kf_c = SE3(ExpSO3(Eigen::Vector3d(0.0, 0.4, 0.0)), Eigen::Vector3d::Zero());
+  EXPECT_EQ(Second(candidate), KeyframeReason::kRotation);
+}
+
+TEST(KeyframePolicy, AgeIsAReasonOnlyForACameraThatHasMoved) {
+  KeyframeOptions options;
+  options.max_frames = 5;
+  KeyframePolicy policy(options);
+  for (int i = 0; i < 20; ++i) policy.Decide(Standing());
+  EXPECT_EQ(policy.Decide(Moved(0.2)).reason, KeyframeReason::kAge);
+}
+
+TEST(KeyframePolicy, UnknownDepthDoesNotDivideByZero) {
+  KeyframeCandidate candidate = Moved(0.2);
+  candidate.median_depth_m = 0.0;
+  EXPECT_EQ(Second(candidate), KeyframeReason::kBaseline);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,197 @@
+#include "vo_process/odometry.h"
+
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/feature_world.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+
+constexpr int64_t kFrame_ns = 50'000'000;
+
+SE3 PoseAt(int frame) {
+  const double s = 0.02 * frame;
+  return SE3(ExpSO3(Eigen::Vector3d(0.05 * std::sin(s), 0.3 * s, 0.0)),
+             Eigen::Vector3d(0.5 * std::sin(s), 0.1 * s, 0.8 * (1.0 - std::cos(s))));
+}
+
+// Features of the pose on the path, with the frame number as noise seed.
+StereoFeatures See(const FeatureWorld& world, int frame, double noise_px = 0.3) {
+  return world.Observe(PoseAt(frame), noise_px, static_cast<uint64_t>(frame));
+}
+
+double PositionError(const OdometryResult& result, int frame) {
+  return (result.T_odom_c.translation() - (PoseAt(0).Inverse() * PoseAt(frame)).translation()).norm();
+}
+
+bool IsSane(const OdometryResult& result) {
+  return result.T_odom_c.IsFinite() && result.covariance.allFinite() && result.motion_covariance.allFinite();
+}
+
+class OdometryByKind : public testing::TestWithParam<FeatureWorld::Counts> {};
+
+TEST_P(OdometryByKind, FollowsAPathWithSmallDrift) {
+  const FeatureWorld world(GetParam(), 7);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  OdometryResult result;
+  for (int i = 0; i < 60; ++i) {
+    result = odometry.Track(i * kFrame_ns, See(world, i));
+    EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    ASSERT_TRUE(IsSane(result));
+  }
+  EXPECT_LT(PositionError(result, 59), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByKind,
+                         testing::Values(FeatureWorld::Counts{300, 0}, FeatureWorld::Counts{0, 100},
+                                         FeatureWorld::Counts{300, 100}),
+                         [](const auto& info) {
+                           return std::to_string(info.param.points) + "Points" + std::to_string(info.param.lines) +
+                                  "Lines";
+                         });
+
+TEST(Odometry, FrameToFrameDriftsMoreThanLandmarks) {
+  const FeatureWorld world({300, 60}, 3);
+  VoOptions paper;
+  paper.tracking.reference = "previous_frame";
+  Odometry landmarks(FeatureWorld::Camera(), VoOptions());
+  Odometry frame_to_frame(FeatureWorld::Camera(), paper);
+  double error_landmarks = 0.0;
+  double error_frames = 0.0;
+  for (int i = 0; i < 80; ++i) {
+    error_landmarks += PositionError(landmarks.Track(i * kFrame_ns, See(world, i)), i);
+    error_frames += PositionError(frame_to_frame.Track(i * kFrame_ns, See(world, i)), i);
+  }
+  EXPECT_LT(error_landmarks, error_frames);
+  EXPECT_LT(error_frames / 80, 0.05);
+}
+
+TEST(Odometry, StandingStillDriftsNowhereAndMakesOneKeyframe) {
+  const FeatureWorld world({300, 60}, 5);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  int keyframes = 0;
+  for (int i = 0; i < 100; ++i) {
+    const OdometryResult result = odometry.Track(i * kFrame_ns, world.Observe(PoseAt(0), 0.3, i));
+    keyframes += result.keyframe ? 1 : 0;
+    EXPECT_LT(result.T_odom_c.translation().norm(), 0.003) << "frame " << i;
+  }
+  EXPECT_EQ(keyframes, 1);
+}
+
+TEST(Odometry, IdenticalFramesGiveZeroMotionAndFiniteCovariance) {
+  const FeatureWorld world({300, 60}, 5);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 5; ++i) {
+    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, 0));
+    EXPECT_LT(result.T_odom_c.Log().norm(), 1e-9);
+    ASSERT_TRUE(IsSane(result));
+  }
+}
+
+TEST(Odometry, FramesWithoutFeaturesAreLostAndThenRecovered) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
+  for (int i = 10; i < 20; ++i) {
+    const OdometryResult dark = odometry.Track(i * kFrame_ns, {});
+    EXPECT_EQ(dark.state, TrackingState::kLost);
+    ASSERT_TRUE(IsSane(dark));
+  }
+  const OdometryResult back = odometry.Track(20 * kFrame_ns, See(world, 20));
+  EXPECT_EQ(back.state, TrackingState::kRecovered);
+  EXPECT_TRUE(back.keyframe);
+  EXPECT_LT(PositionError(back, 20), 0.02);
+  EXPECT_EQ(odometry.Track(21 * kFrame_ns, See(world, 21)).state, TrackingState::kTracking);
+}
+
+TEST(Odometry, AnotherWorldIsEnteredWithTheGapInTheCovariance) {
+  const FeatureWorld before({300, 60}, 9);
+  const FeatureWorld after({300, 60}, 10);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(before, i));
+  const OdometryResult lost = odometry.Track(10 * kFrame_ns, See(after, 10));
+  EXPECT_EQ(lost.state, TrackingState::kLost);
+  const OdometryResult back = odometry.Track(11 * kFrame_ns, See(after, 11));
+  EXPECT_EQ(back.state, TrackingState::kRecovered);
+  ASSERT_TRUE(back.keyframe);
+  EXPECT_GT(back.keyframe->covariance.trace(), 0.5 * lost.motion_covariance.trace());
+  EXPECT_EQ(odometry.Track(12 * kFrame_ns, See(after, 12)).state, TrackingState::kTracking);
+}
+
+TEST(Odometry, OneStrangeFrameDoesNotLoseThePlace) {
+  const FeatureWorld world({300, 60}, 9);
+  const FeatureWorld strange({300, 60}, 10);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
+  EXPECT_EQ(odometry.Track(10 * kFrame_ns, See(strange, 10)).state, TrackingState::kLost);
+  const OdometryResult back = odometry.Track(11 * kFrame_ns, See(world, 11));
+  EXPECT_EQ(back.state, TrackingState::kRecovered);
+  EXPECT_LT(PositionError(back, 11), 0.02);
+}
+
+TEST(Odometry, StaysInitialisingUntilThereIsSomethingToSee) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(odometry.Track(i * kFrame_ns, {}).state, TrackingState::kInitialising);
+  }
+  StereoFeatures one;
+  one.points.push_back(See(world, 0).points.front());
+  EXPECT_EQ(odometry.Track(3 * kFrame_ns, one).state, TrackingState::kInitialising);
+  EXPECT_EQ(odometry.Track(4 * kFrame_ns, See(world, 4)).state, TrackingState::kTracking);
+}
+
+TEST(Odometry, FewFeaturesAreWeakNotLost) {
+  const FeatureWorld world({300, 0}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
+  StereoFeatures few = See(world, 10);
+  few.points.resize(16);
+  const OdometryResult result = odometry.Track(10 * kFrame_ns, few);
+  EXPECT_EQ(result.state, TrackingState::kWeak);
+  EXPECT_LT(PositionError(result, 10), 0.05);
+}
+
+TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  odometry.Track(5 * kFrame_ns, See(world, 0));
+  ASSERT_TRUE(IsSane(odometry.Track(5 * kFrame_ns, See(world, 1))));
+  ASSERT_TRUE(IsSane(odometry.Track(2 * kFrame_ns, See(world, 2))));
+}
+
+TEST(Odometry, KeyframesChainToTheOdometryPose) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  SE3 chained;
+  int64_t expected = 0;
+  for (int i = 0; i < 150; ++i) {
+    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, i));
+    if (!result.keyframe) continue;
+    EXPECT_EQ(result.keyframe->id, expected);
+    EXPECT_EQ(result.keyframe->previous_id, expected - 1);
+    ++expected;
+    chained = chained * result.keyframe->T_prevkf_kf;
+    EXPECT_LT((chained.Inverse() * result.T_odom_c).Log().norm(), 1e-9) << "keyframe " << result.keyframe->id;
+  }
+  EXPECT_GT(expected, 3);
+}
+
+TEST(Odometry, SameInputSameBits) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry a(FeatureWorld::Camera(), VoOptions());
+  Odometry b(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 40; ++i) {
+    const Eigen::Matrix4d A = a.Track(i * kFrame_ns, See(world, i)).T_odom_c.matrix();
+    const Eigen::Matrix4d B = b.Track(i * kFrame_ns, See(world, i)).T_odom_c.matrix();
+    ASSERT_EQ(std::memcmp(A.data(), B.data(), 16 * sizeof(double)), 0) << "frame " << i;
+  }
+}
+
+}  // namespace
+}  // namespace plslam

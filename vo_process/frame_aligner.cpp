@@ -1,0 +1,103 @@
+#include "vo_process/frame_aligner.h"
+
+#include "core/motion/pose_ransac.h"
+
+namespace plslam {
+namespace {
+
+// Landmarks unseen for longer do not take part before the pose is known.
+constexpr int kRecentFrames = 2;
+constexpr double kRansacInlier_px = 4.0;
+constexpr uint64_t kRansacSeed = 1;
+
+int Weight(const MotionEstimate& estimate) { return estimate.n_point_inliers + 2 * estimate.n_line_inliers; }
+
+std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, const std::vector<bool>& inlier) {
+  std::vector<LandmarkMatch> kept;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (inlier[i]) kept.push_back(matches[i]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                             const SE3& T_odom_prev, const MotionPrediction& prediction) const {
+  const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
+  const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
+  const TrackingOptions& tracking = options_.tracking;
+  for (const double radius_px : {tracking.search_radius_px, tracking.wide_radius_px}) {
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
+    const auto coarse = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt);
+    if (IsStrong(coarse, matches.Weight())) return Refine(landmarks, frame, *coarse, prior);
+  }
+  if (const auto coarse = FindByDescriptor(landmarks, frame)) return Refine(landmarks, frame, *coarse, prior);
+
+  const Search near{tracking.search_radius_px, kRecentFrames};
+  const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
+  auto weak = Estimate(landmarks, frame, matches, T_odom_predicted, prior);
+  if (!weak) return std::nullopt;
+  weak->weak = true;
+  return Refine(landmarks, frame, *weak, prior);
+}
+
+FrameMatches FrameAligner::MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                             const SE3& T_odom_c, const Search& search) const {
+  const SE3 T_c_odom = T_odom_c.Inverse();
+  return {landmarks.points.MatchByProjection(T_c_odom, frame, search, options_.point_matching),
+          landmarks.lines.MatchByProjection(T_c_odom, frame, search, options_.line_matching)};
+}
+
+std::optional<Alignment> FrameAligner::Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                const FrameMatches& matches, const SE3& T_odom_initial,
+                                                const std::optional<MotionPrior>& prior) const {
+  if (matches.Weight() < options_.tracking.min_inliers) return std::nullopt;
+  const auto estimate = EstimateMotion(landmarks.points.Observations(matches.points, frame),
+                                       landmarks.lines.Observations(matches.lines, frame), camera_,
+                                       T_odom_initial.Inverse(), prior, options_.motion);
+  if (!estimate || Weight(*estimate) < options_.tracking.min_inliers) return std::nullopt;
+  Alignment alignment;
+  alignment.T_odom_c = estimate->T_cur_ref.Inverse();
+  alignment.covariance = estimate->covariance;
+  alignment.matches = {Inliers(matches.points, estimate->point_inliers),
+                       Inliers(matches.lines, estimate->line_inliers)};
+  return alignment;
+}
+
+std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& landmarks,
+                                                        const TrackedFrame& frame) const {
+  const FrameMatches matches{landmarks.points.MatchByDescriptor(frame, kRecentFrames, options_.point_matching),
+                             landmarks.lines.MatchByDescriptor(frame, kRecentFrames, options_.line_matching)};
+  const auto T_c_odom = EstimatePoseRansac(landmarks.points.Observations(matches.points, frame),
+                                           landmarks.lines.Observations(matches.lines, frame), camera_,
+                                           options_.tracking.weak_inliers, kRansacInlier_px, kRansacSeed);
+  if (!T_c_odom) return std::nullopt;
+  // Matches around the pose found, so that the share of inliers says whether the pose is right.
+  const SE3 T_odom_c = T_c_odom->Inverse();
+  const Search near{options_.tracking.search_radius_px, kRecentFrames};
+  const FrameMatches guided = MatchByProjection(landmarks, frame, T_odom_c, near);
+  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt);
+  if (!IsStrong(coarse, guided.Weight())) return std::nullopt;
+  return coarse;
+}
+
+std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                              const Alignment& coarse, const MotionPrior& prior) const {
+  const Search all{options_.tracking.refine_radius_px, options_.landmarks.max_unseen_frames};
+  const FrameMatches matches = MatchByProjection(landmarks, frame, coarse.T_odom_c, all);
+  std::optional<MotionPrior> used_prior;
+  if (coarse.weak) used_prior = prior;
+  auto fine = Estimate(landmarks, frame, matches, coarse.T_odom_c, used_prior);
+  if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
+  fine->weak = coarse.weak;
+  return fine;
+}
+
+bool FrameAligner::IsStrong(const std::optional<Alignment>& alignment, int matched) const {
+  if (!alignment) return false;
+  const int weight = alignment->matches.Weight();
+  return weight >= options_.tracking.weak_inliers && weight >= options_.tracking.min_inlier_ratio * matched;
+}
+
+}  // namespace plslam

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+
+#include "core/geometry/stereo_camera.h"
+#include "vo_process/local_landmarks.h"
+#include "vo_process/motion_model.h"
+#include "vo_process/options.h"
+
+namespace plslam {
+
+/// Pose of a frame among landmarks.
+struct Alignment {
+  SE3 T_odom_c;
+  /// Of the right perturbation, given the landmarks.
+  Matrix6d covariance = Matrix6d::Zero();
+  /// Inliers.
+  FrameMatches matches;
+  /// Few inliers: the prior took part.
+  bool weak = false;
+};
+
+/// Finds a frame among landmarks: by projection from the expected pose, in a wider window, and at last by descriptors
+/// and RANSAC; then once more by projection from the pose found (PL-SLAM §IV.C with a motion model, windowed matching
+/// and verification). Values in, values out.
+class FrameAligner {
+ public:
+  FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
+
+  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since. nullopt: lost.
+  std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
+                                 const MotionPrediction& prediction) const;
+
+ private:
+  FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
+                                 const Search& search) const;
+  std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                    const FrameMatches& matches, const SE3& T_odom_initial,
+                                    const std::optional<MotionPrior>& prior) const;
+  std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
+  std::optional<Alignment> Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
+                                  const MotionPrior& prior) const;
+  bool IsStrong(const std::optional<Alignment>& alignment, int matched) const;
+
+  StereoCamera camera_;
+  VoOptions options_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+
+#include "vo_process/line_landmarks.h"
+#include "vo_process/point_landmarks.h"
+
+namespace plslam {
+
+/// Matches of both kinds.
+struct FrameMatches {
+  std::vector<LandmarkMatch> points;
+  std::vector<LandmarkMatch> lines;
+
+  /// Lines count twice: each has two endpoints.
+  int Weight() const { return static_cast<int>(points.size() + 2 * lines.size()); }
+};
+
+/// What odometry tracks: points and lines side by side.
+struct LocalLandmarks {
+  LocalLandmarks(const StereoCamera& camera, const VoOptions& options)
+      : points(camera, options.features.orb, options.landmarks), lines(camera, options.landmarks) {}
+
+  PointLandmarks points;
+  LineLandmarks lines;
+  int64_t next_point_id = 0;
+  int64_t next_line_id = 0;
+
+  void Update(const SE3& T_odom_c, const FrameMatches& matches, TrackedFrame& frame) {
+    points.Update(T_odom_c, matches.points, frame);
+    lines.Update(T_odom_c, matches.lines, frame);
+  }
+  void Found(const SE3& T_odom_c, TrackedFrame& frame) {
+    points.Found(T_odom_c, frame, next_point_id);
+    lines.Found(T_odom_c, frame, next_line_id);
+  }
+  void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame) {
+    points.FoundAnew(T_odom_c, frame, next_point_id);
+    lines.FoundAnew(T_odom_c, frame, next_line_id);
+  }
+};
+
+}  // namespace plslam

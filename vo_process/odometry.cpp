@@ -1,0 +1,187 @@
+#include "vo_process/odometry.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+constexpr double kMinInterval_s = 1e-3;
+
+// Landmarks that a frame could found: points with depth, lines with depth twice.
+int FoundingWeight(const StereoFeatures& features) {
+  const auto has_depth = [](const auto& feature) { return feature.HasDepth(); };
+  return static_cast<int>(std::count_if(features.points.begin(), features.points.end(), has_depth) +
+                          2 * std::count_if(features.lines.begin(), features.lines.end(), has_depth));
+}
+
+double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
+  std::vector<double> disparities;
+  for (const StereoPoint& point : frame.features.points) {
+    if (point.HasDepth()) disparities.push_back(point.disparity_px);
+  }
+  for (const StereoLine& line : frame.features.lines) {
+    if (line.HasDepth()) disparities.push_back(0.5 * (line.disparity_p_px + line.disparity_q_px));
+  }
+  if (disparities.empty()) return 0.0;
+  const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
+  std::nth_element(disparities.begin(), middle, disparities.end());
+  return camera.Depth(*middle);
+}
+
+}  // namespace
+
+Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
+    : camera_(camera),
+      options_(options),
+      aligner_(camera, options),
+      motion_model_(options.tracking),
+      keyframe_policy_(options.keyframes),
+      landmarks_(camera, options) {}
+
+OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
+  TrackedFrame frame(std::move(features));
+  OdometryResult result;
+  const double dt_s = std::max(1e-9 * static_cast<double>(t_ns - last_t_ns_), kMinInterval_s);
+  last_t_ns_ = t_ns;
+  if (!initialised_) {
+    Initialise(frame, result);
+  } else {
+    const MotionPrediction prediction = motion_model_.Predict(dt_s);
+    const auto tracked = Find(frame, prediction);
+    if (tracked) {
+      Accept(*tracked, dt_s, frame, result);
+    } else {
+      Miss(prediction, frame, result);
+    }
+  }
+  result.T_odom_c = T_odom_c_;
+  result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
+  result.features = std::move(frame.features);
+  result.point_tracks = std::move(frame.point_tracks);
+  result.line_tracks = std::move(frame.line_tracks);
+  return result;
+}
+
+void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
+  result.state = TrackingState::kInitialising;
+  if (FoundingWeight(frame.features) < options_.tracking.weak_inliers) return;
+  landmarks_.Found(T_odom_c_, frame);
+  initialised_ = true;
+  result.state = TrackingState::kTracking;
+  MakeKeyframe(KeyframeReason::kFirst, result);
+}
+
+std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
+  if (!dormant_) {
+    auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction);
+    if (!found) return std::nullopt;
+    return Tracked{std::move(*found), Reference::kCurrent};
+  }
+  // Lost: only strong evidence ends it, first of the place it was lost at, then of the frame before.
+  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction);
+  if (found && !found->weak) {
+    dormant_->landmarks.next_point_id = landmarks_.next_point_id;
+    dormant_->landmarks.next_line_id = landmarks_.next_line_id;
+    landmarks_ = std::move(dormant_->landmarks);
+    dormant_.reset();
+    return Tracked{std::move(*found), Reference::kDormant};
+  }
+  found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction);
+  if (!found || found->weak) return std::nullopt;
+  dormant_.reset();
+  return Tracked{std::move(*found), Reference::kFoundedWhileLost};
+}
+
+void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
+  const Alignment& alignment = tracked.alignment;
+  result.state = TrackingState::kTracking;
+  if (alignment.weak) result.state = TrackingState::kWeak;
+  if (tracked.reference != Reference::kCurrent) result.state = TrackingState::kRecovered;
+  result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
+  result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
+  result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
+  PropagateCovariance(tracked, result);
+
+  landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);
+  if (options_.tracking.reference == "previous_frame") {
+    landmarks_.FoundAnew(alignment.T_odom_c, frame);
+  } else {
+    landmarks_.Found(alignment.T_odom_c, frame);
+  }
+  T_odom_c_ = alignment.T_odom_c;
+  motion_model_.Observe(result.T_prev_c, dt_s);
+  ChooseKeyframe(tracked, frame, result);
+}
+
+void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& result) {
+  const Matrix6d& alignment = tracked.alignment.covariance;
+  const Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
+  const bool frame_to_frame = options_.tracking.reference == "previous_frame";
+  // Frame to frame, or among landmarks founded by the frame before: that frame is where they are exact.
+  const bool exact_before = frame_to_frame || tracked.reference == Reference::kFoundedWhileLost;
+  // Otherwise both ends were measured against the same landmarks, and both errors are in the motion between.
+  result.motion_covariance =
+      exact_before ? alignment : ComposeCovariance(alignment_covariance_, result.T_prev_c, alignment);
+  if (tracked.reference == Reference::kDormant) result.motion_covariance = chained;
+  covariance_kf_c_ = exact_before ? chained : alignment;
+  alignment_covariance_ = alignment;
+}
+
+void Odometry::Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result) {
+  result.state = TrackingState::kLost;
+  if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_};
+  result.T_prev_c = prediction.T_prev_c;
+  result.motion_covariance = prediction.covariance;
+  covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
+  T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
+  motion_model_.Slow();
+  // The next frame may match this one even where neither matches the landmarks from before.
+  if (FoundingWeight(frame.features) >= options_.tracking.weak_inliers) landmarks_.FoundAnew(T_odom_c_, frame);
+}
+
+int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {
+  const auto known_below = [](int64_t limit) {
+    return [limit](const FeatureTrack& track) { return track.landmark_id >= 0 && track.landmark_id < limit; };
+  };
+  const auto points =
+      std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), known_below(keyframe_point_id_));
+  const auto lines =
+      std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), known_below(keyframe_line_id_));
+  return static_cast<int>(points + 2 * lines);
+}
+
+void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result) {
+  if (tracked.reference != Reference::kCurrent) {
+    MakeKeyframe(KeyframeReason::kTracked, result);
+    return;
+  }
+  KeyframeCandidate candidate;
+  candidate.T_kf_c = T_odom_kf_.Inverse() * T_odom_c_;
+  candidate.covariance = covariance_kf_c_;
+  candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
+  candidate.median_depth_m = MedianDepth(frame, camera_);
+  const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
+  result.entropy_ratio = decision.entropy_ratio;
+  if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);
+}
+
+void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
+  KeyframeStep step;
+  step.id = next_keyframe_id_++;
+  step.reason = reason;
+  if (step.id > 0) {
+    step.previous_id = step.id - 1;
+    step.T_prevkf_kf = T_odom_kf_.Inverse() * T_odom_c_;
+    step.covariance = covariance_kf_c_;
+  }
+  covariance_odom_kf_ = ComposeCovariance(covariance_odom_kf_, step.T_prevkf_kf, step.covariance);
+  covariance_kf_c_.setZero();
+  T_odom_kf_ = T_odom_c_;
+  keyframe_point_id_ = landmarks_.next_point_id;
+  keyframe_line_id_ = landmarks_.next_line_id;
+  keyframe_policy_.Restart();
+  result.keyframe = step;
+}
+
+}  // namespace plslam

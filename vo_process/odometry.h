@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "vo_process/frame_aligner.h"
+#include "vo_process/keyframe_policy.h"
+#include "vo_process/local_landmarks.h"
+#include "vo_process/motion_model.h"
+
+namespace plslam {
+
+/// As in `pose_t.state`.
+enum class TrackingState { kInitialising = 0, kTracking = 1, kWeak = 2, kLost = 3, kRecovered = 4 };
+
+/// A frame that became a keyframe: motion since the one before.
+struct KeyframeStep {
+  int64_t id = 0;
+  KeyframeReason reason = KeyframeReason::kNone;
+  /// -1 for the first; then the relative pose is identity with zero covariance.
+  int64_t previous_id = -1;
+  SE3 T_prevkf_kf;
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+/// What odometry says of a frame.
+struct OdometryResult {
+  TrackingState state = TrackingState::kInitialising;
+  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation,
+  /// growing with the way.
+  SE3 T_odom_c;
+  Matrix6d covariance = Matrix6d::Zero();
+  /// Motion since the frame before.
+  SE3 T_prev_c;
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  double entropy_ratio = 0.0;
+  std::optional<KeyframeStep> keyframe;
+  int n_tracked_points = 0;
+  int n_tracked_lines = 0;
+  /// The frame's features with the landmarks they belong to.
+  StereoFeatures features;
+  std::vector<FeatureTrack> point_tracks;
+  std::vector<FeatureTrack> line_tracks;
+};
+
+/// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No images, no
+/// clock, no messages: features and time stamps in, poses and keyframes out, the same for the same input.
+class Odometry {
+ public:
+  Odometry(const StereoCamera& camera, const VoOptions& options);
+
+  /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
+  /// nothing are answered with a state, and the pose goes on by the motion model.
+  OdometryResult Track(int64_t t_ns, StereoFeatures features);
+
+ private:
+  /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
+  /// before the loss, or those founded by a lost frame.
+  enum class Reference { kCurrent, kDormant, kFoundedWhileLost };
+  struct Tracked {
+    Alignment alignment;
+    Reference reference = Reference::kCurrent;
+  };
+
+  std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
+  void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
+  void Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result);
+  void Initialise(TrackedFrame& frame, OdometryResult& result);
+  void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);
+  void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
+  int TrackedFromKeyframe(const TrackedFrame& frame) const;
+
+  StereoCamera camera_;
+  VoOptions options_;
+  FrameAligner aligner_;
+  MotionModel motion_model_;
+  KeyframePolicy keyframe_policy_;
+  LocalLandmarks landmarks_;
+
+  bool initialised_ = false;
+  int64_t last_t_ns_ = 0;
+  SE3 T_odom_c_;
+  /// Of T_odom_c given the landmarks, at the frame before.
+  Matrix6d alignment_covariance_ = Matrix6d::Zero();
+
+  /// While lost: the landmarks from before, and where the camera was then.
+  struct Dormant {
+    LocalLandmarks landmarks;
+    SE3 T_odom_c;
+  };
+  std::optional<Dormant> dormant_;
+
+  int64_t next_keyframe_id_ = 0;
+  SE3 T_odom_kf_;
+  Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
+  Matrix6d covariance_kf_c_ = Matrix6d::Zero();
+  /// Landmarks with smaller ids were known to the last keyframe.
+  int64_t keyframe_point_id_ = 0;
+  int64_t keyframe_line_id_ = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,104 @@
+#pragma once
+
+#include <string>
+
+#include "core/config/fields.h"
+#include "core/features/options.h"
+#include "core/motion/options.h"
+
+namespace plslam {
+
+/// Life of the landmarks that odometry tracks.
+struct LandmarkOptions {
+  double max_relative_depth_sigma = 0.3;
+  double forgetting = 1.02;
+  int max_unseen_frames = 30;
+  int max_missed = 8;
+};
+
+/// Matching of landmarks with a frame, and what counts as tracked.
+struct TrackingOptions {
+  std::string reference = "landmarks";
+  double search_radius_px = 18.0;
+  double wide_radius_px = 70.0;
+  double refine_radius_px = 6.0;
+  int min_inliers = 10;
+  int weak_inliers = 25;
+  double min_inlier_ratio = 0.3;
+  double max_acceleration_m_s2 = 10.0;
+  double max_angular_acceleration_rad_s2 = 20.0;
+};
+
+/// Keyframe choice (PL-SLAM §IV.D) and its floors.
+struct KeyframeOptions {
+  double entropy_ratio = 0.9;
+  double min_tracked_ratio = 0.45;
+  double min_baseline_ratio = 0.02;
+  double max_baseline_ratio = 0.15;
+  double min_rotation_deg = 2.0;
+  double max_rotation_deg = 15.0;
+  int max_frames = 40;
+};
+
+/// Everything of vo_process.
+struct VoOptions {
+  FeatureOptions features;
+  StereoOptions stereo;
+  MatchOptions point_matching;
+  LineMatchOptions line_matching;
+  MotionOptions motion;
+  LandmarkOptions landmarks;
+  TrackingOptions tracking;
+  KeyframeOptions keyframes;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, LandmarkOptions& o) {
+  visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
+        "largest deviation of a disparity, relative, with which a landmark is founded");
+  visit("forgetting", o.forgetting, Bounds{1.0, 2.0},
+        "growth of a landmark's covariance before each new sight of it");
+  visit("max_unseen_frames", o.max_unseen_frames, Bounds{1, 10000}, "frames out of sight after which it is dropped");
+  visit("max_missed", o.max_missed, Bounds{1, 10000}, "frames it should have been seen in but was not, then dropped");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, TrackingOptions& o) {
+  visit("reference", o.reference, OneOf{"landmarks", "previous_frame"},
+        "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
+  visit("search_radius_px", o.search_radius_px, Bounds{1, 1000}, "search window around predictions");
+  visit("wide_radius_px", o.wide_radius_px, Bounds{1, 1000}, "the same where the first search fails");
+  visit("refine_radius_px", o.refine_radius_px, Bounds{1, 1000}, "the same once the pose is known");
+  visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
+  visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
+  visit("min_inlier_ratio", o.min_inlier_ratio, Bounds{0, 1}, "share of matches that must agree with the motion");
+  visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "deviation of the motion prior");
+  visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
+        "deviation of the motion prior");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, KeyframeOptions& o) {
+  visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "keyframe when the entropy ratio falls below");
+  visit("min_tracked_ratio", o.min_tracked_ratio, Bounds{0, 1},
+        "keyframe when this share of the last one's landmarks is left");
+  visit("min_baseline_ratio", o.min_baseline_ratio, Bounds{0, 1}, "motion that counts, relative to the median depth");
+  visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10}, "motion, relative to the median depth, at which");
+  visit("min_rotation_deg", o.min_rotation_deg, Bounds{0, 180}, "rotation that counts");
+  visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "rotation at which");
+  visit("max_frames", o.max_frames, Bounds{1, 100000}, "frames after which, if the camera has moved");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, VoOptions& o) {
+  visit("features", o.features, "what is detected");
+  visit("stereo", o.stereo, "stereo matching");
+  visit("point_matching", o.point_matching, "matching of points over time");
+  visit("line_matching", o.line_matching, "matching of lines over time");
+  visit("motion", o.motion, "motion estimation");
+  visit("landmarks", o.landmarks, "life of the landmarks");
+  visit("tracking", o.tracking, "search, and what counts as tracked");
+  visit("keyframes", o.keyframes, "choice of keyframes");
+}
+
+}  // namespace plslam

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "core/motion/motion_estimator.h"
+#include "vo_process/options.h"
+#include "vo_process/tracked_frame.h"
+
+namespace plslam {
+
+/// A point that odometry tracks.
+struct PointLandmark {
+  int64_t id = -1;
+  /// Position in the odometry frame, and its covariance given the poses it was seen from.
+  Eigen::Vector3d p_odom = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// As last seen.
+  Descriptor descriptor{};
+  float angle_rad = 0.0F;
+  int octave = 0;
+  double depth_m = 0.0;
+
+  int seen = 1;
+  int unseen_frames = 0;
+  int missed = 0;
+};
+
+/// The points in and around the view, each fused over the frames that saw it. Sibling of `LineLandmarks`.
+class PointLandmarks {
+ public:
+  PointLandmarks(const StereoCamera& camera, const OrbOptions& orb, const LandmarkOptions& options)
+      : camera_(camera), orb_(orb), options_(options) {}
+
+  const std::vector<PointLandmark>& landmarks() const { return landmarks_; }
+
+  /// Landmarks that should be near the view, by projecting them with the expected pose.
+  std::vector<LandmarkMatch> MatchByProjection(const SE3& T_c_odom, const TrackedFrame& frame, const Search& search,
+                                               const MatchOptions& options) const;
+
+  /// By descriptors alone, for frames whose pose cannot be predicted.
+  std::vector<LandmarkMatch> MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
+                                               const MatchOptions& options) const;
+
+  /// What the motion estimator needs of each match.
+  std::vector<PointObservation> Observations(const std::vector<LandmarkMatch>& matches,
+                                             const TrackedFrame& frame) const;
+
+  /// Fuses what the frame saw of the matched landmarks, names them in the frame's tracks, and ages the others.
+  void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
+
+  /// Founds a landmark for each feature with depth that has none, and names it in the frame's tracks.
+  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+
+  /// The same for every feature with depth, after forgetting all landmarks; names in the frame's tracks are kept:
+  /// frame-to-frame odometry.
+  void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+
+ private:
+  void Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const;
+  void Age(const SE3& T_c_odom);
+  void FoundOne(const SE3& T_odom_c, const StereoPoint& seen, FeatureTrack& track, int64_t& next_id);
+
+  StereoCamera camera_;
+  OrbOptions orb_;
+  LandmarkOptions options_;
+  std::vector<PointLandmark> landmarks_;
+};
+
+}  // namespace plslam

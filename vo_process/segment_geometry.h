@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+
+#include "core/features/features.h"
+#include "core/geometry/segment.h"
+#include "core/geometry/stereo_camera.h"
+
+namespace plslam {
+
+/// The part of a segment (camera frame) at least `min_depth_m` in front of the camera; nullopt where there is none.
+std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_m);
+
+/// Distance of a pixel to the infinite line through `observed`, as a variance: `sigma_px` at the observed endpoints,
+/// growing linearly beyond them, since the direction of a short segment is less sure than its place.
+double VarianceAcross(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px);
+
+/// Right image of an observed segment, from its disparities. It must have depth.
+Segment2 RightSegment(const StereoLine& seen);
+
+/// Place along the infinite 3D line p + s (q - p) that is nearest to the viewing ray of a pixel; nullopt where the ray
+/// is nearly parallel to the line.
+std::optional<double> AlongLine(const Segment3& segment_c, const Eigen::Vector2d& px, const StereoCamera& camera);
+
+}  // namespace plslam

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/feature_extractor.h"
+#include "core/geometry/rectifier.h"
+#include "core/io/stereo_images.h"
+#include "vo_process/options.h"
+#include "vo_process/side_worker.h"
+#include "vo_process/stage_timer.h"
+
+namespace plslam {
+
+/// From a recorded stereo pair to stereo features: rectification, points and lines of both images side by side on two
+/// threads, stereo matching (PL-SLAM §IV.A-B). For RGB-D rigs the depth map takes the right image's place.
+class StereoFrontEnd {
+ public:
+  /// Throws std::runtime_error where the rig cannot be rectified.
+  StereoFrontEnd(const RigCalibration& rig, const VoOptions& options);
+
+  const StereoCamera& camera() const { return rectifier_.camera(); }
+
+  /// Features in rectified left pixels. Throws std::runtime_error where the images do not fit the rig.
+  StereoFeatures Process(const StereoImages& images, StageTimer& timer);
+
+ private:
+  StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer);
+  StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer);
+
+  RigCalibration rig_;
+  VoOptions options_;
+  Rectifier rectifier_;
+  // Where features are real, not the edge of the warped image; empty: everywhere.
+  cv::Mat left_mask_;
+  cv::Mat right_mask_;
+  FeatureExtractor left_extractor_;
+  FeatureExtractor right_extractor_;
+  SideWorker worker_;
+};
+
+}  // namespace plslam

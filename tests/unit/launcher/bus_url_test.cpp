@@ -1,0 +1,36 @@
+#include "tools/plslam/bus_url.h"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace plslam {
+namespace {
+
+/// Whether a socket that shares ports, as LCM's do, gets this one.
+bool SharerGets(int port) {
+  const int fd = socket(AF_INET, SOCK_DGRAM, 0);
+  const int yes = 1;
+  setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<uint16_t>(port));
+  const bool bound = bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  close(fd);
+  return bound;
+}
+
+TEST(PrivatePort, TwoAtOnceDiffer) {
+  const PrivatePort a, b;
+  EXPECT_NE(a.port(), b.port());
+  EXPECT_EQ(a.Url(), "udpm://239.255.76.67:" + std::to_string(a.port()) + "?ttl=0");
+}
+
+TEST(PrivatePort, CanBeSharedByLcm) {
+  const PrivatePort port;
+  EXPECT_TRUE(SharerGets(port.port()));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,107 @@
+#include "tools/plslam/run_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tools/plslam/progress_line.h"
+
+namespace plslam {
+namespace {
+
+FrameReport Frame(int64_t id, int state, int64_t keyframe = -1) {
+  FrameReport frame;
+  frame.frame_id = id;
+  frame.state = state;
+  frame.keyframe_id = keyframe;
+  return frame;
+}
+
+TEST(RunStatistics, NothingYet) {
+  const RunStatistics s;
+  EXPECT_EQ(s.frames(), 0);
+  EXPECT_EQ(s.tracked_frames(), 0);
+  EXPECT_TRUE(s.stage_ms().empty());
+}
+
+TEST(RunStatistics, CountsFramesWithAPose) {
+  RunStatistics s;
+  s.AddFrame(Frame(0, 0));     // nothing seen yet
+  s.AddFrame(Frame(1, 0, 0));  // founds the map
+  s.AddFrame(Frame(2, 1));
+  s.AddFrame(Frame(3, 2));
+  s.AddFrame(Frame(4, 3));  // lost
+  s.AddFrame(Frame(5, 4, 1));
+  EXPECT_EQ(s.frames(), 6);
+  EXPECT_EQ(s.tracked_frames(), 4);
+  EXPECT_EQ(s.keyframes(), 2);
+}
+
+TEST(RunStatistics, FrameDoneAgainAfterARestartCountsOnce) {
+  RunStatistics s;
+  s.AddFrame(Frame(0, 0, 0));
+  s.AddFrame(Frame(1, 1));
+  s.AddFrame(Frame(1, 0, 0));
+  s.AddFrame(Frame(2, 1));
+  EXPECT_EQ(s.frames(), 3);
+  EXPECT_EQ(s.tracked_frames(), 3);
+}
+
+TEST(RunStatistics, LandmarksOfSessionsAreDistinct) {
+  RunStatistics s;
+  for (const int64_t id : {4, 4, 5, -1}) s.AddLandmark(1, id, false);
+  s.AddLandmark(2, 4, false);
+  s.AddLandmark(1, 4, true);
+  EXPECT_EQ(s.landmark_points(), 3);
+  EXPECT_EQ(s.landmark_lines(), 1);
+}
+
+TEST(QuantileSketch, AgreesWithSortingWithinHalfAPercent) {
+  std::mt19937 random(7);
+  std::lognormal_distribution<double> samples(1.0, 2.0);
+  QuantileSketch sketch;
+  std::vector<double> all;
+  for (int i = 0; i < 5001; ++i) {
+    all.push_back(samples(random));
+    sketch.Add(all.back());
+  }
+  std::sort(all.begin(), all.end());
+  for (const double q : {0.0, 0.01, 0.5, 0.95, 0.999, 1.0}) {
+    const auto rank = static_cast<size_t>(std::max(1.0, std::ceil(q * 5001)));
+    EXPECT_NEAR(sketch.Quantile(q) / all[rank - 1], 1.0, 0.0051) << q;
+  }
+}
+
+TEST(QuantileSketch, FewAndOddValues) {
+  QuantileSketch sketch;
+  EXPECT_EQ(sketch.Quantile(0.5), 0.0);
+  sketch.Add(std::nan(""));
+  sketch.Add(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(sketch.count(), 0);
+  sketch.Add(3.0);
+  EXPECT_EQ(sketch.Quantile(0.5), 3.0);
+  EXPECT_EQ(sketch.Quantile(0.95), 3.0);
+  sketch.Add(0.0);
+  sketch.Add(-1.0);
+  sketch.Add(1e9);
+  EXPECT_EQ(sketch.count(), 4);
+  EXPECT_EQ(sketch.Quantile(0.0), 1e-4 * std::exp(0.5 * std::log(1.01)));
+}
+
+TEST(ProgressLine, FitsTheWidth) {
+  Progress progress{120, 400, 31.25, 210, 74, 9, "tracking", 0, 0, 0};
+  EXPECT_EQ(FormatProgress(progress, 200),
+            "frame 120/400  31.2/s  tracking  points 210  lines 74  keyframes 9  gaps 0");
+  progress.total_frames = -1;
+  progress.restarts = 2;
+  progress.skipped_frames = 5;
+  EXPECT_EQ(FormatProgress(progress, 200),
+            "frame 120  31.2/s  tracking  points 210  lines 74  keyframes 9  skipped 5  gaps 0  restarts 2");
+  EXPECT_EQ(FormatProgress(progress, 9), "frame 120");
+  EXPECT_EQ(FormatProgress(progress, 0), "");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,184 @@
+#include "tools/plslam/supervisor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <functional>
+#include <thread>
+
+namespace plslam {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using Ending = Supervisor::Ending;
+
+/// A folder of shell scripts that play the processes.
+class SupervisorTest : public testing::Test {
+ protected:
+  SupervisorTest() {
+    std::string pattern = testing::TempDir() + "supervisor XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~SupervisorTest() override { std::filesystem::remove_all(folder_); }
+
+  Supervisor Make(int max_restarts = 3, milliseconds patience = milliseconds(5000)) const {
+    return Supervisor({folder_, folder_, max_restarts, milliseconds(1), patience});
+  }
+
+  void Script(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << "#!/bin/sh\n" << text << "\n";
+    std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
+  }
+
+  std::string Read(const std::string& name) const {
+    std::ifstream file(folder_ / name);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  /// Ticks until `done`; false after ten seconds.
+  static bool TickUntil(Supervisor& supervisor, const std::function<bool()>& done) {
+    const auto limit = Clock::now() + std::chrono::seconds(10);
+    while (!done() && Clock::now() < limit) {
+      supervisor.Tick(Clock::now());
+      std::this_thread::yield();
+    }
+    return done();
+  }
+
+  static bool Stopped(Supervisor& supervisor) {
+    supervisor.Stop(Clock::now());
+    return TickUntil(supervisor, [&] { return supervisor.stopped(); });
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(SupervisorTest, OutputGoesToTheLogAndArgumentsArriveWhole) {
+  Script("echo", "echo \"$1|$2\"; echo problem >&2");
+  Supervisor supervisor = Make();
+  supervisor.Start("a", "echo", {"with space", "--x='1'"}, Ending::kMayEnd);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.stopped(); }));
+  EXPECT_EQ(Read("a.log"), "with space|--x='1'\nproblem\n");
+  EXPECT_EQ(supervisor.failure(), "");
+  EXPECT_EQ(supervisor.reports()[0].exit_code, 0);
+}
+
+TEST_F(SupervisorTest, ChildInheritsNoFilesAndNoBlockedSignals) {
+  Script("files", "[ -e /proc/$$/fd/37 ] && echo inherited; grep SigBlk /proc/$$/status");
+  sigset_t interrupts, before;
+  sigemptyset(&interrupts);
+  sigaddset(&interrupts, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &interrupts, &before);
+  ASSERT_EQ(dup2(0, 37), 37);
+  Supervisor supervisor = Make();
+  supervisor.Start("a", "files", {}, Ending::kMayEnd);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.stopped(); }));
+  close(37);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  EXPECT_EQ(Read("a.log"), "SigBlk:\t0000000000000000\n");
+}
+
+TEST_F(SupervisorTest, CrashBeforeReadyFailsWithTheLastLineOfTheLog) {
+  Script("bad", "echo first; echo 'vo: error: rig.yaml:3: unknown key'; exit 1");
+  Supervisor supervisor = Make();
+  supervisor.Start("vo", "bad", {}, Ending::kRestart);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.failure(), "vo ended with exit code 1: vo: error: rig.yaml:3: unknown key");
+  EXPECT_EQ(supervisor.restarts(), 0);
+}
+
+TEST_F(SupervisorTest, CrashAfterReadyIsRestarted) {
+  Script("crash", "echo start >> starts; [ $(wc -l < starts) -ge 3 ] && exec sleep 100; kill -9 $$");
+  Supervisor supervisor = Make();
+  std::filesystem::current_path(folder_);
+  supervisor.Start("a", "crash", {}, Ending::kRestart);
+  supervisor.SetReady("a");
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
+  EXPECT_EQ(supervisor.failure(), "");
+  EXPECT_TRUE(Stopped(supervisor));
+  EXPECT_EQ(supervisor.reports()[0].exit_code, 128 + SIGINT);
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, TooManyCrashesFail) {
+  Script("crash", "exit 3");
+  Supervisor supervisor = Make(2);
+  supervisor.Start("a", "crash", {}, Ending::kRestart);
+  supervisor.SetReady("a");
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.failure(), "a ended with exit code 3");
+  EXPECT_EQ(supervisor.restarts(), 2);
+}
+
+TEST_F(SupervisorTest, PausesGrow) {
+  Script("crash", "exit 3");
+  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000)});
+  supervisor.Start("a", "crash", {}, Ending::kRestart);
+  supervisor.SetReady("a");
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("a") < 0; }));
+  const auto ended = Clock::now();
+  supervisor.Tick(ended + std::chrono::minutes(59));
+  EXPECT_EQ(supervisor.restarts(), 0);
+  supervisor.Tick(ended + std::chrono::minutes(61));
+  EXPECT_EQ(supervisor.restarts(), 1);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("a") < 0; }));
+  supervisor.Tick(Clock::now() + std::chrono::minutes(61));
+  EXPECT_EQ(supervisor.restarts(), 1) << "the second pause is twice as long";
+}
+
+TEST_F(SupervisorTest, EndOfAProcessThatMustRunIsACrash) {
+  Script("quit", "exit 0");
+  Supervisor supervisor = Make(0);
+  supervisor.Start("viewer", "quit", {}, Ending::kRestart);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 0");
+}
+
+TEST_F(SupervisorTest, StubbornProcessIsKilledInTheEnd) {
+  Script("stubborn", "trap '' INT TERM; echo up > up; while :; do read x < fifo; done");
+  std::filesystem::current_path(folder_);
+  ASSERT_EQ(system("mkfifo fifo"), 0);
+  Supervisor supervisor = Make(0, milliseconds(20));
+  supervisor.Start("a", "stubborn", {}, Ending::kRestart);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return std::filesystem::exists(folder_ / "up"); }));
+  EXPECT_TRUE(Stopped(supervisor));
+  EXPECT_EQ(supervisor.reports()[0].exit_code, 128 + SIGKILL);
+  EXPECT_EQ(supervisor.failure(), "");
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, UsedTimeAndMemoryAreReported) {
+  Script("work", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done");
+  Supervisor supervisor = Make();
+  supervisor.Start("a", "work", {}, Ending::kMayEnd);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.stopped(); }));
+  EXPECT_GT(supervisor.reports()[0].cpu_s, 0.001);
+  EXPECT_GT(supervisor.reports()[0].peak_memory_mb, 0.1);
+  EXPECT_LT(supervisor.reports()[0].peak_memory_mb, 1000.0);
+}
+
+TEST_F(SupervisorTest, MissingProgramIsNamed) {
+  Supervisor supervisor = Make();
+  EXPECT_THAT([&] { supervisor.Start("a", "absent", {}, Ending::kRestart); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("absent cannot be started")));
+}
+
+TEST_F(SupervisorTest, DestructionLeavesNothingRunning) {
+  Script("sleeper", "exec sleep 100");
+  pid_t pid = -1;
+  {
+    Supervisor supervisor = Make();
+    supervisor.Start("a", "sleeper", {}, Ending::kRestart);
+    pid = supervisor.pid("a");
+    ASSERT_EQ(kill(pid, 0), 0);
+  }
+  EXPECT_EQ(kill(pid, 0), -1);
+}
+
+}  // namespace
+}  // namespace plslam

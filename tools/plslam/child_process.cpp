@@ -1,0 +1,86 @@
+#include "tools/plslam/child_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <stdexcept>
+
+namespace plslam {
+namespace {
+
+double Seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
+
+/// posix_spawn's two bundles of wishes, freed at the end of the scope.
+struct SpawnWishes {
+  posix_spawn_file_actions_t files{};
+  posix_spawnattr_t attributes{};
+
+  explicit SpawnWishes(const std::filesystem::path& log) {
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
+    posix_spawn_file_actions_adddup2(&files, 1, 2);
+    posix_spawn_file_actions_addclosefrom_np(&files, 3);
+    posix_spawnattr_init(&attributes);
+    sigset_t none, defaults;
+    sigemptyset(&none);
+    sigemptyset(&defaults);
+    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) sigaddset(&defaults, signal);
+    posix_spawnattr_setsigmask(&attributes, &none);
+    posix_spawnattr_setsigdefault(&attributes, &defaults);
+    posix_spawnattr_setpgroup(&attributes, 0);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
+  }
+  ~SpawnWishes() {
+    posix_spawn_file_actions_destroy(&files);
+    posix_spawnattr_destroy(&attributes);
+  }
+  SpawnWishes(const SpawnWishes&) = delete;
+  SpawnWishes& operator=(const SpawnWishes&) = delete;
+};
+
+}  // namespace
+
+ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                           const std::filesystem::path& log) {
+  std::vector<std::string> words = {program.string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const SpawnWishes wishes(log);
+  const int error = posix_spawn(&pid_, program.c_str(), &wishes.files, &wishes.attributes, argv.data(), environ);
+  if (error != 0) {
+    pid_ = -1;
+    throw std::runtime_error(fmt::format("{} cannot be started: {}", program.string(), std::strerror(error)));
+  }
+}
+
+ChildProcess::~ChildProcess() {
+  if (pid_ < 0 || Poll()) return;
+  Signal(SIGKILL);
+  Wait(0);
+}
+
+std::optional<ChildExit> ChildProcess::Poll() { return exit_ ? exit_ : Wait(WNOHANG); }
+
+std::optional<ChildExit> ChildProcess::Wait(int options) {
+  int status = 0;
+  rusage used{};
+  if (wait4(pid_, &status, options, &used) != pid_) return std::nullopt;
+  exit_ = ChildExit{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+                    Seconds(used.ru_utime) + Seconds(used.ru_stime), static_cast<double>(used.ru_maxrss) * 1024e-6};
+  return exit_;
+}
+
+void ChildProcess::Signal(int signal) const {
+  if (!exit_) kill(pid_, signal);
+}
+
+}  // namespace plslam

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// How a process ended, and what it used.
+struct ChildExit {
+  int code = 0;  ///< exit code, or 128 + signal as shells count
+  double cpu_s = 0.0;
+  double peak_memory_mb = 0.0;
+};
+
+/// A running program in a process group of its own (a Ctrl-C on the terminal reaches only the launcher, which then
+/// stops its children in order). Standard output and errors are appended to a file; nothing else of ours is inherited.
+class ChildProcess {
+ public:
+  /// Throws std::runtime_error that names the program where it cannot be started.
+  ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+               const std::filesystem::path& log);
+  /// Kills it where it still runs.
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  pid_t pid() const { return pid_; }
+  /// Nothing while it runs.
+  std::optional<ChildExit> Poll();
+  void Signal(int signal) const;
+
+ private:
+  std::optional<ChildExit> Wait(int options);
+
+  pid_t pid_ = -1;
+  std::optional<ChildExit> exit_;
+};
+
+}  // namespace plslam

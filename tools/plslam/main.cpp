@@ -1,0 +1,34 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/plslam/commands.h"
+#include "tools/plslam/version.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
+  app.set_version_flag("--version", plslam::VersionText());
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  plslam run synthetic:room --out out/room\n"
+      "  plslam run /data/kitti/03 --out out/kitti_03 --features points\n"
+      "  plslam run /data/euroc/MH_01 --out out/mh01 --pace realtime --record out/mh01.lcm\n"
+      "  plslam replay out/mh01.lcm --out out/mh01_again\n"
+      "plslam COMMAND --help tells the options of each.");
+  plslam::Command command;
+  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
+                         plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
+    add(&app, &command);
+  }
+  try {
+    app.parse(argc, argv);
+    return command();
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);
+    fmt::print(stderr, "plslam: error: {} (--help tells the options)\n", error.what());
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "plslam: error: {}\n", error.what());
+  }
+  return 1;
+}

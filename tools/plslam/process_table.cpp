@@ -1,0 +1,90 @@
+#include "tools/plslam/process_table.h"
+
+#include <unistd.h>
+
+namespace plslam {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+bool Always(const RunOptions&) { return true; }
+bool Recorded(const RunOptions& options) { return !options.record.empty(); }
+
+Arguments RecorderArguments(const RunOptions& options) {
+  return {"record", std::filesystem::absolute(options.record).string()};
+}
+
+/// "--set section.key=value" for each option that was given.
+class Settings {
+ public:
+  explicit Settings(const std::string& section) : section_(section) {}
+
+  void Add(const std::string& key, const std::string& value) {
+    if (!value.empty()) arguments_.insert(arguments_.end(), {"--set", section_ + "." + key + "=" + value});
+  }
+  void Add(const std::string& key, int64_t value) {
+    if (value >= 0) Add(key, std::to_string(value));
+  }
+  void Add(const std::string& key, bool value) {
+    if (value) Add(key, std::string("true"));
+  }
+  Arguments Take() { return std::move(arguments_); }
+
+ private:
+  std::string section_;
+  Arguments arguments_;
+};
+
+Arguments ViewerArguments(const RunOptions& options) {
+  Settings settings("viewer");
+  settings.Add("out", std::filesystem::absolute(options.out).string());
+  settings.Add("overlay_every", options.overlay_every);
+  return settings.Take();
+}
+
+Arguments VoArguments(const RunOptions& options) {
+  Settings settings("vo");
+  settings.Add("features.features", options.features);
+  return settings.Take();
+}
+
+Arguments PlayerArguments(const RunOptions& options) {
+  Settings settings("player");
+  settings.Add("dataset", options.dataset);
+  settings.Add("kind", options.kind);
+  settings.Add("pace", options.pace);
+  settings.Add("start", options.start);
+  settings.Add("stop", options.stop);
+  settings.Add("stride", options.stride);
+  settings.Add("loop", options.loop);
+  settings.Add("bounce", options.bounce);
+  settings.Add("skip_bad", options.skip_bad);
+  return settings.Take();
+}
+
+constexpr ProcessRow kTable[] = {
+    {"recorder", "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
+     Recorded, RecorderArguments},
+    {"viewer", "viewer_headless", "progress, trajectories and pictures", Supervisor::Ending::kRestart, false, Always,
+     ViewerArguments},
+    {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
+     VoArguments},
+    {"player", "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
+     PlayerArguments},
+};
+
+}  // namespace
+
+std::span<const ProcessRow> ProcessTable() { return kTable; }
+
+std::vector<std::string> CommonArguments(const RunOptions& options) {
+  Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
+  if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
+  if (!options.config_file.empty()) {
+    arguments.insert(arguments.end(), {"--config", std::filesystem::absolute(options.config_file).string()});
+  }
+  for (const std::string& assignment : options.overrides) arguments.insert(arguments.end(), {"--set", assignment});
+  return arguments;
+}
+
+}  // namespace plslam

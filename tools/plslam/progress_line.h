@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace plslam {
+
+/// What a run shows while it goes.
+struct Progress {
+  int64_t frames = 0;
+  int64_t total_frames = -1;  ///< -1: unknown
+  double rate_hz = 0.0;
+  int tracked_points = 0;
+  int tracked_lines = 0;
+  int64_t keyframes = 0;
+  std::string state;
+  int64_t lost_messages = 0;
+  int64_t skipped_frames = 0;
+  int restarts = 0;
+};
+
+/// One line of text, without a line end, at most `width` characters long.
+std::string FormatProgress(const Progress& progress, int width);
+
+/// Draws the line over itself on stderr where that is a terminal; otherwise is silent.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool enabled);
+  /// Leaves the cursor on a fresh line.
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void Show(const Progress& progress);
+  void Clear();
+
+ private:
+  bool enabled_;
+  bool drawn_ = false;
+};
+
+}  // namespace plslam

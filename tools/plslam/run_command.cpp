@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+
+#include "core/bus/process_signals.h"
+#include "tools/plslam/commands.h"
+#include "tools/plslam/run_bus.h"
+#include "tools/plslam/run_files.h"
+#include "tools/plslam/run_session.h"
+#include "tools/plslam/version.h"
+
+namespace plslam {
+namespace {
+
+/// A folder of its own for each run that names none, within out/.
+std::filesystem::path DefaultOut(const std::string& dataset) {
+  std::string name;
+  for (const char c : std::filesystem::path(dataset).lexically_normal().string()) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+    if (plain) name += c;
+    if (!plain && !name.empty() && name.back() != '_') name += '_';
+  }
+  return std::filesystem::path("out") / (name.empty() ? "run" : name.substr(0, 80));
+}
+
+/// Outputs of an earlier run in the same folder, which must not be taken for those of this one.
+void RemoveOldOutputs(const std::filesystem::path& out) {
+  for (const char* name : {"summary.json", "trajectory.tum", "keyframes.tum", "ground_truth.tum"}) {
+    std::filesystem::remove(out / name);
+  }
+}
+
+int Run(RunOptions options) {
+  if (options.out.empty()) options.out = DefaultOut(options.dataset);
+  std::filesystem::create_directories(options.out / "logs");
+  RemoveOldOutputs(options.out);
+  // Before anything that starts threads, which must inherit the blocked signals.
+  RunSession* running = nullptr;
+  std::mutex mutex;
+  bool interrupted = false;
+  bus::SignalWatcher signals([&](int) {
+    const std::scoped_lock lock(mutex);
+    interrupted = true;
+    if (running != nullptr) running->Interrupt();
+  });
+  const RunBus run_bus(options.url);
+  options.url = run_bus.url();
+  bus::Bus bus(run_bus.OptionsFor(options), "plslam");
+  RunSession session(options, bus);
+  {
+    const std::scoped_lock lock(mutex);
+    running = &session;
+    if (interrupted) session.Interrupt();
+  }
+  session.Run();
+  {
+    const std::scoped_lock lock(mutex);
+    running = nullptr;
+  }
+
+  RunSummary summary = session.Summary();
+  summary.version = VersionText();
+  summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
+  const nlohmann::json json = SummaryToJson(summary);
+  WriteSummary(options.out, json);
+  if (options.json) {
+    fmt::print("{}\n", json.dump(2));
+  } else if (!options.quiet) {
+    fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
+  }
+  // A run that the user ends is as good as one that ends by itself: with `--loop` there is no other way.
+  if (summary.completed || session.interrupted()) return 0;
+  fmt::print(stderr, "plslam: error: {}\n", summary.reason);
+  return 1;
+}
+
+void AddOptions(CLI::App* sub, RunOptions* o) {
+  sub->add_option("--out", o->out, "folder for trajectories, summary, pictures and logs [out/DATASET]")
+      ->type_name("DIR");
+  sub->add_option("--pace", o->pace, "lockstep (every frame, as fast as it goes; default), realtime, realtimexN");
+  sub->add_option("--features", o->features, "points, lines or both (default)")
+      ->check(CLI::IsMember({"points", "lines", "both"}));
+  sub->add_option("--config", o->config_file, "YAML file with options of all processes (docs/configuration.md)")
+      ->type_name("FILE");
+  sub->add_option("--set", o->overrides, "one option, over the file: vo.orb.max_points=800 (repeatable)")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber);
+  sub->add_option("--stop", o->stop, "frame before which to end")->check(CLI::NonNegativeNumber);
+  sub->add_option("--stride", o->stride, "every so many-th frame")->check(CLI::PositiveNumber);
+  sub->add_option("--loop", o->loop, "times to play it")->check(CLI::PositiveNumber);
+  sub->add_flag("--bounce", o->bounce, "play it forth and back each time");
+  sub->add_flag("--skip-bad", o->skip_bad, "pass over frames that cannot be read, and count them");
+  sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_option("--url", o->url, "LCM URL [a private port of this machine]");
+  sub->add_option("--prefix", o->prefix, "in front of each channel name");
+  sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")
+      ->check(CLI::NonNegativeNumber);
+  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal");
+  sub->add_flag("--json", o->json, "the summary as JSON on standard output");
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App* app, Command* command) {
+  auto options = std::make_shared<RunOptions>();
+  auto* sub = app->add_subcommand("run", "plays a dataset through all processes");
+  sub->add_option("dataset", options->dataset,
+                  "folder (KITTI odometry, EuRoC, TUM RGB-D, left/right images), LCM log, or built-in world "
+                  "(synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall)")
+      ->required();
+  sub->add_option("--kind", options->kind, "format: kitti, euroc, tum, images, log, synthetic [found by looking]");
+  sub->add_option("--record", options->record, "LCM event log of all traffic to write")->type_name("FILE");
+  AddOptions(sub, options.get());
+  sub->footer(
+      "Examples:\n"
+      "  plslam run synthetic:room --out out/room\n"
+      "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
+      "  plslam run /data/euroc/MH_01 --config config/euroc.yaml --record out/mh01.lcm\n"
+      "Exit code 0 when the stream was handled to its end, or ended by SIGINT or SIGTERM.");
+  sub->callback([=] { *command = [options] { return Run(*options); }; });
+}
+
+void AddReplayCommand(CLI::App* app, Command* command) {
+  auto options = std::make_shared<RunOptions>();
+  options->kind = "log";
+  auto* sub = app->add_subcommand("replay", "plays the frames of an LCM log, and computes everything else anew");
+  sub->add_option("log", options->dataset, "made by `plslam record`, `plslam run --record` or lcm-logger")
+      ->required();
+  AddOptions(sub, options.get());
+  sub->footer("Example:\n  plslam replay out/mh01.lcm --out out/mh01_again");
+  sub->callback([=] { *command = [options] { return Run(*options); }; });
+}
+
+}  // namespace plslam

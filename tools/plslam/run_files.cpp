@@ -1,0 +1,39 @@
+#include "tools/plslam/run_files.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "core/io/trajectory.h"
+#include "tools/evaluate/accuracy.h"
+
+namespace plslam {
+
+std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
+  const auto estimate_path = out / "trajectory.tum", truth_path = out / "ground_truth.tum";
+  const auto keyframes_path = out / "keyframes.tum";
+  if (!std::filesystem::exists(estimate_path) || !std::filesystem::exists(truth_path)) return std::nullopt;
+  const Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
+  if (truth.empty()) return std::nullopt;
+  EvaluateOptions options;
+  options.max_difference_ns = 1'000'000;  // the truth was told for the very frames
+  options.n_frames = n_frames;
+  if (std::filesystem::exists(keyframes_path)) {
+    for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
+      options.keyframe_t_ns.push_back(pose.t_ns);
+    }
+  }
+  const Trajectory estimate = ReadTrajectory(estimate_path, TrajectoryFormat::kTum);
+  return nlohmann::json(ToJson(EvaluateTrajectory(estimate, truth, options)));
+}
+
+void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {
+  const auto path = out / "summary.json", temporary = out / "summary.json.part";
+  std::ofstream file(temporary);
+  file << summary.dump(2) << "\n";
+  file.close();
+  if (!file) throw std::runtime_error(fmt::format("{} cannot be written", temporary.string()));
+  std::filesystem::rename(temporary, path);
+}
+
+}  // namespace plslam

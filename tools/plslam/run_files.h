@@ -1,0 +1,16 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace plslam {
+
+/// Compares `trajectory.tum` with `ground_truth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
+/// Nothing where there is no ground truth.
+std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
+
+/// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.
+void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);
+
+}  // namespace plslam

@@ -1,0 +1,66 @@
+#include "tools/plslam/run_monitor.h"
+
+#include "plslam/keyframe_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam {
+namespace {
+
+FrameReport FromMessage(const pose_t& message) {
+  FrameReport report;
+  report.session = message.header.session;
+  report.frame_id = message.frame_id;
+  report.state = message.state;
+  report.keyframe_id = message.keyframe_id;
+  report.tracked_points = message.n_tracked_points;
+  report.tracked_lines = message.n_tracked_lines;
+  report.skipped_frames = message.n_skipped_frames;
+  for (const stage_t& stage : message.stages) report.stage_ms.emplace_back(stage.name, stage.ms);
+  return report;
+}
+
+ProcessStatus FromMessage(const status_t& message) {
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}};
+  for (const counter_t& counter : message.counters) {
+    const auto value = static_cast<int64_t>(counter.value);
+    if (counter.name == "bus.lost") status.messages.lost = value;
+    if (counter.name == "bus.repaired") status.messages.repaired = value;
+    if (counter.name == "bus.rejected") status.messages.rejected = value;
+  }
+  return status;
+}
+
+}  // namespace
+
+RunMonitor::RunMonitor(bus::Bus& bus) {
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { processes_[m.pid] = FromMessage(m); });
+  bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { statistics_.AddFrame(FromMessage(m)); });
+  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
+    total_frames_ = m.n_frames;
+    bad_frames_ = m.n_bad;
+    stream_ended_ = m.event == "end";
+  });
+  bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
+    for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
+    for (const auto& line : m.lines) statistics_.AddLandmark(m.header.session, line.landmark_id, true);
+  });
+}
+
+std::string RunMonitor::StateOf(int64_t pid) const {
+  const auto found = processes_.find(pid);
+  return found == processes_.end() ? "" : found->second.state;
+}
+
+MessageCounts RunMonitor::messages() const {
+  MessageCounts sum;
+  for (const auto& [pid, status] : processes_) {
+    sum.lost += status.messages.lost;
+    sum.repaired += status.messages.repaired;
+    sum.rejected += status.messages.rejected;
+  }
+  return sum;
+}
+
+}  // namespace plslam

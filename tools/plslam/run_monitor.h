@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "core/bus/bus.h"
+#include "tools/plslam/run_statistics.h"
+#include "tools/plslam/run_summary.h"
+
+namespace plslam {
+
+/// What a process last said of itself.
+struct ProcessStatus {
+  std::string process;
+  std::string state;
+  std::string reason;
+  std::string configuration;
+  MessageCounts messages;
+};
+
+/// Listens to the run of other processes and keeps its statistics.
+class RunMonitor {
+ public:
+  explicit RunMonitor(bus::Bus& bus);
+
+  const RunStatistics& statistics() const { return statistics_; }
+  /// By process id; those of processes that have ended stay.
+  const std::map<int64_t, ProcessStatus>& processes() const { return processes_; }
+  /// Empty where the process has not been heard.
+  std::string StateOf(int64_t pid) const;
+
+  /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
+  int64_t total_frames() const { return total_frames_; }
+  bool stream_ended() const { return stream_ended_; }
+  int64_t bad_frames() const { return bad_frames_; }
+
+  /// Sums over all processes.
+  MessageCounts messages() const;
+
+ private:
+  RunStatistics statistics_;
+  std::map<int64_t, ProcessStatus> processes_;
+  int64_t total_frames_ = -1;
+  int64_t bad_frames_ = 0;
+  bool stream_ended_ = false;
+};
+
+}  // namespace plslam

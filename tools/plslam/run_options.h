@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// What `plslam run` was asked for.
+struct RunOptions {
+  std::string dataset;
+  std::string kind;
+  std::filesystem::path out;
+  std::string pace;
+  std::string features;
+  std::string config_file;
+  std::vector<std::string> overrides;
+  int64_t start = -1;  ///< -1: not said, as with the next three
+  int64_t stop = -1;
+  int64_t stride = -1;
+  int64_t loop = -1;
+  bool bounce = false;
+  bool skip_bad = false;
+  int64_t overlay_every = -1;
+  std::string url;
+  std::string prefix;
+  /// Event log of all traffic; empty: none.
+  std::filesystem::path record;
+  bool quiet = false;
+  bool json = false;
+  int max_restarts = 5;
+};
+
+}  // namespace plslam

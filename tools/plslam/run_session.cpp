@@ -1,0 +1,158 @@
+#include "tools/plslam/run_session.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "tools/plslam/process_table.h"
+
+namespace plslam {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+constexpr seconds kStartLimit{60};
+/// Without a pose for so long a run is given up; longer than any frame takes on any machine.
+constexpr seconds kStallLimit{120};
+/// For the last messages of the launcher itself, once the viewer has everything.
+constexpr milliseconds kSettleLimit{2000};
+
+double SecondsSince(std::chrono::steady_clock::time_point from) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+}
+
+Supervisor::Options SupervisorOptions(const RunOptions& options) {
+  return {std::filesystem::read_symlink("/proc/self/exe").parent_path(), options.out / "logs", options.max_restarts};
+}
+
+}  // namespace
+
+RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
+    : options_(options),
+      bus_(bus),
+      monitor_(bus),
+      supervisor_(SupervisorOptions(options)),
+      progress_line_(!options.quiet && !options.json),
+      phase_began_(began_) {
+  bus_.Every(milliseconds(50), [this] { Tick(); });
+}
+
+void RunSession::Run() {
+  StartRows(false);
+  bus_.Run();
+  progress_line_.Clear();
+}
+
+void RunSession::Interrupt() {
+  bus_.Post([this] {
+    if (phase_ == Phase::kStopping) return;
+    interrupted_ = true;
+    BeginStop("interrupted");
+  });
+}
+
+void RunSession::StartRows(bool last) {
+  for (const ProcessRow& row : ProcessTable()) {
+    if (row.starts_last != last || !row.wanted(options_)) continue;
+    std::vector<std::string> arguments = row.arguments(options_);
+    for (std::string& common : CommonArguments(options_)) arguments.push_back(std::move(common));
+    supervisor_.Start(std::string(row.name), std::string(row.executable), arguments, row.ending);
+  }
+}
+
+void RunSession::Tick() {
+  const auto now = Clock::now();
+  TellReadiness();
+  supervisor_.Tick(now);
+  if (phase_ != Phase::kStopping && !supervisor_.failure().empty()) BeginStop(supervisor_.failure());
+  if (phase_ == Phase::kStarting) CheckStarted(now);
+  if (phase_ == Phase::kPlaying) CheckPlayed(now);
+  if (phase_ == Phase::kSettling) CheckSettled(now);
+  if (phase_ == Phase::kStopping && supervisor_.stopped()) bus_.Stop();
+  ShowProgress(now);
+}
+
+void RunSession::TellReadiness() {
+  for (const ProcessReport& report : supervisor_.reports()) {
+    const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
+    if (!state.empty() && state != "starting") supervisor_.SetReady(report.name);
+  }
+}
+
+bool RunSession::AllReady() const {
+  const auto reports = supervisor_.reports();
+  return std::all_of(reports.begin(), reports.end(), [&](const ProcessReport& report) {
+    const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
+    return state == "ready" || state == "running";
+  });
+}
+
+void RunSession::CheckStarted(Clock::time_point now) {
+  if (AllReady()) {
+    phase_ = Phase::kPlaying;
+    phase_began_ = playing_since_ = last_frame_at_ = now;
+    StartRows(true);
+  } else if (now - phase_began_ > kStartLimit) {
+    BeginStop(fmt::format("not all processes were ready after {} s; see {}", kStartLimit.count(),
+                          (options_.out / "logs").string()));
+  }
+}
+
+void RunSession::CheckPlayed(Clock::time_point now) {
+  const int64_t frames = monitor_.statistics().frames();
+  if (frames != last_frames_) {
+    last_frames_ = frames;
+    last_frame_at_ = now;
+  }
+  if (monitor_.StateOf(supervisor_.pid("viewer")) == "finished") {
+    phase_ = Phase::kSettling;
+    phase_began_ = now;
+    wall_s_ = SecondsSince(playing_since_);
+  } else if (now - last_frame_at_ > kStallLimit) {
+    BeginStop(fmt::format("no pose for {} s; see {}", kStallLimit.count(), (options_.out / "logs").string()));
+  }
+}
+
+void RunSession::CheckSettled(Clock::time_point now) {
+  const RunStatistics& s = monitor_.statistics();
+  const bool has_all = monitor_.stream_ended() && s.frames() + s.skipped_frames() >= monitor_.total_frames();
+  if (!has_all && now - phase_began_ < kSettleLimit) return;
+  completed_ = true;
+  BeginStop("");
+}
+
+void RunSession::BeginStop(const std::string& reason) {
+  if (wall_s_ == 0.0 && phase_ != Phase::kStarting) wall_s_ = SecondsSince(playing_since_);
+  phase_ = Phase::kStopping;
+  reason_ = reason;
+  supervisor_.Stop(Clock::now());
+}
+
+void RunSession::ShowProgress(Clock::time_point now) {
+  if (phase_ != Phase::kPlaying) return;
+  const RunStatistics& s = monitor_.statistics();
+  const double played_s = std::max(std::chrono::duration<double>(now - playing_since_).count(), 1e-3);
+  progress_line_.Show({s.frames(), monitor_.total_frames(), static_cast<double>(s.frames()) / played_s,
+                       s.last().tracked_points, s.last().tracked_lines, s.keyframes(),
+                       TrackingStateName(s.last().state), monitor_.messages().lost, s.skipped_frames(),
+                       supervisor_.restarts()});
+}
+
+RunSummary RunSession::Summary() const {
+  RunSummary summary;
+  summary.dataset = options_.dataset;
+  summary.completed = completed_;
+  summary.reason = reason_;
+  summary.wall_s = wall_s_;
+  summary.bad_frames = monitor_.bad_frames();
+  summary.statistics = &monitor_.statistics();
+  summary.messages = monitor_.messages();
+  summary.processes = supervisor_.reports();
+  for (const auto& [pid, status] : monitor_.processes())
+    summary.configurations[status.process] = status.configuration;
+  return summary;
+}
+
+}  // namespace plslam

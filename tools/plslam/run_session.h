@@ -1,0 +1,61 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "tools/plslam/progress_line.h"
+#include "tools/plslam/run_monitor.h"
+#include "tools/plslam/run_options.h"
+#include "tools/plslam/supervisor.h"
+
+namespace plslam {
+
+/// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
+/// the viewer has handled the end of the stream, and stops everything.
+class RunSession {
+ public:
+  /// `options.url` and `options.out` are set.
+  RunSession(const RunOptions& options, bus::Bus& bus);
+
+  /// Returns when all processes have ended. Throws std::runtime_error where a program cannot be started.
+  void Run();
+  /// Ends the run early and cleanly; from any thread.
+  void Interrupt();
+
+  /// All but the accuracy.
+  RunSummary Summary() const;
+  bool interrupted() const { return interrupted_; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class Phase { kStarting, kPlaying, kSettling, kStopping };
+
+  void StartRows(bool last);
+  void Tick();
+  void TellReadiness();
+  bool AllReady() const;
+  void CheckStarted(Clock::time_point now);
+  void CheckPlayed(Clock::time_point now);
+  void CheckSettled(Clock::time_point now);
+  void BeginStop(const std::string& reason);
+  void ShowProgress(Clock::time_point now);
+
+  RunOptions options_;
+  bus::Bus& bus_;
+  RunMonitor monitor_;
+  Supervisor supervisor_;
+  ProgressLine progress_line_;
+  Phase phase_ = Phase::kStarting;
+  Clock::time_point phase_began_;
+  Clock::time_point began_ = Clock::now();
+  Clock::time_point playing_since_;
+  Clock::time_point last_frame_at_;
+  int64_t last_frames_ = 0;
+  std::string reason_;
+  bool completed_ = false;
+  bool interrupted_ = false;
+  double wall_s_ = 0.0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,26 @@
+#include "tools/plslam/run_statistics.h"
+
+namespace plslam {
+
+std::string TrackingStateName(int state) {
+  static const char* const kNames[] = {"initialising", "tracking", "weak", "lost", "recovered"};
+  return state >= 0 && state < 5 ? kNames[state] : "unknown";
+}
+
+void RunStatistics::AddFrame(const FrameReport& frame) {
+  last_ = frame;
+  for (const auto& [stage, ms] : frame.stage_ms) stage_ms_[stage].Add(ms);
+  skipped_frames_ += frame.skipped_frames;
+  if (frame.keyframe_id >= 0) ++keyframes_;
+  if (frame.frame_id <= newest_frame_id_) return;
+  newest_frame_id_ = frame.frame_id;
+  ++frames_;
+  const bool estimated = frame.state == 1 || frame.state == 2 || frame.state == 4;
+  if (estimated || (frame.state == 0 && frame.keyframe_id >= 0)) ++tracked_frames_;
+}
+
+void RunStatistics::AddLandmark(int64_t session, int64_t landmark_id, bool is_line) {
+  if (landmark_id >= 0) (is_line ? lines_ : points_).insert({session, landmark_id});
+}
+
+}  // namespace plslam

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/plslam/quantile_sketch.h"
+
+namespace plslam {
+
+/// What one frame's pose message tells of the run.
+struct FrameReport {
+  int64_t session = 0;
+  int64_t frame_id = 0;
+  int state = 0;  ///< `pose_t.state`
+  int64_t keyframe_id = -1;
+  int tracked_points = 0;
+  int tracked_lines = 0;
+  int skipped_frames = 0;
+  std::vector<std::pair<std::string, double>> stage_ms;
+};
+
+/// Name of a `pose_t.state`.
+std::string TrackingStateName(int state);
+
+/// Counts a run, frame by frame, in memory that does not grow with its length (but for the landmark ids).
+class RunStatistics {
+ public:
+  void AddFrame(const FrameReport& frame);
+  void AddLandmark(int64_t session, int64_t landmark_id, bool is_line);
+
+  /// Frames with a pose message; one that a restarted tracker does again counts once.
+  int64_t frames() const { return frames_; }
+  /// Of those, frames with an estimated pose: tracking, weak, recovered, or the one that founded the map.
+  int64_t tracked_frames() const { return tracked_frames_; }
+  int64_t keyframes() const { return keyframes_; }
+  int64_t skipped_frames() const { return skipped_frames_; }
+  int64_t landmark_points() const { return static_cast<int64_t>(points_.size()); }
+  int64_t landmark_lines() const { return static_cast<int64_t>(lines_.size()); }
+  const FrameReport& last() const { return last_; }
+  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
+
+ private:
+  int64_t frames_ = 0;
+  int64_t tracked_frames_ = 0;
+  int64_t keyframes_ = 0;
+  int64_t skipped_frames_ = 0;
+  int64_t newest_frame_id_ = -1;
+  FrameReport last_;
+  std::map<std::string, QuantileSketch> stage_ms_;
+  std::set<std::pair<int64_t, int64_t>> points_;
+  std::set<std::pair<int64_t, int64_t>> lines_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,101 @@
+#include "tools/plslam/run_summary.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "tools/plslam/yaml_to_json.h"
+
+namespace plslam {
+namespace {
+
+using nlohmann::json;
+
+/// Fewer digits than a double has: for people who open the file.
+double Rounded(double value, double step) { return std::round(value / step) * step; }
+
+json StagesToJson(const RunStatistics& statistics) {
+  json stages = json::object();
+  for (const auto& [name, samples] : statistics.stage_ms()) {
+    stages[name] = {{"median", Rounded(samples.Quantile(0.5), 1e-4)}, {"p95", Rounded(samples.Quantile(0.95), 1e-4)}};
+  }
+  return stages;
+}
+
+json ProcessesToJson(const RunSummary& summary, int64_t frames) {
+  json processes = json::object();
+  for (const ProcessReport& report : summary.processes) {
+    processes[report.name] = {
+        {"cpu_s", Rounded(report.cpu_s, 1e-3)},
+        {"cpu_ms_per_frame", frames > 0 ? Rounded(1e3 * report.cpu_s / static_cast<double>(frames), 1e-3) : 0.0},
+        {"peak_memory_mb", Rounded(report.peak_memory_mb, 0.1)},
+        {"restarts", report.restarts},
+        {"exit_code", report.exit_code ? json(*report.exit_code) : json(nullptr)}};
+  }
+  return processes;
+}
+
+std::string AccuracyToText(const json& accuracy) {
+  std::string text;
+  for (const auto& [name, value] : accuracy.items()) {
+    if (value.is_number()) text += fmt::format("{}{} {:.5g}", text.empty() ? "" : ", ", name, value.get<double>());
+  }
+  return text;
+}
+
+}  // namespace
+
+json SummaryToJson(const RunSummary& summary) {
+  const RunStatistics& s = *summary.statistics;
+  json configuration = json::object();
+  for (const auto& [process, yaml] : summary.configurations) configuration[process] = YamlToJson(yaml);
+  return {{"dataset", summary.dataset},
+          {"version", summary.version},
+          {"completed", summary.completed},
+          {"reason", summary.reason},
+          {"wall_s", Rounded(summary.wall_s, 1e-3)},
+          {"frames", s.frames()},
+          {"tracked_frames", s.tracked_frames()},
+          {"skipped_frames", s.skipped_frames()},
+          {"bad_frames", summary.bad_frames},
+          {"keyframes", s.keyframes()},
+          {"landmarks", {{"points", s.landmark_points()}, {"lines", s.landmark_lines()}}},
+          {"loops", 0},
+          {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
+          {"stage_ms", StagesToJson(s)},
+          {"messages",
+           {{"lost", summary.messages.lost},
+            {"repaired", summary.messages.repaired},
+            {"rejected", summary.messages.rejected}}},
+          {"processes", ProcessesToJson(summary, s.frames())},
+          {"configuration", configuration}};
+}
+
+std::string SummaryToText(const json& s) {
+  const auto frames = s["frames"].get<int64_t>(), tracked = s["tracked_frames"].get<int64_t>();
+  const double share = frames > 0 ? 100.0 * static_cast<double>(tracked) / static_cast<double>(frames) : 0.0;
+  std::string text = fmt::format("{} {}\n", s["dataset"].get<std::string>(),
+                                 s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>());
+  text += fmt::format("  frames     {} in {:.1f} s, {} tracked ({:.1f} %)", frames, s["wall_s"].get<double>(),
+                      tracked, share);
+  if (s["skipped_frames"] > 0) text += fmt::format(", {} skipped", s["skipped_frames"].get<int64_t>());
+  if (s["bad_frames"] > 0) text += fmt::format(", {} unreadable", s["bad_frames"].get<int64_t>());
+  text += fmt::format("\n  keyframes  {}, landmarks {} points and {} lines\n", s["keyframes"].get<int64_t>(),
+                      s["landmarks"]["points"].get<int64_t>(), s["landmarks"]["lines"].get<int64_t>());
+  text += fmt::format("  accuracy   {}\n",
+                      s["accuracy"].is_object() ? AccuracyToText(s["accuracy"]) : std::string("no ground truth"));
+  text += fmt::format("  messages   {} lost, {} repaired, {} rejected\n", s["messages"]["lost"].get<int64_t>(),
+                      s["messages"]["repaired"].get<int64_t>(), s["messages"]["rejected"].get<int64_t>());
+  text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "stage, ms a frame", "median", "95 %");
+  for (const auto& [name, ms] : s["stage_ms"].items()) {
+    text += fmt::format("  {:<24} {:>9.3f} {:>9.3f}\n", name, ms["median"].get<double>(), ms["p95"].get<double>());
+  }
+  text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB", "restarts");
+  for (const auto& [name, p] : s["processes"].items()) {
+    text += fmt::format("  {:<24} {:>9.2f} {:>9.2f} {:>9.0f} {:>9}\n", name, p["cpu_ms_per_frame"].get<double>(),
+                        p["cpu_s"].get<double>(), p["peak_memory_mb"].get<double>(), p["restarts"].get<int>());
+  }
+  return text;
+}
+
+}  // namespace plslam

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/plslam/run_statistics.h"
+#include "tools/plslam/supervisor.h"
+
+namespace plslam {
+
+/// Sums over all processes of a run.
+struct MessageCounts {
+  int64_t lost = 0;
+  int64_t repaired = 0;
+  int64_t rejected = 0;
+};
+
+/// Everything a run leaves behind in `summary.json`, but the trajectories.
+struct RunSummary {
+  std::string dataset;
+  std::string version;
+  /// False where the run was stopped or failed; then `reason` says why.
+  bool completed = false;
+  std::string reason;
+  double wall_s = 0.0;
+  int64_t bad_frames = 0;  ///< unreadable, passed over
+  const RunStatistics* statistics = nullptr;
+  std::optional<nlohmann::json> accuracy;
+  MessageCounts messages;
+  std::vector<ProcessReport> processes;
+  /// Effective configuration (YAML) by process.
+  std::map<std::string, std::string> configurations;
+};
+
+nlohmann::json SummaryToJson(const RunSummary& summary);
+
+/// For people, several lines.
+std::string SummaryToText(const nlohmann::json& summary);
+
+}  // namespace plslam

@@ -1,0 +1,10 @@
+#include "tools/plslam/version.h"
+
+namespace plslam {
+
+std::string VersionText() {
+  const std::string commit = PLSLAM_COMMIT;
+  return commit.empty() ? PLSLAM_VERSION : PLSLAM_VERSION " (" + commit + ")";
+}
+
+}  // namespace plslam

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace plslam {
+
+/// The same content; unquoted true, false and numbers become such, everything else text. YAML that cannot be read
+/// (one that was cut, say) becomes a text as it is.
+nlohmann::json YamlToJson(const std::string& yaml);
+
+}  // namespace plslam

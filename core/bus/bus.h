@@ -5,11 +5,17 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
+
+namespace plslam {
+class header_t;
+}
 
 namespace plslam::bus {
 
@@ -73,9 +79,62 @@ class Bus {
 
   BusCounters counters() const;
 
+  /// Options as given.
+  const BusOptions& options() const;
+  /// Bytes that pages and strips may have, fingerprint and header included: `max_message_bytes` without the MAC.
+  int64_t page_bytes() const;
+
+  /// For assemblers of pages and strips: `take` gets the checked bytes of each message (without MAC) on the receiving
+  /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back while
+  /// `ready` is false (ask again comes within milliseconds). kAsItComes: every message, in the order of arrival, also
+  /// of kLatest channels.
+  enum class Reading { kOrdered, kAsItComes };
+  void SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
+                      std::function<void(std::span<const uint8_t>)> take);
+
+  /// Counts a message whose content turned out to be nonsense.
+  void CountRejected();
+  /// Counts messages of a kLatest channel that an assembler passed over.
+  void CountSkipped(int64_t n);
+
  private:
+  using Encode = std::function<int(void* buffer, int size)>;
+  using Deliver = std::function<bool(std::span<const uint8_t> message)>;
+
+  void PublishEncoded(const Channel& channel, const char* type, header_t& header,
+                      const std::function<int()>& encoded_size, const Encode& encode);
+  void SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver);
+  template <class T>
+  static Deliver Decoder(std::function<void(const T&)> handler);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+template <class T>
+void Bus::Publish(const Channel& channel, T message) {
+  PublishEncoded(
+      channel, T::getTypeName(), message.header, [&] { return message.getEncodedSize(); },
+      [&](void* buffer, int size) { return message.encode(buffer, 0, size); });
+}
+
+template <class T>
+Bus::Deliver Bus::Decoder(std::function<void(const T&)> handler) {
+  return [handler = std::move(handler), message = std::make_shared<T>()](std::span<const uint8_t> bytes) {
+    if (message->decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
+    handler(*message);
+    return true;
+  };
+}
+
+template <class T>
+void Bus::Subscribe(const Channel& channel, std::function<void(const T&)> handler) {
+  SubscribeDecoded(channel, T::getTypeName(), false, Decoder<T>(std::move(handler)));
+}
+
+template <class T>
+void Bus::SubscribeBestEffort(const Channel& channel, std::function<void(const T&)> handler) {
+  SubscribeDecoded(channel, T::getTypeName(), true, Decoder<T>(std::move(handler)));
+}
 
 }  // namespace plslam::bus

@@ -19,6 +19,12 @@ struct BusOptions {
   std::string key_file;
   /// Folder for the history of ordered channels beyond memory. Empty: a folder of the process under TMPDIR.
   std::string history_dir;
+  /// Longest time that publishing waits for a slow reader; then the reader is left to repair until it has caught up.
+  int64_t max_wait_ms = 1000;
+  /// What an ordered channel keeps in memory for repair; more goes to disk (kAll) or is forgotten (kUnacknowledged).
+  int64_t history_bytes = 32'000'000;
+  /// What may wait for this process's handlers; when it is full, publishers are held back.
+  int64_t queue_bytes = 64'000'000;
   /// Fraction of received datagrams thrown away on purpose, for tests.
   double drop_fraction = 0.0;
   int64_t drop_seed = 1;
@@ -31,6 +37,9 @@ void VisitFields(Visitor& visit, BusOptions& o) {
   visit("max_message_bytes", o.max_message_bytes, Bounds{1000, 60000}, "largest message; 1200 on links that lose");
   visit("key_file", o.key_file, "file with a shared key of 64 hex digits; empty: no authentication");
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");
+  visit("max_wait_ms", o.max_wait_ms, Bounds{0, 60000}, "longest wait of a publisher for a slow reader");
+  visit("history_bytes", o.history_bytes, Bounds{200000, 4e9}, "memory for repair, of each ordered channel");
+  visit("queue_bytes", o.queue_bytes, Bounds{200000, 4e9}, "memory for messages that wait for handlers");
   visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9}, "received datagrams thrown away on purpose, for tests");
   visit("drop_seed", o.drop_seed, Bounds{0, 1e15}, "seed of that");
 }

@@ -1,0 +1,152 @@
+#include "core/bus/bus.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+
+#include <sodium.h>
+#include <unistd.h>
+
+#include "core/bus/bus_impl.h"
+
+namespace plslam::bus {
+namespace {
+
+/// Positive and never zero, which means "any" on the wire.
+int64_t RandomSource() {
+  int64_t source = 0;
+  while (source == 0) {
+    randombytes_buf(&source, sizeof(source));
+    source &= INT64_MAX;
+  }
+  return source;
+}
+
+void CheckPrefix(const std::string& prefix) {
+  const bool plain = std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '/' || c == '.';
+  });
+  if (!plain || prefix.size() > 32) {
+    throw std::runtime_error("bus.prefix: '" + prefix + "' must be at most 32 letters, digits or _ - / .");
+  }
+}
+
+void CheckFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw std::runtime_error("bus.history_dir: " + folder + " is no folder that can be written to");
+  }
+}
+
+std::string TemporaryFolder(int64_t source) {
+  const char* root = std::getenv("TMPDIR");
+  return std::string(root != nullptr && *root != '\0' ? root : "/tmp") + "/plslam-" + std::to_string(source);
+}
+
+}  // namespace
+
+Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
+    : options(options_in),
+      process(std::move(process_in)),
+      authenticator(options.key_file),
+      transport(options.url),
+      request_layout_(FindMessageLayout(kRepairRequest.type)),
+      announce_layout_(FindMessageLayout(kAnnounce.type)),
+      drop_random_(static_cast<uint64_t>(options.drop_seed)) {
+  CheckPrefix(options.prefix);
+  source = RandomSource();
+  temporary_folder = options.history_dir.empty();
+  history_folder = temporary_folder ? TemporaryFolder(source) : options.history_dir;
+  if (!temporary_folder) CheckFolder(history_folder);
+  transport.SetReceiver([this](std::string_view channel, ByteView bytes) { OnDatagram(channel, bytes); });
+  transport.Listen(WireName(kRepairRequest));
+  transport.Listen(WireName(kAnnounce));
+  receiver_ = std::thread([this] { ReceiveLoop(); });
+}
+
+Bus::Impl::~Impl() {
+  // What was published last may still be asked for; afterwards nobody can answer.
+  static constexpr std::chrono::milliseconds kFarewell{300};
+  Flush(kFarewell);
+  stopping_ = true;
+  transport.Wake();
+  receiver_.join();
+  outboxes.clear();
+  std::error_code ignored;
+  if (temporary_folder) std::filesystem::remove(history_folder, ignored);
+}
+
+Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
+Bus::~Bus() = default;
+
+int64_t Bus::source() const { return impl_->source; }
+const BusOptions& Bus::options() const { return impl_->options; }
+
+int64_t Bus::page_bytes() const {
+  return impl_->options.max_message_bytes - static_cast<int64_t>(impl_->authenticator.overhead());
+}
+
+void Bus::Post(std::function<void()> f) { impl_->loop.Post(std::move(f)); }
+void Bus::Every(std::chrono::milliseconds period, std::function<void()> f) {
+  impl_->loop.Every(period, std::move(f));
+}
+void Bus::Run() { impl_->loop.Run(); }
+void Bus::Stop() { impl_->loop.Stop(); }
+
+void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver) {
+  using Kind = Subscription::Kind;
+  const Kind kind = channel.delivery == Delivery::kLatest ? Kind::kNewest
+                    : best_effort                         ? Kind::kAsItComes
+                                                          : Kind::kOrdered;
+  impl_->Subscribe(channel, type, std::make_shared<Subscription>(Subscription{kind, std::move(deliver), nullptr}));
+}
+
+void Bus::SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
+                         std::function<void(std::span<const uint8_t>)> take) {
+  using Kind = Subscription::Kind;
+  Subscription subscription{reading == Reading::kOrdered ? Kind::kOrderedBytes : Kind::kBytes,
+                            [take = std::move(take)](ByteView bytes) {
+                              take(bytes);
+                              return true;
+                            },
+                            std::move(ready)};
+  impl_->Subscribe(channel, std::string(channel.type).c_str(),
+                   std::make_shared<Subscription>(std::move(subscription)));
+}
+
+void Bus::CountRejected() {
+  const std::lock_guard lock(impl_->mutex);
+  ++impl_->counts.rejected;
+}
+
+void Bus::CountSkipped(int64_t n) {
+  const std::lock_guard lock(impl_->mutex);
+  impl_->counts.skipped += n;
+}
+
+int Bus::ReaderCount(const Channel& channel) const {
+  const std::lock_guard lock(impl_->mutex);
+  const auto found = impl_->outboxes.find(channel.name);
+  const bool ordered = found != impl_->outboxes.end() && found->second->writer != nullptr;
+  return ordered ? found->second->writer->AliveReaders(Impl::Now()) : 0;
+}
+
+bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
+
+BusCounters Bus::counters() const {
+  const std::lock_guard lock(impl_->mutex);
+  BusCounters counts = impl_->counts;
+  counts.lost += impl_->given_lost;
+  counts.repaired += impl_->given_repaired;
+  for (const auto& [name, inbox] : impl_->inboxes) {
+    for (const auto& [source, reader] : inbox.readers) {
+      counts.lost += reader.lost();
+      counts.repaired += reader.repaired();
+    }
+  }
+  return counts;
+}
+
+}  // namespace plslam::bus

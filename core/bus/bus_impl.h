@@ -1,0 +1,143 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <random>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/bus/authenticator.h"
+#include "core/bus/bus.h"
+#include "core/bus/ordered_reader.h"
+#include "core/bus/ordered_writer.h"
+#include "core/bus/run_loop.h"
+#include "core/bus/transport.h"
+
+namespace plslam::bus {
+
+/// One Subscribe call.
+struct Subscription {
+  enum class Kind { kOrdered, kAsItComes, kNewest, kOrderedBytes, kBytes };
+  Kind kind;
+  std::function<bool(ByteView)> deliver;  ///< on the thread of Run, or (bytes) on the receiving thread
+  std::function<bool()> ready;            ///< kOrderedBytes: whether it can take one now
+};
+
+/// The newest message of one publisher of a kLatest channel that waits for one handler.
+struct LatestSlot {
+  std::mutex mutex;
+  Bytes newest;  // nullptr: none waits
+};
+
+/// Everything of one subscribed channel.
+struct Inbox {
+  Channel channel;
+  const MessageLayout* layout = nullptr;
+  std::vector<std::shared_ptr<Subscription>> subscriptions;
+  bool ordered = false;  // somebody wants order and repair
+  std::map<int64_t, OrderedReader> readers;
+  struct Latest {
+    int64_t seq = -1;
+    int64_t heard = 0;
+    std::vector<std::shared_ptr<LatestSlot>> slots;  // one for each subscription
+  };
+  std::map<int64_t, Latest> latest;
+  int64_t next_hello = 0;
+};
+
+/// One published channel.
+struct Outbox {
+  Channel channel;
+  std::string wire_name;
+  std::mutex publish_mutex;  // one message at a time, from its number to the wire
+  int64_t seq = 0;
+  int64_t sent = 0;                       // one past the newest that has been handed to LCM
+  std::unique_ptr<OrderedWriter> writer;  // ordered channels
+};
+
+/// One mutex guards all state; nothing is sent and no handler of the user runs while it is held.
+struct Bus::Impl {
+  Impl(const BusOptions& options, std::string process);
+  ~Impl();
+
+  // publish.cpp
+  Outbox& OutboxOf(const Channel& channel);
+  void WaitForWindow(Outbox& outbox, size_t bytes);
+  bool Flush(std::chrono::milliseconds limit);
+  std::string HistoryPath(const Channel& channel);
+  Bytes Sealed(const Outbox& outbox, header_t& header, const std::function<int()>& size, const Encode& encode) const;
+
+  // receive.cpp
+  void Subscribe(const Channel& channel, const char* type, std::shared_ptr<Subscription> subscription);
+  void OnDatagram(std::string_view wire_name, ByteView bytes);
+  void ReceiveLoop();
+
+  static int64_t Now();
+  std::string WireName(const Channel& channel) const { return std::string(options.prefix).append(channel.name); }
+
+  BusOptions options;
+  std::string process;
+  int64_t source = 0;
+  Authenticator authenticator;
+  Transport transport;
+  RunLoop loop;
+
+  mutable std::mutex mutex;
+  std::condition_variable acknowledged;                                  // with `mutex`: a reader's word has come
+  std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes;  // by channel name
+  std::map<std::string, Inbox, std::less<>> inboxes;                     // by name on the wire
+  std::string history_folder;
+  bool temporary_folder = false;
+  BusCounters counts;
+  int64_t given_lost = 0;  // of readers dropped since
+  int64_t given_repaired = 0;
+
+ private:
+  struct Outgoing {
+    std::string wire_name;
+    Bytes bytes;
+  };
+
+  bool Drop();
+  /// Checked message without its MAC; empty where it is to be rejected.
+  ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes) const;
+  void Dispatch(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void PostNewest(Inbox::Latest& latest, size_t subscription, const std::shared_ptr<Subscription>& s, Bytes message);
+  void Deliver(const std::shared_ptr<Subscription>& subscription, Bytes message);
+  OrderedReader* ReaderOf(Inbox& inbox, int64_t source, int64_t now);
+  bool Ready(const Inbox& inbox) const;
+  bool Drain(Inbox& inbox, OrderedReader& reader, int64_t now);
+  void OnRepairRequest(ByteView message, int64_t now);
+  void OnAnnounce(ByteView message, int64_t now);
+  void PollReaders(int64_t now, int64_t& next);
+  void PollWriters(int64_t now, int64_t& next);
+  void Announce(Outbox& outbox);
+  void Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request);
+  template <class T>
+  void SendControl(const Channel& channel, T message);
+  void SendOutgoing();
+
+  const std::string request_name_ = WireName(kRepairRequest);
+  const std::string announce_name_ = WireName(kAnnounce);
+  const MessageLayout* request_layout_ = nullptr;
+  const MessageLayout* announce_layout_ = nullptr;
+  std::map<std::string, int64_t, std::less<>> control_seq_;
+  std::mt19937_64 drop_random_;
+  std::vector<Outgoing> outgoing_;  // of the receiving thread; sent after `mutex` is released
+  int64_t next_poll_ = 0;
+  std::atomic<int64_t> wake_time_ = 0;
+  std::atomic<bool> stopping_ = false;
+  std::thread receiver_;
+
+  friend class Bus;
+};
+
+}  // namespace plslam::bus

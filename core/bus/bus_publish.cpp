@@ -1,0 +1,103 @@
+#include <chrono>
+#include <stdexcept>
+
+#include "core/bus/bus_impl.h"
+#include "plslam/header_t.hpp"
+
+namespace plslam::bus {
+
+Outbox& Bus::Impl::OutboxOf(const Channel& channel) {
+  const std::lock_guard lock(mutex);
+  std::unique_ptr<Outbox>& outbox = outboxes[std::string(channel.name)];
+  if (outbox != nullptr) return *outbox;
+  outbox = std::make_unique<Outbox>();
+  outbox->channel = channel;
+  outbox->wire_name = WireName(channel);
+  if (channel.delivery == Delivery::kEvery) {
+    outbox->writer = std::make_unique<OrderedWriter>(channel.retention, options.history_bytes, outbox->wire_name,
+                                                     HistoryPath(channel), !temporary_folder);
+  }
+  return *outbox;
+}
+
+std::string Bus::Impl::HistoryPath(const Channel& channel) {
+  return history_folder + "/" + std::string(channel.name) + "-" + std::to_string(source) + ".lcmlog";
+}
+
+/// Encoded message with its MAC.
+Bytes Bus::Impl::Sealed(const Outbox& outbox, header_t& header, const std::function<int()>& size,
+                        const Encode& encode) const {
+  header.schema = kSchemaVersion;
+  header.source = source;
+  header.seq = outbox.seq;
+  const int bytes = size();
+  if (bytes < 0 || static_cast<size_t>(bytes) + authenticator.overhead() > kMaxMessageBytes) {
+    throw std::length_error(outbox.wire_name + ": a message of " + std::to_string(bytes) + " bytes exceeds " +
+                            std::to_string(kMaxMessageBytes));
+  }
+  auto message = std::make_shared<std::vector<uint8_t>>();
+  message->reserve(static_cast<size_t>(bytes) + authenticator.overhead());
+  message->resize(static_cast<size_t>(bytes));
+  if (encode(message->data(), bytes) != bytes)
+    throw std::logic_error(outbox.wire_name + ": message cannot be encoded");
+  authenticator.Append(outbox.wire_name, *message);
+  return message;
+}
+
+void Bus::Impl::WaitForWindow(Outbox& outbox, size_t bytes) {
+  // A reader that dies falls silent without telling, so look again now and then.
+  static constexpr std::chrono::milliseconds kSlice{20};
+  std::unique_lock lock(mutex);
+  const int64_t deadline = Now() + options.max_wait_ms * 1'000'000;
+  while (!outbox.writer->WindowOpen(bytes, Now())) {
+    if (Now() >= deadline) {
+      outbox.writer->LeaveBehind(bytes, Now());
+      return;
+    }
+    acknowledged.wait_for(lock, kSlice);
+  }
+}
+
+void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& header,
+                         const std::function<int()>& encoded_size, const Encode& encode) {
+  if (channel.type != type) {
+    throw std::logic_error(std::string(channel.name) + " carries " + std::string(channel.type) + ", not " + type);
+  }
+  Outbox& outbox = impl_->OutboxOf(channel);
+  const std::lock_guard publishing(outbox.publish_mutex);
+  const Bytes message = impl_->Sealed(outbox, header, encoded_size, encode);
+  bool wake = false;
+  if (outbox.writer != nullptr) {
+    impl_->WaitForWindow(outbox, message->size());
+    const std::lock_guard lock(impl_->mutex);
+    outbox.writer->Sent(message, Impl::Now());
+    wake = outbox.writer->announce_time() < impl_->wake_time_;
+  }
+  ++outbox.seq;
+  impl_->transport.Send(outbox.wire_name, *message);
+  {
+    const std::lock_guard lock(impl_->mutex);
+    outbox.sent = outbox.seq;
+    ++impl_->counts.sent;
+  }
+  if (wake) impl_->transport.Wake();
+}
+
+bool Bus::Impl::Flush(std::chrono::milliseconds limit) {
+  static constexpr std::chrono::milliseconds kSlice{20};
+  std::unique_lock lock(mutex);
+  const int64_t deadline = Now() + std::chrono::nanoseconds(limit).count();
+  const auto all_delivered = [&] {
+    for (const auto& [name, outbox] : outboxes) {
+      if (outbox->writer != nullptr && !outbox->writer->AllDelivered(Now())) return false;
+    }
+    return true;
+  };
+  while (!all_delivered()) {
+    if (Now() >= deadline) return false;
+    acknowledged.wait_for(lock, kSlice);
+  }
+  return true;
+}
+
+}  // namespace plslam::bus

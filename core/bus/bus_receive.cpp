@@ -1,0 +1,334 @@
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "core/bus/bus_impl.h"
+#include "plslam/announce_t.hpp"
+#include "plslam/repair_request_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int64_t kMs = 1'000'000;
+constexpr int64_t kHelloPeriod = 300 * kMs;
+/// How soon a reader looks again whether its handlers have caught up.
+constexpr int64_t kStalledPeriod = 2 * kMs;
+/// Publishers remembered for each channel; one that was heard within kRemembered is not forgotten for a new one.
+constexpr size_t kMaxSources = 256;
+constexpr int64_t kRemembered = 60'000 * kMs;
+
+/// The member that has been silent for longest; end() where all were heard lately.
+template <class Map>
+typename Map::iterator Forgettable(Map& map, int64_t now, int64_t (*heard)(const typename Map::mapped_type&)) {
+  const auto oldest = std::min_element(
+      map.begin(), map.end(), [&](const auto& a, const auto& b) { return heard(a.second) < heard(b.second); });
+  return oldest != map.end() && now - heard(oldest->second) > kRemembered ? oldest : map.end();
+}
+
+}  // namespace
+
+int64_t Bus::Impl::Now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_ptr<Subscription> subscription) {
+  const MessageLayout* layout = FindMessageLayout(type);
+  if (channel.type != type || layout == nullptr) {
+    throw std::logic_error(std::string(channel.name) + " carries " + std::string(channel.type) + ", not " + type);
+  }
+  const std::string wire_name = WireName(channel);
+  bool is_new = false;
+  {
+    const std::lock_guard lock(mutex);
+    Inbox& inbox = inboxes[wire_name];
+    is_new = inbox.subscriptions.empty();
+    inbox.channel = channel;
+    inbox.layout = layout;
+    using Kind = Subscription::Kind;
+    inbox.ordered |= subscription->kind == Kind::kOrdered || subscription->kind == Kind::kOrderedBytes;
+    inbox.subscriptions.push_back(std::move(subscription));
+    next_poll_ = 0;
+  }
+  if (is_new) transport.Listen(wire_name);
+  transport.Wake();
+}
+
+void Bus::Impl::ReceiveLoop() {
+  while (!stopping_) {
+    const int64_t now = Now();
+    int64_t next = now + 100 * kMs;
+    {
+      const std::lock_guard lock(mutex);
+      PollReaders(now, next);
+      PollWriters(now, next);
+      next_poll_ = next;
+      wake_time_ = next;
+    }
+    SendOutgoing();
+    const int64_t wait = std::max<int64_t>(0, next - Now());
+    transport.Receive(static_cast<int>((wait + kMs - 1) / kMs));
+  }
+}
+
+bool Bus::Impl::Drop() {
+  if (options.drop_fraction <= 0.0) return false;
+  return static_cast<double>(drop_random_() >> 11) * 0x1p-53 < options.drop_fraction;
+}
+
+ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes) const {
+  if (bytes.size() > kMaxMessageBytes) return {};
+  const auto length = MessageLength(layout, bytes);
+  if (!length || *length < kWireHeaderBytes || !authenticator.Accept(wire_name, bytes, *length)) return {};
+  const WireHeader header = ReadHeader(bytes);
+  if (header.schema != kSchemaVersion || header.source == 0 || header.seq < 0) return {};
+  return bytes.first(*length);
+}
+
+void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
+  const int64_t now = Now();
+  {
+    const std::lock_guard lock(mutex);
+    if (Drop()) return;
+    const bool is_request = wire_name == request_name_;
+    const bool is_announce = !is_request && wire_name == announce_name_;
+    const auto inbox = inboxes.find(wire_name);
+    if (!is_request && !is_announce && inbox == inboxes.end()) return;
+    const MessageLayout* layout = is_request    ? request_layout_
+                                  : is_announce ? announce_layout_
+                                                : inbox->second.layout;
+    const ByteView message = Checked(wire_name, *layout, bytes);
+    if (message.empty()) {
+      ++counts.rejected;
+      return;
+    }
+    ++counts.received;
+    if (is_request) OnRepairRequest(message, now);
+    if (is_announce) OnAnnounce(message, now);
+    if (inbox != inboxes.end()) Dispatch(inbox->second, ReadHeader(message), message, now);
+  }
+  SendOutgoing();
+}
+
+void Bus::Impl::Dispatch(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
+  for (const auto& subscription : inbox.subscriptions) {
+    if (subscription->kind == Subscription::Kind::kBytes) subscription->deliver(message);
+  }
+  if (inbox.ordered) DispatchOrdered(inbox, header, message, now);
+  DispatchLatest(inbox, header, message, now);
+}
+
+OrderedReader* Bus::Impl::ReaderOf(Inbox& inbox, int64_t publisher, int64_t now) {
+  const auto found = inbox.readers.find(publisher);
+  if (found != inbox.readers.end()) return &found->second;
+  if (inbox.readers.size() >= kMaxSources) {
+    const auto old = Forgettable(
+        inbox.readers, now, +[](const OrderedReader& r) { return r.heard(); });
+    if (old == inbox.readers.end()) return nullptr;
+    given_lost += old->second.lost();
+    given_repaired += old->second.repaired();
+    inbox.readers.erase(old);
+  }
+  OrderedReader reader(transport.two_way(), options.queue_bytes, now);
+  return &inbox.readers.emplace(publisher, std::move(reader)).first->second;
+}
+
+void Bus::Impl::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
+  OrderedReader* reader = ReaderOf(inbox, header.source, now);
+  if (reader == nullptr) {
+    ++counts.rejected;
+    return;
+  }
+  const auto arrival = reader->OnMessage(header.seq, message, now);
+  if (arrival == OrderedReader::Arrival::kDuplicate) ++counts.duplicates;
+  Drain(inbox, *reader, now);
+  if (reader->poll_time() > now) return;
+  if (const auto request = reader->Poll(now)) Request(inbox, header.source, *request);
+}
+
+bool Bus::Impl::Ready(const Inbox& inbox) const {
+  return loop.queued_bytes() < options.queue_bytes &&
+         std::all_of(inbox.subscriptions.begin(), inbox.subscriptions.end(),
+                     [](const auto& s) { return s->ready == nullptr || s->ready(); });
+}
+
+/// Delivers what is in order; false where handlers are too far behind to take it.
+bool Bus::Impl::Drain(Inbox& inbox, OrderedReader& reader, int64_t now) {
+  while (Bytes message = reader.Front()) {
+    if (!Ready(inbox)) return false;
+    for (const auto& subscription : inbox.subscriptions) {
+      if (subscription->kind == Subscription::Kind::kOrdered) Deliver(subscription, message);
+      if (subscription->kind == Subscription::Kind::kOrderedBytes) subscription->deliver(*message);
+    }
+    reader.Pop(now);
+  }
+  return true;
+}
+
+void Bus::Impl::Deliver(const std::shared_ptr<Subscription>& subscription, Bytes message) {
+  const auto size = static_cast<int64_t>(message->size());
+  loop.Post([subscription, message = std::move(message)] { subscription->deliver(*message); }, size);
+}
+
+void Bus::Impl::DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
+  using Kind = Subscription::Kind;
+  const auto wants = [](const auto& s) { return s->kind == Kind::kNewest || s->kind == Kind::kAsItComes; };
+  if (std::none_of(inbox.subscriptions.begin(), inbox.subscriptions.end(), wants)) return;
+  if (!inbox.latest.contains(header.source) && inbox.latest.size() >= kMaxSources) {
+    const auto old = Forgettable(
+        inbox.latest, now, +[](const Inbox::Latest& l) { return l.heard; });
+    if (old == inbox.latest.end()) {
+      ++counts.rejected;
+      return;
+    }
+    inbox.latest.erase(old);
+  }
+  Inbox::Latest& latest = inbox.latest[header.source];
+  latest.heard = now;
+  if (header.seq <= latest.seq) {
+    counts.duplicates += inbox.ordered ? 0 : 1;
+    return;
+  }
+  latest.seq = header.seq;
+  const auto shared = std::make_shared<const std::vector<uint8_t>>(message.begin(), message.end());
+  latest.slots.resize(inbox.subscriptions.size());
+  for (size_t i = 0; i < inbox.subscriptions.size(); ++i) {
+    const auto& subscription = inbox.subscriptions[i];
+    if (subscription->kind == Kind::kNewest) PostNewest(latest, i, subscription, shared);
+    if (subscription->kind == Kind::kAsItComes && loop.queued_bytes() < options.queue_bytes) {
+      Deliver(subscription, shared);
+    }
+  }
+}
+
+void Bus::Impl::PostNewest(Inbox::Latest& latest, size_t subscription, const std::shared_ptr<Subscription>& s,
+                           Bytes message) {
+  std::shared_ptr<LatestSlot>& slot = latest.slots[subscription];
+  if (slot == nullptr) slot = std::make_shared<LatestSlot>();
+  Bytes overtaken;
+  {
+    const std::lock_guard lock(slot->mutex);
+    overtaken = std::exchange(slot->newest, std::move(message));
+  }
+  if (overtaken != nullptr) {
+    ++counts.skipped;
+    return;  // the task that waits takes the newer one
+  }
+  loop.Post([slot, s] {
+    Bytes newest;
+    {
+      const std::lock_guard lock(slot->mutex);
+      newest = std::exchange(slot->newest, nullptr);
+    }
+    s->deliver(*newest);
+  });
+}
+
+void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
+  repair_request_t request;
+  if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  const auto found = outboxes.find(request.channel);
+  if (found == outboxes.end() || found->second->writer == nullptr) return;
+  Outbox& outbox = *found->second;
+  if (request.publisher == 0) {
+    outbox.writer->OnHello(request.header.source, request.window_bytes, now);
+    if (outbox.writer->announce_time() <= now && outbox.writer->AnnounceDue(now)) Announce(outbox);
+    return;
+  }
+  if (request.publisher != source) return;
+  std::vector<SeqRange> ranges;
+  for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
+  auto answer = outbox.writer->OnRequest(request.header.source, request.delivered, request.window_bytes, ranges, now);
+  counts.resent += static_cast<int64_t>(answer.resend.size());
+  for (Bytes& message : answer.resend) outgoing_.push_back({outbox.wire_name, std::move(message)});
+  if (answer.announce) Announce(outbox);
+  acknowledged.notify_all();
+}
+
+void Bus::Impl::OnAnnounce(ByteView bytes, int64_t now) {
+  announce_t announce;
+  if (announce.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  const auto found = inboxes.find(std::string(options.prefix).append(announce.channel));
+  if (found == inboxes.end() || !found->second.ordered) return;
+  Inbox& inbox = found->second;
+  OrderedReader* reader = ReaderOf(inbox, announce.header.source, now);
+  if (reader == nullptr) return;
+  reader->OnAnnounce(announce.first_seq, announce.next_seq, now);
+  Drain(inbox, *reader, now);
+  if (reader->poll_time() > now) return;
+  if (const auto request = reader->Poll(now)) Request(inbox, announce.header.source, *request);
+}
+
+void Bus::Impl::PollReaders(int64_t now, int64_t& next) {
+  for (auto& [name, inbox] : inboxes) {
+    if (!inbox.ordered) continue;
+    if (now >= inbox.next_hello && transport.two_way()) {
+      inbox.next_hello = now + kHelloPeriod;
+      Request(inbox, 0, {});
+    }
+    next = std::min(next, inbox.next_hello);
+    for (auto& [publisher, reader] : inbox.readers) {
+      if (reader.poll_time() <= now) {
+        if (const auto request = reader.Poll(now)) Request(inbox, publisher, *request);
+      }
+      if (reader.Front() != nullptr && !Drain(inbox, reader, now)) next = std::min(next, now + kStalledPeriod);
+      next = std::min(next, reader.poll_time());
+    }
+  }
+}
+
+void Bus::Impl::PollWriters(int64_t now, int64_t& next) {
+  for (auto& [name, outbox] : outboxes) {
+    if (outbox->writer == nullptr) continue;
+    if (outbox->writer->AnnounceDue(now)) Announce(*outbox);
+    next = std::min(next, std::max(outbox->writer->announce_time(), now + kMs));
+  }
+}
+
+template <class T>
+void Bus::Impl::SendControl(const Channel& channel, T message) {
+  message.header.schema = kSchemaVersion;
+  message.header.source = source;
+  message.header.seq = control_seq_[std::string(channel.name)]++;
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  const std::string wire_name = WireName(channel);
+  authenticator.Append(wire_name, bytes);
+  outgoing_.push_back({wire_name, std::make_shared<const std::vector<uint8_t>>(std::move(bytes))});
+}
+
+void Bus::Impl::Announce(Outbox& outbox) {
+  announce_t announce{};
+  announce.channel = outbox.channel.name;
+  announce.next_seq = outbox.sent;
+  announce.first_seq = std::min(outbox.writer->history().first_seq(), outbox.sent);
+  if (transport.two_way()) SendControl(kAnnounce, announce);
+}
+
+void Bus::Impl::Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request) {
+  repair_request_t message{};
+  message.channel = inbox.channel.name;
+  message.publisher = publisher;
+  message.delivered = request.delivered;
+  message.window_bytes = static_cast<int32_t>(std::min<int64_t>(transport.receive_window(), 1 << 30));
+  for (const SeqRange& range : request.ranges) {
+    range_t wire{};
+    wire.first = range.first;
+    wire.last = range.last;
+    message.ranges.push_back(wire);
+  }
+  message.n_ranges = static_cast<int32_t>(message.ranges.size());
+  SendControl(kRepairRequest, message);
+}
+
+void Bus::Impl::SendOutgoing() {
+  // Only the receiving thread touches the list, but sending must not hold the mutex: LCM may block.
+  std::vector<Outgoing> sending;
+  {
+    const std::lock_guard lock(mutex);
+    sending.swap(outgoing_);
+  }
+  for (const Outgoing& out : sending) transport.Send(out.wire_name, *out.bytes);
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,13 @@
+#include "core/bus/channels.h"
+
+#include <array>
+
+namespace plslam::bus {
+
+std::span<const Channel> Channels() {
+  static constexpr std::array kRows = {kCamera, kStream,   kStereoFrame, kStereoFrameLive, kGroundTruth,   kPose,
+                                       kTracks, kKeyframe, kStatus,      kCommand,         kRepairRequest, kAnnounce};
+  return kRows;
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "core/bus/wire.h"
+
+struct _lcm_t;
+
+namespace plslam::bus {
+
+/// One LCM instance: URL, raw publishing and raw reception. `Send` and `Listen` are safe from any thread; `Receive`
+/// belongs to one.
+class Transport {
+ public:
+  enum class Kind { kUdpMulticast, kTcpRelay, kFileRead, kFileWrite, kMemory };
+  using Receiver = std::function<void(std::string_view channel, ByteView bytes)>;
+
+  /// Empty URL: LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error with one sentence.
+  explicit Transport(const std::string& url);
+  ~Transport();
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+
+  Kind kind() const { return kind_; }
+  /// URL as given to LCM.
+  const std::string& url() const { return url_; }
+  /// Whether messages can go both ways, so that repair makes sense.
+  bool two_way() const { return kind_ != Kind::kFileRead && kind_ != Kind::kFileWrite; }
+  /// Bytes of large datagrams that the receiving socket holds.
+  int64_t receive_window() const { return window_; }
+
+  /// False where it could not be sent (a closed connection, a log that is only read).
+  bool Send(const std::string& channel, ByteView bytes);
+
+  /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
+  void Listen(const std::string& channel);
+  /// All messages of all channels.
+  void ListenToAll();
+
+  void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
+
+  /// Waits at most until `timeout_ms` for messages or `Wake`, and hands at least one message that is there to the
+  /// receiver. False when there will be no more (end of a log that is read).
+  bool Receive(int timeout_ms);
+  /// Makes `Receive` return soon; from any thread.
+  void Wake();
+
+ private:
+  void Subscribe(const std::string& pattern);
+  bool WaitReadable(int timeout_ms, int fd) const;
+
+  std::string url_;
+  Kind kind_;
+  int64_t window_ = 0;
+  _lcm_t* lcm_ = nullptr;
+  int wake_fd_ = -1;
+  std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
+  Receiver receiver_;
+};
+
+/// Whether datagrams to the multicast group of `url` (udpm; empty: the default) come back to this machine. `reason`,
+/// if given, gets one sentence where they do not.
+bool MulticastWorks(const std::string& url, std::string* reason = nullptr);
+
+}  // namespace plslam::bus

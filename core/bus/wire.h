@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "lcmtypes/message_layout.h"
+
+namespace plslam::bus {
+
+/// Bytes of one message, as sent: fingerprint, members, MAC if there is a key. Shared by history and senders.
+using Bytes = std::shared_ptr<const std::vector<uint8_t>>;
+using ByteView = std::span<const uint8_t>;
+
+/// Largest message that fits one datagram whatever the options say.
+inline constexpr size_t kMaxMessageBytes = 60000;
+
+/// `header_t` as it stands at the begin of every message.
+struct WireHeader {
+  int32_t schema = 0;
+  int64_t source = 0;
+  int64_t session = 0;
+  int64_t seq = 0;
+  int64_t t_ns = 0;
+};
+
+/// Bytes of the fingerprint and the header.
+inline constexpr size_t kWireHeaderBytes = 8 + 4 + 4 * 8;
+
+/// Big-endian integer of the wire. Precondition: 8 (4) bytes are there.
+int64_t ReadInt64(const uint8_t* p);
+int32_t ReadInt32(const uint8_t* p);
+
+/// Header of a message of at least kWireHeaderBytes.
+WireHeader ReadHeader(ByteView message);
+
+/// Length of the message of type `layout` at the begin of `bytes`; nullopt where its fingerprint, sizes, array lengths
+/// or strings are not what the type allows or do not fit in `bytes`. LCM's generated decoders allocate whatever size
+/// they read; after this check they allocate at most a small multiple of `bytes`.
+std::optional<size_t> MessageLength(const MessageLayout& layout, ByteView bytes);
+
+}  // namespace plslam::bus

@@ -47,12 +47,13 @@ Projected ProjectEndpoint(const PreparedLine& line, const Eigen::Matrix3d& covar
   const Eigen::Matrix2d landmark = g_ref * covariance * g_ref.transpose();
   residual.S(i, i) += landmark(0, 0);
   residual.S(i + 2, i) += landmark(1, 0);
+  residual.S(i, i + 2) += landmark(0, 1);
   residual.S(i + 2, i + 2) += landmark(1, 1);
   return {line.left.direction.dot(from_left) / line.left.length_px,
           line.right.direction.dot(from_right) / std::max(line.right.length_px, kMinLength_px)};
 }
 
-// Errors across the observed line, carried from its ends to the projected endpoints. Lower triangle only.
+// Errors across the observed line, carried from its ends to the projected endpoints.
 void AddMeasurementNoise(const PreparedLine& line, double sigma_floor_px, const Projected& p, const Projected& q,
                          Residual<4>& residual) {
   const double sigma = std::max(line.sigma_px, sigma_floor_px);

@@ -1,0 +1,189 @@
+#include "core/motion/pose_ransac.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/geometry/triangulation.h"
+#include "core/motion/alignment.h"
+#include "core/motion/normal_equations.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kMaxHypotheses = 500;
+constexpr int kMinHypotheses = 20;
+constexpr double kConfidence = 0.999;
+constexpr double kMinSineOfLines = 0.15;
+
+// SplitMix64: the distributions of the standard library differ between its implementations.
+class Random {
+ public:
+  explicit Random(uint64_t seed) : state_(seed) {}
+
+  /// 0 to n - 1.
+  int Below(int n) {
+    state_ += 0x9E3779B97F4A7C15ULL;
+    uint64_t z = state_;
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBULL;
+    z ^= z >> 31U;
+    return static_cast<int>((z >> 32U) * static_cast<uint64_t>(n) >> 32U);
+  }
+
+ private:
+  uint64_t state_;
+};
+
+/// What a minimal set is made of: features with a 3D place in both frames.
+struct PointPair {
+  Eigen::Vector3d ref;
+  Eigen::Vector3d cur;
+};
+struct LinePair {
+  Segment3 ref;
+  Segment3 cur;
+};
+
+class Ransac {
+ public:
+  Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+         const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed);
+
+  std::optional<SE3> Estimate();
+
+ private:
+  std::optional<SE3> Hypothesis();
+  std::optional<SE3> FromPoints();
+  std::optional<SE3> FromLines();
+  ActiveSet Inliers(const SE3& T_cur_ref) const;
+  int NeededHypotheses(int n_inliers) const;
+  static int Score(const ActiveSet& set) { return set.CountPoints() + 2 * set.CountLines(); }
+
+  const std::vector<PointObservation>& points_;
+  const std::vector<LineObservation>& lines_;
+  const StereoCamera& camera_;
+  int min_inliers_;
+  MotionOptions options_;
+  PreparedObservations observations_;
+  std::vector<PointPair> point_pairs_;
+  std::vector<LinePair> line_pairs_;
+  Random random_;
+};
+
+// Gates in pixels, not in deviations: what an uncertain landmark could explain is no evidence for a pose.
+MotionOptions PixelGates(double inlier_px) {
+  MotionOptions options;
+  options.landmark_covariance = false;
+  options.min_scale_px = inlier_px / std::sqrt(ChiSquareQuantile(2, options.gate_sigmas));
+  return options;
+}
+
+Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+               const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed)
+    : points_(points),
+      lines_(lines),
+      camera_(camera),
+      min_inliers_(min_inliers),
+      options_(PixelGates(inlier_px)),
+      observations_(points, lines, options_),
+      random_(seed) {
+  for (const PreparedPoint& o : observations_.points) {
+    if (o.uvd.z() > 0.0) point_pairs_.push_back({o.p_ref, camera.Backproject(o.uvd)});
+  }
+  for (const int i : observations_.line_index) {
+    const LineObservation& o = lines[i];
+    if (o.disparity_p_px <= 0.0 || o.disparity_q_px <= 0.0) continue;
+    line_pairs_.push_back(
+        {o.segment_ref, BackprojectSegment(camera, o.observed, o.disparity_p_px, o.disparity_q_px)});
+  }
+}
+
+std::optional<SE3> Ransac::FromPoints() {
+  std::array<Eigen::Vector3d, 3> ref;
+  std::array<Eigen::Vector3d, 3> cur;
+  std::array<int, 3> chosen{};
+  const int n = static_cast<int>(point_pairs_.size());
+  for (int i = 0; i < 3; ++i) {
+    chosen[i] = random_.Below(n);
+    for (int j = 0; j < i; ++j) {
+      if (chosen[j] == chosen[i]) return std::nullopt;
+    }
+    ref[i] = point_pairs_[chosen[i]].ref;
+    cur[i] = point_pairs_[chosen[i]].cur;
+  }
+  return AlignPoints(ref, cur);
+}
+
+std::optional<SE3> Ransac::FromLines() {
+  const int n = static_cast<int>(line_pairs_.size());
+  const int first = random_.Below(n);
+  const int second = random_.Below(n);
+  if (first == second) return std::nullopt;
+  const LinePair& a = line_pairs_[first];
+  const LinePair& b = line_pairs_[second];
+  return AlignLines(a.ref, b.ref, a.cur, b.cur, kMinSineOfLines);
+}
+
+std::optional<SE3> Ransac::Hypothesis() {
+  const bool can_points = point_pairs_.size() >= 3;
+  const bool can_lines = line_pairs_.size() >= 2;
+  if (!can_points && !can_lines) return std::nullopt;
+  const int total = static_cast<int>(point_pairs_.size() + 2 * line_pairs_.size());
+  const bool points = can_points && (!can_lines || random_.Below(total) < static_cast<int>(point_pairs_.size()));
+  return points ? FromPoints() : FromLines();
+}
+
+ActiveSet Ransac::Inliers(const SE3& T_cur_ref) const {
+  const auto keep = [](const std::vector<Deviation>& deviations) {
+    std::vector<char> flags;
+    flags.reserve(deviations.size());
+    for (const Deviation& d : deviations) flags.push_back(d.squared <= d.gate ? 1 : 0);
+    return flags;
+  };
+  return {keep(PointDeviations(observations_, T_cur_ref, camera_, options_)),
+          keep(LineDeviations(observations_, T_cur_ref, camera_, options_))};
+}
+
+int Ransac::NeededHypotheses(int n_inliers) const {
+  const double all = static_cast<double>(observations_.points.size() + 2 * observations_.lines.size());
+  const double share = std::clamp(n_inliers / all, 1e-3, 0.999);
+  const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - share * share * share);
+  return std::clamp(static_cast<int>(std::ceil(needed)), kMinHypotheses, kMaxHypotheses);
+}
+
+std::optional<SE3> Ransac::Estimate() {
+  std::optional<SE3> best;
+  int best_score = 0;
+  int needed = kMaxHypotheses;
+  for (int i = 0; i < needed; ++i) {
+    const std::optional<SE3> hypothesis = Hypothesis();
+    if (!hypothesis || !hypothesis->IsFinite()) continue;
+    const int score = Score(Inliers(*hypothesis));
+    if (score <= best_score) continue;
+    best = hypothesis;
+    best_score = score;
+    needed = NeededHypotheses(score);
+  }
+  if (!best) return std::nullopt;
+  // A minimal set is noisy: all inliers refine it, and often bring more.
+  MotionOptions refinement;
+  refinement.min_inliers = std::max(3, std::min(min_inliers_, best_score));
+  const auto refined = EstimateMotion(points_, lines_, camera_, *best, std::nullopt, refinement);
+  if (refined && Score(Inliers(refined->T_cur_ref)) >= best_score) {
+    best = refined->T_cur_ref;
+    best_score = Score(Inliers(*best));
+  }
+  return best_score >= min_inliers_ ? best : std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SE3> EstimatePoseRansac(const std::vector<PointObservation>& points,
+                                      const std::vector<LineObservation>& lines, const StereoCamera& camera,
+                                      int min_inliers, double inlier_px, uint64_t seed) {
+  if (!(inlier_px > 0.0) || !std::isfinite(inlier_px)) return std::nullopt;
+  return Ransac(points, lines, camera, min_inliers, inlier_px, seed).Estimate();
+}
+
+}  // namespace plslam

@@ -47,7 +47,7 @@ struct StereoOptions {
   /// Standard deviation of the row of a right measurement against the left one: how well the pair is rectified.
   double row_sigma_px = 0.3;
   /// Points: standard deviation of a position, and tolerance of rows, both for octave 0; they grow with the scale.
-  double point_sigma_px = 0.7;
+  double point_sigma_px = 0.5;
   double point_row_tolerance_px = 2.0;
   int point_max_descriptor_distance = 80;
   /// Best to second best descriptor distance (the paper asks for 0.5).

@@ -1,92 +1,126 @@
 #include "core/features/orb_detector.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
-#include <opencv2/core/types.hpp>
-#include <opencv2/features2d.hpp>
+#include "core/features/fast_score.h"
 
 namespace plslam {
 namespace {
 
-constexpr int kFastRadius_px = 3;
+constexpr int kCell_px = 32;
 /// Corners a cell of `SpreadCorners` is expected to give.
 constexpr double kCornersPerCell = 2.0;
 
-/// Corners with their centre in `area`.
-void AppendCorners(const cv::Mat& image, const cv::Rect& area, int threshold, std::vector<cv::KeyPoint>& scratch,
-                   std::vector<Corner>& corners) {
-  const cv::Rect read(area.x - kFastRadius_px, area.y - kFastRadius_px, area.width + 2 * kFastRadius_px,
-                      area.height + 2 * kFastRadius_px);
-  scratch.clear();
-  cv::FAST(image(read), scratch, threshold, true);
-  for (const cv::KeyPoint& k : scratch) {
-    corners.push_back({read.x + static_cast<int>(k.pt.x), read.y + static_cast<int>(k.pt.y), k.response});
+/// Places of the non-zero bytes among `count`, eight at a time: most are zero.
+template <class Visit>
+void ForEachNonZero(const uint8_t* row, int count, const Visit& visit) {
+  int x = 0;
+  for (; x + 8 <= count; x += 8) {
+    uint64_t eight = 0;
+    std::memcpy(&eight, row + x, 8);
+    if (eight == 0) continue;
+    while (eight != 0) {
+      const int k = std::countr_zero(eight) / 8;  // the first in memory: little-endian
+      visit(x + k);
+      eight &= ~(uint64_t{0xff} << (8 * k));
+    }
+  }
+  for (; x < count; ++x) {
+    if (row[x] != 0) visit(x);
   }
 }
 
-/// Which cells of the area hold a corner, row by row.
-std::vector<char> OccupiedCells(const std::vector<Corner>& corners, const cv::Rect& area, int columns, int rows) {
-  std::vector<char> occupied(static_cast<size_t>(columns) * rows, 0);
-  for (const Corner& c : corners) {
-    occupied[static_cast<size_t>((c.y - area.y) / kFastCell_px) * columns + (c.x - area.x) / kFastCell_px] = 1;
-  }
-  return occupied;
+/// Where the parabola through three equidistant values has its vertex, the middle one being the largest: in [-1/2, 1/2].
+double VertexOffset(int before, int middle, int after) {
+  const int curvature = 2 * middle - before - after;
+  return curvature > 0 ? 0.5 * (after - before) / curvature : 0.0;
 }
 
+/// Sorts first what responds most; equal ones by place.
 bool Better(const Corner& a, const Corner& b) {
   if (a.response != b.response) return a.response > b.response;
   return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
 
+/// Corners grouped by cell, best first within each; cell c holds [begin[c], begin[c + 1]).
+struct CellCorners {
+  std::vector<Corner> corners;
+  std::vector<int> begin;
+};
+
+CellCorners GroupByCell(const std::vector<Corner>& corners, double cell_px, int columns, int rows) {
+  const auto cell_of = [&](const Corner& c) {
+    return static_cast<int>(c.y / cell_px) * columns + static_cast<int>(c.x / cell_px);
+  };
+  CellCorners cells;
+  cells.begin.assign(static_cast<size_t>(columns) * rows + 1, 0);
+  for (const Corner& c : corners) ++cells.begin[cell_of(c) + 1];
+  for (size_t i = 1; i < cells.begin.size(); ++i) cells.begin[i] += cells.begin[i - 1];
+  std::vector<int> next(cells.begin.begin(), cells.begin.end() - 1);
+  cells.corners.resize(corners.size());
+  for (const Corner& c : corners) cells.corners[next[cell_of(c)]++] = c;
+  return cells;
+}
+
 }  // namespace
 
-std::vector<Corner> DetectCorners(const cv::Mat& image, int threshold, int low_threshold, int margin_px) {
+std::vector<Corner> CornerDetector::Detect(const cv::Mat& image, int threshold, int low_threshold, int margin_px) {
   const int margin = std::max(margin_px, kFastRadius_px);
-  const cv::Rect area(margin, margin, image.cols - 2 * margin, image.rows - 2 * margin);
-  std::vector<Corner> corners;
-  if (area.width <= 0 || area.height <= 0) return corners;
-  std::vector<cv::KeyPoint> scratch;
-  AppendCorners(image, area, threshold, scratch, corners);
-  if (low_threshold >= threshold) return corners;
+  const int width = image.cols - 2 * margin;
+  const int height = image.rows - 2 * margin;
+  if (width <= 0 || height <= 0) return {};
+  FastScores(image, scores_);
+  SuppressNonMaxima(scores_, std::min(threshold, low_threshold) + 1, maxima_);
 
-  const int columns = (area.width + kFastCell_px - 1) / kFastCell_px;
-  const int rows = (area.height + kFastCell_px - 1) / kFastCell_px;
-  const std::vector<char> occupied = OccupiedCells(corners, area, columns, rows);
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < columns; ++c) {
-      // Runs of empty cells are searched in one go.
-      const int first = c;
-      while (c < columns && occupied[static_cast<size_t>(r) * columns + c] == 0) ++c;
-      if (c == first) continue;
-      const cv::Rect run(area.x + first * kFastCell_px, area.y + r * kFastCell_px, (c - first) * kFastCell_px,
-                         kFastCell_px);
-      AppendCorners(image, run & area, low_threshold, scratch, corners);
-    }
+  const int columns = (width - 1) / kCell_px + 1;
+  const int rows = (height - 1) / kCell_px + 1;
+  const auto cell_of = [&](int x, int y) { return (y / kCell_px) * columns + x / kCell_px; };
+  std::vector<Corner> corners;
+  std::vector<char> has_strong(static_cast<size_t>(columns) * rows, 0);
+  for (int y = 0; y < height; ++y) {
+    const uint8_t* row = maxima_.ptr<uint8_t>(y + margin) + margin;
+    ForEachNonZero(row, width, [&](int x) {
+      if (row[x] > threshold) has_strong[cell_of(x, y)] = 1;
+      corners.push_back({x + margin, y + margin, row[x]});
+    });
   }
+  std::erase_if(corners, [&](const Corner& c) {
+    return c.response <= threshold && has_strong[cell_of(c.x - margin, c.y - margin)] != 0;
+  });
   return corners;
 }
 
-std::vector<Corner> SpreadCorners(std::vector<Corner> corners, int quota, int width_px, int height_px) {
+Eigen::Vector2d CornerDetector::SubPixel(const Corner& corner) const {
+  const uint8_t* score = scores_.ptr<uint8_t>(corner.y) + corner.x;
+  const auto step = static_cast<ptrdiff_t>(scores_.step);
+  return {corner.x + VertexOffset(score[-1], score[0], score[1]),
+          corner.y + VertexOffset(score[-step], score[0], score[step])};
+}
+
+std::vector<Corner> SpreadCorners(const std::vector<Corner>& corners, int quota, int width_px, int height_px) {
   if (quota <= 0) return {};
   if (static_cast<int>(corners.size()) <= quota) return corners;
   const double cell_px = std::max(4.0, std::sqrt(kCornersPerCell * width_px * height_px / quota));
   const int columns = static_cast<int>(width_px / cell_px) + 1;
   const int rows = static_cast<int>(height_px / cell_px) + 1;
-  std::vector<std::vector<Corner>> cells(static_cast<size_t>(columns) * rows);
-  for (const Corner& c : corners) {
-    cells[static_cast<size_t>(c.y / cell_px) * columns + static_cast<size_t>(c.x / cell_px)].push_back(c);
-  }
-  for (std::vector<Corner>& cell : cells) std::sort(cell.begin(), cell.end(), Better);
+  CellCorners cells = GroupByCell(corners, cell_px, columns, rows);
 
   std::vector<Corner> kept;
+  std::vector<Corner> offered;
   kept.reserve(quota);
-  for (size_t turn = 0; static_cast<int>(kept.size()) < quota; ++turn) {
-    std::vector<Corner> offered;
-    for (const std::vector<Corner>& cell : cells) {
-      if (turn < cell.size()) offered.push_back(cell[turn]);
+  for (int turn = 0; static_cast<int>(kept.size()) < quota; ++turn) {
+    offered.clear();
+    for (size_t c = 0; c + 1 < cells.begin.size(); ++c) {
+      if (cells.begin[c] + turn >= cells.begin[c + 1]) continue;
+      const auto first = cells.corners.begin() + cells.begin[c] + turn;
+      const auto last = cells.corners.begin() + cells.begin[c + 1];
+      // Only what is asked for gets sorted: few turns are needed, and cells may hold hundreds.
+      std::iter_swap(first, std::min_element(first, last, Better));
+      offered.push_back(*first);
     }
-    if (offered.empty()) break;
     const size_t room = static_cast<size_t>(quota) - kept.size();
     if (offered.size() > room) {
       std::sort(offered.begin(), offered.end(), Better);

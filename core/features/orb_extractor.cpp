@@ -39,15 +39,15 @@ std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
     const int room = options_.max_points - static_cast<int>(points.size());
     const int quota = std::min(quotas[level] + unused, room);
     const std::vector<Corner> corners =
-        SpreadCorners(DetectCorners(level_image, options_.fast_threshold, options_.min_fast_threshold, kMargin_px),
+        SpreadCorners(detector_.Detect(level_image, options_.fast_threshold, options_.min_fast_threshold, kMargin_px),
                       quota, level_image.cols, level_image.rows);
     unused = quota - static_cast<int>(corners.size());
     if (corners.empty()) continue;
     BlurForBrief(level_image, blurred_);
     for (const Corner& c : corners) {
       PointFeature point;
-      point.px = pyramid_.ToImage({c.x, c.y}, level);
-      point.response = c.response;
+      point.px = pyramid_.ToImage(detector_.SubPixel(c), level);
+      point.response = static_cast<float>(c.response);
       point.octave = level;
       point.scale = pyramid_.scale(level).x();
       point.angle_rad = IntensityCentroidAngle(level_image, c.x, c.y);

@@ -8,6 +8,7 @@
 #include "core/features/image_pyramid.h"
 #include "core/features/options.h"
 #include "core/features/orb_descriptor.h"
+#include "core/features/orb_detector.h"
 
 namespace plslam {
 
@@ -25,6 +26,7 @@ class OrbExtractor {
  private:
   OrbOptions options_;
   ImagePyramid pyramid_;
+  CornerDetector detector_;
   cv::Mat blurred_;
   std::vector<OrbDescriptor> descriptors_;
 };

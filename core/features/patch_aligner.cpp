@@ -15,6 +15,8 @@ constexpr int kPixels = kSide * kSide;
 constexpr int kMaxIterations = 8;
 constexpr double kConverged = 0.01;
 constexpr double kMaxTravel = 2.5;
+/// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
+constexpr double kModelError = 0.05;
 /// Grey levels; quantisation and sensor noise hardly go below this.
 constexpr double kMinNoise = 1.0;
 
@@ -147,7 +149,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     shift -= step;
     if (!(std::abs(shift.x() + start) <= kMaxTravel)) return std::nullopt;
     if (step.cwiseAbs().maxCoeff() > kConverged) continue;
-    const double variance = c.noise * c.noise * hessian(1, 1) / determinant;
+    const double variance = c.noise * c.noise * hessian(1, 1) / determinant + kModelError * kModelError;
     return PatchAlignment{-shift.x() * size_px, std::sqrt(variance) * size_px, shift.y() * size_px, c.correlation,
                           c.gain};
   }

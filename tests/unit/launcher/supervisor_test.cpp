@@ -69,7 +69,7 @@ TEST_F(SupervisorTest, OutputGoesToTheLogAndArgumentsArriveWhole) {
 }
 
 TEST_F(SupervisorTest, ChildInheritsNoFilesAndNoBlockedSignals) {
-  Script("files", "[ -e /proc/$$/fd/37 ] && echo inherited; grep SigBlk /proc/$$/status");
+  Script("files", "[ -e /proc/$$/fd/37 ] && echo inherited; exec grep SigBlk /proc/self/status");
   sigset_t interrupts, before;
   sigemptyset(&interrupts);
   sigaddset(&interrupts, SIGINT);

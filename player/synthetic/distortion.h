@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace plslam::synthetic {
+
+/// Maps the pixels of a distorted image to those of an ideal pinhole image that is rendered larger, and fetches them.
+class Lens {
+ public:
+  struct Intrinsics {
+    double fx = 0.0;
+    double fy = 0.0;
+    double cx = 0.0;
+    double cy = 0.0;
+    int width = 0;
+    int height = 0;
+  };
+
+  Lens() = default;
+  /// A lens without distortion.
+  explicit Lens(const Intrinsics& intrinsics) : recorded_(intrinsics), ideal_(intrinsics) {}
+  /// Radial-tangential distortion k1 k2 p1 p2 (as in OpenCV).
+  Lens(const Intrinsics& intrinsics, const std::array<double, 4>& k);
+
+  const Intrinsics& recorded() const { return recorded_; }
+  /// The pinhole view to render.
+  const Intrinsics& ideal() const { return ideal_; }
+  const std::array<double, 4>& distortion() const { return k_; }
+  bool is_distorted() const { return !map_.empty(); }
+
+  /// The recorded image from the ideal one: bilinear, from a picture rendered at half the pixel pitch.
+  std::vector<float> Apply(const std::vector<float>& ideal) const;
+
+ private:
+  struct Source {
+    float x = 0.0F;
+    float y = 0.0F;
+  };
+
+  Intrinsics recorded_;
+  Intrinsics ideal_;
+  std::array<double, 4> k_ = {};
+  std::vector<Source> map_;
+};
+
+}  // namespace plslam::synthetic

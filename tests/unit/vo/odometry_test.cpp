@@ -47,13 +47,14 @@ TEST_P(OdometryByKind, FollowsAPathWithSmallDrift) {
   EXPECT_LT(PositionError(result, 59), 0.02);
 }
 
+std::string KindName(const testing::TestParamInfo<FeatureWorld::Counts>& info) {
+  return std::to_string(info.param.points) + "Points" + std::to_string(info.param.lines) + "Lines";
+}
+
 INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByKind,
                          testing::Values(FeatureWorld::Counts{300, 0}, FeatureWorld::Counts{0, 100},
                                          FeatureWorld::Counts{300, 100}),
-                         [](const auto& info) {
-                           return std::to_string(info.param.points) + "Points" + std::to_string(info.param.lines) +
-                                  "Lines";
-                         });
+                         KindName);
 
 TEST(Odometry, FrameToFrameDriftsMoreThanLandmarks) {
   const FeatureWorld world({300, 60}, 3);

@@ -1,0 +1,44 @@
+#include "player/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+namespace plslam {
+
+void PlayerCommandLine::AddTo(void* app) {
+  auto& cli = *static_cast<CLI::App*>(app);
+  cli.add_option("DATASET", dataset_, "folder, LCM log, or built-in world (synthetic:room?seed=3)");
+  cli.add_option("--kind", kind_, "kitti, euroc, tum, images, log or synthetic; default: found by looking");
+  cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)");
+  cli.add_option("--start", start_, "first frame (0)");
+  cli.add_option("--stop", stop_, "frame before which to end (-1: the end)");
+  cli.add_option("--stride", stride_, "every so many-th frame (1)");
+  cli.add_option("--loop", loop_, "times to play it, with continuing time and frame ids (1)");
+  cli.add_flag("--bounce", bounce_, "each time forth and back, so that the path closes");
+  cli.add_flag("--skip-bad", skip_bad_, "pass over frames that cannot be read, and count them");
+  cli.add_flag("--exit", exit_, "end when all is sent and acknowledged");
+}
+
+PlayerOptions PlayerCommandLine::Options(const Config& config) const {
+  PlayerOptions options;
+  // Overrides of the configuration, so that its checks of types and bounds hold for the command line too.
+  Config with_overrides = config;
+  const auto override_with = [&](const char* key, const auto& value) {
+    if (value) with_overrides.Override(fmt::format("player.{}={}", key, *value));
+  };
+  override_with("start", start_);
+  override_with("stop", stop_);
+  override_with("stride", stride_);
+  override_with("loop", loop_);
+  with_overrides.Read("player", options);
+  if (dataset_) options.dataset = *dataset_;
+  if (kind_) options.kind = *kind_;
+  if (pace_) options.pace = *pace_;
+  options.bounce |= bounce_;
+  options.skip_bad |= skip_bad_;
+  options.exit |= exit_;
+  return options;
+}
+
+}  // namespace plslam

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/config/config.h"
+#include "player/options.h"
+
+namespace plslam {
+
+/// The player's own part of its command line; what is given here wins over the configuration.
+class PlayerCommandLine {
+ public:
+  /// `app` is a CLI::App*.
+  void AddTo(void* app);
+  PlayerOptions Options(const Config& config) const;
+
+ private:
+  std::optional<std::string> dataset_;
+  std::optional<std::string> kind_;
+  std::optional<std::string> pace_;
+  std::optional<int64_t> start_;
+  std::optional<int64_t> stop_;
+  std::optional<int64_t> stride_;
+  std::optional<int64_t> loop_;
+  bool bounce_ = false;
+  bool skip_bad_ = false;
+  bool exit_ = false;
+};
+
+}  // namespace plslam

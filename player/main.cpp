@@ -1,0 +1,15 @@
+#include "core/bus/process.h"
+#include "player/command_line.h"
+#include "player/player_node.h"
+
+int main(int argc, char** argv) {
+  plslam::PlayerCommandLine command_line;
+  plslam::bus::ProcessSpec spec;
+  spec.name = "player";
+  spec.description = "Plays a stereo or RGB-D dataset, or a built-in world, onto the bus.";
+  spec.add_options = [&](void* app) { command_line.AddTo(app); };
+  spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
+    return std::make_shared<plslam::PlayerNode>(process, command_line.Options(config));
+  };
+  return plslam::bus::RunProcess(argc, argv, spec);
+}

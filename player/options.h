@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/config/fields.h"
+
+namespace plslam {
+
+/// What the player plays, and how. Frames are numbered as in the dataset.
+struct PlayerOptions {
+  std::string dataset;
+  std::string kind;
+  std::string pace = "lockstep";
+  int64_t start = 0;
+  int64_t stop = -1;
+  int64_t stride = 1;
+  int64_t loop = 1;
+  bool bounce = false;
+  bool skip_bad = false;
+  bool exit = false;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, PlayerOptions& o) {
+  visit("dataset", o.dataset, "folder, LCM log, or built-in world (synthetic:room)");
+  visit("kind", o.kind, OneOf{"", "kitti", "euroc", "tum", "images", "log", "synthetic"},
+        "format of the dataset; empty: found by looking");
+  visit("pace", o.pace, "lockstep (each frame waits for the pose of the one before), realtime, or realtimexN");
+  visit("start", o.start, Bounds{0, 1e9}, "first frame");
+  visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end of the dataset");
+  visit("stride", o.stride, Bounds{1, 1e9}, "every so many-th frame");
+  visit("loop", o.loop, Bounds{1, 1e6}, "times to play it, with continuing time and frame ids");
+  visit("bounce", o.bounce, "each time forth and back, so that the path closes");
+  visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
+  visit("exit", o.exit, "end when all is sent and acknowledged, instead of staying for late readers");
+}
+
+}  // namespace plslam

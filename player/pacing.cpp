@@ -1,0 +1,101 @@
+#include "player/pacing.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+#include <string_view>
+
+namespace plslam {
+namespace {
+
+constexpr std::string_view kRealtime = "realtime";
+constexpr double kMinSpeed = 1e-3;
+constexpr double kMaxSpeed = 1e3;
+constexpr double kNsPerS = 1e9;
+constexpr double kDefaultRate_hz = 10.0;
+
+std::vector<PlayOrder::Item> Select(const std::vector<int64_t>& times_ns, const PlayerOptions& options) {
+  const auto n = static_cast<int64_t>(times_ns.size());
+  const int64_t stop = options.stop < 0 ? n : std::min(options.stop, n);
+  if (options.stride < 1 || options.start < 0 || options.start >= stop) {
+    throw std::runtime_error(fmt::format("start {}, stop {} and stride {} leave none of the {} frames", options.start,
+                                         options.stop, options.stride, n));
+  }
+  std::vector<PlayOrder::Item> items;
+  for (int64_t i = options.start; i < stop; i += options.stride) {
+    items.push_back({static_cast<int>(i), times_ns[static_cast<size_t>(i)]});
+  }
+  return items;
+}
+
+int64_t MeanPeriod(const std::vector<PlayOrder::Item>& pass, double rate_hz) {
+  if (pass.size() > 1) return (pass.back().t_ns - pass.front().t_ns) / static_cast<int64_t>(pass.size() - 1);
+  const double rate = rate_hz > 0.0 && std::isfinite(rate_hz) ? rate_hz : kDefaultRate_hz;
+  return std::llround(kNsPerS / rate);
+}
+
+int64_t Count(int64_t n, const PlayerOptions& options) {
+  const bool turns = options.bounce && n > 1;
+  return turns ? 1 + 2 * (n - 1) * options.loop : n * options.loop;
+}
+
+}  // namespace
+
+Pace ParsePace(const std::string& text) {
+  if (text == "lockstep") return {true, 1.0};
+  if (text == kRealtime) return {false, 1.0};
+  if (text.starts_with(kRealtime) && text.size() > kRealtime.size() + 1 && text[kRealtime.size()] == 'x') {
+    double speed = 0.0;
+    const char* first = text.data() + kRealtime.size() + 1;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(first, last, speed);
+    if (error == std::errc() && end == last && speed >= kMinSpeed && speed <= kMaxSpeed) return {false, speed};
+  }
+  throw std::runtime_error(fmt::format("pace '{}' is none of lockstep, realtime, realtimexN (N from {} to {})", text,
+                                       kMinSpeed, kMaxSpeed));
+}
+
+PlayOrder::PlayOrder(const std::vector<int64_t>& times_ns, const PlayerOptions& options, double rate_hz)
+    : pass_(Select(times_ns, options)),
+      bounce_(options.bounce && pass_.size() > 1),
+      size_(Count(static_cast<int64_t>(pass_.size()), options)),
+      period_ns_(std::max<int64_t>(1, MeanPeriod(pass_, rate_hz))),
+      t_ns_(pass_.front().t_ns) {}
+
+size_t PlayOrder::Position(int64_t step) const {
+  const auto n = static_cast<int64_t>(pass_.size());
+  if (!bounce_) return static_cast<size_t>(step % n);
+  const int64_t turn = step % (2 * (n - 1));
+  return static_cast<size_t>(turn < n ? turn : 2 * (n - 1) - turn);
+}
+
+std::optional<PlayOrder::Item> PlayOrder::Next() {
+  if (step_ == size_) return std::nullopt;
+  const size_t now = Position(step_);
+  if (step_ > 0) {
+    const size_t before = Position(step_ - 1);
+    const bool neighbours = now == before + 1 || before == now + 1;
+    // A single frame, and the jump back to the first one, have no distance of their own.
+    const bool in_pass = neighbours && (bounce_ || now > before);
+    t_ns_ += in_pass ? std::abs(pass_[now].t_ns - pass_[before].t_ns) : period_ns_;
+  }
+  ++step_;
+  return Item{pass_[now].index, t_ns_};
+}
+
+RealtimeClock::RealtimeClock(double speed, int64_t period_ns)
+    : speed_(speed), tolerance_ns_(static_cast<int64_t>(0.5 * static_cast<double>(period_ns) / speed)) {}
+
+int64_t RealtimeClock::Due_ns(int64_t t_ns, int64_t now_ns) {
+  if (!first_t_ns_) {
+    first_t_ns_ = t_ns;
+    first_due_ns_ = now_ns;
+  }
+  return first_due_ns_ + static_cast<int64_t>(static_cast<double>(t_ns - *first_t_ns_) / speed_);
+}
+
+}  // namespace plslam

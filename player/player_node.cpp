@@ -1,0 +1,187 @@
+#include "player/player_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "player/open_dataset.h"
+#include "player/rig_message.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr size_t kFramesAhead = 2;
+constexpr milliseconds kRigPeriod{1000};
+constexpr milliseconds kWaitingTick{1000};
+// A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time again
+// from us.
+constexpr int kTicksBeforeResend = 2;
+constexpr milliseconds kFlushTick{500};
+constexpr const char* kReader = "vo";
+
+std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
+  if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
+  std::unique_ptr<Dataset> dataset = OpenDataset(options.dataset, options.kind);
+  for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
+  return dataset;
+}
+
+PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
+  std::vector<int64_t> times_ns;
+  for (int i = 0; i < dataset.size(); ++i) times_ns.push_back(dataset.t_ns(i));
+  return {times_ns, options, dataset.rig().rate_hz};
+}
+
+int64_t Now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Turn::Clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
+    : process_(process),
+      options_(options),
+      pace_(ParsePace(options.pace)),
+      dataset_(Open(options)),
+      order_(Order(*dataset_, options)),
+      clock_(pace_.speed, order_.period_ns()),
+      publisher_(process.bus(), pace_.lockstep),
+      loader_(*dataset_, order_, kFramesAhead) {
+  PlayerOptions shown = options_;
+  process_.SetConfiguration(ToYaml("player", shown));
+  process_.SetCounter("frames.total", static_cast<double>(order_.size()));
+  if (pace_.lockstep) {
+    process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) { turn_.OnPose(pose.frame_id); });
+    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
+      if (status.process == kReader) turn_.OnReader(status.header.source);
+    });
+  }
+  PublishRig();
+  process_.bus().Every(kRigPeriod, [this] { PublishRig(); });
+  process_.SetState("ready");
+  sender_ = std::thread([this] { Play(); });
+}
+
+PlayerNode::~PlayerNode() {
+  turn_.Stop();
+  loader_.Stop();
+  sender_.join();
+}
+
+// What goes wrong on the sending thread ends the process where the run loop sees it.
+void PlayerNode::Play() {
+  try {
+    SendAll();
+  } catch (...) {
+    process_.bus().Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
+  }
+}
+
+void PlayerNode::SendAll() {
+  PublishStream("begin", order_.size());
+  while (std::optional<LoadedFrame> frame = loader_.Next()) {
+    if (!frame->error.empty()) {
+      PassOver(*frame);
+      continue;
+    }
+    frame->images.frame_id = n_sent_;
+    if (!Send(*frame)) return;
+  }
+  if (turn_.stopped()) return;
+  PublishStream("end", n_sent_);
+  WaitForReaders();
+  if (turn_.stopped()) return;
+  process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
+  if (options_.exit) process_.Finish();
+}
+
+bool PlayerNode::Send(const LoadedFrame& frame) {
+  if (!pace_.lockstep && !WaitUntilDue(frame.images.t_ns)) return false;
+  turn_.Expect(frame.images.frame_id);
+  PublishTruth(frame);
+  publisher_.Publish(frame.images);
+  process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
+  if (n_sent_ == 1) process_.SetState("running");
+  return !pace_.lockstep || WaitForPose(frame);
+}
+
+bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
+  int ticks_to_resend = 0;
+  for (bool waiting = false;;) {
+    const Turn::Event event = turn_.WaitForPose(kWaitingTick);
+    if (event == Turn::Event::kStopped) return false;
+    if (event == Turn::Event::kPose) {
+      if (waiting) process_.SetState("running");
+      return true;
+    }
+    if (event == Turn::Event::kNewReader) {
+      ticks_to_resend = kTicksBeforeResend;
+    } else if (ticks_to_resend > 0 && --ticks_to_resend == 0) {
+      publisher_.Publish(frame.images);
+    }
+    if (!std::exchange(waiting, true)) {
+      process_.SetState("running", fmt::format("waiting for the pose of frame {}", frame.images.frame_id));
+    }
+  }
+}
+
+bool PlayerNode::WaitUntilDue(int64_t t_ns) {
+  const int64_t due_ns = clock_.Due_ns(t_ns, Now_ns());
+  if (!turn_.WaitUntil(Turn::Clock::time_point(std::chrono::nanoseconds(due_ns)))) return false;
+  if (clock_.IsLate(due_ns, Now_ns())) process_.SetCounter("frames.late", static_cast<double>(++n_late_));
+  return true;
+}
+
+void PlayerNode::PassOver(const LoadedFrame& frame) {
+  process_.SetCounter("frames.bad", static_cast<double>(++n_bad_));
+  if (!options_.skip_bad) {
+    PublishStream("end", n_sent_);
+    process_.bus().Flush(kFlushTick);
+    throw DatasetError(frame.error);
+  }
+  spdlog::warn("passed over: {}", frame.error);
+}
+
+void PlayerNode::PublishRig() {
+  camera_t message = ToMessage(dataset_->rig());
+  process_.bus().Publish(bus::kCamera, std::move(message));
+}
+
+void PlayerNode::PublishTruth(const LoadedFrame& frame) {
+  if (!frame.T_w_l) return;
+  ground_truth_t message;
+  message.header = {};
+  message.header.t_ns = frame.images.t_ns;
+  message.frame_id = frame.images.frame_id;
+  message.T_w_l = ToMessage(*frame.T_w_l);
+  process_.bus().Publish(bus::kGroundTruth, std::move(message));
+}
+
+void PlayerNode::PublishStream(const char* event, int64_t n_frames) {
+  stream_t message;
+  message.header = {};
+  message.dataset = dataset_->name();
+  message.event = event;
+  message.pace = pace_.lockstep ? "lockstep" : "realtime";
+  message.n_frames = n_frames;
+  message.n_bad = n_bad_;
+  process_.bus().Publish(bus::kStream, std::move(message));
+}
+
+void PlayerNode::WaitForReaders() {
+  while (!turn_.stopped() && !process_.bus().Flush(kFlushTick)) {
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include "core/bus/frame_channel.h"
+#include "core/bus/process.h"
+#include "core/io/dataset.h"
+#include "player/frame_loader.h"
+#include "player/options.h"
+#include "player/pacing.h"
+#include "player/turn.h"
+
+namespace plslam {
+
+/// Plays a dataset onto the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true poses, frames
+/// and the end of the stream.
+///
+/// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and its status says
+/// so. A vo_process that starts anew in between gets the pending frame again (the old one may have taken it with it), so
+/// readers must expect a frame id twice. A frame that cannot be read ends the stream and the process, or is counted.
+class PlayerNode {
+ public:
+  /// Throws where the dataset cannot be opened.
+  PlayerNode(bus::Process& process, const PlayerOptions& options);
+  ~PlayerNode();
+
+ private:
+  void Play();
+  void SendAll();
+  bool Send(const LoadedFrame& frame);
+  bool WaitForPose(const LoadedFrame& frame);
+  bool WaitUntilDue(int64_t t_ns);
+  void PassOver(const LoadedFrame& frame);
+  void PublishRig();
+  void PublishTruth(const LoadedFrame& frame);
+  void PublishStream(const char* event, int64_t n_frames);
+  void WaitForReaders();
+
+  bus::Process& process_;
+  const PlayerOptions options_;
+  const Pace pace_;
+  std::unique_ptr<Dataset> dataset_;
+  PlayOrder order_;
+  RealtimeClock clock_;
+  bus::FramePublisher publisher_;
+  FrameLoader loader_;
+  Turn turn_;
+  int64_t n_sent_ = 0;
+  int64_t n_bad_ = 0;
+  int64_t n_late_ = 0;
+  std::thread sender_;
+};
+
+}  // namespace plslam

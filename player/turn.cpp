@@ -1,0 +1,54 @@
+#include "player/turn.h"
+
+namespace plslam {
+
+void Turn::Expect(int64_t frame_id) {
+  const std::scoped_lock lock(mutex_);
+  expected_ = frame_id;
+  has_pose_ = false;
+  new_reader_ = false;
+}
+
+void Turn::OnPose(int64_t frame_id) {
+  const std::scoped_lock lock(mutex_);
+  if (expected_ != frame_id) return;
+  has_pose_ = true;
+  changed_.notify_all();
+}
+
+void Turn::OnReader(int64_t source) {
+  const std::scoped_lock lock(mutex_);
+  const bool is_first = readers_.empty();
+  if (!readers_.insert(source).second || is_first) return;
+  new_reader_ = true;
+  changed_.notify_all();
+}
+
+void Turn::Stop() {
+  const std::scoped_lock lock(mutex_);
+  stopped_ = true;
+  changed_.notify_all();
+}
+
+Turn::Event Turn::WaitForPose(Clock::duration limit) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, limit, [this] { return stopped_ || has_pose_ || new_reader_; });
+  if (stopped_) return Event::kStopped;
+  if (has_pose_) return Event::kPose;
+  if (!new_reader_) return Event::kTimeout;
+  new_reader_ = false;
+  return Event::kNewReader;
+}
+
+bool Turn::WaitUntil(Clock::time_point time) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, time, [this] { return stopped_; });
+  return !stopped_;
+}
+
+bool Turn::stopped() const {
+  const std::scoped_lock lock(mutex_);
+  return stopped_;
+}
+
+}  // namespace plslam

@@ -71,6 +71,8 @@ RelativeErrors ComputeRelativeErrors(const PosePairs& pairs, const Delta& delta)
   RelativeErrors errors;
   const std::vector<double> positions = Positions(pairs, delta.unit);
   for (size_t i = 0; i + 1 < pairs.size(); ++i) {
+    // At the end of the sequence the nearest pair would be nearer and nearer.
+    if (positions[i] + (1.0 - 1e-6) * delta.value > positions.back()) break;
     const size_t j = NearestIndex(positions, i + 1, positions[i] + delta.value);
     if (std::abs(positions[j] - positions[i] - delta.value) > 0.5 * delta.value) continue;
     if (delta.unit == Delta::Unit::kFrames && positions[j] - positions[i] != delta.value) continue;

@@ -16,7 +16,7 @@ struct Statistics {
 Statistics Summarise(std::vector<double> values);
 
 /// Quantile of the chi-square distribution by the approximation of Wilson and Hilferty (1931), for the two-sided 95 %
-/// interval: `z` is +-1.959964. Relative error below 1 % from 6 degrees of freedom on, and falling with them.
+/// interval: `z` is +-1.959964. Off by less than 3 % at 6 degrees of freedom and 0.1 % from 60 on.
 double ChiSquareQuantile(double degrees_of_freedom, double z);
 
 }  // namespace plslam

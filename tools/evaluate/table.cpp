@@ -35,12 +35,12 @@ std::string StatisticsTable(const Accuracy& a) {
 }
 
 std::string KittiRow(const std::string& name, int segments, double t_rel, double r_rel) {
-  return fmt::format("{:<26}{:>8}{:>12}{:>16}\n", name, segments, Value(segments, t_rel), Value(segments, r_rel));
+  return fmt::format("{:<26}{:>8}{:>12}{:>18}\n", name, segments, Value(segments, t_rel), Value(segments, r_rel));
 }
 
 std::string KittiTable(const std::string& name, const KittiErrors& errors) {
   if (errors.segments == 0) return "";
-  std::string text = fmt::format("\n{:<26}{:>8}{:>12}{:>16}\n", name, "n", "t_rel [%]", "r_rel [deg/100m]");
+  std::string text = fmt::format("\n{:<26}{:>8}{:>12}{:>18}\n", name, "n", "t_rel [%]", "r_rel [deg/100m]");
   for (const KittiLengthError& row : errors.lengths) {
     text += KittiRow(fmt::format("{:g} m", row.length_m), row.segments, row.t_rel_percent, row.r_rel_deg_per_100m);
   }

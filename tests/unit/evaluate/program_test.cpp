@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "core/io/pose_covariance.h"
+#include "tests/support/data_folder.h"
+#include "tests/unit/evaluate/pairs.h"
+#include "tests/unit/trajectory/text_file.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+struct ProgramRun {
+  int exit_code;
+  std::string out;
+  std::string error;
+};
+
+ProgramRun Evaluate(const ScratchFolder& folder, const std::string& arguments) {
+  const std::string command = (test::BinaryFolder() / "evaluate").string() + " " + arguments + " >" +
+                              folder.Path("out") + " 2>" + folder.Path("error");
+  const int status = std::system(command.c_str());  // NOLINT: the program is what is tested
+  return {WEXITSTATUS(status), ReadText(folder.Path("out")), ReadText(folder.Path("error"))};
+}
+
+TEST(EvaluateProgram, ComparesDifferentFormatsAndWritesAllOutputs) {
+  const ScratchFolder folder;
+  const Trajectory truth = SomePath(50);
+  const Trajectory estimate = WithDrift(truth, Translation(0, 0, 0.01));
+  WriteTrajectory(folder.Path("truth.csv"), TrajectoryFormat::kEuroc, truth);
+  WriteTrajectory(folder.Path("estimate.tum"), TrajectoryFormat::kTum, estimate);
+  WriteTrajectory(folder.Path("keyframes.tum"), TrajectoryFormat::kTum, {estimate[0], estimate[20], estimate[40]});
+  std::vector<PoseCovariance> motions;
+  for (const TrajectoryPose& pose : estimate) motions.push_back({pose.t_ns, 1e-4 * Matrix6d::Identity()});
+  WritePoseCovariances(folder.Path("motion.txt"), motions);
+  const ProgramRun run = Evaluate(
+      folder, folder.Path("estimate.tum") + " --truth " + folder.Path("truth.csv") + " --keyframes " +
+                  folder.Path("keyframes.tum") + " --motion-covariance " + folder.Path("motion.txt") +
+                  " --delta 1f 2s --align first --json " + folder.Path("a.json") + " --plot " + folder.Path("a.png"));
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.out, HasSubstr("50 associated; coverage 100.0 %"));
+  EXPECT_THAT(run.out, HasSubstr("RPE 2s translation [m]"));
+  const auto json = nlohmann::json::parse(ReadText(folder.Path("a.json")));
+  EXPECT_NEAR(json["rpe"][0]["translation_m"]["rmse"].get<double>(), 0.01, 1e-6);
+  EXPECT_EQ(json["keyframes"]["motions"], 2);
+  EXPECT_NEAR(json["nees_motion"]["mean"].get<double>(), 1.0, 1e-3);
+  EXPECT_THAT(ReadText(folder.Path("a.png")).substr(1, 3), "PNG");
+}
+
+TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
+  const ScratchFolder folder;
+  const std::string good = folder.Write("good", "1 0 0 0 0 0 0 1\n");
+  const std::string late = folder.Write("late", "9 0 0 0 0 0 0 1\n");
+  const std::string bad = folder.Write("bad", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 x\n");
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {good + " --truth " + bad, "bad:2: 'x' is not a finite number"},
+      {good + " --truth " + folder.Path("none"), "none: cannot be opened"},
+      {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},
+      {good + " --truth " + good + " --delta 1x", "'1x' is no interval"},
+      {good + " --truth " + good + " --json " + folder.Path("no/a.json"), "a.json: cannot be created"},
+      {good + " --truth " + good + " --align rigid", "rigid"},
+      {good + " --truth " + good + " --truth-format kitti",
+       "good:1: 8 numbers, but a row of the KITTI format has 12"},
+      {good, "--truth is required"}};
+  for (const auto& [arguments, sentence] : cases) {
+    const ProgramRun run = Evaluate(folder, arguments);
+    EXPECT_EQ(run.exit_code, 1) << arguments;
+    EXPECT_THAT(run.error, HasSubstr(sentence));
+  }
+}
+
+TEST(EvaluateProgram, KittiFilesTakeTheirTimesFromTheTimesFile) {
+  PLSLAM_REQUIRE_DATA(data, "trajectories/kitti");
+  const ScratchFolder folder;
+  const std::string poses = (data / "04.txt").string();
+  const std::string times = (data / "04_times.txt").string();
+  const ProgramRun run = Evaluate(folder, poses + " --truth " + poses + " --times " + times + " --align sim3");
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.out, HasSubstr("true path   393.6"));
+  EXPECT_THAT(run.out, HasSubstr("scale 1.000000"));
+}
+
+TEST(EvaluateProgram, HelpAndVersion) {
+  const ScratchFolder folder;
+  EXPECT_EQ(Evaluate(folder, "--help").exit_code, 0);
+  EXPECT_THAT(Evaluate(folder, "--version").out, HasSubstr(PLSLAM_VERSION));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,93 @@
+#include "core/geometry/distortion.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+CameraCalibration Lens(const std::string& model, std::vector<double> distortion) {
+  CameraCalibration c;
+  c.model = model;
+  c.distortion = std::move(distortion);
+  return c;
+}
+
+const std::vector<CameraCalibration>& Lenses() {
+  static const std::vector<CameraCalibration> lenses{
+      Lens("pinhole", {}), Lens("radtan", {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}),
+      Lens("radtan", {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}),
+      Lens("equidistant",
+           {0.0034823894022493434, 0.0007150348452162257, -0.0020532361418706202, 0.00020293673591811182})};
+  return lenses;
+}
+
+TEST(Distortion, UndistortInvertsDistort) {
+  for (const CameraCalibration& lens : Lenses()) {
+    const Distortion d(lens);
+    const double reach = std::min(0.9 * d.max_radius(), 3.0);
+    for (double r = 0.0; r <= reach; r += 0.05) {
+      for (double angle = 0.0; angle < 6.0; angle += 1.0) {
+        const Eigen::Vector2d xy(r * std::cos(angle), r * std::sin(angle));
+        const auto distorted = d.Distort(xy);
+        ASSERT_TRUE(distorted);
+        const auto back = d.Undistort(*distorted);
+        ASSERT_TRUE(back) << lens.model << " at radius " << r;
+        EXPECT_LT((*back - xy).norm(), 1e-8) << lens.model << " at radius " << r;
+      }
+    }
+  }
+}
+
+TEST(Distortion, JacobianMatchesDifferences) {
+  for (const CameraCalibration& lens : Lenses()) {
+    const Distortion d(lens);
+    for (const Eigen::Vector2d& xy :
+         {Eigen::Vector2d(0.0, 0.0), Eigen::Vector2d(0.3, -0.2), Eigen::Vector2d(-0.4, 0.4)}) {
+      const Eigen::Matrix2d J = d.Jacobian(xy);
+      for (int i = 0; i < 2; ++i) {
+        const Eigen::Vector2d step = 1e-6 * Eigen::Vector2d::Unit(i);
+        const Eigen::Vector2d numeric = (*d.Distort(xy + step) - *d.Distort(xy - step)) / 2e-6;
+        EXPECT_LT((J.col(i) - numeric).norm(), 1e-7) << lens.model << " at " << xy.transpose();
+      }
+    }
+  }
+}
+
+// r (1 - 0.3 r^2) grows up to r = 1 / sqrt(0.9).
+TEST(Distortion, NothingBeyondTheTurningPoint) {
+  const Distortion d(Lens("radtan", {-0.3, 0.0, 0.0, 0.0}));
+  const double turning = 1.0 / std::sqrt(0.9);
+  EXPECT_NEAR(d.max_radius(), turning, 1e-6);
+  EXPECT_FALSE(d.Distort({1.01 * turning, 0.0}));
+  const double edge = turning * (1.0 - 0.3 * turning * turning);
+  EXPECT_TRUE(d.Undistort({0.999 * edge, 0.0}));
+  EXPECT_FALSE(d.Undistort({1.001 * edge, 0.0}));
+  EXPECT_FALSE(d.Undistort({100.0, -100.0}));
+}
+
+TEST(Distortion, FisheyeHasNoPlaneBehindTheCamera) {
+  const Distortion d(Lens("equidistant", {0.0, 0.0, 0.0, 0.0}));
+  EXPECT_TRUE(d.Undistort({1.4, 0.0}));
+  EXPECT_FALSE(d.Undistort({1.6, 0.0}));
+}
+
+TEST(Distortion, NanIsRefused) {
+  for (const CameraCalibration& lens : Lenses()) {
+    EXPECT_FALSE(Distortion(lens).Distort({std::nan(""), 0.0}));
+    EXPECT_FALSE(Distortion(lens).Undistort({0.0, std::nan("")}));
+  }
+}
+
+TEST(Distortion, WrongModelsAreNamed) {
+  EXPECT_THROW(Distortion(Lens("omni", {})), std::runtime_error);
+  EXPECT_THROW(Distortion(Lens("radtan", {0.1})), std::runtime_error);
+  EXPECT_THROW(Distortion(Lens("equidistant", {0.1, 0.1, 0.1, 0.1, 0.1})), std::runtime_error);
+  EXPECT_THROW(Distortion(Lens("pinhole", {0.1})), std::runtime_error);
+  EXPECT_THROW(Distortion(Lens("radtan", {std::nan(""), 0.0, 0.0, 0.0})), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plslam

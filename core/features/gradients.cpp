@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/features/line_simd.h"
+#include "core/features/cpu_clones.h"
 
 namespace plslam {
 namespace {
@@ -10,8 +10,8 @@ namespace {
 constexpr int kPad = 2;
 
 /// Column sums of five rows: `smooth` [1 4 6 4 1] and `slope` [-1 -2 0 2 1].
-PLSLAM_INTEGER_SIMD void CombineRows(const uint8_t* const rows[5], int width, int16_t* __restrict smooth,
-                                     int16_t* __restrict slope) {
+PLSLAM_AVX2_CLONES void CombineRows(const uint8_t* const rows[5], int width, int16_t* __restrict smooth,
+                                    int16_t* __restrict slope) {
   const uint8_t* a = rows[0];
   const uint8_t* b = rows[1];
   const uint8_t* c = rows[2];
@@ -23,8 +23,8 @@ PLSLAM_INTEGER_SIMD void CombineRows(const uint8_t* const rows[5], int width, in
   }
 }
 
-PLSLAM_INTEGER_SIMD void CombineColumns(const int16_t* smooth, const int16_t* slope, int width,
-                                        int16_t* __restrict dx, int16_t* __restrict dy) {
+PLSLAM_AVX2_CLONES void CombineColumns(const int16_t* smooth, const int16_t* slope, int width, int16_t* __restrict dx,
+                                       int16_t* __restrict dy) {
   for (int x = 0; x < width; ++x) {
     dx[x] = static_cast<int16_t>(smooth[x + 2] - smooth[x - 2] + 2 * (smooth[x + 1] - smooth[x - 1]));
     dy[x] = static_cast<int16_t>(slope[x - 2] + slope[x + 2] + 4 * (slope[x - 1] + slope[x + 1]) + 6 * slope[x]);

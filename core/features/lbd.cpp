@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/features/line_simd.h"
+#include "core/features/cpu_clones.h"
 
 namespace plslam {
 namespace {
@@ -84,7 +84,7 @@ void GatherClamped(const Gradients& g, const Lattice& l, Samples& out) {
 }
 
 /// Sums of `count` gradients turned into the segment's frame, whose direction is (cx, cy) with 14 fractional bits.
-PLSLAM_INTEGER_SIMD void SumRow(const int16_t* dx, const int16_t* dy, int count, int cx, int cy, int32_t* sums) {
+PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, int cx, int cy, int32_t* sums) {
   int32_t across_all = 0;
   int32_t across_positive = 0;
   int32_t along_all = 0;

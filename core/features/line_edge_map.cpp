@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "core/features/line_simd.h"
+#include "core/features/cpu_clones.h"
 
 namespace plslam {
 namespace {
@@ -11,19 +11,22 @@ constexpr int kMargin = 2;
 
 int16_t Magnitude(int16_t v) { return static_cast<int16_t>(v < 0 ? -v : v); }
 
+int16_t Mask(bool v) { return static_cast<int16_t>(-static_cast<int16_t>(v)); }
+
 /// Pointers stand at the first pixel to mark; `up` and `down` are the dy rows above and below.
-PLSLAM_INTEGER_SIMD void MarkRow(const int16_t* dx, const int16_t* dy, const int16_t* up, const int16_t* down,
-                                 int count, int16_t threshold, uint8_t* __restrict out) {
+PLSLAM_AVX2_CLONES void MarkRow(const int16_t* dx, const int16_t* dy, const int16_t* up, const int16_t* down,
+                                int count, int16_t threshold, uint8_t* __restrict out) {
+  // Everything is loaded and computed, then chosen by masks: no branch is in the way of vector code.
   for (int x = 0; x < count; ++x) {
     const int16_t ax = Magnitude(dx[x]);
     const int16_t ay = Magnitude(dy[x]);
-    const bool steep = ax >= ay;
-    const int16_t peak = steep ? ax : ay;
-    const int16_t before = steep ? Magnitude(dx[x - 1]) : Magnitude(up[x]);
-    const int16_t after = steep ? Magnitude(dx[x + 1]) : Magnitude(down[x]);
-    const bool is_edge = (peak >= threshold) & (peak > before) & (peak >= after);
-    const int kind = steep ? kSteepEdge : kFlatEdge;
-    out[x] = static_cast<uint8_t>(is_edge ? kind : kNoEdge);
+    const int16_t left = Magnitude(dx[x - 1]);
+    const int16_t right = Magnitude(dx[x + 1]);
+    const int16_t above = Magnitude(up[x]);
+    const int16_t below = Magnitude(down[x]);
+    const int16_t steep = Mask((ax >= ay) & (ax >= threshold) & (ax > left) & (ax >= right));
+    const int16_t flat = Mask((ay > ax) & (ay >= threshold) & (ay > above) & (ay >= below));
+    out[x] = static_cast<uint8_t>((steep & kSteepEdge) | (flat & kFlatEdge));
   }
 }
 

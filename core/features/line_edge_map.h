@@ -14,6 +14,7 @@ enum EdgeMark : uint8_t {
   kSteepEdge = 1,  ///< |dx| >= |dy|: peak of |dx| along its row.
   kFlatEdge = 2,   ///< |dy| > |dx|: peak of |dy| along its column.
   kUsedEdge = 4,   ///< Part of a segment already.
+  kTriedEdge = 8,  ///< Part of a failed one; no seed any more.
 };
 
 /// Thin edges: pixels whose larger gradient component is at least `threshold` and a peak along its own axis. The

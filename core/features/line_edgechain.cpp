@@ -1,6 +1,5 @@
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
+#include <bit>
 #include <cstring>
 
 #include "core/features/line_detector.h"
@@ -12,6 +11,9 @@ namespace {
 
 /// Seeds stand on every fourth row (steep edges) or column (flat ones): any segment worth having crosses several.
 constexpr int kSeedStride = 4;
+constexpr uint64_t kSteepSeeds = 0x0101010101010101 * kSteepEdge;
+constexpr uint64_t kFlatSeeds = 0x0000000100000001 * kFlatEdge;
+static_assert(std::endian::native == std::endian::little, "the first of eight marks is the lowest byte");
 
 class EdgeChainDetector : public LineDetector {
  public:
@@ -29,21 +31,20 @@ class EdgeChainDetector : public LineDetector {
   }
 
  private:
+  /// Eight marks at a time: the bytes that hold a seed are picked by one mask.
   void ScanRow(int y, LineGrower& grower) {
     const uint8_t* row = edges_.ptr<uint8_t>(y);
+    const uint64_t seeds = kFlatSeeds | (y % kSeedStride == 0 ? kSteepSeeds : 0);
     for (int x0 = 0; x0 < edges_.cols; x0 += 8) {
-      const int count = std::min(8, edges_.cols - x0);
       uint64_t eight = 0;
-      std::memcpy(&eight, row + x0, static_cast<size_t>(count));
-      if (eight == 0) continue;
-      for (int x = x0; x < x0 + count; ++x) TrySeed(x, y, row[x], grower);
+      std::memcpy(&eight, row + x0, static_cast<size_t>(std::min(8, edges_.cols - x0)));
+      for (eight &= seeds; eight != 0; eight &= eight - 1) {
+        const int x = x0 + std::countr_zero(eight) / 8;
+        // Growing changes marks on the way.
+        if ((row[x] & (kUsedEdge | kTriedEdge)) != 0) continue;
+        if (const auto segment = grower.Grow(x, y)) found_.push_back(*segment);
+      }
     }
-  }
-
-  void TrySeed(int x, int y, uint8_t mark, LineGrower& grower) {
-    const bool is_seed = (mark == kSteepEdge && y % kSeedStride == 0) || (mark == kFlatEdge && x % kSeedStride == 0);
-    if (!is_seed) return;
-    if (const auto segment = grower.Grow(x, y)) found_.push_back(*segment);
   }
 
   int threshold_;

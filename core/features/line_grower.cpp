@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 
 #include "core/features/line_edge_map.h"
 
 namespace plslam {
 namespace {
 
-/// Steps of the first walk to each side, and pixels it must give.
+/// Steps of the first walk to each side.
 constexpr int kWalkSteps = 5;
-constexpr int kMinWalk = 8;
+constexpr int kWalkPixels = 2 * kWalkSteps + 1;
+/// Distance from the chord in whole pixels, then from the fitted line.
+constexpr int kMaxWalkOffset_px = 1;
 constexpr double kMaxWalkResidual_px = 0.8;
 /// A pixel joins the line within this distance (along the minor axis).
 constexpr double kJoin_px = 1.0;
@@ -18,6 +21,10 @@ constexpr double kJoin_px = 1.0;
 constexpr int kMaxGap = 4;
 /// Gradients may lean from the normal of the line by atan of this (22 degrees).
 constexpr double kMaxLean = 0.41;
+constexpr int64_t kLeanParts = 41;
+constexpr int64_t kLeanUnit = 100;
+/// A line of eleven pixels and more changes little from one to the next.
+constexpr int kSolveEvery = 4;
 constexpr double kMinDensity = 0.75;
 constexpr double kMaxRms_px = 0.6;
 constexpr int kMinSamples = 10;
@@ -62,13 +69,8 @@ void LineGrower::SetAxes(bool steep) {
   minor_size_ = steep ? width_ : height_;
 }
 
-/// The gradient of an edge pixel is (across, along) in (minor, major) axes; the line place = b * major has the normal
-/// (1, -b), so b = -along / across.
-void LineGrower::SetDirection(double along, double across) {
-  sign_ = across < 0 ? -1.0 : 1.0;
-  slope_ = -along / across;
-}
-
+/// In (minor, major) axes the gradient of an edge pixel is (across, along), the line place = b * major has the
+/// direction (b, 1) and the normal (1, -b).
 bool LineGrower::Agrees(int offset) const {
   const double c = sign_ * across_[offset];
   const double l = sign_ * along_[offset];
@@ -87,39 +89,48 @@ LineGrower::Sample LineGrower::Locate(int major, int minor) const {
   return {major, minor, minor + shift, static_cast<double>(middle)};
 }
 
-bool LineGrower::WalkOneWay(int major, int minor, int step) {
+bool LineGrower::WalkOneWay(int major, int step, int* minors) const {
+  const int c0 = across_[Offset(major, *minors)];
+  const int l0 = along_[Offset(major, *minors)];
   for (int i = 0; i < kWalkSteps; ++i) {
     major += step;
-    if (major < 2 || major >= major_size_ - 2) break;
-    int best = -1;
+    const int minor = *minors;
+    minors += step;
     int best_strength = 0;
     for (int candidate = minor - 1; candidate <= minor + 1; ++candidate) {
       const uint8_t mark = edges_[EdgeOffset(major, candidate)];
       if (mark == kNoEdge || (mark & kUsedEdge) != 0) continue;
       const int at = Offset(major, candidate);
-      const int strength = std::abs(across_[at]);
-      if (strength > best_strength && Agrees(at)) {
-        best = candidate;
-        best_strength = strength;
-      }
+      const int c = across_[at];
+      const int l = along_[at];
+      const int64_t with = c0 * c + l0 * l;
+      const int64_t against = std::abs(c0 * l - l0 * c);
+      const int strength = std::abs(c);
+      if (strength <= best_strength || kLeanUnit * against > kLeanParts * with) continue;
+      *minors = candidate;
+      best_strength = strength;
     }
-    if (best < 0) return false;
-    minor = best;
-    samples_.push_back(Locate(major, minor));
+    if (best_strength == 0) return false;
   }
   return true;
 }
 
 bool LineGrower::WalkFromSeed(int major, int minor) {
+  if (major < kWalkSteps + 2 || major >= major_size_ - kWalkSteps - 2) return false;
+  int minors[kWalkPixels];
+  minors[kWalkSteps] = minor;
+  if (!WalkOneWay(major, 1, minors + kWalkSteps) || !WalkOneWay(major, -1, minors + kWalkSteps)) return false;
+  // Whole pixels first: most seeds in texture end here.
+  const int chord = minors[kWalkPixels - 1] - minors[0];
+  for (int i = 1; i < kWalkPixels - 1; ++i) {
+    const int off_chord = 2 * kWalkSteps * (minors[i] - minors[0]) - i * chord;
+    if (std::abs(off_chord) > 2 * kWalkSteps * kMaxWalkOffset_px) return false;
+  }
   samples_.clear();
   origin_ = major;
-  const int at = Offset(major, minor);
-  SetDirection(along_[at], across_[at]);
-  WalkOneWay(major, minor, -1);
-  std::reverse(samples_.begin(), samples_.end());
-  samples_.push_back(Locate(major, minor));
-  WalkOneWay(major, minor, 1);
-  return static_cast<int>(samples_.size()) >= kMinWalk;
+  sign_ = across_[Offset(major, minor)] < 0 ? -1.0 : 1.0;
+  for (int i = 0; i < kWalkPixels; ++i) samples_.push_back(Locate(major - kWalkSteps + i, minors[i]));
+  return true;
 }
 
 bool LineGrower::StraightSoFar() {
@@ -153,6 +164,7 @@ void LineGrower::Extend(int step) {
   scratch_.clear();
   int major = step > 0 ? samples_.back().major : samples_.front().major;
   int gap = 0;
+  int taken = 0;
   while (gap < kMaxGap) {
     major += step;
     if (major < 2 || major >= major_size_ - 2) break;
@@ -162,9 +174,10 @@ void LineGrower::Extend(int step) {
     }
     gap = 0;
     fit_.Add(major - origin_, scratch_.back().place, 1.0);
-    fit_.Solve();
+    if (++taken % kSolveEvery == 0) fit_.Solve();
     slope_ = fit_.b;
   }
+  fit_.Solve();
   if (step > 0) {
     samples_.insert(samples_.end(), scratch_.begin(), scratch_.end());
   } else {
@@ -216,7 +229,6 @@ std::optional<DetectedSegment> LineGrower::Finish() {
   const double contrast = strength / static_cast<double>(samples_.size()) * std::sqrt(1.0 + fit_.b * fit_.b) /
                           static_cast<double>(Gradients::kStepGain);
   if (contrast < min_contrast_) return std::nullopt;
-  for (const Sample& s : samples_) edges_[EdgeOffset(s.major, s.minor)] |= kUsedEdge;
 
   const Eigen::Vector2d low(first, fit_.a + fit_.b * (first - origin_));
   const Eigen::Vector2d high(last, fit_.a + fit_.b * (last - origin_));
@@ -236,7 +248,13 @@ std::optional<DetectedSegment> LineGrower::Grow(int x, int y) {
   if (!WalkFromSeed(steep_ ? y : x, steep_ ? x : y) || !StraightSoFar()) return std::nullopt;
   Extend(1);
   Extend(-1);
-  return Finish();
+  // What was tried is not tried again from its other pixels; after a failure they may still join another segment.
+  const std::vector<Sample> tried = samples_;
+  const auto segment = Finish();
+  for (const Sample& s : segment ? samples_ : tried) {
+    edges_[EdgeOffset(s.major, s.minor)] |= segment ? kUsedEdge : kTriedEdge;
+  }
+  return segment;
 }
 
 }  // namespace plslam

@@ -47,10 +47,9 @@ class LineGrower {
   Sample Locate(int major, int minor) const;
   bool Agrees(int offset) const;
   void SetAxes(bool steep);
-  void SetDirection(double along, double across);
 
   bool WalkFromSeed(int major, int minor);
-  bool WalkOneWay(int major, int minor, int step);
+  bool WalkOneWay(int major, int step, int* minors) const;
   bool StraightSoFar();
   void Extend(int step);
   bool TakeNear(int major, double place, double tolerance, std::vector<Sample>& out);

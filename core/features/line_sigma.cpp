@@ -9,7 +9,7 @@ namespace {
 /// Deviation of one edge place times its contrast: image noise of about 2 grey levels, and the correlation of
 /// neighbours through the gradient filter.
 constexpr double kNoise = 3.0;
-constexpr double kFloor_px = 0.05;
+constexpr double kFloor_px = 0.03;
 
 }  // namespace
 

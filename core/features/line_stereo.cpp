@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/features/line_sigma.h"
+#include "core/features/line_strip.h"
 
 namespace plslam {
 namespace {
@@ -156,6 +157,25 @@ double DisparitySigma(const LineFeature& left, const LineFeature& right, const R
   return std::sqrt(sl * sl + sr * sr);
 }
 
+/// The two images, asked whether they look alike where a match says so. Without images the answer is yes.
+class Appearance {
+ public:
+  Appearance(const cv::Mat& left, const cv::Mat& right, double min_similarity)
+      : left_(left), right_(right), min_similarity_(min_similarity) {}
+
+  bool Confirms(const Segment2& s, const RowLine& r) const {
+    if (left_.empty() || right_.empty()) return true;
+    const double disparity_p = s.p.x() - r.Column(s.p.y());
+    const double disparity_q = s.q.x() - r.Column(s.q.y());
+    return StripSimilarity(left_, right_, s, disparity_p, disparity_q) >= min_similarity_;
+  }
+
+ private:
+  const cv::Mat& left_;
+  const cv::Mat& right_;
+  double min_similarity_;
+};
+
 void SetDepth(StereoLine& line, const LineFeature& right, const RowLine& l, const RowLine& r,
               const StereoOptions& options) {
   const Segment2& s = line.left.segment;
@@ -179,8 +199,9 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
   return out;
 }
 
-void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat&,
-                      const cv::Mat&, const StereoCamera&, const StereoOptions& options) {
+void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
+                      const cv::Mat& right_image, const StereoCamera&, const StereoOptions& options) {
+  const Appearance appearance(left_image, right_image, options.line_min_similarity);
   const Gates gates(options);
   const std::vector<RowLine> left_rows = MakeRowLines(left);
   const std::vector<RowLine> right_rows = MakeRowLines(right);
@@ -193,6 +214,7 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
     const Best& back = of_right[p->right];
     const int rival = std::min(of_left[i].rival_distance, back.rival_distance);
     if (back.pairing->left != i || p->distance > options.line_max_ratio * rival) continue;
+    if (!appearance.Confirms(left[i].left.segment, right_rows[p->right])) continue;
     SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], options);
   }
 }

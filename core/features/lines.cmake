@@ -12,4 +12,5 @@ set(plslam_line_sources
   line_matcher.cpp
   line_select.cpp
   line_sigma.cpp
-  line_stereo.cpp)
+  line_stereo.cpp
+  line_strip.cpp)

@@ -65,7 +65,7 @@ struct StereoOptions {
   double depth_noise_per_m = 0.002;
   /// Lines: least angle to the baseline for a depth, and the largest difference of directions.
   double line_min_angle_deg = 10.0;
-  double line_max_angle_difference_deg = 15.0;
+  double line_max_angle_difference_deg = 25.0;
   /// Shorter to longer segment, and shared rows relative to the shorter one.
   double line_min_length_ratio = 0.3;
   double line_min_overlap = 0.4;
@@ -73,7 +73,9 @@ struct StereoOptions {
   /// Best to second best descriptor distance.
   double line_max_ratio = 0.85;
   /// Smaller to larger endpoint disparity.
-  double line_min_disparity_ratio = 0.4;
+  double line_min_disparity_ratio = 0.2;
+  /// Correlation of the images along the segment, of its more similar side.
+  double line_min_similarity = 0.75;
   /// Largest standard deviation of an endpoint disparity; above it the line has no depth.
   double line_max_sigma_disparity_px = 2.0;
 };
@@ -147,6 +149,7 @@ void VisitFields(Visitor& visit, StereoOptions& o) {
   visit("line_max_descriptor_distance", o.line_max_descriptor_distance, Bounds{0, 256}, "differing bits of a match");
   visit("line_max_ratio", o.line_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
   visit("line_min_disparity_ratio", o.line_min_disparity_ratio, Bounds{0, 1}, "smaller to larger endpoint disparity");
+  visit("line_min_similarity", o.line_min_similarity, Bounds{-1, 1}, "correlation of the images along the segment");
   visit("line_max_sigma_disparity_px", o.line_max_sigma_disparity_px, Bounds{0.01, 100},
         "uncertainty of an endpoint disparity above which a line has no depth");
 }

@@ -106,7 +106,10 @@ void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_e
 void Bus::SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
                          std::function<void(std::span<const uint8_t>)> take) {
   using Kind = Subscription::Kind;
-  Subscription subscription{reading == Reading::kOrdered ? Kind::kOrderedBytes : Kind::kBytes,
+  const Kind kind = reading == Reading::kOrdered ? Kind::kOrderedBytes
+                    : reading == Reading::kPaced ? Kind::kPacedBytes
+                                                 : Kind::kBytes;
+  Subscription subscription{kind,
                             [take = std::move(take)](ByteView bytes) {
                               take(bytes);
                               return true;
@@ -116,28 +119,18 @@ void Bus::SubscribeBytes(const Channel& channel, Reading reading, std::function<
                    std::make_shared<Subscription>(std::move(subscription)));
 }
 
-void Bus::CountRejected() {
-  const std::lock_guard lock(impl_->mutex);
-  ++impl_->counts.rejected;
-}
+void Bus::CountRejected() { ++impl_->nonsense; }
+void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
 
-void Bus::CountSkipped(int64_t n) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->counts.skipped += n;
-}
-
-int Bus::ReaderCount(const Channel& channel) const {
-  const std::lock_guard lock(impl_->mutex);
-  const auto found = impl_->outboxes.find(channel.name);
-  const bool ordered = found != impl_->outboxes.end() && found->second->writer != nullptr;
-  return ordered ? found->second->writer->AliveReaders(Impl::Now()) : 0;
-}
+int Bus::ReaderCount(const Channel& channel) const { return impl_->ReaderCount(channel); }
 
 bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
 
 BusCounters Bus::counters() const {
   const std::lock_guard lock(impl_->mutex);
   BusCounters counts = impl_->counts;
+  counts.rejected += impl_->nonsense;
+  counts.skipped += impl_->passed_over;
   counts.lost += impl_->given_lost;
   counts.repaired += impl_->given_repaired;
   for (const auto& [name, inbox] : impl_->inboxes) {

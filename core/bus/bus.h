@@ -87,8 +87,8 @@ class Bus {
   /// For assemblers of pages and strips: `take` gets the checked bytes of each message (without MAC) on the receiving
   /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back while
   /// `ready` is false (ask again comes within milliseconds). kAsItComes: every message, in the order of arrival, also
-  /// of kLatest channels.
-  enum class Reading { kOrdered, kAsItComes };
+  /// of kLatest channels. kPaced: the same, acknowledged, so that the publisher does not outrun us by much.
+  enum class Reading { kOrdered, kAsItComes, kPaced };
   void SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
                       std::function<void(std::span<const uint8_t>)> take);
 

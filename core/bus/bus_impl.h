@@ -23,7 +23,7 @@ namespace plslam::bus {
 
 /// One Subscribe call.
 struct Subscription {
-  enum class Kind { kOrdered, kAsItComes, kNewest, kOrderedBytes, kBytes };
+  enum class Kind { kOrdered, kAsItComes, kNewest, kOrderedBytes, kBytes, kPacedBytes };
   Kind kind;
   std::function<bool(ByteView)> deliver;  ///< on the thread of Run, or (bytes) on the receiving thread
   std::function<bool()> ready;            ///< kOrderedBytes: whether it can take one now
@@ -48,8 +48,13 @@ struct Inbox {
     std::vector<std::shared_ptr<LatestSlot>> slots;  // one for each subscription
   };
   std::map<int64_t, Latest> latest;
+  bool paced = false;
+  std::map<int64_t, int64_t> unacknowledged;  // cost by publisher, where paced
   int64_t next_hello = 0;
 };
+
+/// Channels of big unordered messages whose publisher minds what its readers have taken.
+inline bool IsPaced(const Channel& channel) { return channel.name == kStereoFrameLive.name; }
 
 /// One published channel.
 struct Outbox {
@@ -58,8 +63,15 @@ struct Outbox {
   std::mutex publish_mutex;  // one message at a time, from its number to the wire
   int64_t seq = 0;
   int64_t sent = 0;                       // one past the newest that has been handed to LCM
-  std::unique_ptr<OrderedWriter> writer;  // ordered channels
+  std::unique_ptr<OrderedWriter> writer;  // ordered and paced channels
 };
+
+/// Readers that say "I read this channel" on the wire, whether we publish it (yet) or not.
+struct Hello {
+  int64_t heard = 0;
+  int64_t window = 0;
+};
+using Hellos = std::map<int64_t, Hello>;
 
 /// One mutex guards all state; nothing is sent and no handler of the user runs while it is held.
 struct Bus::Impl {
@@ -68,6 +80,7 @@ struct Bus::Impl {
 
   // publish.cpp
   Outbox& OutboxOf(const Channel& channel);
+  int ReaderCount(const Channel& channel) const;
   void WaitForWindow(Outbox& outbox, size_t bytes);
   bool Flush(std::chrono::milliseconds limit);
   std::string HistoryPath(const Channel& channel);
@@ -91,10 +104,13 @@ struct Bus::Impl {
   mutable std::mutex mutex;
   std::condition_variable acknowledged;                                  // with `mutex`: a reader's word has come
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes;  // by channel name
-  std::map<std::string, Inbox, std::less<>> inboxes;                     // by name on the wire
+  std::map<std::string, Hellos, std::less<>> hellos;  // by channel name, of all channels of the table
+  std::map<std::string, Inbox, std::less<>> inboxes;  // by name on the wire
   std::string history_folder;
   bool temporary_folder = false;
   BusCounters counts;
+  std::atomic<int64_t> nonsense = 0;  // counted by assemblers, on whatever thread
+  std::atomic<int64_t> passed_over = 0;
   int64_t given_lost = 0;  // of readers dropped since
   int64_t given_repaired = 0;
 
@@ -108,6 +124,7 @@ struct Bus::Impl {
   /// Checked message without its MAC; empty where it is to be rejected.
   ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes) const;
   void Dispatch(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message);
   void DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
   void DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
   void PostNewest(Inbox::Latest& latest, size_t subscription, const std::shared_ptr<Subscription>& s, Bytes message);
@@ -115,6 +132,7 @@ struct Bus::Impl {
   OrderedReader* ReaderOf(Inbox& inbox, int64_t source, int64_t now);
   bool Ready(const Inbox& inbox) const;
   bool Drain(Inbox& inbox, OrderedReader& reader, int64_t now);
+  void OnHello(const std::string& channel, int64_t reader, Hello hello);
   void OnRepairRequest(ByteView message, int64_t now);
   void OnAnnounce(ByteView message, int64_t now);
   void PollReaders(int64_t now, int64_t& next);

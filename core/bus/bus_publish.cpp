@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <stdexcept>
 
@@ -13,11 +14,24 @@ Outbox& Bus::Impl::OutboxOf(const Channel& channel) {
   outbox = std::make_unique<Outbox>();
   outbox->channel = channel;
   outbox->wire_name = WireName(channel);
-  if (channel.delivery == Delivery::kEvery) {
+  if (channel.delivery == Delivery::kEvery || IsPaced(channel)) {
     outbox->writer = std::make_unique<OrderedWriter>(channel.retention, options.history_bytes, outbox->wire_name,
                                                      HistoryPath(channel), !temporary_folder);
+    for (const auto& [reader, hello] : hellos[std::string(channel.name)]) {
+      outbox->writer->OnHello(reader, hello.window, hello.heard);
+    }
   }
   return *outbox;
+}
+
+int Bus::Impl::ReaderCount(const Channel& channel) const {
+  const std::lock_guard lock(mutex);
+  const auto found = hellos.find(channel.name);
+  if (found == hellos.end()) return 0;
+  const int64_t now = Now();
+  return static_cast<int>(std::count_if(found->second.begin(), found->second.end(), [&](const auto& entry) {
+    return now - entry.second.heard <= OrderedWriter::Times().reader_alive_ns;
+  }));
 }
 
 std::string Bus::Impl::HistoryPath(const Channel& channel) {
@@ -48,13 +62,17 @@ void Bus::Impl::WaitForWindow(Outbox& outbox, size_t bytes) {
   // A reader that dies falls silent without telling, so look again now and then.
   static constexpr std::chrono::milliseconds kSlice{20};
   std::unique_lock lock(mutex);
-  const int64_t deadline = Now() + options.max_wait_ms * 1'000'000;
+  // A live frame that waits longer is late anyway.
+  static constexpr int64_t kPacedWait_ms = 5;
+  const bool paced = outbox.channel.delivery == Delivery::kLatest;
+  const int64_t wait_ms = paced ? std::min(kPacedWait_ms, options.max_wait_ms) : options.max_wait_ms;
+  const int64_t deadline = Now() + wait_ms * 1'000'000;
   while (!outbox.writer->WindowOpen(bytes, Now())) {
     if (Now() >= deadline) {
       outbox.writer->LeaveBehind(bytes, Now());
       return;
     }
-    acknowledged.wait_for(lock, kSlice);
+    acknowledged.wait_for(lock, paced ? std::chrono::milliseconds(1) : kSlice);
   }
 }
 
@@ -71,7 +89,7 @@ void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& hea
     impl_->WaitForWindow(outbox, message->size());
     const std::lock_guard lock(impl_->mutex);
     outbox.writer->Sent(message, Impl::Now());
-    wake = outbox.writer->announce_time() < impl_->wake_time_;
+    wake = channel.delivery == Delivery::kEvery && outbox.writer->announce_time() < impl_->wake_time_;
   }
   ++outbox.seq;
   impl_->transport.Send(outbox.wire_name, *message);
@@ -89,7 +107,8 @@ bool Bus::Impl::Flush(std::chrono::milliseconds limit) {
   const int64_t deadline = Now() + std::chrono::nanoseconds(limit).count();
   const auto all_delivered = [&] {
     for (const auto& [name, outbox] : outboxes) {
-      if (outbox->writer != nullptr && !outbox->writer->AllDelivered(Now())) return false;
+      const bool ordered = outbox->channel.delivery == Delivery::kEvery;
+      if (ordered && !outbox->writer->AllDelivered(Now())) return false;
     }
     return true;
   };

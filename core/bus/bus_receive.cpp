@@ -47,6 +47,7 @@ void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_
     inbox.layout = layout;
     using Kind = Subscription::Kind;
     inbox.ordered |= subscription->kind == Kind::kOrdered || subscription->kind == Kind::kOrderedBytes;
+    inbox.paced |= subscription->kind == Kind::kPacedBytes;
     inbox.subscriptions.push_back(std::move(subscription));
     next_poll_ = 0;
   }
@@ -112,10 +113,25 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
 
 void Bus::Impl::Dispatch(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now) {
   for (const auto& subscription : inbox.subscriptions) {
-    if (subscription->kind == Subscription::Kind::kBytes) subscription->deliver(message);
+    using Kind = Subscription::Kind;
+    const bool now_or_never = subscription->kind == Kind::kBytes || subscription->kind == Kind::kPacedBytes;
+    if (now_or_never) subscription->deliver(message);
   }
+  if (inbox.paced) DispatchPaced(inbox, header, message);
   if (inbox.ordered) DispatchOrdered(inbox, header, message, now);
   DispatchLatest(inbox, header, message, now);
+}
+
+void Bus::Impl::DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message) {
+  static constexpr int64_t kAcknowledgedCost = 28'000;
+  if (!inbox.unacknowledged.contains(header.source) && inbox.unacknowledged.size() >= kMaxSources) {
+    inbox.unacknowledged.clear();
+  }
+  int64_t& cost = inbox.unacknowledged[header.source];
+  cost += WireCost(message.size());
+  if (cost < kAcknowledgedCost) return;
+  cost = 0;
+  Request(inbox, header.source, {header.seq, {}});
 }
 
 OrderedReader* Bus::Impl::ReaderOf(Inbox& inbox, int64_t publisher, int64_t now) {
@@ -149,7 +165,7 @@ void Bus::Impl::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView
 bool Bus::Impl::Ready(const Inbox& inbox) const {
   return loop.queued_bytes() < options.queue_bytes &&
          std::all_of(inbox.subscriptions.begin(), inbox.subscriptions.end(),
-                     [](const auto& s) { return s->ready == nullptr || s->ready(); });
+                     [](const auto& s) { return s->kind != Subscription::Kind::kOrderedBytes || s->ready(); });
 }
 
 /// Delivers what is in order; false where handlers are too far behind to take it.
@@ -224,18 +240,27 @@ void Bus::Impl::PostNewest(Inbox::Latest& latest, size_t subscription, const std
   });
 }
 
+void Bus::Impl::OnHello(const std::string& channel, int64_t reader, Hello hello) {
+  const auto rows = Channels();
+  if (std::none_of(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == channel; })) return;
+  Hellos& known = hellos[channel];
+  std::erase_if(known, [&](const auto& e) { return hello.heard - e.second.heard > kRemembered; });
+  if (known.size() < kMaxSources || known.contains(reader)) known[reader] = hello;
+  const auto found = outboxes.find(channel);
+  if (found == outboxes.end() || found->second->writer == nullptr) return;
+  OrderedWriter& writer = *found->second->writer;
+  writer.OnHello(reader, hello.window, hello.heard);
+  const bool ordered = found->second->channel.delivery == Delivery::kEvery;
+  if (ordered && writer.AnnounceDue(hello.heard)) Announce(*found->second);
+}
+
 void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
   repair_request_t request;
   if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  if (request.publisher == 0) return OnHello(request.channel, request.header.source, {now, request.window_bytes});
   const auto found = outboxes.find(request.channel);
-  if (found == outboxes.end() || found->second->writer == nullptr) return;
+  if (request.publisher != source || found == outboxes.end() || found->second->writer == nullptr) return;
   Outbox& outbox = *found->second;
-  if (request.publisher == 0) {
-    outbox.writer->OnHello(request.header.source, request.window_bytes, now);
-    if (outbox.writer->announce_time() <= now && outbox.writer->AnnounceDue(now)) Announce(outbox);
-    return;
-  }
-  if (request.publisher != source) return;
   std::vector<SeqRange> ranges;
   for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
   auto answer = outbox.writer->OnRequest(request.header.source, request.delivered, request.window_bytes, ranges, now);
@@ -261,7 +286,7 @@ void Bus::Impl::OnAnnounce(ByteView bytes, int64_t now) {
 
 void Bus::Impl::PollReaders(int64_t now, int64_t& next) {
   for (auto& [name, inbox] : inboxes) {
-    if (!inbox.ordered) continue;
+    if (!inbox.ordered && !inbox.paced) continue;
     if (now >= inbox.next_hello && transport.two_way()) {
       inbox.next_hello = now + kHelloPeriod;
       Request(inbox, 0, {});
@@ -279,7 +304,7 @@ void Bus::Impl::PollReaders(int64_t now, int64_t& next) {
 
 void Bus::Impl::PollWriters(int64_t now, int64_t& next) {
   for (auto& [name, outbox] : outboxes) {
-    if (outbox->writer == nullptr) continue;
+    if (outbox->channel.delivery != Delivery::kEvery) continue;
     if (outbox->writer->AnnounceDue(now)) Announce(*outbox);
     next = std::min(next, std::max(outbox->writer->announce_time(), now + kMs));
   }
@@ -302,7 +327,7 @@ void Bus::Impl::Announce(Outbox& outbox) {
   announce.channel = outbox.channel.name;
   announce.next_seq = outbox.sent;
   announce.first_seq = std::min(outbox.writer->history().first_seq(), outbox.sent);
-  if (transport.two_way()) SendControl(kAnnounce, announce);
+  if (transport.two_way() && outbox.channel.delivery == Delivery::kEvery) SendControl(kAnnounce, announce);
 }
 
 void Bus::Impl::Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request) {

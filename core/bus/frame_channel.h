@@ -9,13 +9,16 @@
 
 namespace plslam::bus {
 
-/// Cuts stereo frames into strips and sends them.
+/// Cuts stereo frames into strips and sends them. Images are 8-bit grey; the right one may be a 16-bit depth map.
+/// Others are std::invalid_argument.
 class FramePublisher {
  public:
   FramePublisher(Bus& bus, bool lockstep);
   void Publish(const StereoImages& images);
 
  private:
+  void PublishImage(const StereoImages& frame, const cv::Mat& image, int8_t camera);
+
   Bus& bus_;
   bool lockstep_;
 };
@@ -28,20 +31,21 @@ class FrameSubscriber {
     StereoImages images;
     int64_t source = 0;
     bool lockstep = false;
-    int skipped = 0;
+    int skipped = 0;  ///< frames of this publisher since the last one handled that were not
   };
   enum class Mode {
     kReliable,    ///< repairs and acknowledges (vo_process)
     kBestEffort,  ///< takes whole frames when it gets them (pictures); `wanted` says which frame ids are worth it
   };
 
+  /// `wanted` is asked on the receiving thread: it must be quick, and safe there.
   FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
                   std::function<bool(int64_t frame_id)> wanted = nullptr);
   ~FrameSubscriber();
 
  private:
   struct Impl;
-  std::unique_ptr<Impl> impl_;
+  std::shared_ptr<Impl> impl_;
 };
 
 }  // namespace plslam::bus

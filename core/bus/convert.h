@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+
+#include "core/bus/keyframe.h"
+#include "core/features/features.h"
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+
+namespace plslam {
+class camera_t;
+class intrinsics_t;
+class line_feature_t;
+class point_feature_t;
+class pose3_t;
+}  // namespace plslam
+
+namespace plslam::bus {
+
+// Values to messages and back. Everything that comes from the wire is checked: numbers that are not finite, rotations
+// that are none, sizes that cannot be, unknown names. Such content gives nullopt (false), never a guess.
+
+/// w >= 0.
+pose3_t ToMessage(const SE3& T_a_b);
+/// Unit quaternion (to 1e-6) and finite position.
+std::optional<SE3> FromMessage(const pose3_t& message);
+
+/// Row major.
+void ToArray(const Matrix6d& covariance, double (&values)[36]);
+/// Finite, with a diagonal that is not negative, symmetric to rounding.
+std::optional<Matrix6d> FromArray(const double (&values)[36]);
+
+/// Least significant byte of the first word first.
+void ToBytes(const Descriptor& descriptor, uint8_t (&bytes)[32]);
+Descriptor FromBytes(const uint8_t (&bytes)[32]);
+
+/// Header not filled in.
+camera_t ToMessage(const RigCalibration& rig);
+std::optional<RigCalibration> FromMessage(const camera_t& message);
+
+point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id);
+std::optional<StereoPoint> FromMessage(const point_feature_t& message);
+line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id);
+std::optional<StereoLine> FromMessage(const line_feature_t& message);
+
+}  // namespace plslam::bus

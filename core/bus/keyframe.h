@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// What vo_process hands on of a keyframe; the content of `keyframe_t`.
+struct Keyframe {
+  int64_t source = 0;   ///< publisher; set by the receiver
+  int64_t session = 0;  ///< odometry session
+  int64_t t_ns = 0;
+  /// 0, 1, 2, ... in each session.
+  int64_t keyframe_id = 0;
+  int64_t frame_id = 0;
+  /// -1 for the first of a session; then `T_prevkf_kf` is identity and `covariance` zero.
+  int64_t previous_keyframe_id = -1;
+  SE3 T_prevkf_kf;
+  /// Of T_prevkf_kf, right perturbation in kf.
+  Matrix6d covariance = Matrix6d::Zero();
+  SE3 T_odom_kf;
+  /// Tracking state, as in `pose_t.state`.
+  int state = 0;
+  StereoFeatures features;
+  /// Landmark of vo_process that each feature was tracked from or founded, or -1. As long as the features.
+  std::vector<int64_t> point_landmark_ids;
+  std::vector<int64_t> line_landmark_ids;
+};
+
+}  // namespace plslam

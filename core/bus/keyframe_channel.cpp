@@ -1,0 +1,175 @@
+#include "core/bus/keyframe_channel.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "core/bus/convert.h"
+#include "plslam/keyframe_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int32_t kMaxPages = 4096;
+constexpr size_t kMaxFeatures = 200'000;
+constexpr size_t kMaxPublishers = 64;
+
+keyframe_t HeadPage(const Keyframe& keyframe) {
+  keyframe_t page{};
+  page.header.session = keyframe.session;
+  page.header.t_ns = keyframe.t_ns;
+  page.keyframe_id = keyframe.keyframe_id;
+  page.frame_id = keyframe.frame_id;
+  page.previous_keyframe_id = keyframe.previous_keyframe_id;
+  page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
+  ToArray(keyframe.covariance, page.covariance);
+  page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
+  page.state = static_cast<int8_t>(keyframe.state);
+  return page;
+}
+
+/// Fills pages one after another with messages of one size each.
+class Pager {
+ public:
+  Pager(keyframe_t head, int64_t page_bytes)
+      : head_(std::move(head)), room_(page_bytes - head_.getEncodedSize()), left_(room_), pages_({head_}) {}
+
+  keyframe_t& PageFor(int64_t bytes) {
+    if (bytes > room_) throw std::invalid_argument("bus.max_message_bytes leaves no room for keyframes");
+    if (bytes > left_) {
+      pages_.push_back(head_);
+      left_ = room_;
+    }
+    left_ -= bytes;
+    return pages_.back();
+  }
+
+  std::vector<keyframe_t> Finish() {
+    for (size_t i = 0; i < pages_.size(); ++i) {
+      pages_[i].page = static_cast<int32_t>(i);
+      pages_[i].n_pages = static_cast<int32_t>(pages_.size());
+      pages_[i].n_points = static_cast<int32_t>(pages_[i].points.size());
+      pages_[i].n_lines = static_cast<int32_t>(pages_[i].lines.size());
+    }
+    return std::move(pages_);
+  }
+
+ private:
+  keyframe_t head_;
+  int64_t room_;
+  int64_t left_;
+  std::vector<keyframe_t> pages_;
+};
+
+}  // namespace
+
+std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes) {
+  const StereoFeatures& features = keyframe.features;
+  if (keyframe.point_landmark_ids.size() != features.points.size() ||
+      keyframe.line_landmark_ids.size() != features.lines.size()) {
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
+                                ": landmark ids are not as many as features");
+  }
+  Pager pager(HeadPage(keyframe), page_bytes);
+  for (size_t i = 0; i < features.points.size(); ++i) {
+    const point_feature_t point = ToMessage(features.points[i], keyframe.point_landmark_ids[i]);
+    pager.PageFor(point._getEncodedSizeNoHash()).points.push_back(point);
+  }
+  for (size_t i = 0; i < features.lines.size(); ++i) {
+    const line_feature_t line = ToMessage(features.lines[i], keyframe.line_landmark_ids[i]);
+    pager.PageFor(line._getEncodedSizeNoHash()).lines.push_back(line);
+  }
+  return pager.Finish();
+}
+
+std::optional<Keyframe> KeyframeAssembler::Head(const keyframe_t& page) {
+  const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
+  const auto covariance = FromArray(page.covariance);
+  const auto T_odom_kf = FromMessage(page.T_odom_kf);
+  const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
+                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4;
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
+  Keyframe keyframe;
+  keyframe.source = page.header.source;
+  keyframe.session = page.header.session;
+  keyframe.t_ns = page.header.t_ns;
+  keyframe.keyframe_id = page.keyframe_id;
+  keyframe.frame_id = page.frame_id;
+  keyframe.previous_keyframe_id = page.previous_keyframe_id;
+  keyframe.T_prevkf_kf = *T_prevkf_kf;
+  keyframe.covariance = *covariance;
+  keyframe.T_odom_kf = *T_odom_kf;
+  keyframe.state = page.state;
+  return keyframe;
+}
+
+bool KeyframeAssembler::Append(const keyframe_t& page, Keyframe& keyframe) {
+  StereoFeatures& features = keyframe.features;
+  if (features.points.size() + page.points.size() > kMaxFeatures) return false;
+  if (features.lines.size() + page.lines.size() > kMaxFeatures) return false;
+  for (const point_feature_t& message : page.points) {
+    auto point = FromMessage(message);
+    if (!point) return false;
+    features.points.push_back(*point);
+    keyframe.point_landmark_ids.push_back(message.landmark_id);
+  }
+  for (const line_feature_t& message : page.lines) {
+    auto line = FromMessage(message);
+    if (!line) return false;
+    features.lines.push_back(*line);
+    keyframe.line_landmark_ids.push_back(message.landmark_id);
+  }
+  return true;
+}
+
+KeyframeAssembler::Outcome KeyframeAssembler::Add(const keyframe_t& page) {
+  const int64_t source = page.header.source;
+  auto head = Head(page);
+  const bool pages_ok = page.n_pages >= 1 && page.n_pages <= kMaxPages && page.page >= 0 && page.page < page.n_pages;
+  if (!head || !pages_ok) {
+    partials_.erase(source);
+    return Outcome::kNonsense;
+  }
+  if (page.page == 0) {  // a page 0 in the middle of another keyframe: that one has lost pages for good
+    if (partials_.size() >= kMaxPublishers && !partials_.contains(source)) partials_.clear();
+    partials_[source] = {std::move(*head), 0, page.n_pages};
+  }
+  const auto found = partials_.find(source);
+  if (found == partials_.end()) return Outcome::kNonsense;
+  Partial& partial = found->second;
+  const bool expected = page.page == partial.next_page && page.n_pages == partial.n_pages &&
+                        page.keyframe_id == partial.keyframe.keyframe_id &&
+                        page.header.session == partial.keyframe.session;
+  if (!expected || !Append(page, partial.keyframe)) {
+    partials_.erase(found);
+    return Outcome::kNonsense;
+  }
+  if (++partial.next_page < partial.n_pages) return Outcome::kTaken;
+  complete_ = std::move(partial.keyframe);
+  partials_.erase(found);
+  return Outcome::kComplete;
+}
+
+Keyframe KeyframeAssembler::Take() { return std::move(*std::exchange(complete_, std::nullopt)); }
+
+void KeyframePublisher::Publish(const Keyframe& keyframe) {
+  for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(kKeyframe, std::move(page));
+}
+
+struct KeyframeSubscriber::State {
+  KeyframeAssembler assembler;
+  std::function<void(const Keyframe&)> handler;
+};
+
+KeyframeSubscriber::KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler)
+    : state_(std::make_shared<State>()) {
+  state_->handler = std::move(handler);
+  bus.Subscribe<keyframe_t>(kKeyframe, [&bus, weak = std::weak_ptr<State>(state_)](const keyframe_t& page) {
+    const auto state = weak.lock();
+    if (state == nullptr) return;
+    const auto outcome = state->assembler.Add(page);
+    if (outcome == KeyframeAssembler::Outcome::kNonsense) bus.CountRejected();
+    if (outcome == KeyframeAssembler::Outcome::kComplete) state->handler(state->assembler.Take());
+  });
+}
+
+}  // namespace plslam::bus

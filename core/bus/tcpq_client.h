@@ -1,0 +1,90 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <regex.h>
+
+namespace plslam::bus {
+
+/// LCM's pattern of a subscription: matches whole channel names. See TcpqRelay for what it may hold.
+class ChannelPattern {
+ public:
+  explicit ChannelPattern(const std::string& pattern);
+  ~ChannelPattern();
+  ChannelPattern(const ChannelPattern&) = delete;
+  ChannelPattern& operator=(const ChannelPattern&) = delete;
+
+  const std::string& text() const { return text_; }
+  bool Matches(const std::string& channel) const;
+
+ private:
+  std::string text_;
+  bool valid_ = false;
+  regex_t regex_{};
+};
+
+/// One connection of the relay: bytes in, bytes out, subscriptions. Sockets do not block.
+class TcpqClient {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Packet = std::shared_ptr<const std::vector<uint8_t>>;
+  enum class Type : uint32_t { kPublish = 1, kSubscribe = 2, kUnsubscribe = 3 };
+
+  /// A published message, in the form in which it goes on to readers.
+  struct Publication {
+    std::string channel;
+    Packet packet;
+  };
+
+  explicit TcpqClient(int fd);
+  ~TcpqClient();
+  TcpqClient(const TcpqClient&) = delete;
+  TcpqClient& operator=(const TcpqClient&) = delete;
+
+  int fd() const { return fd_; }
+
+  /// Reads what is there, and appends what was published. False: the connection has ended, or `malformed()`.
+  bool Read(std::vector<Publication>& published);
+  bool malformed() const { return malformed_; }
+
+  bool Wants(const std::string& channel);
+
+  /// Queues a packet; returns the number of older ones dropped for it, where the client is stalled and full.
+  int64_t Queue(const Packet& packet);
+  bool HasOutput() const { return !output_.empty(); }
+  /// Writes what the socket takes. False: the connection has ended.
+  bool Write();
+
+  /// Full, and still worth waiting for.
+  bool Congests() const { return !stalled_ && queued_bytes_ > high_; }
+  /// Looks at the clock: a full client that took nothing for long is stalled.
+  void CheckPatience(Clock::time_point now);
+
+ private:
+  bool Parse(std::vector<Publication>& published);
+  bool ParseOne(size_t& at, std::vector<Publication>& published, bool& complete);
+  bool Subscription(Type type, const std::string& pattern);
+  uint32_t Word(size_t at) const;
+
+  int fd_;
+  int64_t high_;
+  bool greeted_ = false;
+  bool malformed_ = false;
+  std::vector<uint8_t> input_;
+  std::vector<std::unique_ptr<ChannelPattern>> patterns_;
+  std::map<std::string, bool, std::less<>> wanted_;  // known answers of Wants
+  std::deque<Packet> output_;
+  size_t written_ = 0;  // of the first
+  int64_t queued_bytes_ = 0;
+  Clock::time_point progress_;
+  bool stalled_ = false;
+};
+
+}  // namespace plslam::bus

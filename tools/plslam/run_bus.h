@@ -4,7 +4,6 @@
 #include <string>
 
 #include "core/bus/options.h"
-#include "core/bus/tcpq_relay.h"
 #include "tools/plslam/bus_url.h"
 #include "tools/plslam/run_options.h"
 
@@ -14,15 +13,15 @@ namespace plslam {
 /// relay of our own (tcpq) where it does not.
 class RunBus {
  public:
+  /// `url` empty: a private one. Throws std::runtime_error where neither works.
   explicit RunBus(const std::string& url);
 
   const std::string& url() const { return url_; }
-  /// As the other processes of the run will read them from configuration and command line.
+  /// Options of the launcher's own bus, as the other processes will read them.
   bus::BusOptions OptionsFor(const RunOptions& options) const;
 
  private:
   std::unique_ptr<PrivatePort> port_;
-  std::unique_ptr<bus::TcpqRelay> relay_;
   std::string url_;
 };
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
+#include <mutex>
 
 #include "core/bus/process_signals.h"
 #include "tools/plslam/commands.h"
@@ -27,39 +28,33 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
 
 /// Outputs of an earlier run in the same folder, which must not be taken for those of this one.
 void RemoveOldOutputs(const std::filesystem::path& out) {
-  for (const char* name : {"summary.json", "trajectory.tum", "keyframes.tum", "ground_truth.tum"}) {
+  for (const char* name : {"summary.json", "trajectory.tum", "keyframes.tum", "groundtruth.tum", "covariance.txt",
+                           "motion_covariance.txt"}) {
     std::filesystem::remove(out / name);
   }
 }
 
-int Run(RunOptions options) {
-  if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  std::filesystem::create_directories(options.out / "logs");
-  RemoveOldOutputs(options.out);
-  // Before anything that starts threads, which must inherit the blocked signals.
-  RunSession* running = nullptr;
-  std::mutex mutex;
-  bool interrupted = false;
-  bus::SignalWatcher signals([&](int) {
-    const std::scoped_lock lock(mutex);
-    interrupted = true;
-    if (running != nullptr) running->Interrupt();
-  });
-  const RunBus run_bus(options.url);
-  options.url = run_bus.url();
-  bus::Bus bus(run_bus.OptionsFor(options), "plslam");
-  RunSession session(options, bus);
-  {
-    const std::scoped_lock lock(mutex);
-    running = &session;
-    if (interrupted) session.Interrupt();
+/// Hands a signal on to the session while there is one.
+class SessionDoor {
+ public:
+  void Open(RunSession* session) {
+    const std::scoped_lock lock(mutex_);
+    session_ = session;
+    if (session_ != nullptr && interrupted_) session_->Interrupt();
   }
-  session.Run();
-  {
-    const std::scoped_lock lock(mutex);
-    running = nullptr;
+  void Interrupt() {
+    const std::scoped_lock lock(mutex_);
+    interrupted_ = true;
+    if (session_ != nullptr) session_->Interrupt();
   }
 
+ private:
+  std::mutex mutex_;
+  RunSession* session_ = nullptr;
+  bool interrupted_ = false;
+};
+
+int Report(const RunOptions& options, const RunSession& session) {
   RunSummary summary = session.Summary();
   summary.version = VersionText();
   summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
@@ -70,10 +65,27 @@ int Run(RunOptions options) {
   } else if (!options.quiet) {
     fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
   }
-  // A run that the user ends is as good as one that ends by itself: with `--loop` there is no other way.
+  // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
   if (summary.completed || session.interrupted()) return 0;
   fmt::print(stderr, "plslam: error: {}\n", summary.reason);
   return 1;
+}
+
+int Run(RunOptions options) {
+  if (options.out.empty()) options.out = DefaultOut(options.dataset);
+  std::filesystem::create_directories(options.out / "logs");
+  RemoveOldOutputs(options.out);
+  SessionDoor door;
+  // Before anything that starts threads, which must inherit the blocked signals.
+  const bus::SignalWatcher signals([&](int) { door.Interrupt(); });
+  const RunBus run_bus(options.url);
+  options.url = run_bus.url();
+  bus::Bus bus(run_bus.OptionsFor(options), "plslam");
+  RunSession session(options, bus);
+  door.Open(&session);
+  session.Run();
+  door.Open(nullptr);
+  return Report(options, session);
 }
 
 void AddOptions(CLI::App* sub, RunOptions* o) {

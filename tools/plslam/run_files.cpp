@@ -4,13 +4,14 @@
 
 #include <fstream>
 
+#include "core/io/pose_covariance.h"
 #include "core/io/trajectory.h"
 #include "tools/evaluate/accuracy.h"
 
 namespace plslam {
 
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
-  const auto estimate_path = out / "trajectory.tum", truth_path = out / "ground_truth.tum";
+  const auto estimate_path = out / "trajectory.tum", truth_path = out / "groundtruth.tum";
   const auto keyframes_path = out / "keyframes.tum";
   if (!std::filesystem::exists(estimate_path) || !std::filesystem::exists(truth_path)) return std::nullopt;
   const Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
@@ -22,6 +23,12 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
     for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
       options.keyframe_t_ns.push_back(pose.t_ns);
     }
+  }
+  if (std::filesystem::exists(out / "covariance.txt")) {
+    options.covariances = ReadPoseCovariances(out / "covariance.txt");
+  }
+  if (std::filesystem::exists(out / "motion_covariance.txt")) {
+    options.motion_covariances = ReadPoseCovariances(out / "motion_covariance.txt");
   }
   const Trajectory estimate = ReadTrajectory(estimate_path, TrajectoryFormat::kTum);
   return nlohmann::json(ToJson(EvaluateTrajectory(estimate, truth, options)));

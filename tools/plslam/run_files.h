@@ -6,7 +6,7 @@
 
 namespace plslam {
 
-/// Compares `trajectory.tum` with `ground_truth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
+/// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
 /// Nothing where there is no ground truth.
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
 

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "tools/plslam/monitor_node.h"
 #include "tools/plslam/progress_line.h"
-#include "tools/plslam/run_monitor.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/supervisor.h"
 
@@ -43,7 +43,7 @@ class RunSession {
 
   RunOptions options_;
   bus::Bus& bus_;
-  RunMonitor monitor_;
+  MonitorNode monitor_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
   Phase phase_ = Phase::kStarting;

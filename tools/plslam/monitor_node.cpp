@@ -1,4 +1,4 @@
-#include "tools/plslam/run_monitor.h"
+#include "tools/plslam/monitor_node.h"
 
 #include "plslam/keyframe_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -34,7 +34,7 @@ ProcessStatus FromMessage(const status_t& message) {
 
 }  // namespace
 
-RunMonitor::RunMonitor(bus::Bus& bus) {
+MonitorNode::MonitorNode(bus::Bus& bus) {
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { processes_[m.pid] = FromMessage(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { statistics_.AddFrame(FromMessage(m)); });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
@@ -48,12 +48,12 @@ RunMonitor::RunMonitor(bus::Bus& bus) {
   });
 }
 
-std::string RunMonitor::StateOf(int64_t pid) const {
+std::string MonitorNode::StateOf(int64_t pid) const {
   const auto found = processes_.find(pid);
   return found == processes_.end() ? "" : found->second.state;
 }
 
-MessageCounts RunMonitor::messages() const {
+MessageCounts MonitorNode::messages() const {
   MessageCounts sum;
   for (const auto& [pid, status] : processes_) {
     sum.lost += status.messages.lost;

@@ -21,9 +21,9 @@ struct ProcessStatus {
 };
 
 /// Listens to the run of other processes and keeps its statistics.
-class RunMonitor {
+class MonitorNode {
  public:
-  explicit RunMonitor(bus::Bus& bus);
+  explicit MonitorNode(bus::Bus& bus);
 
   const RunStatistics& statistics() const { return statistics_; }
   /// By process id; those of processes that have ended stay.

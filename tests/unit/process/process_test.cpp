@@ -1,0 +1,234 @@
+#include "core/bus/process.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "plslam/status_t.hpp"
+#include "tools/plslam/bus_url.h"
+#include "tools/plslam/child_process.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
+
+/// Starts process_test_program on a bus of its own and listens to its status.
+class ProcessTest : public testing::Test {
+ protected:
+  ProcessTest() : bus_(OptionsWith(port_.Url()), "test") {
+    std::string pattern = testing::TempDir() + "process_XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+    bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
+      if (status.process != "player") return;
+      statuses_.push_back(status);
+      if (wanted_ && wanted_(status)) bus_.Stop();
+    });
+  }
+  ~ProcessTest() override { std::filesystem::remove_all(folder_); }
+
+  static bus::BusOptions OptionsWith(const std::string& url) {
+    bus::BusOptions options;
+    options.url = url;
+    return options;
+  }
+
+  void Start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--url", port_.Url()});
+    child_ = std::make_unique<ChildProcess>(PLSLAM_TEST_PROGRAM, arguments, folder_ / "log");
+  }
+
+  /// Its exit code; -1 where it still runs after ten seconds.
+  int Wait() const {
+    const auto limit = Clock::now() + std::chrono::seconds(10);
+    while (Clock::now() < limit) {
+      if (const auto end = child_->Poll()) return end->code;
+      std::this_thread::yield();
+    }
+    return -1;
+  }
+
+  bool WaitForLine(const std::string& text) const {
+    const auto limit = Clock::now() + std::chrono::seconds(10);
+    while (Log().find(text) == std::string::npos && Clock::now() < limit) std::this_thread::yield();
+    return Log().find(text) != std::string::npos;
+  }
+
+  /// Listens until a status fits; once in a test.
+  void ListenUntil(std::function<bool(const status_t&)> fits) {
+    wanted_ = std::move(fits);
+    bus_.Run();
+  }
+  void ListenFor(const std::string& state) {
+    ListenUntil([state](const status_t& status) { return status.state == state; });
+  }
+
+  std::string Log() const {
+    std::ifstream file(folder_ / "log");
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  PrivatePort port_;
+  bus::Bus bus_;
+  std::filesystem::path folder_;
+  std::unique_ptr<ChildProcess> child_;
+  std::function<bool(const status_t&)> wanted_;
+  std::vector<status_t> statuses_;
+};
+
+TEST_F(ProcessTest, SignalsEndItCleanly) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    std::filesystem::remove(folder_ / "log");
+    Start({});
+    ASSERT_TRUE(WaitForLine("runs")) << Log();
+    child_->Signal(signal);
+    EXPECT_EQ(Wait(), 0) << Log();
+    EXPECT_THAT(Log(), HasSubstr("node is gone"));
+    EXPECT_THAT(Log(), HasSubstr(signal == SIGINT ? "SIGINT: stopping" : "SIGTERM: stopping"));
+  }
+}
+
+TEST_F(ProcessTest, SecondSignalEndsOneThatHangs) {
+  Start({"hang"});
+  ListenFor("ready");
+  child_->Signal(SIGINT);
+  ASSERT_TRUE(WaitForLine("SIGINT: stopping")) << Log();
+  child_->Signal(SIGTERM);
+  EXPECT_EQ(Wait(), 128 + SIGTERM) << Log();
+}
+
+TEST_F(ProcessTest, FinishGivesTheExitCode) {
+  Start({"finish"});
+  EXPECT_EQ(Wait(), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("node is gone"));
+  Start({"finish-7"});
+  EXPECT_EQ(Wait(), 7) << Log();
+}
+
+TEST_F(ProcessTest, ExceptionAtStartIsOneLineAndExitCodeOne) {
+  Start({"throw-at-start"});
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_EQ(Log(), "player: error: cannot start at all\n");
+}
+
+TEST_F(ProcessTest, ExceptionInAHandlerIsTold) {
+  Start({"throw-in-handler"});
+  ListenFor("failed");
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_EQ(statuses_.back().reason, "a handler failed");
+  EXPECT_THAT(Log(), HasSubstr("player: error: a handler failed\n"));
+}
+
+TEST_F(ProcessTest, ExceptionOfAnyTypeIsCaught) {
+  Start({"throw-a-number"});
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_THAT(Log(), HasSubstr("player: error: an exception of unknown type\n"));
+}
+
+TEST_F(ProcessTest, StatusTellsWhatItIsAndUses) {
+  Start({"--set", "player.answer=7"});
+  ListenFor("ready");
+  const status_t status = statuses_.back();
+  EXPECT_EQ(status.pid, child_->pid());
+  EXPECT_EQ(status.version, PLSLAM_VERSION);
+  EXPECT_FALSE(status.host.empty());
+  EXPECT_GT(status.memory_mb, 1.0);
+  EXPECT_LT(status.memory_mb, 1000.0);
+  EXPECT_GT(status.cpu_s, 0.0);
+  EXPECT_THAT(status.configuration, HasSubstr("bus:\n  url: \"" + port_.Url()));
+  EXPECT_THAT(status.configuration, HasSubstr("player:\n  answer: 7\n"));
+  std::map<std::string, double> counters;
+  for (const auto& counter : status.counters) counters[counter.name] = counter.value;
+  EXPECT_EQ(counters["answer"], 7.0);
+  EXPECT_EQ(counters.count("bus.rejected"), 1U);
+}
+
+TEST_F(ProcessTest, StoppingIsTold) {
+  Start({});
+  ListenUntil([this](const status_t& status) {
+    if (status.state == "ready") child_->Signal(SIGINT);
+    return status.state == "stopping";
+  });
+  EXPECT_EQ(Wait(), 0);
+}
+
+TEST_F(ProcessTest, StatusComesAgainAndAgain) {
+  Start({});
+  ListenUntil([this](const status_t&) { return statuses_.size() >= 3; });
+  EXPECT_GT(statuses_[2].uptime_s, statuses_[0].uptime_s + 0.5);
+  EXPECT_GT(statuses_[2].header.seq, statuses_[0].header.seq);
+}
+
+TEST_F(ProcessTest, StateOfTheNodeIsKept) {
+  Start({"own-state"});
+  ListenFor("running");
+  EXPECT_EQ(statuses_.back().reason, "because");
+  for (const status_t& status : statuses_) EXPECT_NE(status.state, "ready");
+}
+
+TEST_F(ProcessTest, LongConfigurationIsCutToTheMessageSize) {
+  Start({"--set", "bus.max_message_bytes=1000"});
+  ListenFor("ready");
+  EXPECT_LT(statuses_.back().getEncodedSize(), 1000);
+}
+
+TEST_F(ProcessTest, BadConfigurationStopsBeforeTheStart) {
+  std::ofstream(folder_ / "rig.yaml") << "player:\n  answr: 7\n";
+  Start({"--config", (folder_ / "rig.yaml").string()});
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_EQ(Log(), "player: error: " + (folder_ / "rig.yaml").string() +
+                       ":2: unknown key 'player.answr'; the nearest known one is 'player.answer'\n");
+}
+
+TEST_F(ProcessTest, UnknownSectionStopsBeforeTheStart) {
+  Start({"--set", "plyer.answer=7"});
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_EQ(Log(),
+            "player: error: override 'plyer.answer=7': unknown section 'plyer'; the nearest known one is "
+            "'player'\n");
+}
+
+TEST_F(ProcessTest, BadCommandLineIsOneLine) {
+  Start({"--nonsense"});
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_THAT(Log(), testing::StartsWith("player: error: "));
+  EXPECT_THAT(Log(), HasSubstr("--nonsense"));
+  EXPECT_EQ(Log().find('\n'), Log().size() - 1) << Log();
+}
+
+TEST_F(ProcessTest, BadUrlIsOneLine) {
+  child_ = std::make_unique<ChildProcess>(PLSLAM_TEST_PROGRAM, std::vector<std::string>{"--url", "nonsense://x"},
+                                          folder_ / "log");
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_THAT(Log(), HasSubstr("player: error: "));
+  EXPECT_THAT(Log(), HasSubstr("nonsense://x"));
+}
+
+TEST_F(ProcessTest, HelpAndVersion) {
+  Start({"--help"});
+  EXPECT_EQ(Wait(), 0);
+  EXPECT_THAT(Log(), testing::AllOf(HasSubstr("A process for tests."), HasSubstr("--config"), HasSubstr("--set"),
+                                    HasSubstr("--url"), HasSubstr("--prefix"), HasSubstr("mode")));
+  Start({"--version"});
+  EXPECT_EQ(Wait(), 0);
+  EXPECT_THAT(Log(), testing::EndsWith(PLSLAM_VERSION "\n"));
+}
+
+TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
+  Start({"--parent", std::to_string(getpid())});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  child_->Signal(SIGTERM);
+  EXPECT_EQ(Wait(), 0);
+  Start({"--parent", "1"});  // is not ours
+  EXPECT_EQ(Wait(), 1);
+  EXPECT_THAT(Log(), HasSubstr("the process that started this one is gone"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,59 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "core/bus/process.h"
+#include "plslam/command_t.hpp"
+
+namespace {
+
+struct TestOptions {
+  int answer = 42;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, TestOptions& o) {
+  visit("answer", o.answer, plslam::Bounds{0, 100}, "a number");
+}
+
+/// Does what the word on its command line says; the process tests start it.
+struct TestNode {
+  TestNode(plslam::bus::Process& process, const plslam::Config& config, const std::string& mode) {
+    TestOptions options;
+    config.Read("player", options);
+    process.SetConfiguration(plslam::ToYaml("player", options));
+    process.SetCounter("answer", options.answer);
+    if (mode == "throw-at-start") throw std::runtime_error("cannot start\nat all");
+    if (mode == "finish") process.Finish(0);
+    if (mode == "finish-7") process.Finish(7);
+    if (mode == "hang")
+      process.bus().Post([] {
+        for (volatile bool forever = true; forever;) continue;
+      });
+    if (mode == "throw-in-handler") process.bus().Post([] { throw std::runtime_error("a handler failed"); });
+    if (mode == "throw-a-number") process.bus().Post([] { throw 5; });
+    if (mode == "own-state") process.SetState("running", "because");
+    process.bus().Post([] {
+      std::puts("runs");
+      std::fflush(stdout);
+    });
+  }
+  ~TestNode() { std::puts("node is gone"); }
+  TestNode(const TestNode&) = delete;
+  TestNode& operator=(const TestNode&) = delete;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string mode;
+  plslam::bus::ProcessSpec spec;
+  spec.name = "player";
+  spec.description = "A process for tests.";
+  spec.add_options = [&](CLI::App* app) { app->add_option("mode", mode, "what to do"); };
+  spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
+    return std::make_shared<TestNode>(process, config, mode);
+  };
+  return plslam::bus::RunProcess(argc, argv, spec);
+}

@@ -1,0 +1,123 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <regex>
+
+#include "tests/unit/structure/source_tree.h"
+
+namespace plslam {
+namespace {
+
+using test::SourceFile;
+
+/// Who may include whom: `folder` itself and what starts with one of `may_include`. The longest folder that fits a file
+/// decides. Configuration's field lists are for everyone.
+struct Arrow {
+  std::string folder;
+  std::vector<std::string> may_include;
+};
+
+const std::vector<Arrow> kArrows = {
+    {"lcmtypes/", {}},
+    {"core/geometry/", {}},
+    {"core/config/", {}},
+    {"core/features/", {"core/geometry/", "core/config/fields.h"}},
+    {"core/motion/", {"core/geometry/", "core/config/fields.h"}},
+    {"core/map/", {"core/geometry/", "core/features/", "core/motion/", "core/config/fields.h"}},
+    {"core/optim/", {"core/geometry/", "core/motion/", "core/map/", "core/config/fields.h"}},
+    {"core/io/", {"core/geometry/", "core/map/", "core/config/fields.h"}},
+    {"core/bus/", {"lcmtypes/", "core/geometry/", "core/config/", "core/io/"}},
+    {"player/", {"core/"}},
+    {"vo_process/", {"core/"}},
+    {"mapping_process/", {"core/"}},
+    {"loop_process/", {"core/"}},
+    {"viewer_headless/", {"core/"}},
+    {"tools/evaluate/", {"core/"}},
+    {"tools/plslam/", {"core/", "tools/evaluate/"}},
+};
+
+const std::vector<std::string> kProductFolders = {"lcmtypes", "core", "player", "vo_process", "viewer_headless", "tools"};
+
+/// Files that wire algorithms to messages. All others know neither LCM nor its types.
+bool KnowsMessages(const std::string& path) {
+  static const std::regex kNode(R"(core/bus/.*|.*/(\w+_)?(node|message)s?(_\w+)?\.(h|cpp)|.*/main\.cpp)");
+  return std::regex_match(path, kNode);
+}
+
+std::optional<std::string> IncludedFile(const std::string& line) {
+  static const std::regex kInclude(R"(\s*#\s*include\s*[<"]([^>"]+)[>"].*)");
+  std::smatch match;
+  if (!std::regex_match(line, match, kInclude)) return std::nullopt;
+  return match[1];
+}
+
+bool StartsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
+
+const Arrow* ArrowOf(const std::string& path) {
+  const Arrow* best = nullptr;
+  for (const Arrow& arrow : kArrows) {
+    if (StartsWith(path, arrow.folder) && (best == nullptr || arrow.folder.size() > best->folder.size()))
+      best = &arrow;
+  }
+  return best;
+}
+
+bool IsOfTree(const std::string& include) {
+  return include == "tests" || StartsWith(include, "tests/") || ArrowOf(include) != nullptr;
+}
+
+bool IsMessage(const std::string& include) { return std::regex_match(include, std::regex(R"(plslam/\w+_t\.hpp)")); }
+
+/// Why `file` must not include `include`; empty where it may.
+std::string Objection(const std::string& file, const std::string& include) {
+  if (StartsWith(include, "lcm/") && !StartsWith(file, "core/bus/")) return "only core/bus knows LCM";
+  if (IsMessage(include) && !KnowsMessages(file)) return "only nodes and core/bus know message types";
+  if (!IsOfTree(include)) return "";
+  const Arrow* arrow = ArrowOf(file);
+  if (arrow == nullptr) return "this folder stands in no row of kArrows";
+  if (StartsWith(include, arrow->folder)) return "";
+  const auto& allowed = arrow->may_include;
+  const bool may = std::any_of(allowed.begin(), allowed.end(), [&](const auto& a) { return StartsWith(include, a); });
+  return may ? "" : "this arrow points the wrong way";
+}
+
+TEST(Structure, IncludesFollowTheArrows) {
+  const auto files = test::SourceFiles(kProductFolders);
+  ASSERT_GT(files.size(), 50U);
+  for (const SourceFile& file : files) {
+    for (size_t i = 0; i < file.lines.size(); ++i) {
+      const auto include = IncludedFile(file.lines[i]);
+      if (!include) continue;
+      EXPECT_EQ(Objection(file.path, *include), "") << file.path << ":" << i + 1 << " includes " << *include;
+    }
+  }
+}
+
+TEST(Structure, IncludesOfTheTreeStartAtItsRoot) {
+  for (const SourceFile& file :
+       test::SourceFiles({"core", "player", "vo_process", "viewer_headless", "tools", "tests"})) {
+    for (const std::string& line : file.lines) {
+      const auto include = IncludedFile(line);
+      if (!include || line.find('"') == std::string::npos) continue;
+      EXPECT_TRUE(IsOfTree(*include) || IsMessage(*include)) << file.path << ": " << line;
+    }
+  }
+}
+
+TEST(Structure, WrongArrowsAreSeen) {
+  EXPECT_EQ(Objection("core/geometry/se3.cpp", "core/geometry/se3.h"), "");
+  EXPECT_EQ(Objection("core/geometry/se3.cpp", "vector"), "");
+  EXPECT_NE(Objection("core/geometry/se3.cpp", "core/features/features.h"), "");
+  EXPECT_NE(Objection("core/motion/a.cpp", "core/features/features.h"), "");
+  EXPECT_NE(Objection("core/bus/bus.cpp", "player/player_node.h"), "");
+  EXPECT_NE(Objection("vo_process/odometry.cpp", "player/options.h"), "");
+  EXPECT_NE(Objection("vo_process/odometry.cpp", "plslam/pose_t.hpp"), "");
+  EXPECT_NE(Objection("vo_process/vo_node.cpp", "lcm/lcm-cpp.hpp"), "");
+  EXPECT_EQ(Objection("vo_process/vo_node.cpp", "plslam/pose_t.hpp"), "");
+  EXPECT_EQ(Objection("core/bus/transport.cpp", "lcm/lcm.h"), "");
+  EXPECT_NE(Objection("player/player_node.cpp", "tests/support/data_folder.h"), "");
+}
+
+}  // namespace
+}  // namespace plslam

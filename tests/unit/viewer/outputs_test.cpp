@@ -1,0 +1,152 @@
+#include "viewer_headless/outputs.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/unit/trajectory/text_file.h"
+#include "tests/unit/viewer/frame_poses.h"
+
+namespace plslam {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::vector<int64_t> FramesOf(const Trajectory& trajectory) {
+  std::vector<int64_t> frames;
+  for (const TrajectoryPose& pose : trajectory) frames.push_back((pose.t_ns - 1'000'000'000) / 100'000'000);
+  return frames;
+}
+
+TEST(Outputs, LostFramesAreLeftOutAndSoAreTheMotionsBesideThem) {
+  Recorder recorder;
+  for (int i = 0; i < 6; ++i) {
+    FramePose pose = SomePose(i, i == 3 ? TrackingState::kLost : TrackingState::kTracking);
+    pose.keyframe_id = i % 2 == 0 ? i / 2 : -1;
+    recorder.AddPose(pose);
+  }
+  const RunTrajectories run = BuildTrajectories(recorder, Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 1, 2, 4, 5));
+  EXPECT_THAT(FramesOf(run.keyframes), ElementsAre(0, 2, 4));
+  EXPECT_EQ(run.covariances.size(), 5u);
+  std::vector<int64_t> motions;
+  for (const PoseCovariance& row : run.motion_covariances)
+    motions.push_back((row.t_ns - 1'000'000'000) / 100'000'000);
+  EXPECT_THAT(motions, ElementsAre(1, 2, 5));
+}
+
+TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
+  const SE3 T_w_odom = SE3::Exp((Vector6d() << 1, 2, 3, 0.3, 0.2, 0.1).finished());
+  const SE3 T_odom_c = SE3::Exp((Vector6d() << 4, 5, 6, -0.3, 0.2, 0.7).finished());
+  const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.02, Eigen::Vector3d(1, 2, 3).normalized()));
+  Recorder recorder;
+  FramePose pose = SomePose(0);
+  pose.T_w_odom = T_w_odom;
+  pose.T_odom_c = T_odom_c;
+  recorder.AddPose(pose);
+  const SE3 T_w_l = BuildTrajectories(recorder, q_l_c).all.at(0).T_a_b;
+  // A point of c, seen from l, must come out at the same place of the map.
+  const Eigen::Vector3d p_c(0.5, -0.4, 8.0);
+  EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
+}
+
+TEST(Outputs, CovariancesAreTurnedIntoTheCalibratedCamera) {
+  const Eigen::Quaterniond q_l_c(Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitY()));
+  Recorder recorder;
+  FramePose pose = SomePose(0);
+  const Vector6d x_c = (Vector6d() << 1, 2, 3, 4, 5, 6).finished();
+  pose.covariance = x_c * x_c.transpose();
+  recorder.AddPose(pose);
+  const Matrix6d covariance = BuildTrajectories(recorder, q_l_c).covariances.at(0).covariance;
+  // T * Exp(x_c) * T_c_l == T * T_c_l * Exp(Ad(T_l_c) x_c).
+  const Vector6d x_l = SE3(q_l_c, Eigen::Vector3d::Zero()).Adjoint() * x_c;
+  EXPECT_LT((covariance - x_l * x_l.transpose()).norm(), 1e-4);
+}
+
+TEST(Outputs, TimesThatDoNotIncreaseAreLeftOut) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  FramePose same_time = SomePose(1);
+  same_time.t_ns = SomePose(0).t_ns;
+  recorder.AddPose(same_time);
+  recorder.AddPose(SomePose(2));
+  recorder.AddTruth(0, {5, SE3()});
+  recorder.AddTruth(1, {4, SE3()});
+  const RunTrajectories run = BuildTrajectories(recorder, Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 2));
+  EXPECT_EQ(run.truth.size(), 1u);
+}
+
+TEST(Outputs, MotionIntoANewSessionHasNoCovariance) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  FramePose pose = SomePose(1);
+  pose.session = 8;
+  recorder.AddPose(pose);
+  EXPECT_TRUE(BuildTrajectories(recorder, Eigen::Quaterniond::Identity()).motion_covariances.empty());
+}
+
+TEST(Outputs, AllFilesAreWrittenAndReadable) {
+  const ScratchFolder folder;
+  const std::string out = folder.Path("a/b");
+  Recorder recorder;
+  for (int i = 0; i < 5; ++i) {
+    recorder.AddPose(SomePose(i));
+    recorder.AddTruth(i, {SomePose(i).t_ns, SE3()});
+  }
+  PrepareOutputFolder(out);
+  WriteOutputs(out, recorder, Eigen::Quaterniond::Identity());
+  for (const char* name : {"trajectory.tum", "trajectory.kitti", "trajectory.euroc", "groundtruth.tum"}) {
+    EXPECT_EQ(ReadTrajectory(out + "/" + name).size(), 5u) << name;
+  }
+  EXPECT_EQ(ReadTrajectory(out + "/keyframes.tum").size(), 0u);
+  EXPECT_EQ(ReadPoseCovariances(out + "/covariance.txt").size(), 5u);
+  EXPECT_EQ(ReadPoseCovariances(out + "/motion_covariance.txt").size(), 4u);
+  for (const auto& entry : std::filesystem::directory_iterator(out)) {
+    EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+}
+
+TEST(Outputs, EmptyRunWritesEmptyFilesAndNoGroundTruth) {
+  const ScratchFolder folder;
+  WriteOutputs(folder.Path(""), {}, Eigen::Quaterniond::Identity());
+  EXPECT_TRUE(ReadTrajectory(folder.Path("trajectory.tum")).empty());
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("groundtruth.tum")));
+}
+
+TEST(Outputs, TableHasARowForLostFramesTooAndSafeColumnNames) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  FramePose lost = SomePose(1, TrackingState::kLost);
+  lost.stages_ms = {{"a,\"b\n", 1.0}};
+  lost.keyframe_id = 12;
+  lost.entropy_ratio = 0.875;
+  recorder.AddPose(lost);
+  EXPECT_EQ(PosesCsv(recorder),
+            "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,"
+            "skipped_frames,orb_ms,pose_ms,a__b__ms\n"
+            "0,1.000000000,tracking,800,120,312,84,-1,0,0,4.5000,0.2500,\n"
+            "1,1.100000000,lost,800,120,312,84,12,0.875,0,,,1.0000\n");
+}
+
+TEST(Outputs, FolderThatCannotBeMadeIsNamed) {
+  const ScratchFolder folder;
+  const std::string file = folder.Write("file", "");
+  EXPECT_THAT([&] { PrepareOutputFolder(file + "/out"); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("file/out: cannot be made a folder: ")));
+  EXPECT_THAT([&] { PrepareOutputFolder("/proc/plslam"); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("/proc/plslam: cannot be ")));
+}
+
+TEST(Outputs, FullDiskIsToldAndLeavesNoHalfFile) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  const ScratchFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder.Path("trajectory.tum.part"));
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  EXPECT_THAT([&] { WriteOutputs(folder.Path(""), recorder, Eigen::Quaterniond::Identity()); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("trajectory.tum: cannot be written: No space")));
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("trajectory.tum")));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,117 @@
+#include "viewer_headless/recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/viewer/frame_poses.h"
+
+namespace plslam {
+namespace {
+
+TEST(Recorder, KeepsFramesInOrderHoweverTheyCome) {
+  Recorder recorder;
+  for (const int64_t id : {5, 1, 3}) EXPECT_TRUE(recorder.AddPose(SomePose(id)));
+  std::vector<int64_t> ids;
+  for (const auto& [id, frame] : recorder.frames()) ids.push_back(id);
+  EXPECT_EQ(ids, (std::vector<int64_t>{1, 3, 5}));
+}
+
+TEST(Recorder, LaterPoseOfAFrameCounts) {
+  Recorder recorder;
+  FramePose pose = SomePose(4, TrackingState::kLost);
+  pose.keyframe_id = 0;
+  pose.counts.skipped_frames = 2;
+  recorder.AddPose(pose);
+  EXPECT_EQ(recorder.lost_frames(), 1);
+  EXPECT_EQ(recorder.keyframes(), 1);
+  EXPECT_EQ(recorder.skipped_frames(), 2);
+  recorder.AddPose(SomePose(4));
+  EXPECT_EQ(recorder.frames().size(), 1u);
+  EXPECT_EQ(recorder.lost_frames(), 0);
+  EXPECT_EQ(recorder.keyframes(), 0);
+  EXPECT_EQ(recorder.skipped_frames(), 0);
+}
+
+TEST(Recorder, NonsenseIsRefused) {
+  Recorder recorder;
+  FramePose pose = SomePose(0);
+  pose.T_odom_c = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(NAN, 0, 0));
+  EXPECT_FALSE(recorder.AddPose(pose));
+  pose = SomePose(0);
+  pose.T_w_odom = SE3(Eigen::Quaterniond(0, 0, 0, NAN), Eigen::Vector3d::Zero());
+  EXPECT_FALSE(recorder.AddPose(pose));
+  pose = SomePose(0);
+  pose.covariance(2, 3) = INFINITY;
+  EXPECT_FALSE(recorder.AddPose(pose));
+  EXPECT_FALSE(recorder.AddPose(SomePose(-1)));
+  EXPECT_FALSE(recorder.AddPose(SomePose(0, static_cast<TrackingState>(5))));
+  EXPECT_FALSE(recorder.AddPose(SomePose(0, static_cast<TrackingState>(-1))));
+  pose = SomePose(0);
+  pose.counts.skipped_frames = -3;
+  EXPECT_FALSE(recorder.AddPose(pose));
+  EXPECT_FALSE(recorder.AddTruth(-1, {}));
+  EXPECT_FALSE(recorder.AddTruth(0, {0, SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, NAN, 0))}));
+  EXPECT_TRUE(recorder.frames().empty());
+  EXPECT_TRUE(recorder.truth().empty());
+}
+
+TEST(Recorder, CompleteWhenEveryFrameHasAPoseOrWasPassedOver) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  EXPECT_FALSE(recorder.IsComplete()) << "the stream still runs";
+  recorder.SetEnd(4);
+  EXPECT_FALSE(recorder.IsComplete());
+  FramePose last = SomePose(3);
+  last.counts.skipped_frames = 2;
+  recorder.AddPose(last);
+  EXPECT_TRUE(recorder.IsComplete());
+}
+
+TEST(Recorder, EmptyStreamIsComplete) {
+  Recorder recorder;
+  recorder.SetEnd(0);
+  EXPECT_TRUE(recorder.IsComplete());
+}
+
+TEST(Recorder, StagesMayComeAndGo) {
+  Recorder recorder;
+  recorder.AddPose(SomePose(0));
+  FramePose pose = SomePose(1);
+  pose.stages_ms = {{"lines", 3.0}};
+  recorder.AddPose(pose);
+  EXPECT_EQ(recorder.stage_names(), (std::vector<std::string>{"orb", "pose", "lines"}));
+  const FrameRecord& frame = recorder.frames().at(1);
+  ASSERT_EQ(frame.stages_ms.size(), 3u);
+  EXPECT_TRUE(std::isnan(frame.stages_ms[0]));
+  EXPECT_EQ(frame.stages_ms[2], 3.0F);
+}
+
+TEST(Recorder, StageNamesWithoutEndAreBounded) {
+  Recorder recorder;
+  for (int i = 0; i < 1000; ++i) {
+    FramePose pose = SomePose(i);
+    pose.stages_ms = {{"stage" + std::to_string(i), 1.0}};
+    recorder.AddPose(pose);
+  }
+  EXPECT_EQ(recorder.stage_names().size(), 64u);
+}
+
+TEST(Recorder, PackedCovarianceKeepsSevenDigitsAndSymmetry) {
+  Matrix6d A;
+  for (int i = 0; i < 36; ++i) A(i / 6, i % 6) = std::sin(i + 1.0) * 1e-3;
+  const Matrix6d covariance = A * A.transpose();
+  const Matrix6d unpacked = PackedCovariance(covariance).Unpack();
+  EXPECT_EQ(unpacked, unpacked.transpose());
+  EXPECT_LT((unpacked - covariance).norm(), 1e-6 * covariance.norm());
+}
+
+TEST(Recorder, AFrameCostsLessThanHalfAKilobyte) { EXPECT_LE(sizeof(FrameRecord), 400u); }
+
+TEST(Recorder, StateNames) {
+  EXPECT_EQ(TrackingStateName(TrackingState::kLost), "lost");
+  EXPECT_EQ(TrackingStateName(static_cast<TrackingState>(99)), "unknown");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,105 @@
+#include "viewer_headless/outputs.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <stdexcept>
+
+#include "core/io/atomic_file.h"
+
+namespace plslam {
+namespace {
+
+bool IsAfterLast(const Trajectory& trajectory, int64_t t_ns) {
+  return trajectory.empty() || t_ns > trajectory.back().t_ns;
+}
+
+// The covariance of a perturbation in c, for the same perturbation in l, which has the same origin.
+Matrix6d Rotate(const Matrix6d& covariance_c, const Eigen::Matrix3d& R_l_c) {
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = R_l_c;
+  A.bottomRightCorner<3, 3>() = R_l_c;
+  const Matrix6d rotated = A * covariance_c * A.transpose();
+  return 0.5 * (rotated + rotated.transpose());
+}
+
+void WriteAllFormats(const std::string& stem, const Trajectory& trajectory) {
+  WriteTrajectory(stem + ".tum", TrajectoryFormat::kTum, trajectory);
+  WriteTrajectory(stem + ".kitti", TrajectoryFormat::kKitti, trajectory);
+  WriteTrajectory(stem + ".euroc", TrajectoryFormat::kEuroc, trajectory);
+}
+
+}  // namespace
+
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Eigen::Quaterniond& q_l_c) {
+  RunTrajectories result;
+  const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
+  const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
+  const FrameRecord* previous = nullptr;
+  for (const auto& [frame_id, frame] : recorder.frames()) {
+    const bool usable = frame.state != TrackingState::kLost && IsAfterLast(result.all, frame.t_ns);
+    if (usable) {
+      result.all.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
+      if (frame.keyframe_id >= 0) result.keyframes.push_back(result.all.back());
+      result.covariances.push_back({frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)});
+      if (previous != nullptr && previous->session == frame.session) {
+        result.motion_covariances.push_back({frame.t_ns, Rotate(frame.motion_covariance.Unpack(), R_l_c)});
+      }
+    }
+    previous = usable ? &frame : nullptr;
+  }
+  for (const auto& [frame_id, truth] : recorder.truth()) {
+    if (IsAfterLast(result.truth, truth.t_ns)) result.truth.push_back({truth.t_ns, truth.T_w_l});
+  }
+  return result;
+}
+
+std::string PosesCsv(const Recorder& recorder) {
+  std::string text =
+      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames";
+  for (const std::string& name : recorder.stage_names()) {
+    text += ',';
+    // Names come over the wire; a comma or quote in one must not shift the columns.
+    for (const char c : name) text += c == ',' || c == '"' || c == '\n' || c == '\r' ? '_' : c;
+    text += "_ms";
+  }
+  text += '\n';
+  const auto out = std::back_inserter(text);
+  for (const auto& [frame_id, frame] : recorder.frames()) {
+    const FrameCounts& n = frame.counts;
+    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{}", frame_id, SecondsText(frame.t_ns),
+                   TrackingStateName(frame.state), n.points, n.lines, n.tracked_points, n.tracked_lines,
+                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames);
+    for (size_t i = 0; i < recorder.stage_names().size(); ++i) {
+      text += ',';
+      const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);
+      if (known) fmt::format_to(out, "{:.4f}", frame.stages_ms[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+void PrepareOutputFolder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder, error.message()));
+  const std::string probe = folder + "/.write_test";
+  WriteFileAtomically(probe, "can this be written?\n");
+  std::remove(probe.c_str());
+}
+
+void WriteOutputs(const std::string& folder, const Recorder& recorder, const Eigen::Quaterniond& q_l_c) {
+  const RunTrajectories run = BuildTrajectories(recorder, q_l_c);
+  WriteAllFormats(folder + "/trajectory", run.all);
+  WriteAllFormats(folder + "/keyframes", run.keyframes);
+  if (!run.truth.empty()) WriteTrajectory(folder + "/groundtruth.tum", TrajectoryFormat::kTum, run.truth);
+  WritePoseCovariances(folder + "/covariance.txt", run.covariances);
+  WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances);
+  WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder));
+}
+
+}  // namespace plslam

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+
+#include "core/io/pose_covariance.h"
+#include "core/io/trajectory.h"
+#include "viewer_headless/recorder.h"
+
+namespace plslam {
+
+/// What the files say, as values; l is the left camera as calibrated. Frames with state lost have no pose of their own
+/// and are left out everywhere but in `poses.csv`. A frame whose time is not after the one before is left out too.
+struct RunTrajectories {
+  Trajectory all;        ///< T_w_l of every frame
+  Trajectory keyframes;  ///< of those that became keyframes
+  Trajectory truth;      ///< true T_w_l
+  /// Of `all`, of the right perturbation in l.
+  std::vector<PoseCovariance> covariances;
+  /// Of the motion between neighbours of `all` that are neighbours in the recording too, at the time of the later one.
+  std::vector<PoseCovariance> motion_covariances;
+};
+
+/// `q_l_c` turns directions of the rectified left camera c into l.
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Eigen::Quaterniond& q_l_c);
+
+/// One row for each frame, lost ones included: time, state, counts, stage times.
+std::string PosesCsv(const Recorder& recorder);
+
+/// Makes the folder and proves that files can be written there. Throws std::runtime_error.
+void PrepareOutputFolder(const std::string& folder);
+
+/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Throws std::runtime_error.
+void WriteOutputs(const std::string& folder, const Recorder& recorder, const Eigen::Quaterniond& q_l_c);
+
+}  // namespace plslam

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core.hpp>
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// A tracked point of the rectified left image.
+struct OverlayPoint {
+  cv::Point2f px;
+  float disparity_px = -1.0F;  ///< < 0: no depth
+  int age = 0;                 ///< frames its landmark has been seen in
+};
+
+/// A tracked line segment of the rectified left image.
+struct OverlaySegment {
+  cv::Point2f p_px;
+  cv::Point2f q_px;
+  bool has_depth = false;
+  int age = 0;
+};
+
+struct OverlayFeatures {
+  std::vector<OverlayPoint> points;
+  std::vector<OverlaySegment> segments;
+};
+
+/// The image in grey with the features on it, and below it a bar with the caption and the key of the colours; 8-bit BGR.
+/// Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles coloured by
+/// disparity (red near, blue far), small ones with age 0, grey ones without depth. Features with coordinates that are
+/// not finite or far outside are left out. `image` is 8-bit grey.
+cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption);
+
+}  // namespace plslam

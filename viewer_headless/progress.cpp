@@ -1,0 +1,30 @@
+#include "viewer_headless/progress.h"
+
+#include <fmt/format.h>
+
+namespace plslam {
+
+std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& numbers) {
+  std::string line = fmt::format("frame {}", recorder.frames().size());
+  if (numbers.announced_frames >= 0) line += fmt::format("/{}", numbers.announced_frames);
+  line += fmt::format("  {:.1f}/s", numbers.frames_per_s);
+  if (recorder.frames().empty()) return line + "  waiting";
+  const FrameRecord& newest = recorder.frames().rbegin()->second;
+  line += fmt::format("  {} points  {} lines  keyframes {}  {}", newest.counts.tracked_points,
+                      newest.counts.tracked_lines, recorder.keyframes(), TrackingStateName(newest.state));
+  if (recorder.lost_frames() > 0) line += fmt::format("  lost {}", recorder.lost_frames());
+  if (recorder.skipped_frames() > 0) line += fmt::format("  skipped {}", recorder.skipped_frames());
+  line += fmt::format("  gaps {}", numbers.gaps);
+  if (numbers.gaps > 0) line += fmt::format(" ({} repaired)", numbers.repaired);
+  return line;
+}
+
+std::string FrameCaption(const FramePose& pose) {
+  std::string caption =
+      fmt::format("frame {}  {}  points {}/{}  lines {}/{}", pose.frame_id, TrackingStateName(pose.state),
+                  pose.counts.tracked_points, pose.counts.points, pose.counts.tracked_lines, pose.counts.lines);
+  if (pose.keyframe_id >= 0) caption += fmt::format("  keyframe {}", pose.keyframe_id);
+  return caption;
+}
+
+}  // namespace plslam

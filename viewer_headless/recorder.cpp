@@ -1,0 +1,97 @@
+#include "viewer_headless/recorder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace plslam {
+namespace {
+
+constexpr std::array<const char*, 5> kStateNames{"initialising", "tracking", "weak", "lost", "recovered"};
+// Against a publisher that invents frames or names without end.
+constexpr size_t kMaxFrames = 20'000'000;
+constexpr size_t kMaxStages = 64;
+
+bool IsKnown(TrackingState state) {
+  return static_cast<int>(state) >= 0 && static_cast<size_t>(state) < kStateNames.size();
+}
+
+}  // namespace
+
+std::string TrackingStateName(TrackingState state) {
+  return IsKnown(state) ? kStateNames[static_cast<size_t>(state)] : "unknown";
+}
+
+PackedCovariance::PackedCovariance(const Matrix6d& covariance) {
+  size_t k = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column <= row; ++column) values_[k++] = static_cast<float>(covariance(row, column));
+  }
+}
+
+Matrix6d PackedCovariance::Unpack() const {
+  Matrix6d covariance;
+  size_t k = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column <= row; ++column) {
+      covariance(row, column) = covariance(column, row) = static_cast<double>(values_[k++]);
+    }
+  }
+  return covariance;
+}
+
+bool Recorder::AddPose(const FramePose& pose) {
+  const bool finite = pose.T_odom_c.IsFinite() && pose.T_w_odom.IsFinite() && pose.covariance.allFinite() &&
+                      pose.motion_covariance.allFinite();
+  if (!finite || !IsKnown(pose.state) || pose.frame_id < 0 || pose.counts.skipped_frames < 0) return false;
+  const auto found = frames_.find(pose.frame_id);
+  if (found == frames_.end() && frames_.size() >= kMaxFrames) return false;
+  if (found != frames_.end()) Count(found->second, -1);
+  FrameRecord& record = found != frames_.end() ? found->second : frames_[pose.frame_id];
+  record = {pose.t_ns,
+            pose.session,
+            pose.state,
+            pose.T_odom_c,
+            pose.T_w_odom,
+            PackedCovariance(pose.covariance),
+            PackedCovariance(pose.motion_covariance),
+            pose.keyframe_id,
+            static_cast<float>(pose.entropy_ratio),
+            pose.counts,
+            {}};
+  StoreStages(pose, record);
+  Count(record, 1);
+  return true;
+}
+
+void Recorder::Count(const FrameRecord& record, int sign) {
+  if (record.keyframe_id >= 0) keyframes_ += sign;
+  if (record.state == TrackingState::kLost) lost_frames_ += sign;
+  skipped_frames_ += sign * int64_t{record.counts.skipped_frames};
+}
+
+void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
+  for (const auto& [name, ms] : pose.stages_ms) {
+    const auto found = std::find(stage_names_.begin(), stage_names_.end(), name);
+    if (found == stage_names_.end() && stage_names_.size() >= kMaxStages) continue;
+    const auto index = static_cast<size_t>(found - stage_names_.begin());
+    if (found == stage_names_.end()) stage_names_.push_back(name);
+    if (record.stages_ms.size() <= index) {
+      record.stages_ms.resize(index + 1, std::numeric_limits<float>::quiet_NaN());
+    }
+    record.stages_ms[index] = static_cast<float>(ms);
+  }
+  record.stages_ms.shrink_to_fit();
+}
+
+bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
+  if (frame_id < 0 || !truth.T_w_l.IsFinite() || truth_.size() >= kMaxFrames) return false;
+  truth_[frame_id] = truth;
+  return true;
+}
+
+bool Recorder::IsComplete() const {
+  return n_frames_ && static_cast<int64_t>(frames_.size()) + skipped_frames_ >= *n_frames_;
+}
+
+}  // namespace plslam

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// What the tracker says of itself; numbers of `pose_t.state`.
+enum class TrackingState { kInitialising = 0, kTracking = 1, kWeak = 2, kLost = 3, kRecovered = 4 };
+
+/// "initialising", "tracking", "weak", "lost", "recovered".
+std::string TrackingStateName(TrackingState state);
+
+/// Numbers of one frame that the tables and captions show.
+struct FrameCounts {
+  int32_t points = 0;
+  int32_t lines = 0;
+  int32_t tracked_points = 0;
+  int32_t tracked_lines = 0;
+  int32_t skipped_frames = 0;
+};
+
+/// A pose as it comes from the tracker, as plain values. Frames: c rectified left camera.
+struct FramePose {
+  int64_t frame_id = 0;
+  int64_t t_ns = 0;
+  int64_t session = 0;
+  TrackingState state = TrackingState::kInitialising;
+  SE3 T_odom_c;
+  SE3 T_w_odom;
+  Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  int64_t keyframe_id = -1;
+  double entropy_ratio = 0.0;
+  FrameCounts counts;
+  std::vector<std::pair<std::string, double>> stages_ms;
+};
+
+/// Lower triangle of a covariance in single precision: what a frame may cost in memory.
+class PackedCovariance {
+ public:
+  PackedCovariance() = default;
+  explicit PackedCovariance(const Matrix6d& covariance);
+  Matrix6d Unpack() const;
+
+ private:
+  std::array<float, 21> values_{};
+};
+
+/// A frame as it is kept: about 450 bytes with ten stages.
+struct FrameRecord {
+  int64_t t_ns = 0;
+  int64_t session = 0;
+  TrackingState state = TrackingState::kInitialising;
+  SE3 T_odom_c;
+  SE3 T_w_odom;
+  PackedCovariance covariance;
+  PackedCovariance motion_covariance;
+  int64_t keyframe_id = -1;
+  float entropy_ratio = 0.0F;
+  FrameCounts counts;
+  /// One number for each of `Recorder::stage_names`, as far as the frame has them; NaN where it has not.
+  std::vector<float> stages_ms;
+};
+
+struct TruthRecord {
+  int64_t t_ns = 0;
+  SE3 T_w_l;
+};
+
+/// Everything that is worth keeping of a run, in order of frames. Messages may come in any order and more than once; of
+/// two poses of a frame the later one counts (a restarted tracker begins a new session). Poses that are not finite,
+/// states that do not exist and negative frames are refused.
+class Recorder {
+ public:
+  /// False where it is refused.
+  bool AddPose(const FramePose& pose);
+  bool AddTruth(int64_t frame_id, const TruthRecord& truth);
+  /// The stream has ended after `n_frames` frames.
+  void SetEnd(int64_t n_frames) { n_frames_ = n_frames; }
+
+  /// Frames of the ended stream; nullopt while it runs.
+  std::optional<int64_t> n_frames() const { return n_frames_; }
+  /// Every frame of the ended stream has a pose or has been passed over by the tracker.
+  bool IsComplete() const;
+
+  const std::map<int64_t, FrameRecord>& frames() const { return frames_; }
+  const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
+  const std::vector<std::string>& stage_names() const { return stage_names_; }
+  int64_t keyframes() const { return keyframes_; }
+  int64_t lost_frames() const { return lost_frames_; }
+  int64_t skipped_frames() const { return skipped_frames_; }
+
+ private:
+  void Count(const FrameRecord& record, int sign);
+  void StoreStages(const FramePose& pose, FrameRecord& record);
+
+  std::map<int64_t, FrameRecord> frames_;
+  std::map<int64_t, TruthRecord> truth_;
+  std::vector<std::string> stage_names_;
+  std::optional<int64_t> n_frames_;
+  int64_t keyframes_ = 0;
+  int64_t lost_frames_ = 0;
+  int64_t skipped_frames_ = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,205 @@
+#include "viewer_headless/viewer_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/io/atomic_file.h"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/tracks_t.hpp"
+#include "viewer_headless/message_values.h"
+#include "viewer_headless/outputs.h"
+#include "viewer_headless/progress.h"
+
+namespace plslam {
+namespace {
+
+constexpr std::chrono::milliseconds kTick(250);
+// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing.
+constexpr int kQuietTicksAfterFinish = 4;
+constexpr int kQuietTicksAtMost = 60;
+constexpr size_t kRateTicks = 12;
+
+double Seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The rig without the header, which differs from message to message.
+std::vector<uint8_t> RigBytes(camera_t message) {
+  message.header = {};
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+}  // namespace
+
+ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
+    : process_(process),
+      options_(options),
+      overlays_(options.overlay_every),
+      on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
+  PrepareOutputFolder(options_.out);
+  if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
+  Subscribe();
+}
+
+ViewerNode::~ViewerNode() {
+  try {
+    if (dirty_) Write();
+    ShowProgress(true);
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    process_.Finish(1);
+  }
+}
+
+void ViewerNode::Subscribe() {
+  bus::Bus& bus = process_.bus();
+  bus.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
+  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { OnPose(m); });
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
+  bus.Subscribe<ground_truth_t>(bus::kGroundTruth, [this](const ground_truth_t& m) {
+    if (!recorder_.AddTruth(m.frame_id, {m.header.t_ns, ToSe3(m.T_w_l)})) return Reject();
+    dirty_ = true;
+    quiet_ticks_ = 0;
+  });
+  if (options_.overlay_every > 0) {
+    bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) {
+      if (overlays_.Wants(m.frame_id)) DrawPicture(overlays_.AddFeatures(m.frame_id, ToOverlayFeatures(m)));
+    });
+    frames_ = std::make_unique<bus::FrameSubscriber>(
+        bus, bus::FrameSubscriber::Mode::kBestEffort, [this](const auto& frame) { OnFrame(frame); },
+        // Called on the receiving thread: looks at nothing that changes.
+        [every = options_.overlay_every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
+  }
+  bus.Every(kTick, [this] { OnTick(); });
+}
+
+void ViewerNode::OnCamera(const camera_t& message) {
+  std::vector<uint8_t> bytes = RigBytes(message);
+  if (bytes == camera_bytes_) return;
+  camera_bytes_ = std::move(bytes);
+  try {
+    rectifier_ = std::make_unique<Rectifier>(ToRig(message));
+    dirty_ = dirty_ || written_;
+  } catch (const std::exception& e) {
+    spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
+    Reject();
+  }
+}
+
+void ViewerNode::OnStream(const stream_t& message) {
+  if (message.event == "begin") {
+    if (written_) BeginAgain();
+    announced_frames_ = message.n_frames;
+  } else if (message.event == "end") {
+    recorder_.SetEnd(message.n_frames);
+    quiet_ticks_ = 0;
+  } else {
+    Reject();
+  }
+}
+
+void ViewerNode::BeginAgain() {
+  spdlog::info("a new stream begins: the files in {} will be about it", options_.out);
+  recorder_ = {};
+  written_ = dirty_ = vo_finished_ = false;
+  history_.clear();
+}
+
+void ViewerNode::OnPose(const pose_t& message) {
+  const FramePose pose = ToFramePose(message);
+  if (!recorder_.AddPose(pose)) return Reject();
+  if (recorder_.frames().size() == 1) process_.SetState("running");
+  dirty_ = true;
+  quiet_ticks_ = 0;
+  DrawPicture(overlays_.AddCaption(pose.frame_id, FrameCaption(pose)));
+}
+
+void ViewerNode::OnStatus(const status_t& message) {
+  if (message.process == "vo") vo_finished_ = message.state == "finished";
+}
+
+void ViewerNode::OnCommand(const command_t& message) {
+  const bool ours = message.target == process_.name() || message.target == "*";
+  if (!ours || message.verb != "finish") return;
+  if (dirty_) Write();
+  process_.Finish();
+}
+
+void ViewerNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
+  if (!rectifier_) return;
+  try {
+    DrawPicture(overlays_.AddImage(frame.images.frame_id, rectifier_->RectifyLeft(frame.images.left)));
+  } catch (const std::runtime_error& e) {
+    spdlog::warn("frame {}: {}", frame.images.frame_id, e.what());
+    Reject();
+  }
+}
+
+void ViewerNode::OnTick() {
+  ShowProgress(false);
+  // One quiet tick: the true poses of the last frames may come after their estimates.
+  if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
+    Write();
+    process_.SetState("finished");
+  }
+}
+
+bool ViewerNode::RunIsOver() const {
+  if (!recorder_.n_frames()) return false;
+  if (recorder_.IsComplete()) return true;
+  return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
+}
+
+void ViewerNode::Write() {
+  if (!rectifier_ && !recorder_.frames().empty()) {
+    spdlog::warn("no camera was announced: trajectories are those of the rectified camera");
+  }
+  WriteOutputs(options_.out, recorder_, rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity());
+  written_ = true;
+  dirty_ = false;
+}
+
+void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }
+
+void ViewerNode::DrawPicture(const std::optional<OverlayQueue::Ready>& ready) {
+  if (!ready) return;
+  std::vector<uchar> png;
+  cv::imencode(".png", DrawOverlay(ready->image, ready->features, ready->caption), png,
+               {cv::IMWRITE_PNG_COMPRESSION, 3});
+  WriteFileAtomically(fmt::format("{}/overlays/{:06}.png", options_.out, ready->frame_id),
+                      std::string(png.begin(), png.end()));
+}
+
+double ViewerNode::FramesPerSecond() {
+  history_.emplace_back(Seconds(), static_cast<int64_t>(recorder_.frames().size()));
+  if (history_.size() > kRateTicks) history_.pop_front();
+  const double seconds = history_.back().first - history_.front().first;
+  const int64_t frames = history_.back().second - history_.front().second;
+  return seconds > 0.0 ? static_cast<double>(frames) / seconds : 0.0;
+}
+
+void ViewerNode::ShowProgress(bool last) {
+  const bus::BusCounters counters = process_.bus().counters();
+  const double rate = FramesPerSecond();
+  process_.SetCounter("frames", static_cast<double>(recorder_.frames().size()));
+  process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
+  process_.SetCounter("frames.lost", static_cast<double>(recorder_.lost_frames()));
+  if (!on_terminal_) return;
+  const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
+  // Over the line before, and clear what is left of it.
+  fmt::print("\r{}\x1b[K{}", line, last ? "\n" : "");
+  std::fflush(stdout);
+}
+
+}  // namespace plslam

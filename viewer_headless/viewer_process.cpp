@@ -1,0 +1,40 @@
+#include "viewer_headless/viewer_process.h"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "viewer_headless/viewer_node.h"
+
+namespace plslam {
+
+bus::ProcessSpec ViewerProcess() {
+  struct Arguments {
+    std::optional<std::string> out;
+    std::optional<int64_t> overlay_every;
+    bool quiet = false;
+  };
+  const auto arguments = std::make_shared<Arguments>();
+  bus::ProcessSpec spec;
+  spec.name = "viewer";
+  spec.description = "Listens to a run; writes trajectories, tables and pictures. Never needed by the others.";
+  spec.add_options = [arguments](CLI::App* app) {
+    app->add_option("--out", arguments->out, "folder for the files")->type_name("DIR");
+    app->add_option("--overlay-every", arguments->overlay_every, "a picture of the features every N frames; 0: none")
+        ->check(CLI::NonNegativeNumber);
+    app->add_flag("--quiet", arguments->quiet, "no progress line");
+  };
+  spec.make_node = [arguments](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
+    ViewerOptions options;
+    config.Read("viewer", options);
+    if (arguments->out) options.out = *arguments->out;
+    if (arguments->overlay_every) options.overlay_every = *arguments->overlay_every;
+    options.quiet = options.quiet || arguments->quiet;
+    process.SetConfiguration(ToYaml("viewer", options));
+    return std::make_shared<ViewerNode>(process, options);
+  };
+  return spec;
+}
+
+}  // namespace plslam

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "core/bus/process.h"
+
+namespace plslam {
+
+/// The process: options on the command line over those of the configuration.
+bus::ProcessSpec ViewerProcess();
+
+}  // namespace plslam

@@ -1,0 +1,77 @@
+#include "tests/unit/lines/rendered_edges.h"
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include <Eigen/Geometry>
+
+#include <opencv2/core.hpp>
+
+namespace plslam::test {
+namespace {
+
+constexpr int kSub = 8;
+
+cv::Mat Render(cv::Size size, const std::function<double(const Eigen::Vector2d&)>& grey) {
+  cv::Mat image(size, CV_8UC1);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      double sum = 0.0;
+      for (int i = 0; i < kSub * kSub; ++i) {
+        const Eigen::Vector2d inside((i % kSub + 0.5) / kSub - 0.5, (i / kSub + 0.5) / kSub - 0.5);
+        sum += grey(Eigen::Vector2d(x, y) + inside);
+      }
+      image.at<uint8_t>(y, x) = cv::saturate_cast<uint8_t>(std::lround(sum / (1.0 * kSub * kSub)));
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+cv::Mat RenderBars(cv::Size size, double ground, const std::vector<Bar>& bars) {
+  return Render(size, [&](const Eigen::Vector2d& at) {
+    for (const Bar& bar : bars) {
+      const Eigen::Vector2d step = bar.axis.q - bar.axis.p;
+      const double length = step.norm();
+      const Eigen::Vector2d d = step / length;
+      const double along = d.dot(at - bar.axis.p);
+      const double across = d.x() * (at - bar.axis.p).y() - d.y() * (at - bar.axis.p).x();
+      if (along >= 0.0 && along <= length && std::abs(across) <= 0.5 * bar.width_px) return bar.grey;
+    }
+    return ground;
+  });
+}
+
+cv::Mat RenderEdge(cv::Size size, const Segment2& edge, double dark, double bright) {
+  const Eigen::Vector3d line = LineThrough(edge);
+  return Render(size, [&](const Eigen::Vector2d& at) { return line.dot(at.homogeneous()) > 0.0 ? bright : dark; });
+}
+
+void AddNoise(cv::Mat& image, double sigma, uint32_t seed) {
+  std::mt19937 random(seed);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      double sum = -6.0;
+      for (int i = 0; i < 12; ++i) sum += static_cast<double>(random()) / 4294967296.0;
+      uint8_t& v = image.at<uint8_t>(y, x);
+      v = cv::saturate_cast<uint8_t>(std::lround(v + sigma * sum));
+    }
+  }
+}
+
+cv::Mat NoiseImage(cv::Size size, double mean, double sigma, uint32_t seed) {
+  cv::Mat image(size, CV_8UC1, cv::Scalar(mean));
+  AddNoise(image, sigma, seed);
+  return image;
+}
+
+Segment2 TurnedSegment(cv::Size size, double angle_rad, double length_px, double offset_px) {
+  const Eigen::Vector2d middle(0.5 * size.width, 0.5 * size.height);
+  const Eigen::Vector2d d(std::cos(angle_rad), std::sin(angle_rad));
+  const Eigen::Vector2d normal(-d.y(), d.x());
+  return {middle + offset_px * normal - 0.5 * length_px * d, middle + offset_px * normal + 0.5 * length_px * d};
+}
+
+}  // namespace plslam::test

@@ -6,7 +6,7 @@
 namespace plslam::synthetic {
 namespace {
 
-constexpr double kFiner = 2.0;  // pixels of the ideal image for one of the recorded one
+constexpr double kFiner = 1.5;  // pixels of the ideal image for one of the recorded one, along each side
 
 struct Point {
   double x = 0.0;

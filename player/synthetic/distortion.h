@@ -29,7 +29,7 @@ class Lens {
   const std::array<double, 4>& distortion() const { return k_; }
   bool is_distorted() const { return !map_.empty(); }
 
-  /// The recorded image from the ideal one: bilinear, from a picture rendered at half the pixel pitch.
+  /// The recorded image from the ideal one: the mean of four bilinear fetches from a picture of finer pixels.
   std::vector<float> Apply(const std::vector<float>& ideal) const;
 
  private:

@@ -1,4 +1,4 @@
-#include <array>
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -33,7 +33,8 @@ std::vector<double> Numbers(const Line& line, const std::string& text) {
     double value = 0.0;
     const auto [stop, error] = std::from_chars(at, end, value);
     if (error != std::errc() || !std::isfinite(value)) {
-      line.Fail(std::string(at, std::min<size_t>(end - at, 20)) + " is not a finite number");
+      const char* token_end = std::find_if(at, end, [](char c) { return c == ' ' || c == '\t'; });
+      line.Fail(std::string(at, std::min<size_t>(token_end - at, 20)) + " is not a finite number");
     }
     numbers.push_back(value);
     at = stop;

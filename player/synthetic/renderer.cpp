@@ -144,29 +144,37 @@ class Renderer {
 
   void Enter(int surface, double x, double y, bool whole, Winners& winners) const {
     const ScreenQuad& quad = quads_[surface];
-    Samples inside;
-    inside.fill(1.0F);
+    Samples least;  // distance inside, over the borders that cross the pixel
+    least.fill(1.0F);
     for (int i = 0; i < 4 && !whole; ++i) {
-      const double centre = quad.border[i].At(x, y);
-      if (centre >= quad.border_half[i]) {
-        continue;
-      }
-      const auto c = static_cast<float>(centre);
-      const auto a = static_cast<float>(quad.border[i].a);
-      const auto b = static_cast<float>(quad.border[i].b);
-      for (int k = 0; k < kSamples; ++k) {
-        inside[k] = c + a * kPattern.dx[k] + b * kPattern.dy[k] >= 0.0F ? inside[k] : 0.0F;
+      const Linear& border = quad.border[i];
+      const double centre = border.At(x, y);
+      if (centre < quad.border_half[i]) {
+        const Samples distance = AtSamples(border, centre);
+        for (int k = 0; k < kSamples; ++k) {
+          least[k] = std::min(least[k], distance[k]);
+        }
       }
     }
-    const auto c = static_cast<float>(quad.inverse_depth.At(x, y));
-    const auto a = static_cast<float>(quad.inverse_depth.a);
-    const auto b = static_cast<float>(quad.inverse_depth.b);
+    const Samples depth = AtSamples(quad.inverse_depth, quad.inverse_depth.At(x, y));
     for (int k = 0; k < kSamples; ++k) {
-      const float here = inside[k] * (c + a * kPattern.dx[k] + b * kPattern.dy[k]);
-      const bool nearer = here > winners.inverse_depth[k];
-      winners.inverse_depth[k] = nearer ? here : winners.inverse_depth[k];
-      winners.surface[k] = nearer ? surface : winners.surface[k];
+      const float here = least[k] >= 0.0F ? depth[k] : 0.0F;
+      const float so_far = winners.inverse_depth[k];
+      const int winner = winners.surface[k];
+      winners.inverse_depth[k] = std::max(here, so_far);
+      winners.surface[k] = here > so_far ? surface : winner;
     }
+  }
+
+  static Samples AtSamples(const Linear& function, double centre) {
+    const auto c = static_cast<float>(centre);
+    const auto a = static_cast<float>(function.a);
+    const auto b = static_cast<float>(function.b);
+    Samples values;
+    for (int k = 0; k < kSamples; ++k) {
+      values[k] = c + a * kPattern.dx[k] + b * kPattern.dy[k];
+    }
+    return values;
   }
 
   float Split(int pixel, int x, int y) const {

@@ -8,7 +8,10 @@ namespace {
 
 // Fixed point of the stored values: 8 bits before the point, 8 behind.
 constexpr float kScale = 256.0F;
+// A footprint longer than this many times its width is taken as wider.
 constexpr float kMaxAnisotropy = 4.0F;
+// Share of a level, on either side, over which it is used alone; the next one is blended in between.
+constexpr float kPureShare = 0.2F;
 
 /// Piecewise linear approximation of log2, exact at powers of two: exponent plus fraction of a float.
 float FastLog2(float x) {
@@ -75,18 +78,22 @@ float Texture::Bilinear(const Level& level, float u, float v, float scale) const
 }
 
 float Texture::Trilinear(float u, float v, float level) const {
-  if (level <= 0.0F) {
+  if (level <= kPureShare) {
     return Bilinear(levels_[0], u, v, 1.0F);
   }
   const int last = static_cast<int>(levels_.size()) - 1;
   const int fine = std::min(static_cast<int>(level), last);
   const float scale = 1.0F / static_cast<float>(1U << fine);
-  const float a = Bilinear(levels_[fine], u, v, scale);
-  if (fine == last) {
-    return a;
+  const float share = (level - static_cast<float>(fine) - kPureShare) * (1.0F / (1.0F - 2.0F * kPureShare));
+  if (share <= 0.0F || fine == last) {
+    return Bilinear(levels_[fine], u, v, scale);
   }
-  const float b = Bilinear(levels_[fine + 1], u, v, 0.5F * scale);
-  return a + (level - static_cast<float>(fine)) * (b - a);
+  const float coarse = Bilinear(levels_[fine + 1], u, v, 0.5F * scale);
+  if (share >= 1.0F) {
+    return coarse;
+  }
+  const float a = Bilinear(levels_[fine], u, v, scale);
+  return a + share * (coarse - a);
 }
 
 float Texture::Sample(float u, float v, const Footprint& fp) const {
@@ -97,23 +104,15 @@ float Texture::Sample(float u, float v, const Footprint& fp) const {
   if (major <= 1.0F) {
     return Bilinear(levels_[0], u, v, 1.0F);
   }
-  const float minor = std::max(x_is_major ? along_y : along_x, major / (kMaxAnisotropy * kMaxAnisotropy));
-  const float level = 0.5F * FastLog2(std::max(minor, 1e-6F));
-  const float ratio = major / std::max(minor, 1.0F);  // squared
-  if (ratio < 2.25F) {
-    return Trilinear(u, v, level);
+  // Squares of lengths throughout. One tap is as wide as the geometric mean of its two axes.
+  const float minor = std::max(x_is_major ? along_y : along_x, major * (1.0F / (kMaxAnisotropy * kMaxAnisotropy)));
+  if (major < 4.0F * minor) {
+    return Trilinear(u, v, 0.25F * FastLog2(major * minor));
   }
-  const float du = x_is_major ? fp.du_dx : fp.du_dy;
-  const float dv = x_is_major ? fp.dv_dx : fp.dv_dy;
-  if (ratio < 6.25F) {
-    return 0.5F *
-           (Trilinear(u - 0.25F * du, v - 0.25F * dv, level) + Trilinear(u + 0.25F * du, v + 0.25F * dv, level));
-  }
-  const float near =
-      Trilinear(u - 0.125F * du, v - 0.125F * dv, level) + Trilinear(u + 0.125F * du, v + 0.125F * dv, level);
-  const float far =
-      Trilinear(u - 0.375F * du, v - 0.375F * dv, level) + Trilinear(u + 0.375F * du, v + 0.375F * dv, level);
-  return 0.25F * (near + far);
+  const float level = 0.25F * FastLog2(0.25F * major * minor);
+  const float du = 0.25F * (x_is_major ? fp.du_dx : fp.du_dy);
+  const float dv = 0.25F * (x_is_major ? fp.dv_dx : fp.dv_dy);
+  return 0.5F * (Trilinear(u - du, v - dv, level) + Trilinear(u + du, v + dv, level));
 }
 
 }  // namespace plslam::synthetic

@@ -10,7 +10,9 @@
 namespace plslam::synthetic {
 namespace {
 
-constexpr float kWhite = 200.0F;
+constexpr float kWhite = 172.0F;
+constexpr float kFloorTint = -26.0F;
+constexpr float kCeilingTint = 18.0F;
 constexpr double kFade =
     0.22;  // share of a line's length over which it fades at each end, so that it has no end point
 
@@ -34,7 +36,7 @@ class WhiteFace {
 
   /// A stripe between two points of the face, metres from its top left corner.
   void Stripe(std::array<double, 2> a, std::array<double, 2> b, double half_width_m, double contrast) {
-    const double softness = std::max(3.0, 0.014 * scale_);
+    const double softness = std::max(2.5, 0.010 * scale_);
     canvas_.SoftStripe({a[0] * scale_, a[1] * scale_}, {b[0] * scale_, b[1] * scale_}, half_width_m * scale_,
                        softness, kFade, static_cast<float>(contrast));
     const double dx = b[0] - a[0];
@@ -83,7 +85,7 @@ class WhiteFace {
 };
 
 double Contrast(Random& random) {
-  return random.Chance(0.6) ? -random.Uniform(38.0, 55.0) : random.Uniform(30.0, 42.0);
+  return random.Chance(0.6) ? -random.Uniform(30.0, 42.0) : random.Uniform(26.0, 36.0);
 }
 
 /// Verticals and slanted stripes side by side, none of which crosses another; a rail below the ceiling and one above the
@@ -102,8 +104,8 @@ void PaintWall(WhiteFace& wall) {
     wall.Stripe({x, low}, {x + lean, high}, random.Uniform(0.03, 0.07), Contrast(random));
     x += lean;
   }
-  wall.Stripe({0.3, 0.07}, {wall.width_m() - 0.3, 0.07}, 0.03, -40.0);
-  wall.Stripe({0.3, height - 0.07}, {wall.width_m() - 0.3, height - 0.07}, 0.03, -45.0);
+  wall.Stripe({0.3, 0.07}, {wall.width_m() - 0.3, 0.07}, 0.03, -30.0);
+  wall.Stripe({0.3, height - 0.07}, {wall.width_m() - 0.3, height - 0.07}, 0.03, -32.0);
 }
 
 /// Slanted stripes side by side: roof beams, or joints of a floor covering.
@@ -117,12 +119,21 @@ void PaintSlanted(WhiteFace& face, double slant, double pitch) {
   }
 }
 
-Material FadingBar(WorldBuilder& builder, float contrast) {
-  Canvas canvas(8, 256, kWhite);
+/// Greys of a bar at its top and bottom, where it goes into ceiling and floor, and in between.
+struct BarGreys {
+  float top = 0.0F;
+  float middle = 0.0F;
+  float bottom = 0.0F;
+};
+
+/// A bar that fades into what it ends on.
+Material FadingBar(WorldBuilder& builder, const BarGreys& greys) {
+  Canvas canvas(8, 256, greys.middle);
   for (int y = 0; y < canvas.height(); ++y) {
     const double along = (y + 0.5) / canvas.height();
-    const auto grey =
-        static_cast<float>(kWhite + contrast * Smoothstep(along / kFade) * Smoothstep((1.0 - along) / kFade));
+    const auto to_top = static_cast<float>(1.0 - Smoothstep(along / kFade));
+    const auto to_bottom = static_cast<float>(1.0 - Smoothstep((1.0 - along) / kFade));
+    const float grey = greys.middle + to_top * (greys.top - greys.middle) + to_bottom * (greys.bottom - greys.middle);
     for (int x = 0; x < canvas.width(); ++x) {
       canvas.At(x, y) = grey;
     }
@@ -130,10 +141,14 @@ Material FadingBar(WorldBuilder& builder, float contrast) {
   return builder.Fitted(canvas.ToTexture(Texture::Border::kClamp));
 }
 
-/// Real bars off the walls: slanted rails along all walls, struts across the corners, columns.
+/// Real bars off the walls: slanted rails and columns along all walls, struts across the corners.
 void AddBars(const Hall& hall, WorldBuilder& builder) {
-  const Material dark = FadingBar(builder, -60.0F);
-  const Material light = FadingBar(builder, -30.0F);
+  const float top = kWhite + kCeilingTint;
+  const float bottom = kWhite + kFloorTint;
+  const Material dark = FadingBar(builder, {top, kWhite - 38.0F, bottom});
+  const Material light = FadingBar(builder, {top, kWhite - 22.0F, bottom});
+  const Material strut = FadingBar(builder, {kWhite, kWhite - 38.0F, kWhite});
+  const Material strut_light = FadingBar(builder, {kWhite, kWhite - 22.0F, kWhite});
   for (const Face& wall : hall.Walls()) {
     const double length = wall.right.norm();
     const double height = wall.down.norm();
@@ -145,7 +160,7 @@ void AddBars(const Hall& hall, WorldBuilder& builder) {
     builder.AddBeam(at(0.10 * length, height, 0.30), at(0.42 * length, 0.0, 0.30), 0.06, dark, light);
     builder.AddBeam(at(0.90 * length, height, 0.22), at(0.62 * length, 0.0, 0.22), 0.06, dark, light);
     builder.AddBeam(at(0.52 * length, height, 0.35), at(0.52 * length, 0.0, 0.35), 0.09, light, dark);
-    builder.AddBeam(at(0.0, 0.35, 0.9), at(0.12 * length, 0.0, 0.0), 0.07, dark, light);
+    builder.AddBeam(at(0.0, 0.35, 0.9), at(0.12 * length, 0.0, 0.0), 0.07, strut, strut_light);
   }
 }
 
@@ -162,17 +177,17 @@ World BuildWhitewall(const WorldRequest& request) {
   const Hall hall = HallFor(request.path, request.from_file, {8.0, 6.0, 3.0}, {2.5, 2.5, 1.5});
   WorldBuilder builder(Lighting{}, request.path, 0.55);
   const uint64_t seed = Hash(request.seed, 0x7768697465ULL);
-  constexpr std::array<float, 4> kTints = {10.0F, -16.0F, 14.0F, -10.0F};
+  constexpr std::array<float, 4> kTints = {8.0F, -12.0F, 10.0F, -8.0F};
   const std::array<Face, 4> walls = hall.Walls();
   for (int i = 0; i < 4; ++i) {
     WhiteFace wall(walls[i], seed + i, kTints[i]);
     PaintWall(wall);
     wall.AddTo(builder);
   }
-  WhiteFace floor(hall.Floor(), seed + 4, -40.0F);
+  WhiteFace floor(hall.Floor(), seed + 4, kFloorTint);
   PaintSlanted(floor, 1.6, 0.75);
   floor.AddTo(builder);
-  WhiteFace ceiling(hall.Ceiling(), seed + 5, 32.0F);
+  WhiteFace ceiling(hall.Ceiling(), seed + 5, kCeilingTint);
   PaintSlanted(ceiling, -2.2, 0.8);
   ceiling.AddTo(builder);
   AddBars(hall, builder);

@@ -1,0 +1,74 @@
+#include "player/synthetic/options.h"
+
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/io/dataset.h"
+#include "player/synthetic/synthetic_dataset.h"
+
+namespace plslam::synthetic {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string ErrorOf(const std::string& description) {
+  try {
+    ParseOptions(description);
+  } catch (const DatasetError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(SyntheticOptions, AllAreRead) {
+  const Options o = ParseOptions(
+      "street?seed=3&frames=30&loops=2&size=320x200&noise=1.5&blur=0.5&exposure=0&baseline=0.2&fov=90&rate=10&speed="
+      "2&"
+      "distorted=1&trajectory=a/b.txt");
+  EXPECT_EQ(o.world, "street");
+  EXPECT_EQ(o.seed, 3u);
+  EXPECT_EQ(o.frames, 30);
+  EXPECT_EQ(o.loops, 2);
+  EXPECT_EQ(o.width_px, 320);
+  EXPECT_EQ(o.height_px, 200);
+  EXPECT_EQ(o.noise, 1.5);
+  EXPECT_EQ(o.blur, 0.5);
+  EXPECT_EQ(o.exposure, 0.0);
+  EXPECT_EQ(o.baseline_m, 0.2);
+  EXPECT_EQ(o.fov_deg, 90.0);
+  EXPECT_EQ(o.rate_hz, 10.0);
+  EXPECT_EQ(o.speed, 2.0);
+  EXPECT_TRUE(o.distorted);
+  EXPECT_EQ(o.trajectory, "a/b.txt");
+}
+
+TEST(SyntheticOptions, UnknownWorldNamesTheNearest) {
+  EXPECT_THAT(ErrorOf("rom"), AllOf(HasSubstr("'rom'"), HasSubstr("nearest is 'room'"), HasSubstr("whitewall")));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("unknown world"));
+}
+
+TEST(SyntheticOptions, UnknownOptionNamesTheNearest) {
+  EXPECT_THAT(ErrorOf("room?sed=3"), AllOf(HasSubstr("'sed'"), HasSubstr("nearest is 'seed'")));
+  EXPECT_THAT(ErrorOf("room?&"), HasSubstr("unknown option"));
+}
+
+TEST(SyntheticOptions, BadValuesNameTheirBounds) {
+  for (const char* bad : {"frames=0", "frames=1.5", "frames=x", "noise=-1", "noise=nan", "fov=180", "seed=-1",
+                          "blur=2", "rate=0", "speed=1e9", "distorted=2", "loops=1000000", "baseline=inf"}) {
+    EXPECT_THAT(ErrorOf(std::string("room?") + bad), AllOf(HasSubstr(bad[0] == 'f' ? "f" : ""), HasSubstr(" from ")))
+        << bad;
+  }
+  for (const char* bad : {"size=752", "size=752x", "size=x480", "size=1x1", "size=99999x480", "size=752x480x3"}) {
+    EXPECT_THAT(ErrorOf(std::string("room?") + bad), HasSubstr("WIDTHxHEIGHT")) << bad;
+  }
+  EXPECT_THAT(ErrorOf("room?seed="), HasSubstr("has no value"));
+  EXPECT_THAT(ErrorOf("room?seed"), HasSubstr("has no value"));
+}
+
+TEST(SyntheticOptions, OpeningReportsTheSameError) { EXPECT_THROW(OpenSyntheticDataset("nowhere"), DatasetError); }
+
+}  // namespace
+}  // namespace plslam::synthetic

@@ -31,6 +31,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   if (yaml.Has("model")) camera.model = yaml.Text("model");
+  yaml.Require("model", ModelComplaint(camera));
   const std::vector<double> focal = yaml.Numbers("focal_length_px", 2, 2);
   const std::vector<double> centre = yaml.Numbers("principal_point_px", 2, 2);
   camera.fx_px = focal[0];

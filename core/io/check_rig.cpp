@@ -54,10 +54,14 @@ std::string CentreComplaint(const CameraCalibration& camera) {
                   OneCentreComplaint(camera.cy_px, camera.height_px, "cy")});
 }
 
-std::string DistortionComplaint(const CameraCalibration& camera) {
-  const size_t n = camera.distortion.size();
+std::string ModelComplaint(const CameraCalibration& camera) {
   const bool known = camera.model == "pinhole" || camera.model == "radtan" || camera.model == "equidistant";
   if (!known) return fmt::format("model '{}' is none of pinhole, radtan, equidistant", camera.model);
+  return "";
+}
+
+std::string DistortionComplaint(const CameraCalibration& camera) {
+  const size_t n = camera.distortion.size();
   if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, {} are given", n);
   if (camera.model == "radtan" && n != 4 && n != 5)
     return fmt::format("model radtan has 4 or 5 distortions, not {}", n);
@@ -74,8 +78,8 @@ namespace {
 
 std::string CameraComplaint(const CameraCalibration& camera, const char* side) {
   const std::string complaint =
-      FirstOf({SizeComplaint(camera), FocalComplaint(camera), CentreComplaint(camera), DistortionComplaint(camera),
-               camera.T_b_cam.IsFinite() ? "" : "the pose is not finite"});
+      FirstOf({SizeComplaint(camera), FocalComplaint(camera), CentreComplaint(camera), ModelComplaint(camera),
+               DistortionComplaint(camera), camera.T_b_cam.IsFinite() ? "" : "the pose is not finite"});
   return complaint.empty() ? "" : fmt::format("{} camera: {}", side, complaint);
 }
 

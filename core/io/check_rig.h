@@ -12,10 +12,11 @@ namespace plslam {
 /// one, looking the same way (within 45 degrees).
 std::string RigComplaint(const RigCalibration& rig);
 
-/// Parts of it for one camera: image size, focal lengths, principal point (needs the size), distortion.
+/// Parts of it for one camera: image size, focal lengths, principal point (needs the size), model, distortion.
 std::string SizeComplaint(const CameraCalibration& camera);
 std::string FocalComplaint(const CameraCalibration& camera);
 std::string CentreComplaint(const CameraCalibration& camera);
+std::string ModelComplaint(const CameraCalibration& camera);
 std::string DistortionComplaint(const CameraCalibration& camera);
 
 }  // namespace plslam

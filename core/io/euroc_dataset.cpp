@@ -93,7 +93,7 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   }
   NoteUnpaired("cam0", left.files.size() - list.entries.size(), &list.notes);
   NoteUnpaired("cam1", right.files.size() - list.entries.size(), &list.notes);
-  LearnImageSize(list.entries);  // an unreadable or unequal sequence is refused here, not at its first frame
+  list.image_size = LearnImageSize(list.entries);
   list.ground_truth = GroundTruth(mav, list.entries, list.rig.left.T_b_cam);
   return MakeImageListDataset(std::move(list), (mav / "cam1" / "sensor.yaml").string());
 }

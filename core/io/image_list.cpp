@@ -64,6 +64,11 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
   list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
   const std::string complaint = RigComplaint(list.rig);
   if (!complaint.empty()) throw DatasetError(calibration_path + ": " + complaint);
+  if (ImageSize{list.rig.left.width_px, list.rig.left.height_px} != list.image_size) {
+    throw DatasetError(fmt::format("{}: the cameras have {} x {} pixels, but the images {} x {} ({})",
+                                   calibration_path, list.rig.left.width_px, list.rig.left.height_px,
+                                   list.image_size.width_px, list.image_size.height_px, list.entries.front().left));
+  }
   return std::make_unique<ImageListDataset>(std::move(list));
 }
 

@@ -21,6 +21,7 @@ struct ImageList {
   };
   std::string name;
   RigCalibration rig;
+  ImageSize image_size;  ///< of the images themselves, by LearnImageSize
   std::vector<Entry> entries;
   /// Empty, or one for each entry.
   std::vector<std::optional<SE3>> ground_truth;
@@ -28,7 +29,8 @@ struct ImageList {
 };
 
 /// Sets the rate from the median distance in time. Throws DatasetError where the list is empty, the times do not
-/// increase (readers check that earlier, with the line), or the rig is not valid (CheckRig); `calibration_path` is named then.
+/// increase (readers check that earlier, with the line), the rig is not valid (RigComplaint) or of another size than the
+/// images; `calibration_path` is named then.
 std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string& calibration_path);
 
 /// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError where

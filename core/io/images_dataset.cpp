@@ -103,7 +103,8 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   list.entries = Pair(left, right);
-  list.rig = ReadCameraFile(camera_path, LearnImageSize(list.entries));
+  list.image_size = LearnImageSize(list.entries);
+  list.rig = ReadCameraFile(camera_path, list.image_size);
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
   list.ground_truth = GroundTruth(folder, list.entries);

@@ -12,10 +12,11 @@ std::optional<SE3> InterpolatePose(const Trajectory& trajectory, int64_t t_ns, i
   if (after == trajectory.begin()) return std::nullopt;
   const TrajectoryPose& a = *(after - 1);
   const TrajectoryPose& b = *after;
-  // In doubles, since hostile times may be further apart than 64 bits hold.
-  const double gap_ns = static_cast<double>(b.t_ns) - static_cast<double>(a.t_ns);
-  if (!(gap_ns <= static_cast<double>(max_gap_ns))) return std::nullopt;
-  const double share = static_cast<double>(t_ns - a.t_ns) / gap_ns;
+  // Differences first: times as doubles are good to some 100 ns only. Unsigned, since hostile times may be further apart
+  // than a signed number holds.
+  const uint64_t gap_ns = static_cast<uint64_t>(b.t_ns) - static_cast<uint64_t>(a.t_ns);
+  if (gap_ns > static_cast<uint64_t>(max_gap_ns)) return std::nullopt;
+  const double share = static_cast<double>(t_ns - a.t_ns) / static_cast<double>(gap_ns);
   const Eigen::Vector3d t = (1.0 - share) * a.T_a_b.translation() + share * b.T_a_b.translation();
   return SE3(a.T_a_b.rotation().slerp(share, b.T_a_b.rotation()), t);
 }

@@ -130,10 +130,10 @@ std::unique_ptr<Dataset> OpenKittiDataset(const std::string& folder) {
     list.entries.push_back({times_ns[i], (fs::path(ImageFolder(folder, left)) / name).string(),
                             (fs::path(ImageFolder(folder, left + 1)) / name).string(), ""});
   }
-  const ImageSize size = LearnImageSize(list.entries);
+  list.image_size = LearnImageSize(list.entries);
   for (CameraCalibration* camera : {&list.rig.left, &list.rig.right}) {
-    camera->width_px = size.width_px;
-    camera->height_px = size.height_px;
+    camera->width_px = list.image_size.width_px;
+    camera->height_px = list.image_size.height_px;
   }
   list.rig.name = "kitti";
   list.ground_truth = ReadPoses(PosesPath(folder), times_ns.size(), list.rig.left.T_b_cam);

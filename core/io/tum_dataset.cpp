@@ -134,7 +134,8 @@ std::unique_ptr<Dataset> OpenTumDataset(const std::string& folder) {
     PairByTime(folder, &list);
   }
   const std::string camera_path = (fs::path(folder) / "camera.yaml").string();
-  list.rig = ReadRig(folder, camera_path, LearnImageSize(list.entries));
+  list.image_size = LearnImageSize(list.entries);
+  list.rig = ReadRig(folder, camera_path, list.image_size);
   list.ground_truth = GroundTruth(folder, list.entries);
   return MakeImageListDataset(std::move(list), camera_path);
 }

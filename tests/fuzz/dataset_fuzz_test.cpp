@@ -1,0 +1,224 @@
+// Mutates tiny valid datasets: a reader must read what is left, or throw DatasetError, within a bound of memory.
+//
+// PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made from
+// its seed alone, which a failure names.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/io/euroc_dataset.h"
+#include "core/io/images_dataset.h"
+#include "core/io/kitti_dataset.h"
+#include "core/io/tum_dataset.h"
+#include "tests/fuzz/dataset_mutator.h"
+#include "tests/unit/io/dataset_folders.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// The tiny datasets need a few MB; the rest is room for an image that lies about its size, and for the decoders.
+constexpr int64_t kMemoryBound_mb = 256;
+
+double EnvironmentNumber(const char* name, double fallback) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? fallback : std::atof(text);
+}
+
+// What the process has mapped now, plus the bound, becomes its limit: larger allocations fail, and are seen.
+class MemoryBound {
+ public:
+  MemoryBound() {
+    getrlimit(RLIMIT_AS, &before_);
+#ifndef PLSLAM_SANITIZED  // shadow memory needs terabytes; __asan_default_options below bounds single allocations
+    int64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    rlimit bounded = before_;
+    bounded.rlim_cur = static_cast<rlim_t>(pages * sysconf(_SC_PAGESIZE) + (kMemoryBound_mb << 20));
+    setrlimit(RLIMIT_AS, &bounded);
+#endif
+  }
+  ~MemoryBound() { setrlimit(RLIMIT_AS, &before_); }
+  MemoryBound(const MemoryBound&) = delete;
+  MemoryBound& operator=(const MemoryBound&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+// The decoders of PNG and JPEG complain on stderr, a thousand times here.
+class QuietStderr {
+ public:
+  QuietStderr() : saved_(dup(STDERR_FILENO)) {
+#ifndef PLSLAM_SANITIZED  // whose reports come there too
+    const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
+    dup2(null, STDERR_FILENO);
+    close(null);
+#endif
+  }
+  ~QuietStderr() {
+    dup2(saved_, STDERR_FILENO);
+    close(saved_);
+  }
+  QuietStderr(const QuietStderr&) = delete;
+  QuietStderr& operator=(const QuietStderr&) = delete;
+
+ private:
+  int saved_;
+};
+
+struct Reader {
+  const char* name;
+  void (*make)(const fs::path& folder);
+  std::unique_ptr<Dataset> (*open)(const std::string& folder);
+};
+
+void MakeEurocJpeg(const fs::path& folder) { test::MakeEurocFolder(folder, ".jpg"); }
+void MakeEurocPng(const fs::path& folder) { test::MakeEurocFolder(folder, ".png"); }
+void MakeTum(const fs::path& folder) {
+  test::MakeTumFolder(folder, test::kTinyWidth_px, test::kTinyHeight_px);
+  test::WriteText(folder / "camera.yaml",
+                  "kind: rgbd\ndepth_units_per_m: 1000\nbaseline_m: 0.1\n"
+                  "left: {focal_length_px: [50, 50], principal_point_px: [24, 16]}\n");
+}
+void MakeAssociated(const fs::path& folder) {
+  MakeTum(folder);
+  test::WriteText(folder / "associations.txt",
+                  "1305031102.175304 rgb/1305031102.175304.png 1305031102.180000 depth/0.png\n"
+                  "1305031102.275304 rgb/1305031102.275304.png 1305031102.280000 depth/1.png\n");
+}
+
+constexpr Reader kReaders[] = {
+    {"kitti", test::MakeKittiFolder, OpenKittiDataset},    {"euroc, png", MakeEurocPng, OpenEurocDataset},
+    {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},       {"tum", MakeTum, OpenTumDataset},
+    {"tum, associations", MakeAssociated, OpenTumDataset}, {"images", test::MakeImagesFolder, OpenImagesDataset}};
+
+// What holds for every dataset that opens.
+void ReadEverything(const Dataset& dataset, int* n_read) {
+  ASSERT_GT(dataset.size(), 0);
+  for (int i = 0; i < dataset.size(); ++i) {
+    ASSERT_TRUE(i == 0 || dataset.t_ns(i) > dataset.t_ns(i - 1));
+    const std::optional<SE3> pose = dataset.GroundTruth(i);
+    ASSERT_TRUE(!pose || pose->IsFinite());
+    if (i >= 8) continue;
+    try {
+      const StereoImages images = dataset.Read(i);
+      ASSERT_EQ(images.left.size(), cv::Size(dataset.rig().left.width_px, dataset.rig().left.height_px));
+      ASSERT_EQ(images.right.size(), images.left.size());
+      ASSERT_EQ(images.left.type(), CV_8UC1);
+      ++*n_read;
+    } catch (const DatasetError&) {
+    }
+  }
+}
+
+class Fuzzer {
+ public:
+  explicit Fuzzer(const Reader& reader) : reader_(reader), folder_(temporary_.path() / "fuzz") {
+    reader.make(folder_);
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      if (entry.is_regular_file()) files_.emplace_back(entry.path());
+    }
+    std::sort(files_.begin(), files_.end());
+    for (const fs::path& file : files_) contents_.push_back(test::ReadText(file));
+  }
+
+  void RunCase(uint64_t seed) {
+    SCOPED_TRACE(fmt::format("{}: PLSLAM_FUZZ_SEED={}", reader_.name, seed));
+    test::DatasetMutator mutator(seed);
+    std::vector<size_t> changed;
+    for (int n = 1 + mutator.Below(3); n > 0; --n) changed.push_back(PickFile(mutator));
+    for (const size_t file : changed) Mutate(file, mutator);
+    Try();
+    for (const size_t file : changed) test::WriteText(files_[file], contents_[file]);
+  }
+
+  std::string Summary() const {
+    return fmt::format("{}: {} cases, {} opened, {} frames read", reader_.name, n_cases_, n_opened_, n_read_);
+  }
+
+ private:
+  // Lists and calibrations are fewer than images, and have more to get wrong.
+  size_t PickFile(test::DatasetMutator& mutator) const {
+    for (int attempt = 0;; ++attempt) {
+      const auto file = static_cast<size_t>(mutator.Below(static_cast<int>(files_.size())));
+      const std::string extension = files_[file].extension().string();
+      const bool is_text = extension == ".txt" || extension == ".csv" || extension == ".yaml";
+      if (is_text || attempt == 3) return file;
+    }
+  }
+
+  void Mutate(size_t file, test::DatasetMutator& mutator) {
+    if (mutator.Below(40) == 0) {
+      fs::remove(files_[file]);
+      return;
+    }
+    const auto other = static_cast<size_t>(mutator.Below(static_cast<int>(files_.size())));
+    test::WriteText(files_[file], mutator.Mutate(contents_[file], contents_[other]));
+  }
+
+  void Try() {
+    ++n_cases_;
+    try {
+      const auto dataset = reader_.open(folder_.string());
+      ++n_opened_;
+      ReadEverything(*dataset, &n_read_);
+    } catch (const DatasetError& error) {
+      EXPECT_LT(std::string(error.what()).size(), 6000U);
+    } catch (const std::exception& error) {
+      ADD_FAILURE() << "not a DatasetError: " << error.what();
+    }
+  }
+
+  const Reader& reader_;
+  test::TemporaryFolder temporary_;
+  fs::path folder_;
+  std::vector<fs::path> files_;
+  std::vector<std::string> contents_;
+  int n_cases_ = 0;
+  int n_opened_ = 0;
+  int n_read_ = 0;
+};
+
+class DatasetFuzz : public testing::TestWithParam<Reader> {};
+
+TEST_P(DatasetFuzz, MutatedFolders) {
+  const double seconds = EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 5.0) / std::size(kReaders);
+  const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+  Fuzzer fuzzer(GetParam());
+  const MemoryBound bound;
+  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
+  const QuietStderr quiet;
+  do {
+    fuzzer.RunCase(seed++);
+  } while (Clock::now() < end && !HasFailure());
+  fmt::print("{}\n", fuzzer.Summary());
+}
+
+std::string NameOf(const testing::TestParamInfo<Reader>& reader) {
+  std::string name = reader.param.name;
+  std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Readers, DatasetFuzz, testing::ValuesIn(kReaders), NameOf);
+
+}  // namespace
+}  // namespace plslam
+
+#ifdef PLSLAM_SANITIZED
+// A single allocation above this ends the run.
+extern "C" const char* __asan_default_options() { return "max_allocation_size_mb=256:allocator_may_return_null=0"; }
+#endif

@@ -1,0 +1,110 @@
+#include "core/io/image_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/unit/io/dataset_folders.h"
+#include "tests/unit/io/dataset_matchers.h"
+
+namespace plslam {
+namespace {
+
+using test::ErrorOf;
+using testing::HasSubstr;
+
+constexpr ImageSize kSize{300, 221};
+
+class ImageFile : public testing::Test {
+ protected:
+  std::string Write(const std::string& name, const cv::Mat& image) {
+    const std::string path = (folder_.path() / name).string();
+    cv::imwrite(path, image);
+    return path;
+  }
+  std::string WriteBytes(const std::string& name, const std::string& bytes) {
+    test::WriteText(folder_.path() / name, bytes);
+    return (folder_.path() / name).string();
+  }
+  test::TemporaryFolder folder_;
+};
+
+// Every 16-bit value, in a 256 x 256 image.
+cv::Mat AllValues() {
+  cv::Mat image(256, 256, CV_16UC1);
+  for (int i = 0; i < 65536; ++i) image.at<uint16_t>(i / 256, i % 256) = static_cast<uint16_t>(i);
+  return image;
+}
+
+TEST_F(ImageFile, SixteenBitGreyIsScaledAndRounded) {
+  for (const char* name : {"a.png", "a.pgm"}) {
+    const cv::Mat grey = ReadGreyImage(Write(name, AllValues()), {256, 256});
+    for (int i = 0; i < 65536; ++i) {
+      ASSERT_EQ(grey.at<uint8_t>(i / 256, i % 256), std::lround(i * 255.0 / 65535.0)) << name << " value " << i;
+    }
+    EXPECT_EQ(cv::norm(ReadDepthImage(Write(name, AllValues()), {256, 256}), AllValues(), cv::NORM_INF), 0.0) << name;
+  }
+}
+
+TEST_F(ImageFile, EveryFormatAndDepth) {
+  const cv::Scalar grey(90, 90, 90, 255);
+  for (const auto& [name, type] : {std::pair{"grey.png", CV_8UC1},
+                                   {"colour.png", CV_8UC3},
+                                   {"alpha.png", CV_8UC4},
+                                   {"grey.jpg", CV_8UC1},
+                                   {"colour.jpeg", CV_8UC3},
+                                   {"grey.pgm", CV_8UC1}}) {
+    const std::string path = Write(name, cv::Mat(221, 300, type, grey));
+    EXPECT_EQ(ReadImageSize(path), kSize) << name;
+    const cv::Mat image = ReadGreyImage(path, kSize);
+    EXPECT_EQ(image.type(), CV_8UC1) << name;
+    EXPECT_NEAR(cv::mean(image)[0], 90.0, 1.0) << name;
+  }
+  const std::string wide = Write("wide.png", cv::Mat(221, 300, CV_16UC3, cv::Scalar(25700, 25700, 25700)));
+  EXPECT_EQ(ReadGreyImage(wide, kSize).at<uint8_t>(0, 0), 100);
+}
+
+TEST_F(ImageFile, TruncatedAnywhereIsRefused) {
+  cv::Mat noise(24, 32, CV_8UC1);
+  cv::RNG rng(5);
+  rng.fill(noise, cv::RNG::UNIFORM, 0, 256);
+  for (const char* name : {"n.png", "n.jpg", "n.pgm"}) {
+    const std::string bytes = test::ReadText(Write(name, noise));
+    // All places in the header and at the end, some in between.
+    for (size_t n = 0; n < bytes.size(); n += n < 40 || n + 20 > bytes.size() ? 1 : 37) {
+      const std::string path = WriteBytes(name, bytes.substr(0, n));
+      EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {32, 24}); }), HasSubstr(path)) << n << " of " << bytes.size();
+    }
+  }
+}
+
+TEST_F(ImageFile, DamagedPixelsOfAPngAreRefused) {
+  std::string bytes = test::ReadText(Write("d.png", AllValues()));
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
+  const std::string path = WriteBytes("d.png", bytes);
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {256, 256}); }), HasSubstr("cannot be decoded"));
+}
+
+TEST_F(ImageFile, SizeIsCheckedBeforeDecoding) {
+  const std::string path = WriteBytes("huge.pgm", "P5 60000 60000 255\n");
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(path); }), HasSubstr("60000 x 60000 pixels"));
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(path, {60000, 60000}); }), HasSubstr("60000 x 60000 pixels"));
+  const std::string claims = WriteBytes("claims.pgm", "P5 8000 8000 255\n");
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(claims, {8000, 8000}); }), HasSubstr("truncated"));
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage(claims, kSize); }), HasSubstr("8000 x 8000 pixels where 300 x 221"));
+  const std::string none = WriteBytes("none.pgm", "P5 0 10 255\n");
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(none); }), HasSubstr("0 x 10"));
+}
+
+TEST_F(ImageFile, NoImageAtAll) {
+  EXPECT_THAT(ErrorOf([&] { ReadGreyImage("/nowhere/a.png", kSize); }),
+              HasSubstr("/nowhere/a.png: the image is missing"));
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(folder_.path().string()); }), HasSubstr("is not a file"));
+  const std::string text = WriteBytes("t.png", "not an image, but long enough to be one, honestly");
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(text); }), HasSubstr("is not a PNG, JPEG or binary PGM"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -34,9 +34,12 @@ void AddAll(const std::vector<Prepared>& observations, const std::vector<char>& 
     }
     const double squared = residual.r.squaredNorm();
     const double weight = PseudoHuberWeight(squared, delta);
-    const Eigen::Matrix<double, N, 6> weighted = weight * residual.J;
-    sum.H_data.noalias() += residual.J.transpose().lazyProduct(weighted);
-    sum.g.noalias() += weighted.transpose() * residual.r;
+    for (int row = 0; row < N; ++row) {
+      const Vector6d J = residual.J.row(row);
+      const Vector6d weighted = weight * J;
+      for (int column = 0; column < 6; ++column) sum.H_data.col(column) += J(column) * weighted;
+      sum.g += residual.r(row) * weighted;
+    }
     sum.cost += PseudoHuberLoss(squared, delta);
     sum.dimensions += residual.dimension;
     sum.squares += squared;

@@ -16,7 +16,7 @@ namespace plslam {
 template <int N>
 struct Residual {
   Eigen::Matrix<double, N, 1> r;
-  Eigen::Matrix<double, N, 6> J;
+  Eigen::Matrix<double, N, 6, Eigen::RowMajor> J;
   Eigen::Matrix<double, N, N> S;
   int dimension = 0;
 };
@@ -52,18 +52,19 @@ bool Whiten(Residual<N>& residual) {
     for (int k = 0; k < j; ++k) pivot -= S(j, k) * S(j, k);
     if (!(pivot > 0.0) || !std::isfinite(pivot)) return false;
     const double diagonal = std::sqrt(pivot);
+    const double inverse = 1.0 / diagonal;
     S(j, j) = diagonal;
     for (int i = j + 1; i < N; ++i) {
       double value = S(i, j);
       for (int k = 0; k < j; ++k) value -= S(i, k) * S(j, k);
-      S(i, j) = value / diagonal;
+      S(i, j) = value * inverse;
     }
     for (int k = 0; k < j; ++k) {
       residual.r(j) -= S(j, k) * residual.r(k);
       residual.J.row(j) -= S(j, k) * residual.J.row(k);
     }
-    residual.r(j) /= diagonal;
-    residual.J.row(j) /= diagonal;
+    residual.r(j) *= inverse;
+    residual.J.row(j) *= inverse;
   }
   return residual.r.allFinite() && residual.J.allFinite();
 }

@@ -20,6 +20,7 @@ std::vector<PointGrid::Entry> MakeEntries(const Points& points, const GetPoint& 
   entries.reserve(points.size());
   for (size_t i = 0; i < points.size(); ++i) {
     const PointFeature& f = get(points[i]);
+    if (!f.px.allFinite()) continue;
     entries.push_back({f.px, f.angle_rad, f.octave, static_cast<int>(i), f.descriptor});
   }
   return entries;
@@ -43,7 +44,7 @@ struct BestTwo {
 
   bool Accepted(const MatchOptions& options) const {
     if (best_index < 0 || best_distance > options.max_distance) return false;
-    return options.ratio >= 1.0 || second_distance == kTooFar || best_distance <= options.ratio * second_distance;
+    return options.ratio >= 1.0 || second_distance == kTooFar || best_distance < options.ratio * second_distance;
   }
 };
 
@@ -94,14 +95,15 @@ void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, in
 }  // namespace
 
 PointGrid::PointGrid(const std::vector<PointFeature>& points) {
-  Build(MakeEntries(points, [](const PointFeature& f) -> const PointFeature& { return f; }));
+  Build(MakeEntries(points, [](const PointFeature& f) -> const PointFeature& { return f; }), points.size());
 }
 
 PointGrid::PointGrid(const std::vector<StereoPoint>& points) {
-  Build(MakeEntries(points, [](const StereoPoint& p) -> const PointFeature& { return p.left; }));
+  Build(MakeEntries(points, [](const StereoPoint& p) -> const PointFeature& { return p.left; }), points.size());
 }
 
-void PointGrid::Build(std::vector<Entry> entries) {
+void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
+  size_ = static_cast<int>(size);
   if (entries.empty()) return;
   Eigen::Vector2d last_px = entries.front().px;
   origin_px_ = last_px;

@@ -9,7 +9,8 @@
 
 namespace plslam {
 
-/// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away.
+/// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away. Points that
+/// are not finite are left out.
 class PointGrid {
  public:
   /// A point as matching sees it; `index` is its place in the vector that the grid was made from.
@@ -25,7 +26,8 @@ class PointGrid {
   explicit PointGrid(const std::vector<PointFeature>& points);
   explicit PointGrid(const std::vector<StereoPoint>& points);
 
-  int size() const { return static_cast<int>(entries_.size()); }
+  /// Number of points that the grid was made from.
+  int size() const { return size_; }
 
   /// Indices of the points within `radius_px` (Euclidean) of `center_px`, ascending. A centre that is not finite has
   /// none.
@@ -49,10 +51,11 @@ class PointGrid {
   struct Cells {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
   };
-  void Build(std::vector<Entry> entries);
+  void Build(const std::vector<Entry>& entries, size_t size);
   Cells CellsAround(const Eigen::Vector2d& center_px, double radius_px) const;
 
   Eigen::Vector2d origin_px_ = Eigen::Vector2d::Zero();
+  int size_ = 0;
   int columns_ = 0;
   int rows_ = 0;
   std::vector<int> cell_begin_;
@@ -72,7 +75,7 @@ struct PointQuery {
 /// For each query the index of its match in the vector that the grid was made from, or -1.
 ///
 /// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is at
-/// most `max_distance`, clearly below the second best (`ratio`), if no other query is nearer to that point (mutual
+/// most `max_distance`, below `ratio` times the second best, if no other query is nearer to that point (mutual
 /// best; equal distances: the lower query), and, with `check_rotation`, if its turn agrees with most of the others.
 std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
                                          const MatchOptions& options);

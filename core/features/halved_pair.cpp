@@ -1,5 +1,6 @@
 #include "core/features/halved_pair.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include <opencv2/imgproc.hpp>
@@ -9,12 +10,12 @@ namespace {
 
 constexpr size_t kLevels = 3;
 
-/// Means of 2x2 pixels, rounded; an odd last row or column is dropped.
+/// Every second pixel after a 5x5 Gaussian. (Means of 2x2 keep frequencies that interpolation turns into bias: 0.3 pixels
+/// of a level on hard edges.)
 cv::Mat Halved(const cv::Mat& image) {
-  const cv::Size half(image.cols / 2, image.rows / 2);
   cv::Mat halved;
-  if (half.area() == 0) return halved;
-  cv::resize(image(cv::Rect(0, 0, 2 * half.width, 2 * half.height)), halved, half, 0.0, 0.0, cv::INTER_AREA);
+  if (std::min(image.cols, image.rows) < 2) return halved;
+  cv::pyrDown(image, halved, cv::Size(image.cols / 2, image.rows / 2));
   return halved;
 }
 

@@ -17,7 +17,8 @@ class HalvedPair {
     double size_px = 1.0;
 
     Eigen::Vector2d FromImage(const Eigen::Vector2d& px) const {
-      return ((px.array() + 0.5) / size_px - 0.5).matrix();
+      // Pixel i of a halved image is centred on pixel 2i.
+      return px / size_px;
     }
   };
 

@@ -91,6 +91,8 @@ class SplitMix {
   uint64_t state_;
 };
 
+int SquaredDistance(const BriefTest& t) { return (t.x0 - t.x1) * (t.x0 - t.x1) + (t.y0 - t.y1) * (t.y0 - t.y1); }
+
 BriefPattern MakePattern() {
   constexpr double kSigma_px = 31.0 / 5.0;               // G-II: variance of patch size^2 / 25
   constexpr int kMaxRadius_px = kOrbPatchRadius_px - 1;  // rounding of turned places may add one
@@ -110,7 +112,8 @@ BriefPattern MakePattern() {
     do {
       draw(test.x0, test.y0);
       draw(test.x1, test.y1);
-    } while (test.x0 == test.x1 && test.y0 == test.y1);
+      // Nearer ones could fall on one pixel when turned and rounded.
+    } while (SquaredDistance(test) < 4);
   }
   return pattern;
 }

@@ -15,6 +15,8 @@ constexpr int kPixels = kSide * kSide;
 constexpr int kMaxIterations = 8;
 constexpr double kConverged = 0.01;
 constexpr double kMaxTravel = 2.5;
+/// More means that most of the gradient is noise.
+constexpr double kMaxInflation = 3.0;
 /// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
 constexpr double kModelError = 0.05;
 /// Grey levels; quantisation and sensor noise hardly go below this.
@@ -116,6 +118,13 @@ Comparison Compare(const Template& t, const Patch& right) {
   return c;
 }
 
+/// Noise of the left patch adds to its gradients and makes them look more informative than they are: ratio of the
+/// apparent to the true energy. Half of the residual variance is the left patch's, and central differences halve it.
+double NoiseInflation(double gradient_energy, double noise) {
+  const double from_noise = 0.25 * noise * noise * kPixels;
+  return gradient_energy > from_noise ? gradient_energy / (gradient_energy - from_noise) : kMaxInflation;
+}
+
 }  // namespace
 
 std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px, double scale,
@@ -149,7 +158,10 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     shift -= step;
     if (!(std::abs(shift.x() + start) <= kMaxTravel)) return std::nullopt;
     if (step.cwiseAbs().maxCoeff() > kConverged) continue;
-    const double variance = c.noise * c.noise * hessian(1, 1) / determinant + kModelError * kModelError;
+    const double inflation = NoiseInflation(hessian(0, 0), c.noise);
+    if (!(inflation < kMaxInflation)) return std::nullopt;
+    const double variance =
+        c.noise * c.noise * hessian(1, 1) / determinant * inflation * inflation + kModelError * kModelError;
     return PatchAlignment{-shift.x() * size_px, std::sqrt(variance) * size_px, shift.y() * size_px, c.correlation,
                           c.gain};
   }

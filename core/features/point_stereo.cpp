@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kNone = 257;  // above any distance of 256 bits
 constexpr int kMaxOctavesApart = 1;
+/// Correlations that differ by less than this are equal: a repeated texture, up to rounding.
+constexpr double kTieMargin = 0.005;
 constexpr double kMinGain = 0.25;
 constexpr double kMaxGain = 4.0;
 
@@ -86,7 +88,7 @@ std::vector<Candidate> FindCandidates(const std::vector<StereoPoint>& left, cons
     Candidate& c = candidates[i];
     const bool accepted = c.index >= 0 && of_right[c.index].index == static_cast<int>(i) &&
                           c.distance <= options.point_max_descriptor_distance &&
-                          (c.second == kNone || c.distance <= options.point_max_ratio * c.second);
+                          (c.second == kNone || c.distance < options.point_max_ratio * c.second);
     if (!accepted) c.index = -1;
   }
   return candidates;
@@ -103,9 +105,9 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
                                            const PatchAligner& aligner, const StereoOptions& options) {
   const std::optional<RowMatch> place =
       search.Find(feature.px, feature.scale, options.min_disparity_px, options.max_disparity_px);
-  if (!place || 1.0 - place->correlation > options.point_direct_max_ratio * (1.0 - place->second_correlation)) {
-    return std::nullopt;
-  }
+  if (!place) return std::nullopt;
+  const double best = 1.0 - place->correlation + kTieMargin;
+  if (best > options.point_direct_max_ratio * (1.0 - place->second_correlation)) return std::nullopt;
   const std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
   if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
   return found;

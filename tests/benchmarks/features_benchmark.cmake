@@ -1,0 +1,3 @@
+plslam_benchmark(features_benchmark
+  SOURCES features_benchmark.cpp
+  LINK plslam_features opencv_imgcodecs)

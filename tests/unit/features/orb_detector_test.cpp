@@ -1,0 +1,105 @@
+#include "core/features/orb_detector.h"
+
+#include <algorithm>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/features/texture.h"
+
+namespace plslam {
+namespace {
+
+bool Less(const Corner& a, const Corner& b) { return a.y != b.y ? a.y < b.y : a.x < b.x; }
+
+std::vector<Corner> Sorted(std::vector<Corner> corners) {
+  std::sort(corners.begin(), corners.end(), Less);
+  return corners;
+}
+
+/// A dark square on grey: its corners score `contrast`.
+void DrawSquare(cv::Mat& image, int x, int y, int contrast) {
+  image(cv::Rect(x, y, 12, 12)).setTo(image.at<uint8_t>(0, 0) - contrast);
+}
+
+TEST(CornerDetector, WeakCornersOnlyWhereNoStrongOneIsInTheCell) {
+  cv::Mat image(200, 300, CV_8UC1, cv::Scalar(120));
+  DrawSquare(image, 40, 40, 60);
+  DrawSquare(image, 56, 40, 10);    // same cells as the strong one
+  DrawSquare(image, 200, 120, 10);  // alone
+  CornerDetector detector;
+  const std::vector<Corner> corners = detector.Detect(image, 20, 7, 3);
+  int strong = 0;
+  int weak_alone = 0;
+  for (const Corner& c : corners) {
+    if (c.response > 20) ++strong;
+    if (c.x > 190 && c.response <= 20) ++weak_alone;
+  }
+  EXPECT_GE(strong, 4);
+  EXPECT_GE(weak_alone, 4);
+  EXPECT_TRUE(detector.Detect(image, 100, 90, 3).empty());
+}
+
+TEST(CornerDetector, KeepsTheMargin) {
+  CornerDetector detector;
+  for (const Corner& c : detector.Detect(test::RandomImage(100, 80, 5), 20, 7, 16)) {
+    EXPECT_GE(c.x, 16);
+    EXPECT_GE(c.y, 16);
+    EXPECT_LT(c.x, 84);
+    EXPECT_LT(c.y, 64);
+  }
+  EXPECT_TRUE(detector.Detect(test::RandomImage(32, 32, 5), 20, 7, 16).empty());
+}
+
+TEST(CornerDetector, SubPixelStaysInThePixel) {
+  CornerDetector detector;
+  const cv::Mat image = test::RenderTexture(200, 150, {});
+  const std::vector<Corner> corners = detector.Detect(image, 10, 5, 3);
+  ASSERT_GT(corners.size(), 20U);
+  for (const Corner& c : corners) {
+    const Eigen::Vector2d px = detector.SubPixel(c);
+    EXPECT_LE((px - Eigen::Vector2d(c.x, c.y)).cwiseAbs().maxCoeff(), 0.5);
+  }
+}
+
+TEST(SpreadCorners, ResultDoesNotDependOnTheOrderOfItsInput) {
+  CornerDetector detector;
+  std::vector<Corner> corners = detector.Detect(test::RandomImage(300, 200, 6), 20, 7, 3);
+  ASSERT_GT(corners.size(), 500U);
+  const std::vector<Corner> kept = Sorted(SpreadCorners(corners, 100, 300, 200));
+  ASSERT_EQ(kept.size(), 100U);
+  std::shuffle(corners.begin(), corners.end(), std::mt19937(7));
+  const std::vector<Corner> again = Sorted(SpreadCorners(corners, 100, 300, 200));
+  for (size_t i = 0; i < kept.size(); ++i) {
+    EXPECT_EQ(kept[i].x, again[i].x);
+    EXPECT_EQ(kept[i].y, again[i].y);
+  }
+}
+
+TEST(SpreadCorners, AWeakRegionKeepsItsShareBesideAStrongOne) {
+  std::vector<Corner> corners;
+  for (int y = 0; y < 100; y += 4) {
+    for (int x = 0; x < 200; x += 4) corners.push_back({x, y, x < 100 ? 200 : 10});
+  }
+  const std::vector<Corner> kept = SpreadCorners(corners, 100, 200, 100);
+  ASSERT_EQ(kept.size(), 100U);
+  const auto weak = std::count_if(kept.begin(), kept.end(), [](const Corner& c) { return c.x >= 100; });
+  EXPECT_GE(weak, 35) << "of 100";
+}
+
+TEST(SpreadCorners, TakesTheBestOfACell) {
+  const std::vector<Corner> corners = {{5, 5, 10}, {6, 6, 30}, {7, 5, 20}, {60, 60, 5}};
+  const std::vector<Corner> kept = SpreadCorners(corners, 2, 100, 100);
+  ASSERT_EQ(kept.size(), 2U);
+  EXPECT_EQ(kept[0].response, 30);
+}
+
+TEST(SpreadCorners, QuotaOfZeroAndQuotaAboveTheCount) {
+  const std::vector<Corner> corners = {{5, 5, 10}, {60, 60, 5}};
+  EXPECT_TRUE(SpreadCorners(corners, 0, 100, 100).empty());
+  EXPECT_EQ(SpreadCorners(corners, 10, 100, 100).size(), 2U);
+  EXPECT_TRUE(SpreadCorners({}, 10, 100, 100).empty());
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+#include <opencv2/core/mat.hpp>
+
+namespace plslam::test {
+
+/// How a view of the texture differs from the plain one.
+struct View {
+  /// The view's pixel (x, y) shows the texture at (x + shift_x, y + shift_y): for a right image, the disparity.
+  double shift_x_px = 0.0;
+  double shift_y_px = 0.0;
+  double gain = 1.0;
+  double offset = 0.0;
+  double noise = 0.0;
+  uint64_t noise_seed = 1;
+};
+
+/// A smooth random texture without period (waves of many directions and lengths from 5 pixels up), defined on the plane,
+/// so that views with any sub-pixel shift are exact. `softness` lengthens the shortest wave.
+cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed = 1, double softness = 1.0);
+
+/// Independent random pixels.
+cv::Mat RandomImage(int width_px, int height_px, uint64_t seed);
+
+}  // namespace plslam::test

@@ -16,7 +16,6 @@ struct Station {
   Eigen::Vector3d position;
   Eigen::Vector3d forward;  // level, unit
   Eigen::Vector3d Left() const { return {-forward.y(), forward.x(), 0.0}; }
-  double Heading() const { return 0.0; }
 };
 
 /// An upright box on the ground: centre and half sides along two level axes.

@@ -119,6 +119,14 @@ void Bus::SubscribeBytes(const Channel& channel, Reading reading, std::function<
                    std::make_shared<Subscription>(std::move(subscription)));
 }
 
+void Bus::SubscribeRest(std::function<void(std::string_view, std::span<const uint8_t>)> take) {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->rest = std::move(take);
+  }
+  impl_->transport.ListenToAll();
+}
+
 void Bus::CountRejected() { ++impl_->nonsense; }
 void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
 

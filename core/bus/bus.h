@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -91,6 +92,10 @@ class Bus {
   enum class Reading { kOrdered, kAsItComes, kPaced };
   void SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
                       std::function<void(std::span<const uint8_t>)> take);
+
+  /// For recorders, before any other subscription: the raw bytes of every message that no other subscription is for, on
+  /// the receiving thread, unchecked.
+  void SubscribeRest(std::function<void(std::string_view wire_name, std::span<const uint8_t>)> take);
 
   /// Counts a message whose content turned out to be nonsense.
   void CountRejected();

@@ -104,8 +104,9 @@ struct Bus::Impl {
   mutable std::mutex mutex;
   std::condition_variable acknowledged;                                  // with `mutex`: a reader's word has come
   std::map<std::string, std::unique_ptr<Outbox>, std::less<>> outboxes;  // by channel name
-  std::map<std::string, Hellos, std::less<>> hellos;  // by channel name, of all channels of the table
-  std::map<std::string, Inbox, std::less<>> inboxes;  // by name on the wire
+  std::map<std::string, Hellos, std::less<>> hellos;     // by channel name, of all channels of the table
+  std::map<std::string, Inbox, std::less<>> inboxes;     // by name on the wire
+  std::function<void(std::string_view, ByteView)> rest;  // takes what no inbox is for
   std::string history_folder;
   bool temporary_folder = false;
   BusCounters counts;

@@ -94,6 +94,7 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
     const bool is_request = wire_name == request_name_;
     const bool is_announce = !is_request && wire_name == announce_name_;
     const auto inbox = inboxes.find(wire_name);
+    if (rest && inbox == inboxes.end()) rest(wire_name, bytes);
     if (!is_request && !is_announce && inbox == inboxes.end()) return;
     const MessageLayout* layout = is_request    ? request_layout_
                                   : is_announce ? announce_layout_

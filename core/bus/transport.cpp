@@ -120,15 +120,29 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
 }
 
 void Transport::Listen(const std::string& channel) { Subscribe(Quoted(channel)); }
-void Transport::ListenToAll() { Subscribe(".*"); }
 
-void Transport::Subscribe(const std::string& pattern) {
-  if (kind_ == Kind::kFileWrite) return;
+void Transport::ListenToAll() {
+  {
+    // LCM hands a message to each pattern that matches it: once is enough.
+    const std::lock_guard lock(send_mutex_);
+    if (kind_ == Kind::kFileWrite || listens_to_all_) return;
+    for (lcm_subscription_t* subscription : subscriptions_) lcm_unsubscribe(lcm_, subscription);
+    subscriptions_.clear();
+  }
+  Subscribe(".*");
   const std::lock_guard lock(send_mutex_);
+  listens_to_all_ = true;
+}
+
+/// With send_mutex_: for tcpq this writes to the socket, too.
+void Transport::Subscribe(const std::string& pattern) {
+  const std::lock_guard lock(send_mutex_);
+  if (kind_ == Kind::kFileWrite || listens_to_all_) return;
   lcm_subscription_t* subscription = lcm_subscribe(lcm_, pattern.c_str(), &OnLcmMessage, &receiver_);
   if (subscription == nullptr) throw std::runtime_error("bus.url: LCM cannot receive on " + url_);
   // LCM's own queue drops the newest of 30. Ours is behind it, and it is drained at once.
   lcm_subscription_set_queue_capacity(subscription, 0);
+  subscriptions_.push_back(subscription);
 }
 
 bool Transport::WaitReadable(int timeout_ms, int fd) const {

@@ -5,10 +5,13 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "core/bus/wire.h"
 
 struct _lcm_t;
+struct _lcm_subscription_t;
 
 namespace plslam::bus {
 
@@ -38,7 +41,7 @@ class Transport {
 
   /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
   void Listen(const std::string& channel);
-  /// All messages of all channels.
+  /// All messages of all channels; `Listen` is then not needed any more.
   void ListenToAll();
 
   void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
@@ -59,6 +62,8 @@ class Transport {
   _lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
   std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
+  std::vector<_lcm_subscription_t*> subscriptions_;
+  bool listens_to_all_ = false;
   Receiver receiver_;
 };
 

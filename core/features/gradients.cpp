@@ -49,7 +49,7 @@ void ComputeGradients(const cv::Mat& image, Gradients& out) {
   if (width == 0 || height == 0) return;
   std::vector<int16_t> buffer(static_cast<size_t>(2 * (width + 2 * kPad)));
   int16_t* smooth = buffer.data() + kPad;
-  int16_t* slope = smooth + width + 2 * kPad;
+  int16_t* slope = smooth + buffer.size() / 2;
   for (int y = 0; y < height; ++y) {
     const uint8_t* rows[5];
     for (int i = 0; i < 5; ++i) rows[i] = image.ptr<uint8_t>(std::clamp(y + i - 2, 0, height - 1));

@@ -12,13 +12,14 @@ namespace {
 constexpr int kPlaceBits = 16;
 constexpr int kAxisBits = 14;
 constexpr int kHalf = kLbdRows / 2;
+constexpr size_t kSampleCount = size_t{kLbdRows} * kLbdSamples;
 static_assert(kLbdRows % 2 == 1 && kLbdBandWidth % 2 == 1, "rows and bands have a middle");
 
 /// Gradients at the sample points of all rows, row after row.
 struct Samples {
   int count = 0;
-  alignas(32) std::array<int16_t, kLbdRows * kLbdSamples> dx;
-  alignas(32) std::array<int16_t, kLbdRows * kLbdSamples> dy;
+  alignas(32) std::array<int16_t, kSampleCount> dx;
+  alignas(32) std::array<int16_t, kSampleCount> dy;
 };
 
 /// Pixel positions with 16 fractional bits: the first sample of the first row, and the steps to the next ones.

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/geometry/calibration.h"
-#include "plslam/camera_t.hpp"
+#include <optional>
+
 #include "plslam/pose_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/overlay.h"
@@ -9,10 +9,8 @@
 
 namespace plslam {
 
-/// Messages as the plain values of this folder. Nothing is checked here: the takers of the values do that.
-SE3 ToSe3(const pose3_t& message);
-RigCalibration ToRig(const camera_t& message);
-FramePose ToFramePose(const pose_t& message);
+/// Messages as the plain values of this folder; nullopt where poses or covariances are none.
+std::optional<FramePose> ToFramePose(const pose_t& message);
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
 
 }  // namespace plslam

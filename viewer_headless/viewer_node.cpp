@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/bus/convert.h"
 #include "core/io/atomic_file.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -68,7 +69,8 @@ void ViewerNode::Subscribe() {
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
   bus.Subscribe<ground_truth_t>(bus::kGroundTruth, [this](const ground_truth_t& m) {
-    if (!recorder_.AddTruth(m.frame_id, {m.header.t_ns, ToSe3(m.T_w_l)})) return Reject();
+    const std::optional<SE3> T_w_l = bus::FromMessage(m.T_w_l);
+    if (!T_w_l || !recorder_.AddTruth(m.frame_id, {m.header.t_ns, *T_w_l})) return Reject();
     dirty_ = true;
     quiet_ticks_ = 0;
   });
@@ -88,8 +90,10 @@ void ViewerNode::OnCamera(const camera_t& message) {
   std::vector<uint8_t> bytes = RigBytes(message);
   if (bytes == camera_bytes_) return;
   camera_bytes_ = std::move(bytes);
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) return Reject();
   try {
-    rectifier_ = std::make_unique<Rectifier>(ToRig(message));
+    rectifier_ = std::make_unique<Rectifier>(*rig);
     dirty_ = dirty_ || written_;
   } catch (const std::exception& e) {
     spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
@@ -117,12 +121,12 @@ void ViewerNode::BeginAgain() {
 }
 
 void ViewerNode::OnPose(const pose_t& message) {
-  const FramePose pose = ToFramePose(message);
-  if (!recorder_.AddPose(pose)) return Reject();
+  const std::optional<FramePose> pose = ToFramePose(message);
+  if (!pose || !recorder_.AddPose(*pose)) return Reject();
   if (recorder_.frames().size() == 1) process_.SetState("running");
   dirty_ = true;
   quiet_ticks_ = 0;
-  DrawPicture(overlays_.AddCaption(pose.frame_id, FrameCaption(pose)));
+  DrawPicture(overlays_.AddCaption(pose->frame_id, FrameCaption(*pose)));
 }
 
 void ViewerNode::OnStatus(const status_t& message) {

@@ -1,0 +1,211 @@
+#include "viewer_headless/viewer_node.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/bus/convert.h"
+#include "core/io/trajectory.h"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/tracks_t.hpp"
+#include "tests/unit/trajectory/text_file.h"
+
+namespace plslam {
+namespace {
+
+constexpr int64_t kFrames = 12;
+
+SE3 TruePose(int64_t frame) {
+  return SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 0.5 * static_cast<double>(frame)));
+}
+
+int64_t Time(int64_t frame) { return 1'000'000'000 + frame * 50'000'000; }
+
+RigCalibration SomeRig() {
+  RigCalibration rig;
+  rig.name = "test";
+  rig.left.width_px = rig.right.width_px = 320;
+  rig.left.height_px = rig.right.height_px = 240;
+  rig.left.fx_px = rig.left.fy_px = rig.right.fx_px = rig.right.fy_px = 200.0;
+  rig.left.cx_px = rig.right.cx_px = 160.0;
+  rig.left.cy_px = rig.right.cy_px = 120.0;
+  rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0, 0));
+  rig.baseline_m = 0.1;
+  return rig;
+}
+
+// One bus for the viewer and for all it listens to: messages of a memq come back to their sender.
+class ViewerNodeTest : public testing::Test {
+ protected:
+  ViewerNodeTest() {
+    bus::BusOptions options;
+    options.url = "memq://";
+    process_ = std::make_unique<bus::Process>("viewer", options);
+    bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
+      if (status.process != "viewer") return;
+      states_.push_back(status.state);
+      if (status.state == stop_at_) bus().Stop();
+    });
+    // A test that fails must not hang.
+    bus().Every(std::chrono::seconds(60), [this] { bus().Stop(); });
+  }
+
+  bus::Bus& bus() { return process_->bus(); }
+
+  ViewerOptions Options(int64_t overlay_every = 0) const {
+    return {.out = folder_.Path("out"), .overlay_every = overlay_every, .quiet = true};
+  }
+
+  void PublishPose(int64_t frame, int8_t state = 1) {
+    pose_t m{};
+    m.header.t_ns = Time(frame);
+    m.frame_id = frame;
+    m.state = state;
+    m.T_odom_c = bus::ToMessage(TruePose(frame));
+    m.T_w_odom = m.T_prev_c = bus::ToMessage(SE3());
+    bus::ToArray(1e-4 * Matrix6d::Identity(), m.covariance);
+    bus::ToArray(1e-4 * Matrix6d::Identity(), m.motion_covariance);
+    m.keyframe_id = frame % 4 == 0 ? frame / 4 : -1;
+    m.n_tracked_points = 100;
+    bus().Publish(bus::kPose, m);
+  }
+
+  void PublishTruth(int64_t frame) {
+    ground_truth_t m{};
+    m.header.t_ns = Time(frame);
+    m.frame_id = frame;
+    m.T_w_l = bus::ToMessage(TruePose(frame));
+    bus().Publish(bus::kGroundTruth, m);
+  }
+
+  void PublishStream(const std::string& event, int64_t n_frames) {
+    stream_t m{};
+    m.event = event;
+    m.n_frames = n_frames;
+    bus().Publish(bus::kStream, m);
+  }
+
+  void PublishTracks(int64_t frame) {
+    tracks_t tracks{};
+    tracks.frame_id = frame;
+    tracks.points.push_back({50.0F, 60.0F, 5.0F, 3});
+    tracks.n_points = 1;
+    bus().Publish(bus::kTracks, tracks);
+  }
+
+  void PublishImages(int64_t frame) {
+    const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
+    bus::FramePublisher(bus(), true).Publish({frame, Time(frame), image, image});
+  }
+
+  std::string Out(const std::string& name) const { return folder_.Path("out/" + name); }
+
+  ScratchFolder folder_;
+  std::string stop_at_ = "finished";
+  std::vector<std::string> states_;
+  std::unique_ptr<bus::Process> process_;
+};
+
+TEST_F(ViewerNodeTest, WritesEverythingWhenTheStreamHasEnded) {
+  const ViewerNode node(*process_, Options());
+  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishStream("begin", kFrames);
+  for (int64_t frame = 0; frame < kFrames; ++frame) {
+    PublishTruth(frame);
+    PublishPose(frame, frame == 5 ? 3 : 1);
+  }
+  PublishStream("end", kFrames);
+  bus().Run();
+  const Trajectory trajectory = ReadTrajectory(Out("trajectory.tum"));
+  ASSERT_EQ(trajectory.size(), 11u) << "one frame was lost";
+  EXPECT_EQ(trajectory[5].t_ns, Time(6));
+  EXPECT_LT((trajectory[5].T_a_b.translation() - TruePose(6).translation()).norm(), 1e-9);
+  EXPECT_EQ(ReadTrajectory(Out("keyframes.tum")).size(), 3u);
+  EXPECT_EQ(ReadTrajectory(Out("groundtruth.tum")).size(), 12u);
+  EXPECT_THAT(states_, testing::Contains("running"));
+  EXPECT_EQ(states_.back(), "finished");
+}
+
+TEST_F(ViewerNodeTest, WritesWhatIsThereWhenStoppedEarly) {
+  stop_at_ = "running";
+  {
+    const ViewerNode node(*process_, Options());
+    PublishPose(0);
+    bus().Run();
+  }
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 1u);
+}
+
+TEST_F(ViewerNodeTest, FinishCommandWritesAndEnds) {
+  const ViewerNode node(*process_, Options());
+  PublishPose(0);
+  command_t other{};
+  other.target = "vo";
+  other.verb = "finish";
+  bus().Publish(bus::kCommand, other);
+  PublishPose(1);
+  // Commands and poses are different channels: the order between them is not kept.
+  bool sent = false;
+  bus().Every(std::chrono::milliseconds(5), [&] {
+    if (sent || std::find(states_.begin(), states_.end(), "running") == states_.end()) return;
+    sent = true;
+    command_t command{};
+    command.target = "viewer";
+    command.verb = "finish";
+    bus().Publish(bus::kCommand, command);
+  });
+  bus().Run();
+  EXPECT_TRUE(sent);
+  EXPECT_GE(ReadTrajectory(Out("trajectory.tum")).size(), 1u);
+}
+
+TEST_F(ViewerNodeTest, DrawsEveryNthFrame) {
+  const ViewerNode node(*process_, Options(4));
+  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishStream("begin", 2);
+  bool sent = false;
+  // The rig must be known before the first image comes.
+  bus().Every(std::chrono::milliseconds(50), [&] {
+    if (sent) return;
+    sent = true;
+    for (const int64_t frame : {4, 5}) PublishPose(frame);
+    PublishImages(4);
+    PublishImages(5);
+    PublishTracks(4);
+    PublishStream("end", 2);
+  });
+  bus().Run();
+  const cv::Mat picture = cv::imread(Out("overlays/000004.png"));
+  EXPECT_EQ(picture.cols, 320);
+  EXPECT_GT(picture.rows, 240);
+  EXPECT_FALSE(std::filesystem::exists(Out("overlays/000005.png")));
+}
+
+TEST_F(ViewerNodeTest, NonsenseIsCountedAndDoesNoHarm) {
+  const ViewerNode node(*process_, Options());
+  pose_t nan{};
+  nan.T_odom_c = nan.T_w_odom = bus::ToMessage(SE3());
+  nan.T_odom_c.position_m[1] = NAN;
+  bus().Publish(bus::kPose, nan);
+  pose_t zero_quaternion{};
+  bus().Publish(bus::kPose, zero_quaternion);
+  bus().Publish(bus::kGroundTruth, ground_truth_t{});
+  camera_t camera{};
+  bus().Publish(bus::kCamera, camera);
+  PublishStream("sideways", 1);
+  PublishPose(0);
+  PublishStream("end", 1);
+  bus().Run();
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 1u);
+  EXPECT_FALSE(std::filesystem::exists(Out("groundtruth.tum")));
+}
+
+TEST_F(ViewerNodeTest, UnwritableFolderIsToldAtTheStart) {
+  ViewerOptions options = Options();
+  options.out = folder_.Write("file", "") + "/out";
+  EXPECT_THAT([&] { ViewerNode(*process_, options); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("file/out: cannot be made a folder")));
+}
+
+}  // namespace
+}  // namespace plslam

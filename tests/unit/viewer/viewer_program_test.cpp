@@ -1,0 +1,41 @@
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+
+#include "tests/support/data_folder.h"
+#include "tests/unit/trajectory/text_file.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+int RunViewer(const ScratchFolder& folder, const std::string& arguments) {
+  const std::string command = (test::BinaryFolder() / "viewer_headless").string() + " --url memq:// " + arguments +
+                              " >" + folder.Path("stdout") + " 2>" + folder.Path("stderr");
+  return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
+}
+
+TEST(ViewerProgram, UnwritableFolderIsOneSentenceAndExitCodeOne) {
+  const ScratchFolder folder;
+  const std::string file = folder.Write("file", "");
+  EXPECT_EQ(RunViewer(folder, "--out " + file + "/out"), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("viewer: error: " + file + "/out: cannot be made a folder"));
+}
+
+TEST(ViewerProgram, BadOptionsAreNamed) {
+  const ScratchFolder folder;
+  EXPECT_EQ(RunViewer(folder, "--overlay-every -3"), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("--overlay-every"));
+  EXPECT_EQ(RunViewer(folder, "--set viewer.overlays=3"), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("overlay_every")) << "the nearest known key";
+}
+
+TEST(ViewerProgram, HelpShowsItsOptions) {
+  const ScratchFolder folder;
+  EXPECT_EQ(RunViewer(folder, "--help"), 0);
+  EXPECT_THAT(ReadText(folder.Path("stdout")), HasSubstr("--overlay-every"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -250,7 +250,7 @@ std::optional<DetectedSegment> LineGrower::Grow(int x, int y) {
   Extend(-1);
   // What was tried is not tried again from its other pixels; after a failure they may still join another segment.
   const std::vector<Sample> tried = samples_;
-  const auto segment = Finish();
+  auto segment = Finish();
   for (const Sample& s : segment ? samples_ : tried) {
     edges_[EdgeOffset(s.major, s.minor)] |= segment ? kUsedEdge : kTriedEdge;
   }

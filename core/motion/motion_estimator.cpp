@@ -12,8 +12,8 @@ namespace plslam {
 namespace {
 
 // Steps are measured in standard deviations of the motion (squared): the first step only has to tell outliers apart.
-constexpr double kCoarseStep = 0.05;
-constexpr double kFineStep = 1e-4;
+constexpr double kCoarseStep = 0.25;
+constexpr double kFineStep = 1e-3;
 constexpr double kConvergedStep = 1e-2;
 // Covariances of the residuals follow the pose, so even a good step may raise the cost by a trifle.
 constexpr double kToleratedRise = 1e-3;

@@ -42,8 +42,8 @@ class Process {
   friend class ProcessRunner;
   struct Impl;
   std::string name_;
-  std::unique_ptr<Impl> impl_;
   std::unique_ptr<Bus> bus_;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// A process of the system.

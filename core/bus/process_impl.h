@@ -1,31 +1,16 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <functional>
-#include <map>
-#include <mutex>
-#include <string>
 
 #include "core/bus/process.h"
+#include "core/bus/process_status.h"
 
 namespace plslam::bus {
 
-/// State of a Process that the status tells.
 struct Process::Impl {
-  void PublishStatus(const std::string& name, Bus& bus);
+  Impl(const std::string& name, const BusOptions& options, Bus& bus) : status(name, options, bus) {}
 
-  const std::chrono::steady_clock::time_point started = std::chrono::steady_clock::now();
-  std::function<void()> publish;
-  std::string bus_configuration;
-  size_t max_configuration_bytes = 0;
-
-  std::mutex mutex;  ///< guards what follows, up to the exit code
-  std::string state = "starting";
-  std::string reason;
-  std::string configuration;
-  std::map<std::string, double> counters;
-
+  StatusPublisher status;
   std::atomic<int> exit_code{0};
   std::atomic<bool> finished{false};
 };

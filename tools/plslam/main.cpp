@@ -17,7 +17,8 @@ int main(int argc, char** argv) {
       "  plslam replay out/mh01.lcm --out out/mh01_again\n"
       "plslam COMMAND --help tells the options of each.");
   plslam::Command command;
-  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddProcessesCommand}) {
+  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
+                         plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
     add(&app, &command);
   }
   try {

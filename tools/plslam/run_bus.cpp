@@ -1,5 +1,8 @@
 #include "tools/plslam/run_bus.h"
 
+#include <spdlog/spdlog.h>
+
+#include "core/bus/transport.h"
 #include "core/config/config.h"
 
 namespace plslam {
@@ -8,6 +11,12 @@ RunBus::RunBus(const std::string& url) : url_(url) {
   if (!url_.empty()) return;
   port_ = std::make_unique<PrivatePort>();
   url_ = port_->Url();
+  std::string reason;
+  if (bus::MulticastWorks(url_, &reason)) return;
+  spdlog::warn("no multicast on this machine ({}): messages go through a relay (tcpq)", reason);
+  port_.reset();
+  relay_ = std::make_unique<BackgroundRelay>();
+  url_ = relay_->url();
 }
 
 bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/bus/options.h"
+#include "tools/plslam/background_relay.h"
 #include "tools/plslam/bus_url.h"
 #include "tools/plslam/run_options.h"
 
@@ -22,6 +23,7 @@ class RunBus {
 
  private:
   std::unique_ptr<PrivatePort> port_;
+  std::unique_ptr<BackgroundRelay> relay_;
   std::string url_;
 };
 

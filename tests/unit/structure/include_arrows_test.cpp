@@ -27,7 +27,7 @@ const std::vector<Arrow> kArrows = {
     {"core/map/", {"core/geometry/", "core/features/", "core/motion/", "core/config/fields.h"}},
     {"core/optim/", {"core/geometry/", "core/motion/", "core/map/", "core/config/fields.h"}},
     {"core/io/", {"core/geometry/", "core/map/", "core/config/fields.h"}},
-    {"core/bus/", {"lcmtypes/", "core/geometry/", "core/config/", "core/io/"}},
+    {"core/bus/", {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/features/features.h"}},
     {"player/", {"core/"}},
     {"vo_process/", {"core/"}},
     {"mapping_process/", {"core/"}},
@@ -37,7 +37,8 @@ const std::vector<Arrow> kArrows = {
     {"tools/plslam/", {"core/", "tools/evaluate/"}},
 };
 
-const std::vector<std::string> kProductFolders = {"lcmtypes", "core", "player", "vo_process", "viewer_headless", "tools"};
+const std::vector<std::string> kProductFolders = {"lcmtypes",        "core", "player", "vo_process",
+                                                  "viewer_headless", "tools"};
 
 /// Files that wire algorithms to messages. All others know neither LCM nor its types.
 bool KnowsMessages(const std::string& path) {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/config/config.h"
+
+namespace CLI {
+class App;
+}
+
+namespace plslam::bus {
+
+/// What the command line of every process has.
+struct ProcessArguments {
+  std::string config_file;
+  std::vector<std::string> overrides;
+  std::optional<std::string> url;
+  std::optional<std::string> prefix;
+  int parent = 0;
+
+  void AddTo(CLI::App* app);
+
+  /// File, overrides, URL and prefix in one. Throws ConfigError.
+  Config MakeConfig() const;
+  /// Makes the kernel end this process with the one that started it (`--parent`). Throws std::runtime_error where that
+  /// one has gone already.
+  void EndWithParent() const;
+};
+
+/// Log lines go to stderr, one each; stdout is for results.
+void SetUpLogging(const std::string& process);
+
+/// What an exception says, on one line.
+std::string OneLine(std::string text);
+
+}  // namespace plslam::bus

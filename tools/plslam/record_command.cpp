@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "core/bus/log_writer.h"
+#include "core/bus/process_arguments.h"
+#include "core/bus/process_signals.h"
+#include "core/bus/process_status.h"
+#include "tools/plslam/commands.h"
+
+namespace plslam {
+namespace {
+
+struct RecordOptions {
+  bus::ProcessArguments common;
+  std::string file;
+};
+
+int Record(const RecordOptions& options) {
+  bus::SetUpLogging("recorder");
+  options.common.EndWithParent();
+  bus::BusOptions bus_options;
+  options.common.MakeConfig().Read("bus", bus_options);
+  std::mutex mutex;
+  bus::LogRecorder* running = nullptr;
+  bool interrupted = false;
+  const bus::SignalWatcher signals([&](int) {
+    const std::scoped_lock lock(mutex);
+    interrupted = true;
+    if (running != nullptr) running->Stop();
+  });
+  bus::LogRecorder recorder(bus_options, options.file);
+  bus::StatusPublisher status("recorder", bus_options, recorder.bus());
+  {
+    const std::scoped_lock lock(mutex);
+    running = &recorder;
+    if (interrupted) return 0;
+  }
+  status.SetState("ready");
+  recorder.Run();
+  {
+    const std::scoped_lock lock(mutex);
+    running = nullptr;
+  }
+  status.SetState("stopping");
+  fmt::print("{} events in {}\n", recorder.events(), options.file);
+  return 0;
+}
+
+}  // namespace
+
+void AddRecordCommand(CLI::App* app, Command* command) {
+  auto options = std::make_shared<RecordOptions>();
+  auto* sub = app->add_subcommand("record", "writes all traffic to an LCM event log, until SIGINT");
+  sub->add_option("file", options->file, "log to write, which lcm-logplayer and `plslam replay` read")->required();
+  options->common.AddTo(sub);
+  sub->footer("Example:\n  plslam record out/run.lcm --url udpm://239.255.76.67:7667?ttl=0");
+  sub->callback([=] { *command = [options] { return Record(*options); }; });
+}
+
+}  // namespace plslam

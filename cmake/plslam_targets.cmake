@@ -33,17 +33,34 @@ function(plslam_program name)
   target_link_libraries(${name} PRIVATE plslam_flags ${ARG_LINK})
 endfunction()
 
-# plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit]): a GoogleTest executable, run by ctest.
+# Folders of tests that read foreign bytes or run threads. Under a sanitizer they get the label `sanitized`, and the
+# target plslam_sanitized_tests builds no others: scripts/test runs these.
+set(PLSLAM_SANITIZED_FOLDERS fuzz unit/bus unit/config unit/io unit/player unit/process unit/trajectory unit/viewer)
+add_custom_target(plslam_sanitized_tests)
+
+# plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL]): a GoogleTest executable,
+# run by ctest test by test; SERIAL: alone.
 function(plslam_test name)
-  cmake_parse_arguments(ARG "" "LABEL" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 300)
+  endif()
+  if(NOT ARG_SERIAL)
+    set(ARG_SERIAL FALSE)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plslam_flags plslam_test_support GTest::gmock GTest::gtest_main ${ARG_LINK})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})
+  if(PLSLAM_SANITIZE AND folder IN_LIST PLSLAM_SANITIZED_FOLDERS)
+    set(ARG_LABEL sanitized)
+    add_dependencies(plslam_sanitized_tests ${name})
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/bin
-                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT 300)
+                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
 endfunction()
 
 # plslam_benchmark(NAME SOURCES a_benchmark.cpp LINK target ...): a Google Benchmark executable in build/PRESET/bin.

@@ -1,0 +1,93 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+using testing::HasSubstr;
+
+/// Frames that the recorded tracker has done so far.
+bool HasFrames(const WholeRun& run) {
+  return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 3'000'000;
+}
+
+std::vector<std::string> LongRun(const WholeRun& run) {
+  return {"run", "synthetic:room?frames=400&size=376x240", "--record", run.log()};
+}
+
+TEST(RunFailure, InterruptLeavesAllFiles) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], false);
+  EXPECT_EQ(summary["reason"], "interrupted");
+  EXPECT_GT(summary["frames"], 0);
+  for (const auto& [name, process] : summary["processes"].items()) EXPECT_EQ(process["exit_code"], 0) << name;
+  EXPECT_FALSE(run.Read("trajectory.tum").empty());
+}
+
+TEST(RunFailure, KilledTrackerIsStartedAgain) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const pid_t tracker = run.PidOf("vo_process");
+  ASSERT_GT(tracker, 0);
+  ASSERT_EQ(kill(tracker, SIGKILL), 0);
+  ASSERT_EQ(run.Wait(), 0) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["processes"]["vo"]["restarts"], 1);
+  EXPECT_GE(summary["frames"], 398) << summary.dump(1);
+}
+
+TEST(RunFailure, KilledViewerIsStartedAgainAndStillHasTheWholePath) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const pid_t viewer = run.PidOf("viewer_headless");
+  ASSERT_GT(viewer, 0);
+  ASSERT_EQ(kill(viewer, SIGKILL), 0);
+  ASSERT_EQ(run.Wait(), 0) << run.Logs();
+  const std::string path = run.Read("trajectory.tum");
+  EXPECT_EQ(std::count(path.begin(), path.end(), '\n'), 400);
+}
+
+TEST(RunFailure, MissingDatasetIsOneSentence) {
+  WholeRun run;
+  EXPECT_EQ(run.Run({"run", "/nonexistent/sequence"}), 1);
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: player ended with exit code 1: player: error: "));
+  EXPECT_THAT(run.Logs(), HasSubstr("/nonexistent/sequence"));
+}
+
+TEST(RunFailure, UnknownOptionStopsBeforeTheFirstFrame) {
+  WholeRun run;
+  EXPECT_EQ(run.Run({"run", "synthetic:room", "--set", "vo.features.orb.max_point=800"}), 1);
+  EXPECT_THAT(run.Logs(), HasSubstr("unknown key 'vo.features.orb.max_point'; the nearest known one is "
+                                    "'vo.features.orb.max_points'"));
+  EXPECT_EQ(run.Summary()["frames"], 0);
+}
+
+TEST(RunFailure, LauncherThatIsKilledTakesAllWithIt) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const pid_t tracker = run.PidOf("vo_process");
+  ASSERT_GT(tracker, 0);
+  run.process().Signal(SIGKILL);
+  EXPECT_TRUE(WholeRun::WaitFor([&] {
+    return kill(tracker, 0) != 0 || !std::filesystem::exists("/proc/" + std::to_string(tracker) + "/exe");
+  }));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/integration/recorded_run.h"
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+
+/// Least squares through (x, y): rise of y for one x.
+double Slope(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [x, y] : points) {
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double determinant = n * sxx - sx * sx;
+  return determinant > 0 ? (n * sxy - sx * sy) / determinant : 0.0;
+}
+
+TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
+  constexpr int kFrames = 5000;
+  WholeRun run;
+  ASSERT_EQ(
+      run.Run({"run", "synthetic:room?frames=100&size=160x120", "--loop", "25", "--bounce", "--record", run.log()}),
+      0)
+      << run.Logs();
+  EXPECT_NEAR(run.Summary()["frames"].get<double>(), kFrames, 60);
+  // Second half of the run: caches, pools and windows are full by then.
+  const auto log = test::ReadRecordedRun(run.log());
+  std::map<std::string, double> end_s;
+  for (const auto& status : log.statuses) end_s[status.process] = status.uptime_s;
+  std::map<std::string, std::vector<std::pair<double, double>>> memory;
+  for (const auto& status : log.statuses) {
+    const double share = status.uptime_s / end_s[status.process];
+    if (share > 0.5 && status.state == "running") memory[status.process].emplace_back(share, status.memory_mb);
+  }
+  for (const char* process : {"player", "vo", "viewer"}) {
+    ASSERT_GE(memory[process].size(), 5U) << process;
+    // The whole second half may add a few megabytes of poses and keyframes, kept for late joiners within a bound.
+    EXPECT_LT(Slope(memory[process]) * 0.5, 8.0) << process << ", MB in half the run";
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,80 @@
+#include "tests/integration/recorded_run.h"
+
+#include "core/bus/log_reader.h"
+#include "plslam/keyframe_t.hpp"
+#include "plslam/pose_t.hpp"
+
+namespace plslam::test {
+namespace {
+
+template <class Message>
+bool Decode(const std::vector<uint8_t>& bytes, Message* message) {
+  return message->decode(bytes.data(), 0, static_cast<int>(bytes.size())) > 0;
+}
+
+template <class Message>
+std::vector<uint8_t> Encode(const Message& message) {
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+template <class Message>
+void Anonymise(Message* message) {
+  message->header.source = 0;
+  message->header.session = 0;
+}
+
+/// Adds one message; false where it cannot be decoded.
+bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run) {
+  const auto number = [&](const header_t& header) {
+    run->sequence_numbers[{channel, header.source}].push_back(header.seq);
+  };
+  if (channel == "POSE") {
+    pose_t pose;
+    if (!Decode(bytes, &pose)) return false;
+    number(pose.header);
+    Anonymise(&pose);
+    pose.n_stages = 0;
+    pose.stages.clear();
+    run->poses.push_back(Encode(pose));
+  } else if (channel == "KEYFRAME") {
+    keyframe_t keyframe;
+    if (!Decode(bytes, &keyframe)) return false;
+    number(keyframe.header);
+    Anonymise(&keyframe);
+    run->keyframes.push_back(Encode(keyframe));
+  } else if (channel == "STREAM") {
+    run->streams.emplace_back();
+    if (!Decode(bytes, &run->streams.back())) return false;
+    number(run->streams.back().header);
+  } else if (channel == "STATUS") {
+    run->statuses.emplace_back();
+    if (!Decode(bytes, &run->statuses.back())) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+int RecordedRun::Gaps(const std::string& channel) const {
+  int gaps = 0;
+  for (const auto& [key, numbers] : sequence_numbers) {
+    if (key.first != channel) continue;
+    for (size_t i = 0; i < numbers.size(); ++i) gaps += numbers[i] == static_cast<int64_t>(i) ? 0 : 1;
+  }
+  return gaps;
+}
+
+RecordedRun ReadRecordedRun(const std::string& log) {
+  bus::LogReader reader(log);
+  RecordedRun run;
+  while (const auto event = reader.Next()) {
+    const auto bytes = reader.Data(event->data_offset, event->data_bytes);
+    ++run.counts[event->channel];
+    if (!bytes || !Add(event->channel, *bytes, &run)) ++run.undecodable;
+  }
+  return run;
+}
+
+}  // namespace plslam::test

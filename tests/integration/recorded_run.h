@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam::test {
+
+/// What the LCM log of a run says of it.
+struct RecordedRun {
+  /// Messages by channel.
+  std::map<std::string, int> counts;
+  /// Sequence numbers by channel and publisher, in the order of the log.
+  std::map<std::pair<std::string, int64_t>, std::vector<int64_t>> sequence_numbers;
+  /// POSE and KEYFRAME messages without what differs between runs of the same: the publisher's random names, and in
+  /// poses the stage times.
+  std::vector<std::vector<uint8_t>> poses;
+  std::vector<std::vector<uint8_t>> keyframes;
+  std::vector<stream_t> streams;
+  std::vector<status_t> statuses;
+  int undecodable = 0;
+
+  /// Missing or doubled numbers of a channel, over all publishers; each must begin with 0.
+  int Gaps(const std::string& channel) const;
+};
+
+/// Throws std::runtime_error where there is no such log.
+RecordedRun ReadRecordedRun(const std::string& log);
+
+}  // namespace plslam::test

@@ -1,0 +1,118 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+
+#include "tests/integration/recorded_run.h"
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::ReadRecordedRun;
+using test::RecordedRun;
+using test::WholeRun;
+
+constexpr int kFrames = 60;
+const std::string kWorld = "synthetic:room?frames=60&size=376x240";
+
+long Lines(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
+
+void ExpectAllExitedCleanly(const nlohmann::json& summary) {
+  for (const auto& [name, process] : summary["processes"].items()) {
+    EXPECT_EQ(process["exit_code"], 0) << name;
+    EXPECT_EQ(process["restarts"], 0) << name;
+  }
+}
+
+/// Every frame has gone out and come back, once and in order.
+void ExpectWholeLog(const RecordedRun& log, int frames) {
+  EXPECT_EQ(log.counts.at("POSE"), frames);
+  EXPECT_EQ(log.counts.at("GROUND_TRUTH"), frames);
+  EXPECT_GE(log.counts.at("STEREO_FRAME"), 2 * frames);
+  EXPECT_GE(log.counts.at("KEYFRAME"), 1);
+  EXPECT_GE(log.counts.at("CAMERA"), 1);
+  for (const char* channel : {"POSE", "KEYFRAME", "STREAM"}) EXPECT_EQ(log.Gaps(channel), 0) << channel;
+  ASSERT_EQ(log.streams.size(), 2U);
+  EXPECT_EQ(log.streams[0].event, "begin");
+  EXPECT_EQ(log.streams[1].event, "end");
+  EXPECT_EQ(log.streams[1].n_frames, frames);
+  EXPECT_EQ(log.undecodable, 0);
+}
+
+TEST(Run, LockstepOnASyntheticWorld) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kWorld, "--record", run.log()}), 0) << run.Logs();
+  ExpectWholeLog(ReadRecordedRun(run.log()), kFrames);
+
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["frames"], kFrames) << summary.dump(1);
+  EXPECT_EQ(summary["tracked_frames"], kFrames);
+  EXPECT_GE(summary["keyframes"], 1);
+  EXPECT_GT(summary["landmarks"]["points"], 20);
+  EXPECT_GT(summary["landmarks"]["lines"], 5);
+  EXPECT_EQ(summary["messages"]["rejected"], 0);
+  EXPECT_LT(summary["accuracy"]["ate_m"], 0.03) << summary["accuracy"].dump(1);
+  EXPECT_GT(summary["stage_ms"].size(), 2U);
+  EXPECT_TRUE(summary["configuration"]["vo"]["vo"].is_object()) << summary["configuration"].dump(1);
+  ExpectAllExitedCleanly(summary);
+  EXPECT_EQ(Lines(run.Read("trajectory.tum")), kFrames);
+  EXPECT_EQ(Lines(run.Read("keyframes.tum")), summary["keyframes"]);
+}
+
+TEST(Run, SameInputTwiceGivesTheSameBits) {
+  WholeRun first, second;
+  ASSERT_EQ(first.Run({"run", kWorld, "--record", first.log()}), 0) << first.Logs();
+  ASSERT_EQ(second.Run({"run", kWorld, "--record", second.log()}), 0) << second.Logs();
+  const RecordedRun a = ReadRecordedRun(first.log()), b = ReadRecordedRun(second.log());
+  ASSERT_EQ(a.poses.size(), static_cast<size_t>(kFrames));
+  EXPECT_EQ(a.poses, b.poses);
+  EXPECT_EQ(a.keyframes, b.keyframes);
+  EXPECT_EQ(first.Read("trajectory.tum"), second.Read("trajectory.tum"));
+  EXPECT_EQ(first.Read("keyframes.tum"), second.Read("keyframes.tum"));
+}
+
+TEST(Run, ReplayOfTheRecordedLogGivesTheSameBits) {
+  WholeRun live, replay;
+  ASSERT_EQ(live.Run({"run", kWorld, "--record", live.log()}), 0) << live.Logs();
+  replay.Start({"replay", live.log()});
+  ASSERT_EQ(replay.Wait(), 0) << replay.Logs();
+  EXPECT_EQ(Lines(live.Read("trajectory.tum")), kFrames);
+  EXPECT_EQ(live.Read("trajectory.tum"), replay.Read("trajectory.tum"));
+  EXPECT_EQ(live.Read("keyframes.tum"), replay.Read("keyframes.tum"));
+  EXPECT_EQ(live.Summary()["accuracy"]["ate_m"], replay.Summary()["accuracy"]["ate_m"]);
+}
+
+TEST(Run, FivePercentLossIsRepaired) {
+  WholeRun whole, lossy;
+  ASSERT_EQ(whole.Run({"run", kWorld}), 0) << whole.Logs();
+  ASSERT_EQ(lossy.Run({"run", kWorld, "--record", lossy.log(), "--set", "bus.drop_fraction=0.05"}), 0)
+      << lossy.Logs();
+  ExpectWholeLog(ReadRecordedRun(lossy.log()), kFrames);
+  const nlohmann::json summary = lossy.Summary();
+  EXPECT_GT(summary["messages"]["lost"], 0) << "nothing was dropped";
+  EXPECT_GT(summary["messages"]["repaired"], 0);
+  EXPECT_EQ(summary["tracked_frames"], kFrames);
+  EXPECT_EQ(whole.Read("trajectory.tum"), lossy.Read("trajectory.tum"));
+}
+
+TEST(Run, RelayInPlaceOfMulticast) {
+  WholeRun relay, run;
+  relay.Start({"relay", "--port", "0"});
+  const auto address = [&] {
+    const std::string log = relay.Logs();
+    const size_t at = log.find("tcpq://");
+    const size_t end = at == std::string::npos ? at : log.find('\n', at);
+    return end == std::string::npos ? std::string() : log.substr(at, end - at);
+  };
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return !address().empty(); })) << relay.Logs();
+  ASSERT_EQ(run.Run({"run", kWorld, "--url", address()}), 0) << run.Logs();
+  EXPECT_EQ(run.Summary()["tracked_frames"], kFrames);
+  relay.process().Signal(SIGINT);
+  EXPECT_EQ(relay.Wait(), 0);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,89 @@
+#include "tests/integration/whole_run.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "tests/support/data_folder.h"
+
+namespace plslam::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string ReadFile(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+bool PollUntil(const std::function<bool()>& done, std::chrono::seconds limit) {
+  const auto end = Clock::now() + limit;
+  while (!done() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return done();
+}
+
+}  // namespace
+
+WholeRun::WholeRun() {
+  std::string pattern = testing::TempDir() + "whole run XXXXXX";
+  folder_ = mkdtemp(pattern.data());
+}
+
+WholeRun::~WholeRun() {
+  process_.reset();
+  std::filesystem::remove_all(folder_);
+}
+
+void WholeRun::Start(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), {"--out", out().string()});
+  process_ = std::make_unique<ChildProcess>(BinaryFolder() / "plslam", arguments, folder_ / "plslam.log");
+}
+
+int WholeRun::Wait(int limit_s) {
+  if (!PollUntil([&] { return process_->Poll().has_value(); }, std::chrono::seconds(limit_s))) {
+    process_->Signal(SIGKILL);
+    return -1;
+  }
+  return process_->Poll()->code;
+}
+
+int WholeRun::Run(std::vector<std::string> arguments) {
+  Start(std::move(arguments));
+  return Wait();
+}
+
+bool WholeRun::WaitFor(const std::function<bool()>& done) { return PollUntil(done, std::chrono::seconds(60)); }
+
+nlohmann::json WholeRun::Summary() const { return nlohmann::json::parse(Read("summary.json"), nullptr, false); }
+
+std::string WholeRun::Read(const std::string& file_of_out) const { return ReadFile(out() / file_of_out); }
+
+std::string WholeRun::Logs() const {
+  std::string text = "plslam:\n" + ReadFile(folder_ / "plslam.log");
+  if (!std::filesystem::exists(out() / "logs")) return text;
+  for (const auto& entry : std::filesystem::directory_iterator(out() / "logs")) {
+    text += entry.path().filename().string() + ":\n" + ReadFile(entry.path());
+  }
+  return text;
+}
+
+pid_t WholeRun::PidOf(const std::string& executable) const {
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::istringstream name(entry.path().filename().string());
+    pid_t pid = 0;
+    if (!(name >> pid)) continue;
+    const std::string parent = "\nPPid:\t" + std::to_string(process_->pid()) + "\n";
+    if (ReadFile(entry.path() / "status").find(parent) == std::string::npos) continue;
+    std::error_code gone;
+    if (std::filesystem::read_symlink(entry.path() / "exe", gone).filename() == executable) return pid;
+  }
+  return -1;
+}
+
+}  // namespace plslam::test

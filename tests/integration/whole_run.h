@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/plslam/child_process.h"
+
+namespace plslam::test {
+
+/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine.
+class WholeRun {
+ public:
+  WholeRun();
+  ~WholeRun();
+  WholeRun(const WholeRun&) = delete;
+  WholeRun& operator=(const WholeRun&) = delete;
+
+  /// `plslam ARGUMENTS... --out OUT`.
+  void Start(std::vector<std::string> arguments);
+  /// Exit code; -1 (and killed) where it has not ended within `limit_s`.
+  int Wait(int limit_s = 240);
+  int Run(std::vector<std::string> arguments);
+
+  /// Polls until `done`, at most a minute.
+  static bool WaitFor(const std::function<bool()>& done);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  std::filesystem::path out() const { return folder_ / "out"; }
+  /// Where to record to.
+  std::string log() const { return (folder_ / "run.lcm").string(); }
+  nlohmann::json Summary() const;
+  std::string Read(const std::string& file_of_out) const;
+  /// Logs of all processes, for messages of failed tests.
+  std::string Logs() const;
+  const ChildProcess& process() const { return *process_; }
+  /// Process id of a running executable that this run started; -1 where there is none.
+  pid_t PidOf(const std::string& executable) const;
+
+ private:
+  std::filesystem::path folder_;
+  std::unique_ptr<ChildProcess> process_;
+};
+
+}  // namespace plslam::test

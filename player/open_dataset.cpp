@@ -6,10 +6,7 @@
 #include <filesystem>
 #include <string_view>
 
-#if __has_include("core/bus/log_dataset.h")
 #include "core/bus/log_dataset.h"
-#define PLSLAM_HAS_LOG_DATASET
-#endif
 #include "core/io/euroc_dataset.h"
 #include "core/io/images_dataset.h"
 #include "core/io/kitti_dataset.h"
@@ -23,7 +20,7 @@ constexpr std::string_view kSyntheticPrefix = "synthetic:";
 
 bool LooksLikeSynthetic(const std::string& location) { return location.starts_with(kSyntheticPrefix); }
 
-[[maybe_unused]] bool LooksLikeLog(const std::string& location) { return std::filesystem::is_regular_file(location); }
+bool LooksLikeLog(const std::string& location) { return std::filesystem::is_regular_file(location); }
 
 std::unique_ptr<Dataset> OpenSynthetic(const std::string& location) {
   return OpenSyntheticDataset(LooksLikeSynthetic(location) ? location.substr(kSyntheticPrefix.size()) : location);
@@ -40,9 +37,7 @@ struct Kind {
 // In this order: a folder with the lists of a format is taken for that format even if it has a camera.yaml too.
 constexpr auto kKinds = std::to_array<Kind>({
     {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
-#ifdef PLSLAM_HAS_LOG_DATASET
     {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
-#endif
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
     {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},

@@ -8,10 +8,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/bus/convert.h"
 #include "player/open_dataset.h"
-#include "player/rig_message.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
+#include "plslam/pose3_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -153,10 +154,7 @@ void PlayerNode::PassOver(const LoadedFrame& frame) {
   spdlog::warn("passed over: {}", frame.error);
 }
 
-void PlayerNode::PublishRig() {
-  camera_t message = ToMessage(dataset_->rig());
-  process_.bus().Publish(bus::kCamera, std::move(message));
-}
+void PlayerNode::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(dataset_->rig())); }
 
 void PlayerNode::PublishTruth(const LoadedFrame& frame) {
   if (!frame.T_w_l) return;
@@ -164,7 +162,7 @@ void PlayerNode::PublishTruth(const LoadedFrame& frame) {
   message.header = {};
   message.header.t_ns = frame.images.t_ns;
   message.frame_id = frame.images.frame_id;
-  message.T_w_l = ToMessage(*frame.T_w_l);
+  message.T_w_l = bus::ToMessage(*frame.T_w_l);
   process_.bus().Publish(bus::kGroundTruth, std::move(message));
 }
 

@@ -1,0 +1,216 @@
+// The player against a stand-in for vo_process, both on real buses over loopback.
+#include "player/player_node.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "plslam/camera_t.hpp"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+#include "tests/unit/io/dataset_folders.h"
+
+namespace plslam {
+namespace {
+
+using std::chrono::seconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+// A port of its own for each test process.
+bus::BusOptions Loopback() {
+  bus::BusOptions options;
+  options.url = fmt::format("udpm://239.255.76.67:{}?ttl=0", 20000 + getpid() % 20000);
+  return options;
+}
+
+// Says POSE for each frame, and keeps what comes.
+class Reader {
+ public:
+  explicit Reader(bool answers) : bus_(Loopback(), "vo"), answers_(answers) {
+    bus_.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { Keep([&] { streams_.push_back(m); }); });
+    bus_.Subscribe<ground_truth_t>(bus::kGroundTruth,
+                                   [this](const ground_truth_t& m) { Keep([&] { truths_.push_back(m.frame_id); }); });
+    bus_.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { Keep([&] { rigs_.push_back(m); }); });
+    bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
+      if (m.process == "player") Keep([&] { reasons_.push_back(m.state + ": " + m.reason); });
+    });
+    frames_ = std::make_unique<bus::FrameSubscriber>(bus_, bus::FrameSubscriber::Mode::kReliable,
+                                                     [this](const auto& frame) { OnFrame(frame); });
+    bus_.Every(std::chrono::milliseconds(100), [this] { SayAlive(); });
+    thread_ = std::thread([this] { bus_.Run(); });
+  }
+  ~Reader() {
+    bus_.Stop();
+    thread_.join();
+  }
+
+  template <class Condition>
+  bool WaitFor(Condition condition) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, seconds(30), condition);
+  }
+
+  std::vector<int64_t> frame_ids_;
+  std::vector<int> first_pixels_;
+  std::vector<int64_t> truths_;
+  std::vector<stream_t> streams_;
+  std::vector<camera_t> rigs_;
+  std::vector<std::string> reasons_;
+
+ private:
+  template <class F>
+  void Keep(F f) {
+    const std::scoped_lock lock(mutex_);
+    f();
+    changed_.notify_all();
+  }
+  void OnFrame(const bus::FrameSubscriber::Frame& frame) {
+    Keep([&] {
+      frame_ids_.push_back(frame.images.frame_id);
+      first_pixels_.push_back(frame.images.left.at<uint8_t>(0, 0));
+    });
+    if (!answers_) return;
+    pose_t pose{};
+    pose.header.t_ns = frame.images.t_ns;
+    pose.frame_id = frame.images.frame_id;
+    bus_.Publish(bus::kPose, pose);
+  }
+  void SayAlive() {
+    status_t status{};
+    status.process = "vo";
+    status.state = "running";
+    bus_.Publish(bus::kStatus, status);
+  }
+
+  bus::Bus bus_;
+  const bool answers_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::unique_ptr<bus::FrameSubscriber> frames_;
+  std::thread thread_;
+};
+
+// The player in this process, its run loop on a thread.
+class Player {
+ public:
+  explicit Player(const PlayerOptions& options)
+      : process_("player", Loopback()), node_(std::make_unique<PlayerNode>(process_, options)) {
+    thread_ = std::thread([this] { Run(); });
+  }
+  ~Player() {
+    process_.bus().Stop();
+    if (thread_.joinable()) thread_.join();
+    node_.reset();
+  }
+  // What the run loop threw; empty where it ended by itself.
+  std::string Join() {
+    thread_.join();
+    return error_;
+  }
+
+ private:
+  void Run() {
+    try {
+      process_.bus().Run();
+    } catch (const std::exception& error) {
+      error_ = error.what();
+    }
+  }
+
+  bus::Process process_;
+  std::unique_ptr<PlayerNode> node_;
+  std::string error_;
+  std::thread thread_;
+};
+
+class PlayerNodeTest : public testing::Test {
+ protected:
+  PlayerNodeTest() {
+    test::MakeKittiFolder(folder_.path());
+    options_.dataset = folder_.path().string();
+    options_.exit = true;
+  }
+  test::TemporaryFolder folder_;
+  PlayerOptions options_;
+};
+
+TEST_F(PlayerNodeTest, LockstepSendsEveryFrameAndEnds) {
+  Reader reader(true);
+  options_.loop = 2;
+  options_.bounce = true;
+  Player player(options_);
+  EXPECT_EQ(player.Join(), "");
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2 && reader.truths_.size() == 9; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 31, 62, 31, 0, 31, 62, 31, 0));
+  EXPECT_EQ(reader.streams_[0].event, "begin");
+  EXPECT_EQ(reader.streams_[0].n_frames, 9);
+  EXPECT_EQ(reader.streams_[1].event, "end");
+  EXPECT_EQ(reader.streams_[1].n_frames, 9);
+  ASSERT_FALSE(reader.rigs_.empty());
+  EXPECT_EQ(reader.rigs_[0].left.fx_px, 40.0);
+  EXPECT_DOUBLE_EQ(reader.rigs_[0].baseline_m, 0.5);
+}
+
+TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {
+  Player player(options_);
+  {
+    Reader crashes(false);
+    ASSERT_TRUE(crashes.WaitFor([&] { return crashes.frame_ids_.size() == 1; }));
+    ASSERT_TRUE(crashes.WaitFor([&] {
+      return std::find(crashes.reasons_.begin(), crashes.reasons_.end(),
+                       "running: waiting for the pose of frame 0") != crashes.reasons_.end();
+    }));
+  }
+  Reader restarted(true);
+  EXPECT_EQ(player.Join(), "");
+  ASSERT_TRUE(restarted.WaitFor([&] { return restarted.frame_ids_.size() >= 3; }));
+  EXPECT_EQ(restarted.frame_ids_.front(), 0);
+  EXPECT_EQ(restarted.frame_ids_.back(), 2);
+}
+
+TEST_F(PlayerNodeTest, BadFrameEndsTheStreamAndTheProcess) {
+  std::filesystem::remove(folder_.path() / "image_1" / "000001.png");
+  Reader reader(true);
+  Player player(options_);
+  EXPECT_THAT(player.Join(), HasSubstr("image_1/000001.png: the image is missing"));
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2; }));
+  EXPECT_EQ(reader.streams_[1].n_frames, 1);
+  EXPECT_EQ(reader.streams_[1].n_bad, 1);
+}
+
+TEST_F(PlayerNodeTest, SkipBadGoesOnAndCounts) {
+  std::filesystem::remove(folder_.path() / "image_1" / "000001.png");
+  options_.skip_bad = true;
+  Reader reader(true);
+  Player player(options_);
+  EXPECT_EQ(player.Join(), "");
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1));
+  EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 62));
+  EXPECT_EQ(reader.streams_[1].n_frames, 2);
+  EXPECT_EQ(reader.streams_[1].n_bad, 1);
+}
+
+TEST_F(PlayerNodeTest, RealtimeNeedsNoReader) {
+  options_.pace = "realtimex4";
+  Player player(options_);
+  EXPECT_EQ(player.Join(), "");
+}
+
+TEST_F(PlayerNodeTest, StopsWhileWaitingForAReader) {
+  Player player(options_);  // nobody answers; the destructor must end it
+}
+
+}  // namespace
+}  // namespace plslam

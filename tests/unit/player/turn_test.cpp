@@ -1,0 +1,46 @@
+#include "player/turn.h"
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+using std::chrono::milliseconds;
+using Event = Turn::Event;
+
+constexpr milliseconds kNow{0};
+
+TEST(Turn, OnlyThePoseOfTheExpectedFrameCounts) {
+  Turn turn;
+  turn.OnPose(0);
+  turn.Expect(0);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  turn.OnPose(1);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  turn.OnPose(0);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+  turn.Expect(1);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+}
+
+TEST(Turn, FirstReaderIsNoNewsButALaterOneIs) {
+  Turn turn;
+  turn.Expect(0);
+  turn.OnReader(11);
+  turn.OnReader(11);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  turn.OnReader(12);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kNewReader);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said once";
+}
+
+TEST(Turn, StopEndsEveryWait) {
+  Turn turn;
+  turn.Expect(0);
+  turn.Stop();
+  EXPECT_EQ(turn.WaitForPose(milliseconds(100000)), Event::kStopped);
+  EXPECT_FALSE(turn.WaitUntil(Turn::Clock::now() + milliseconds(100000)));
+}
+
+}  // namespace
+}  // namespace plslam

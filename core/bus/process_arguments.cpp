@@ -17,7 +17,7 @@ namespace plslam::bus {
 
 void ProcessArguments::AddTo(CLI::App* app) {
   app->add_option("--config", config_file, "YAML file with the options")->type_name("FILE");
-  app->add_option("--set", overrides, "one option, over the file: vo.orb.max_points=800 (repeatable)")
+  app->add_option("--set", overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0");

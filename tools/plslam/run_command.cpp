@@ -96,7 +96,7 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->check(CLI::IsMember({"points", "lines", "both"}));
   sub->add_option("--config", o->config_file, "YAML file with options of all processes (docs/configuration.md)")
       ->type_name("FILE");
-  sub->add_option("--set", o->overrides, "one option, over the file: vo.orb.max_points=800 (repeatable)")
+  sub->add_option("--set", o->overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   sub->add_option("--start", o->start, "first frame")->check(CLI::NonNegativeNumber);

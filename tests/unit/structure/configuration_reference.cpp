@@ -1,0 +1,78 @@
+#include "tests/unit/structure/configuration_reference.h"
+
+#include "core/bus/options.h"
+#include "core/config/config.h"
+#include "player/options.h"
+#include "viewer_headless/options.h"
+#include "vo_process/options.h"
+
+namespace plslam::test {
+namespace {
+
+/// Option structs of all processes, by section.
+struct AllOptions {
+  bus::BusOptions bus;
+  PlayerOptions player;
+  VoOptions vo;
+  ViewerOptions viewer;
+};
+
+struct Section {
+  std::string name;
+  std::string meaning;
+  std::vector<Field> fields;
+};
+
+std::vector<Section> Sections(AllOptions& all) {
+  return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
+          {"player", "What is played, and how.", ListFields(all.player)},
+          {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
+          {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
+}
+
+}  // namespace
+
+std::string ConfigurationReference() {
+  AllOptions defaults;
+  std::string text = R"(# Configuration
+
+One YAML file serves all processes (`--config FILE`); each reads its own section and `bus`. Single options are set over
+the file with `--set vo.features.orb.max_points=800`, as often as needed; the last one wins. `config/` has a complete file for
+each kind of rig.
+
+Unknown keys, duplicate keys, wrong types and values out of bounds stop a process before the first frame, with one
+sentence that names file, line, key and the nearest known key. What a process really uses stands in its status messages
+and in `summary.json`.
+
+This file is generated from the option structs by `scripts/document`; a test compares.
+)";
+  for (const Section& section : Sections(defaults)) {
+    text +=
+        "\n## " + section.name + "\n\n" + section.meaning + "\n\n" + FieldsToMarkdown(section.name, section.fields);
+  }
+  return text;
+}
+
+const std::vector<RigConfiguration>& RigConfigurations() {
+  static const std::vector<RigConfiguration> kRigs = {
+      {"kitti", "KITTI odometry: rectified, 1241x376, 0.54 m baseline, 10 Hz, a car.", {}},
+      {"euroc", "EuRoC MAV: raw, 752x480, 0.11 m baseline, 20 Hz, a quadrotor.", {}},
+      {"tum_rgbd", "TUM RGB-D: 640x480 and depth, 30 Hz, by hand.", {}},
+      {"synthetic", "The built-in worlds: 752x480, 20 Hz.", {}},
+  };
+  return kRigs;
+}
+
+std::string RigYaml(const RigConfiguration& rig) {
+  Config config;
+  for (const std::string& assignment : rig.overrides) config.Override(assignment);
+  AllOptions all;
+  std::string yaml = "# " + rig.meaning + "\n# Every option there is; what you leave out keeps its default.\n";
+  for (const Section& section : Sections(all)) {
+    config.ReadFields(section.name, section.fields);
+    yaml += "\n# " + section.meaning + "\n" + FieldsToYaml(section.name, section.fields, true);
+  }
+  return yaml;
+}
+
+}  // namespace plslam::test

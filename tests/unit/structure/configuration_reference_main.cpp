@@ -1,0 +1,21 @@
+#include <fstream>
+#include <iostream>
+
+#include "tests/support/data_folder.h"
+#include "tests/unit/structure/configuration_reference.h"
+
+/// Writes docs/configuration.md and config/*.yaml anew.
+int main() {
+  using namespace plslam::test;  // NOLINT(google-build-using-namespace)
+  const auto write = [](const std::string& path, const std::string& text) {
+    std::ofstream file(SourceFolder() / path);
+    file << text;
+    std::cout << path << "\n";
+    return file.good();
+  };
+  bool good = write("docs/configuration.md", ConfigurationReference());
+  for (const RigConfiguration& rig : RigConfigurations()) {
+    good = write("config/" + rig.name + ".yaml", RigYaml(rig)) && good;
+  }
+  return good ? 0 : 1;
+}

@@ -62,7 +62,9 @@ void History::DropOldest() {
 bool History::Spill(const Bytes& message) {
   if (log_failed_) return false;
   if (log_ == nullptr) {
-    log_ = std::make_unique<Log>(OpenLog(path_, "w"), OpenLog(path_, "r"));
+    std::error_code ignored;
+    std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
+    log_ = std::make_unique<Log>(Log{OpenLog(path_, "w"), OpenLog(path_, "r")});
   }
   lcm_eventlog_t* writer = log_->writer.get();
   const int64_t offset = writer != nullptr ? ftello(writer->f) : -1;

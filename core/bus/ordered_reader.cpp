@@ -166,7 +166,10 @@ std::optional<std::vector<SeqRange>> OrderedReader::Asking(int64_t now) {
   fresh_ = false;
   if (fresh.empty()) return std::nullopt;
   asked_end_ = fresh.back().last + 1;
-  if (retry_at_ == kFar) retry_at_ = now + retry_pause_;
+  if (retry_at_ == kFar) {
+    retry_at_ = now + retry_pause_;
+    retry_pause_ = std::min(2 * retry_pause_, times_.retry_max_ns);
+  }
   return fresh;
 }
 

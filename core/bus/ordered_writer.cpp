@@ -123,15 +123,15 @@ void OrderedWriter::Trim(int64_t now) {
 
 bool OrderedWriter::AnnounceDue(int64_t now) {
   if (now < next_announce_) return false;
-  static constexpr std::array<int64_t, 3> kPauses_ns = {8'000'000, 40'000'000, 150'000'000};
-  const bool quick = announce_stage_ < static_cast<int>(kPauses_ns.size()) && AliveReaders(now) > 0;
-  const bool needed =
-      history_.next_seq() > 0 && (announce_stage_ > 0 || !AllDelivered(now) || AliveReaders(now) == 0);
-  const bool acknowledged = AliveReaders(now) > 0 && AllDelivered(now);
-  next_announce_ =
-      now + (quick && !acknowledged ? kPauses_ns[static_cast<size_t>(announce_stage_)] : times_.announce_period_ns);
+  static constexpr std::array<int64_t, 6> kPauses_ns = {5'000'000,  10'000'000, 20'000'000,
+                                                         40'000'000, 80'000'000, 150'000'000};
+  const bool waiting = AliveReaders(now) > 0 && !AllDelivered(now);
+  const bool everybody_has_it = AliveReaders(now) > 0 && !waiting;
+  const bool first = announce_stage_ == 0;
+  const auto pause = kPauses_ns[std::min(static_cast<size_t>(announce_stage_), kPauses_ns.size() - 1)];
+  next_announce_ = now + (waiting ? pause : times_.announce_period_ns);
   ++announce_stage_;
-  return needed;
+  return history_.next_seq() > 0 && !(first && everybody_has_it);
 }
 
 int OrderedWriter::AliveReaders(int64_t now) const {

@@ -1,16 +1,21 @@
 #include "core/bus/bus.h"
 
+#include <fstream>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "plslam/command_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {
 namespace {
 
+using test::Eventually;
 using test::PrivateUrl;
 using test::RunningBus;
 using test::Waiter;
@@ -66,6 +71,269 @@ TEST(Bus, TwoProcessesExchangeOrderedMessages) {
   Bus publisher(OptionsFor(url), "publisher");
   for (int i = 0; i < 2000; ++i) publisher.Publish(kPose, PoseOf(i));
   ASSERT_TRUE(received.Reaches(2000)) << received.value();
+}
+
+/// Everything published arrives in order although the reader throws datagrams away.
+class LossyBus : public testing::TestWithParam<double> {};
+
+TEST_P(LossyBus, OrderedMessagesArriveAllTheSame) {
+  const std::string url = PrivateUrl();
+  BusOptions options = OptionsFor(url);
+  options.drop_fraction = GetParam();
+  RunningBus reader(options, "reader");
+  Waiter received;
+  std::vector<int64_t> frames;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    frames.push_back(pose.frame_id);
+    received.Add();
+  });
+  reader.Start();
+  RunningBus publisher(options, "publisher");
+  static constexpr int kMessages = 3000;
+  for (int i = 0; i < kMessages; ++i) publisher->Publish(kPose, PoseOf(i));
+  ASSERT_TRUE(received.Reaches(kMessages)) << received.value();
+  EXPECT_TRUE(publisher->Flush(std::chrono::seconds(10)));
+  reader.Join();
+  ASSERT_EQ(frames.size(), static_cast<size_t>(kMessages));
+  for (int i = 0; i < kMessages; ++i) ASSERT_EQ(frames[static_cast<size_t>(i)], i);
+  EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
+  EXPECT_GT(publisher->counters().resent, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Drop, LossyBus, testing::Values(0.05, 0.2));
+
+TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
+  const std::string url = PrivateUrl();
+  BusOptions options = OptionsFor(url);
+  options.history_bytes = 200'000;  // so that most of it comes from disk
+  Bus publisher(options, "publisher");
+  static constexpr int kMessages = 2000;
+  for (int i = 0; i < kMessages; ++i) publisher.Publish(kPose, PoseOf(i));
+  RunningBus reader(OptionsFor(url), "reader");
+  Waiter received;
+  int64_t next = 0;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_EQ(pose.frame_id, next++);
+    received.Add();
+  });
+  reader.Start();
+  ASSERT_TRUE(received.Reaches(kMessages)) << received.value();
+  EXPECT_EQ(reader->counters().lost, 0);
+}
+
+TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
+  const std::string url = PrivateUrl();
+  BusOptions deaf = OptionsFor(url);
+  deaf.drop_fraction = 0.5;
+  deaf.drop_seed = 3;
+  RunningBus reader(deaf, "reader");
+  Waiter received;
+  int64_t newest = -1;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_GT(pose.frame_id, newest);
+    newest = pose.frame_id;
+    received.Add();
+  });
+  reader.Start();
+  {
+    // Deaf to requests for good: as dead as a publisher can be that has sent something.
+    BusOptions dead = OptionsFor(url);
+    dead.drop_fraction = 0.9999;
+    dead.max_wait_ms = 0;
+    Bus publisher(dead, "publisher");
+    for (int i = 0; i < 40; ++i) publisher.Publish(kPose, PoseOf(i));
+  }
+  // Gaps are given up one after another, each after the publisher has been silent for long enough.
+  ASSERT_TRUE(received.Reaches(5, std::chrono::seconds(60)));
+  ASSERT_TRUE(Eventually([&] {
+    const BusCounters c = reader->counters();
+    return c.lost > c.repaired && received.value() + c.lost - c.repaired >= 20;
+  }));
+}
+
+TEST(Bus, SlowHandlerHoldsThePublisherBackAndLosesNothing) {
+  const std::string url = PrivateUrl();
+  BusOptions options = OptionsFor(url);
+  options.queue_bytes = 200'000;
+  RunningBus reader(options, "reader");
+  Waiter received;
+  std::mutex gate;
+  int64_t next = 0;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    const std::lock_guard lock(gate);
+    EXPECT_EQ(pose.frame_id, next++);
+    received.Add();
+  });
+  options.max_wait_ms = 50;
+  options.history_bytes = 200'000;
+  static constexpr int kMessages = 3000;
+  Bus publisher(options, "publisher");
+  {
+    const std::lock_guard closed(gate);
+    reader.Start();
+    ASSERT_TRUE(test::WaitForReaders(publisher, kPose, 1));
+    for (int i = 0; i < kMessages; ++i) publisher.Publish(kPose, PoseOf(i));
+    EXPECT_LT(received.value(), kMessages);
+  }
+  ASSERT_TRUE(received.Reaches(kMessages)) << received.value();
+  EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
+}
+
+TEST(Bus, LatestMessageOvertakesOlderOnes) {
+  RunningBus bus(OptionsFor("memq://"));
+  std::vector<int64_t> frames;
+  Waiter received;
+  Waiter entered;
+  std::mutex gate;
+  bus->Subscribe<tracks_t>(kTracks, [&](const tracks_t& tracks) {
+    entered.Add();
+    const std::lock_guard lock(gate);
+    frames.push_back(tracks.frame_id);
+    received.Add();
+  });
+  bus.Start();
+  const auto publish = [&](int64_t id) {
+    tracks_t tracks{};
+    tracks.frame_id = id;
+    bus->Publish(kTracks, tracks);
+  };
+  {
+    const std::lock_guard closed(gate);
+    publish(0);
+    ASSERT_TRUE(entered.Reaches(1));
+    for (int i = 1; i <= 10; ++i) publish(i);
+    ASSERT_TRUE(Eventually([&] { return bus->counters().skipped == 9; })) << bus->counters().skipped;
+  }
+  ASSERT_TRUE(received.Reaches(2));
+  bus.Join();
+  EXPECT_EQ(frames, (std::vector<int64_t>{0, 10}));
+}
+
+TEST(Bus, BestEffortReaderNeitherAsksNorHoldsBack) {
+  const std::string url = PrivateUrl();
+  RunningBus reader(OptionsFor(url), "reader");
+  Waiter received;
+  reader->SubscribeBestEffort<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  for (int i = 0; i < 10; ++i) publisher.Publish(kPose, PoseOf(i));
+  ASSERT_TRUE(received.Reaches(10));
+  EXPECT_EQ(publisher.ReaderCount(kPose), 0);
+}
+
+TEST(Bus, PrefixesSeparateRobots) {
+  const std::string url = PrivateUrl();
+  BusOptions one = OptionsFor(url);
+  one.prefix = "robot.1/";
+  BusOptions two = OptionsFor(url);
+  two.prefix = "robotx1/";
+  RunningBus reader(one, "reader");
+  Waiter received;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_EQ(pose.frame_id, 1);
+    received.Add();
+  });
+  reader.Start();
+  Bus other(two, "other");
+  Bus same(one, "same");
+  other.Publish(kPose, PoseOf(2));
+  same.Publish(kPose, PoseOf(1));
+  ASSERT_TRUE(received.Reaches(1));
+  EXPECT_EQ(reader->counters().rejected, 0);
+}
+
+TEST(Bus, TimersAndPostedCallsRunOnTheThreadOfRun) {
+  RunningBus bus(OptionsFor("memq://"));
+  Waiter ticks;
+  Waiter posted;
+  std::thread::id thread;
+  bus->Every(std::chrono::milliseconds(2), [&] {
+    thread = std::this_thread::get_id();
+    ticks.Add();
+  });
+  bus.Start();
+  bus->Post([&] {
+    EXPECT_TRUE(ticks.value() == 0 || thread == std::this_thread::get_id());
+    posted.Add();
+  });
+  EXPECT_TRUE(ticks.Reaches(5));
+  EXPECT_TRUE(posted.Reaches(1));
+  bus.Join();
+  EXPECT_NE(thread, std::this_thread::get_id());
+}
+
+TEST(Bus, StopsBeforeRun) {
+  Bus bus(OptionsFor("memq://"), "test");
+  bus.Stop();
+  bus.Run();
+}
+
+TEST(Bus, RefusesWhatCannotWorkInOneSentence) {
+  const auto error_of = [](const BusOptions& options) -> std::string {
+    try {
+      const Bus bus(options, "test");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  using testing::HasSubstr;
+  EXPECT_THAT(error_of(OptionsFor("ftp://x")), HasSubstr("bus.url: ftp://x is no LCM URL"));
+  EXPECT_THAT(error_of(OptionsFor("tcpq://127.0.0.1:1")), HasSubstr("no relay answers"));
+  BusOptions options = OptionsFor("memq://");
+  options.key_file = "/nowhere/key";
+  EXPECT_THAT(error_of(options), HasSubstr("/nowhere/key cannot be read"));
+  options = OptionsFor("memq://");
+  options.history_dir = "/proc/nowhere";
+  EXPECT_THAT(error_of(options), HasSubstr("bus.history_dir: /proc/nowhere"));
+  options = OptionsFor("memq://");
+  options.prefix = "a*";
+  EXPECT_THAT(error_of(options), HasSubstr("bus.prefix"));
+}
+
+TEST(Bus, RefusesMessagesThatDoNotFitOrDoNotBelong) {
+  Bus bus(OptionsFor("memq://"), "test");
+  status_t status{};
+  status.configuration.assign(70'000, 'x');
+  EXPECT_THROW(bus.Publish(kStatus, status), std::length_error);
+  EXPECT_THROW(bus.Publish(kPose, status_t{}), std::logic_error);
+  EXPECT_THROW(bus.Subscribe<status_t>(kPose, [](const status_t&) {}), std::logic_error);
+}
+
+/// Resident memory of this process.
+double MemoryMb() {
+  std::ifstream in("/proc/self/statm");
+  double pages = 0;
+  in >> pages >> pages;
+  return pages * 4096 / 1e6;
+}
+
+TEST(Bus, MemoryStaysBoundedOverManyMessages) {
+#ifdef PLSLAM_SANITIZED
+  GTEST_SKIP() << "sanitizers keep memory of their own";
+#endif
+  const std::string url = PrivateUrl();
+  const test::TemporaryFolder folder;
+  BusOptions options = OptionsFor(url);
+  options.history_bytes = 1'000'000;
+  options.history_dir = folder.path();
+  RunningBus reader(OptionsFor(url), "reader");
+  Waiter received;
+  reader->Subscribe<command_t>(kCommand, [&](const command_t&) {});
+  reader->Subscribe<stream_t>(kStream, [&](const stream_t&) { received.Add(); });
+  reader.Start();
+  Bus publisher(options, "publisher");
+  ASSERT_TRUE(test::WaitForReaders(publisher, kStream, 1));
+  static constexpr int kMessages = 200'000;
+  double early = 0.0;
+  for (int i = 0; i < kMessages; ++i) {
+    publisher.Publish(kStream, stream_t{});
+    if (i == kMessages / 10) early = MemoryMb();
+  }
+  ASSERT_TRUE(received.Reaches(kMessages, std::chrono::seconds(60)));
+  std::printf("  %.1f MB after %d messages, %.1f MB after %d\n", early, kMessages / 10, MemoryMb(), kMessages);
+  EXPECT_LT(MemoryMb(), early + 10.0);
+  EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
 }
 
 }  // namespace

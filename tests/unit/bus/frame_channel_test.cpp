@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "core/bus/frame_assembler.h"
+#include "plslam/image_strip_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {
@@ -143,6 +145,206 @@ INSTANTIATE_TEST_SUITE_P(Rates, LockstepStress,
                                          StressCase{"Kitti20HzDrop5", 1241, 376, 20.0, 0.05},
                                          StressCase{"Euroc40HzDrop5", 752, 480, 40.0, 0.05}),
                          [](const auto& test) { return test.param.name; });
+
+/// In real time: a slow handler sees the newest frames, and how many it missed.
+TEST(FrameChannel, LiveFramesThatAreLateAreSkippedAndCounted) {
+  const std::string url = PrivateUrl();
+  RunningBus reader(OptionsFor(url), "reader");
+  std::mutex gate;
+  Waiter entered;
+  std::vector<int64_t> ids;
+  int64_t skipped = 0;
+  Waiter handled;
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable, [&](const FrameSubscriber::Frame& frame) {
+    entered.Add();
+    const std::lock_guard lock(gate);
+    EXPECT_FALSE(frame.lockstep);
+    ids.push_back(frame.images.frame_id);
+    skipped += frame.skipped;
+    handled.Add();
+  });
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  ASSERT_TRUE(test::WaitForReaders(publisher, kStereoFrameLive, 1));
+  FramePublisher frames(publisher, false);
+  {
+    const std::lock_guard closed(gate);
+    frames.Publish(FrameOf(0, 320, 240));
+    ASSERT_TRUE(entered.Reaches(1));
+    for (int i = 1; i <= 10; ++i) frames.Publish(FrameOf(3 * i, 320, 240));  // ids with a stride
+    // The last strip is out; wait until it is in, or the gate opens too soon.
+    ASSERT_TRUE(Eventually([&] { return reader->counters().received >= 11 * 4; }));
+  }
+  ASSERT_TRUE(handled.Reaches(2));
+  reader.Join();
+  EXPECT_EQ(ids, (std::vector<int64_t>{0, 30}));
+  EXPECT_EQ(skipped, 9);
+  EXPECT_EQ(reader->counters().skipped, 9);
+}
+
+TEST(FrameChannel, LiveFramesAreSeldomLostWithTheDefaultBuffer) {
+  const std::string url = WithDefaultBuffer(PrivateUrl());
+  RunningBus reader(OptionsFor(url), "reader");
+  Waiter handled;
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable,
+                             [&](const FrameSubscriber::Frame&) { handled.Add(); });
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  ASSERT_TRUE(test::WaitForReaders(publisher, kStereoFrameLive, 1));
+  FramePublisher frames(publisher, false);
+  const auto start = std::chrono::steady_clock::now();
+  static constexpr int kFrames = 40;
+  const StereoImages image = FrameOf(0, 1241, 376);
+  for (int i = 0; i < kFrames; ++i) {
+    std::this_thread::sleep_until(start + std::chrono::milliseconds(50) * i);
+    StereoImages frame = image;
+    frame.frame_id = i;
+    frames.Publish(frame);
+  }
+  EXPECT_TRUE(handled.Reaches(kFrames * 3 / 4, std::chrono::seconds(2))) << handled.value() << " of " << kFrames;
+}
+
+class FrameSizes : public testing::TestWithParam<std::tuple<int, int, int, int>> {};
+
+TEST_P(FrameSizes, ArriveAsTheyWere) {
+  const auto [width, height, right_type, max_message_bytes] = GetParam();
+  BusOptions options = OptionsFor(PrivateUrl());
+  options.max_message_bytes = max_message_bytes;
+  RunningBus reader(options, "reader");
+  Waiter handled;
+  const StereoImages sent = FrameOf(5, width, height, right_type);
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable, [&](const FrameSubscriber::Frame& frame) {
+    EXPECT_TRUE(Equal(frame.images.left, sent.left));
+    EXPECT_TRUE(Equal(frame.images.right, sent.right));
+    EXPECT_EQ(frame.images.t_ns, sent.t_ns);
+    handled.Add();
+  });
+  reader.Start();
+  RunningBus publisher(options, "publisher");
+  ASSERT_TRUE(test::WaitForReaders(*publisher, kStereoFrame, 1));
+  FramePublisher(*publisher, true).Publish(sent);
+  EXPECT_TRUE(handled.Reaches(1));
+  EXPECT_EQ(reader->counters().rejected, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, FrameSizes,
+                         testing::Values(std::tuple{1242, 375, CV_8UC1, 60'000}, std::tuple{1242, 375, CV_8UC1, 1200},
+                                         std::tuple{640, 480, CV_16UC1, 60'000}, std::tuple{1, 1, CV_8UC1, 60'000},
+                                         std::tuple{64, 48, CV_16UC1, 1000}));
+
+TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
+  const std::string url = PrivateUrl();
+  RunningBus reader(OptionsFor(url), "viewer");
+  Waiter handled;
+  FrameSubscriber subscriber(
+      *reader, FrameSubscriber::Mode::kBestEffort,
+      [&](const FrameSubscriber::Frame& frame) {
+        EXPECT_EQ(frame.images.frame_id % 5, 0);
+        handled.Add();
+      },
+      [](int64_t id) { return id % 5 == 0; });
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  FramePublisher frames(publisher, true);
+  for (int i = 0; i <= 20; ++i) {
+    frames.Publish(FrameOf(i, 320, 240));
+    if (i % 5 == 0) {
+      ASSERT_TRUE(handled.Reaches(i / 5 + 1));
+    }
+  }
+  EXPECT_EQ(publisher.ReaderCount(kStereoFrame), 0);
+}
+
+TEST(FramePublisher, RefusesColourAndEmptyImages) {
+  Bus bus(OptionsFor("memq://"), "test");
+  FramePublisher frames(bus, true);
+  StereoImages frame = FrameOf(0, 32, 24);
+  frame.right = cv::Mat(24, 32, CV_8UC3);
+  EXPECT_THROW(frames.Publish(frame), std::invalid_argument);
+  frame.right = cv::Mat();
+  EXPECT_THROW(frames.Publish(frame), std::invalid_argument);
+  frame.left = cv::Mat(24, 32, CV_16UC1);
+  EXPECT_THROW(frames.Publish(frame), std::invalid_argument);
+}
+
+/// Strips of one image of 100 x 40 in four runs.
+image_strip_t StripOf(int64_t frame, int8_t camera, int32_t strip) {
+  image_strip_t message{};
+  message.header.source = 9;
+  message.frame_id = frame;
+  message.camera = camera;
+  message.strip = strip;
+  message.n_strips = 4;
+  message.width_px = 100;
+  message.height_px = 40;
+  message.encoding = "mono8";
+  message.offset_bytes = 1000 * strip;
+  message.n_bytes = 1000;
+  message.data.assign(1000, static_cast<uint8_t>(strip));
+  return message;
+}
+
+TEST(FrameAssembler, TakesStripsInAnyOrderAndMoreThanOnce) {
+  using Outcome = FrameAssembler::Outcome;
+  FrameAssembler assembler;
+  for (int32_t s : {3, 1, 0, 2}) EXPECT_EQ(assembler.Add(StripOf(1, 1, s)), Outcome::kTaken);
+  EXPECT_EQ(assembler.Add(StripOf(1, 1, 2)), Outcome::kRepeated);
+  for (int32_t s : {2, 3, 0}) EXPECT_EQ(assembler.Add(StripOf(1, 0, s)), Outcome::kTaken);
+  EXPECT_EQ(assembler.Add(StripOf(1, 0, 1)), Outcome::kComplete);
+  EXPECT_EQ(assembler.TakeFrame().images.left.at<uint8_t>(39, 99), 3);
+  EXPECT_EQ(assembler.partial(), 0U);
+}
+
+TEST(FrameAssembler, RefusesStripsThatDoNotFitTogether) {
+  const std::vector<std::function<void(image_strip_t&)>> faults = {
+      [](image_strip_t& s) { s.camera = 2; },
+      [](image_strip_t& s) { s.camera = -1; },
+      [](image_strip_t& s) { s.strip = 4; },
+      [](image_strip_t& s) { s.strip = -1; },
+      [](image_strip_t& s) { s.n_strips = 5; },
+      [](image_strip_t& s) { s.n_strips = 2'000'000'000; },
+      [](image_strip_t& s) { s.width_px = 0; },
+      [](image_strip_t& s) { s.width_px = 101; },
+      [](image_strip_t& s) { s.height_px = -40; },
+      [](image_strip_t& s) { s.width_px = s.height_px = 30'000; },
+      [](image_strip_t& s) { s.encoding = "bgr8"; },
+      [](image_strip_t& s) { s.encoding = "depth16"; },
+      [](image_strip_t& s) { s.offset_bytes = -1; },
+      [](image_strip_t& s) { s.offset_bytes = 3001; },
+      [](image_strip_t& s) { s.offset_bytes = INT32_MAX; },
+      [](image_strip_t& s) { s.n_bytes = 0; },
+      [](image_strip_t& s) { s.n_bytes = 999; },
+      [](image_strip_t& s) { s.header.t_ns = 1; },
+  };
+  for (size_t i = 0; i < faults.size(); ++i) {
+    FrameAssembler assembler;
+    ASSERT_EQ(assembler.Add(StripOf(1, 0, 0)), FrameAssembler::Outcome::kTaken);
+    image_strip_t hostile = StripOf(1, 0, 1);
+    faults[i](hostile);
+    EXPECT_EQ(assembler.Add(hostile), FrameAssembler::Outcome::kNonsense) << "fault " << i;
+  }
+}
+
+TEST(FrameAssembler, RefusesStripsThatOverlap) {
+  FrameAssembler assembler;
+  for (int32_t s = 0; s < 4; ++s) assembler.Add(StripOf(1, 1, s));
+  for (int32_t s = 0; s < 3; ++s) assembler.Add(StripOf(1, 0, s));
+  image_strip_t overlapping = StripOf(1, 0, 3);
+  overlapping.offset_bytes = 2000;
+  EXPECT_EQ(assembler.Add(overlapping), FrameAssembler::Outcome::kNonsense);
+}
+
+TEST(FrameAssembler, BoundsUnfinishedFrames) {
+  FrameAssembler assembler;
+  for (int64_t frame = 0; frame < 1000; ++frame) {
+    image_strip_t strip = StripOf(frame, 0, 0);
+    strip.width_px = 8000;
+    strip.height_px = 8000;
+    strip.n_strips = 64'000;
+    assembler.Add(strip);
+  }
+  EXPECT_LE(assembler.partial(), 4U);
+}
 
 }  // namespace
 }  // namespace plslam::bus

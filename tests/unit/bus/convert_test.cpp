@@ -1,0 +1,163 @@
+#include "core/bus/convert.h"
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "plslam/camera_t.hpp"
+#include "plslam/line_feature_t.hpp"
+#include "plslam/point_feature_t.hpp"
+#include "plslam/pose3_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+SE3 SomePose() {
+  Vector6d x;
+  x << 1.0, -2.0, 3.0, 0.4, -0.5, 2.6;
+  return SE3::Exp(x);
+}
+
+RigCalibration SomeRig() {
+  RigCalibration rig;
+  rig.name = "test";
+  rig.rate_hz = 20.0;
+  rig.left.width_px = 752;
+  rig.left.height_px = 480;
+  rig.left.model = "radtan";
+  rig.left.fx_px = 458.6;
+  rig.left.fy_px = 457.3;
+  rig.left.cx_px = 367.2;
+  rig.left.cy_px = 248.4;
+  rig.left.distortion = {-0.28, 0.07, 0.0002, 1e-5};
+  rig.left.T_b_cam = SomePose();
+  rig.right = rig.left;
+  rig.right.model = "pinhole";
+  rig.right.distortion.clear();
+  rig.baseline_m = 0.11;
+  return rig;
+}
+
+TEST(Convert, PoseSurvivesTheWire) {
+  const SE3 T = SomePose();
+  const auto back = FromMessage(ToMessage(T));
+  ASSERT_TRUE(back);
+  EXPECT_LT((back->matrix() - T.matrix()).cwiseAbs().maxCoeff(), 1e-15);
+  EXPECT_GE(ToMessage(SE3(Eigen::Quaterniond(-0.5, 0.5, 0.5, 0.5), {0, 0, 0})).q_wxyz[0], 0.0);
+}
+
+TEST(Convert, PosesThatAreNoneAreRefused) {
+  for (const double bad : {kNan, kInf, -kInf, 2.0}) {
+    for (int i = 0; i < 4; ++i) {
+      pose3_t message = ToMessage(SomePose());
+      message.q_wxyz[i] = bad;
+      EXPECT_FALSE(FromMessage(message)) << bad;
+    }
+  }
+  for (const double bad : {kNan, kInf, -kInf}) {
+    pose3_t message = ToMessage(SomePose());
+    message.position_m[1] = bad;
+    EXPECT_FALSE(FromMessage(message));
+  }
+  EXPECT_FALSE(FromMessage(pose3_t{}));
+}
+
+TEST(Convert, CovarianceIsRowMajorAndChecked) {
+  Matrix6d covariance = Matrix6d::Random();
+  covariance = (covariance * covariance.transpose()).eval();
+  double values[36];
+  ToArray(covariance, values);
+  EXPECT_EQ(values[6 * 2 + 4], covariance(2, 4));
+  ASSERT_TRUE(FromArray(values));
+  EXPECT_EQ(*FromArray(values), covariance);
+  for (const double bad : {kNan, kInf, -1.0}) {
+    double changed[36];
+    ToArray(covariance, changed);
+    changed[7] = bad;
+    EXPECT_FALSE(FromArray(changed)) << bad;
+  }
+  values[1] += 1.0;
+  EXPECT_FALSE(FromArray(values)) << "not symmetric";
+}
+
+TEST(Convert, DescriptorBitsKeepTheirPlaces) {
+  const Descriptor descriptor = {0x0123456789abcdef, 1, 0, 0xff00000000000000};
+  uint8_t bytes[32];
+  ToBytes(descriptor, bytes);
+  EXPECT_EQ(bytes[0], 0xef);
+  EXPECT_EQ(bytes[8], 1);
+  EXPECT_EQ(bytes[31], 0xff);
+  EXPECT_EQ(FromBytes(bytes), descriptor);
+}
+
+TEST(Convert, RigSurvivesTheWire) {
+  const RigCalibration rig = SomeRig();
+  const auto back = FromMessage(ToMessage(rig));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->name, rig.name);
+  EXPECT_EQ(back->left.distortion, rig.left.distortion);
+  EXPECT_EQ(back->left.fx_px, rig.left.fx_px);
+  EXPECT_EQ(back->right.model, "pinhole");
+  EXPECT_EQ(back->baseline_m, rig.baseline_m);
+  EXPECT_EQ(back->kind, RigCalibration::Kind::kStereo);
+}
+
+TEST(Convert, RigsThatCannotBeAreRefused) {
+  const std::vector<std::function<void(camera_t&)>> faults = {
+      [](camera_t& c) { c.kind = "mono"; },
+      [](camera_t& c) { c.left.width_px = 0; },
+      [](camera_t& c) { c.left.height_px = -480; },
+      [](camera_t& c) { c.right.width_px = 1 << 30; },
+      [](camera_t& c) { c.left.model = "fisheye"; },
+      [](camera_t& c) { c.left.fx_px = 0.0; },
+      [](camera_t& c) { c.left.fy_px = kNan; },
+      [](camera_t& c) { c.left.cx_px = kInf; },
+      [](camera_t& c) { c.left.distortion.pop_back(); },
+      [](camera_t& c) { c.left.distortion[2] = kNan; },
+      [](camera_t& c) { c.right.distortion.push_back(0.0); },
+      [](camera_t& c) { c.baseline_m = 0.0; },
+      [](camera_t& c) { c.rate_hz = kNan; },
+      [](camera_t& c) { c.kind = "rgbd"; },
+      [](camera_t& c) { c.left.T_b_cam.q_wxyz[0] = 7.0; },
+  };
+  for (size_t i = 0; i < faults.size(); ++i) {
+    camera_t message = ToMessage(SomeRig());
+    faults[i](message);
+    EXPECT_FALSE(FromMessage(message)) << "fault " << i;
+  }
+}
+
+TEST(Convert, FeaturesThatCannotBeAreRefused) {
+  for (const float bad : {static_cast<float>(kNan), static_cast<float>(kInf)}) {
+    for (const auto member :
+         {&point_feature_t::u_px, &point_feature_t::v_px, &point_feature_t::disparity_px, &point_feature_t::sigma_px,
+          &point_feature_t::sigma_disparity_px, &point_feature_t::angle_rad}) {
+      point_feature_t point = ToMessage(StereoPoint(), -1);
+      ASSERT_TRUE(FromMessage(point));
+      point.*member = bad;
+      EXPECT_FALSE(FromMessage(point));
+    }
+    for (const auto member :
+         {&line_feature_t::disparity_p_px, &line_feature_t::disparity_q_px, &line_feature_t::sigma_px,
+          &line_feature_t::sigma_disparity_p_px, &line_feature_t::sigma_disparity_q_px}) {
+      line_feature_t line = ToMessage(StereoLine(), -1);
+      ASSERT_TRUE(FromMessage(line));
+      line.*member = bad;
+      EXPECT_FALSE(FromMessage(line));
+    }
+  }
+  point_feature_t point = ToMessage(StereoPoint(), -1);
+  point.octave = -1;
+  EXPECT_FALSE(FromMessage(point));
+  line_feature_t line = ToMessage(StereoLine(), -2);
+  EXPECT_FALSE(FromMessage(line));
+}
+
+}  // namespace
+}  // namespace plslam::bus

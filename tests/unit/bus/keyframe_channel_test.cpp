@@ -1,0 +1,153 @@
+#include "core/bus/keyframe_channel.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "plslam/keyframe_t.hpp"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::bus {
+namespace {
+
+using Outcome = KeyframeAssembler::Outcome;
+
+Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
+  std::mt19937_64 random(static_cast<uint64_t>(id));
+  Keyframe keyframe;
+  keyframe.session = 5;
+  keyframe.t_ns = 1000 + id;
+  keyframe.keyframe_id = id;
+  keyframe.frame_id = 3 * id;
+  keyframe.previous_keyframe_id = id - 1;
+  keyframe.covariance = 1e-4 * Matrix6d::Identity();
+  keyframe.state = 1;
+  for (int i = 0; i < n_points; ++i) {
+    StereoPoint point;
+    point.left.px = {static_cast<float>(i), 2.5};
+    point.disparity_px = i % 2 == 0 ? 4.25 : -1.0;
+    point.left.octave = i % 8;
+    point.left.descriptor = {random(), random(), random(), random()};
+    keyframe.features.points.push_back(point);
+    keyframe.point_landmark_ids.push_back(i - 1);
+  }
+  for (int i = 0; i < n_lines; ++i) {
+    StereoLine line;
+    line.left.segment = {{static_cast<float>(i), 1.0}, {7.5, 8.5}};
+    line.disparity_p_px = i % 2 == 0 ? 3.0 : -1.0;
+    line.disparity_q_px = 2.0;
+    line.left.descriptor = {random(), random(), random(), random()};
+    keyframe.features.lines.push_back(line);
+    keyframe.line_landmark_ids.push_back(-1);
+  }
+  return keyframe;
+}
+
+void ExpectEqual(const Keyframe& a, const Keyframe& b) {
+  EXPECT_EQ(a.keyframe_id, b.keyframe_id);
+  EXPECT_EQ(a.frame_id, b.frame_id);
+  EXPECT_EQ(a.session, b.session);
+  EXPECT_EQ(a.t_ns, b.t_ns);
+  EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.point_landmark_ids, b.point_landmark_ids);
+  EXPECT_EQ(a.line_landmark_ids, b.line_landmark_ids);
+  ASSERT_EQ(a.features.points.size(), b.features.points.size());
+  ASSERT_EQ(a.features.lines.size(), b.features.lines.size());
+  for (size_t i = 0; i < a.features.points.size(); ++i) {
+    EXPECT_EQ(a.features.points[i].left.px, b.features.points[i].left.px);
+    EXPECT_EQ(a.features.points[i].disparity_px, b.features.points[i].disparity_px);
+    EXPECT_EQ(a.features.points[i].left.octave, b.features.points[i].left.octave);
+    EXPECT_EQ(a.features.points[i].left.descriptor, b.features.points[i].left.descriptor);
+  }
+  for (size_t i = 0; i < a.features.lines.size(); ++i) {
+    EXPECT_EQ(a.features.lines[i].left.segment.p, b.features.lines[i].left.segment.p);
+    EXPECT_EQ(a.features.lines[i].HasDepth(), b.features.lines[i].HasDepth());
+    EXPECT_EQ(a.features.lines[i].left.descriptor, b.features.lines[i].left.descriptor);
+  }
+}
+
+class KeyframePages : public testing::TestWithParam<std::tuple<int, int, int>> {};
+
+TEST_P(KeyframePages, AreSmallEnoughAndGiveTheSameKeyframe) {
+  const auto [n_points, n_lines, page_bytes] = GetParam();
+  const Keyframe keyframe = KeyframeOf(3, n_points, n_lines);
+  const auto pages = CutIntoPages(keyframe, page_bytes);
+  KeyframeAssembler assembler;
+  for (size_t i = 0; i < pages.size(); ++i) {
+    EXPECT_LE(pages[i].getEncodedSize(), page_bytes);
+    ASSERT_EQ(assembler.Add(pages[i]), i + 1 == pages.size() ? Outcome::kComplete : Outcome::kTaken) << i;
+  }
+  ExpectEqual(assembler.Take(), keyframe);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, KeyframePages,
+                         testing::Combine(testing::Values(0, 1, 2000), testing::Values(0, 1, 500),
+                                          testing::Values(1200, 60'000)));
+
+TEST(KeyframeAssembler, RefusesPagesOutOfPlace) {
+  const auto pages = CutIntoPages(KeyframeOf(3, 100, 100), 1200);
+  ASSERT_GT(pages.size(), 3U);
+  KeyframeAssembler assembler;
+  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kNonsense) << "does not begin with page 0";
+  EXPECT_EQ(assembler.Add(pages[0]), Outcome::kTaken);
+  EXPECT_EQ(assembler.Add(pages[2]), Outcome::kNonsense) << "page 1 is missing";
+  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kNonsense) << "what had come is dropped";
+  EXPECT_EQ(assembler.Add(pages[0]), Outcome::kTaken);
+  keyframe_t other = pages[1];
+  other.keyframe_id = 4;
+  EXPECT_EQ(assembler.Add(other), Outcome::kNonsense);
+}
+
+TEST(KeyframeAssembler, RefusesHostilePages) {
+  KeyframeAssembler assembler;
+  keyframe_t page = CutIntoPages(KeyframeOf(3, 1, 1), 60'000)[0];
+  const auto expect_refused = [&](auto change) {
+    keyframe_t hostile = page;
+    change(hostile);
+    EXPECT_EQ(assembler.Add(hostile), Outcome::kNonsense);
+  };
+  expect_refused([](keyframe_t& p) { p.n_pages = 0; });
+  expect_refused([](keyframe_t& p) { p.n_pages = 2'000'000'000; });
+  expect_refused([](keyframe_t& p) { p.page = -1; });
+  expect_refused([](keyframe_t& p) { p.keyframe_id = -1; });
+  expect_refused([](keyframe_t& p) { p.previous_keyframe_id = p.keyframe_id; });
+  expect_refused([](keyframe_t& p) { p.state = 17; });
+  expect_refused([](keyframe_t& p) { p.covariance[0] = -1.0; });
+  expect_refused([](keyframe_t& p) { p.T_odom_kf.q_wxyz[0] = 5.0; });
+  expect_refused([](keyframe_t& p) { p.points[0].u_px = 1e30F; });
+  EXPECT_EQ(assembler.Add(page), Outcome::kComplete);
+}
+
+TEST(CutIntoPages, RefusesIdsThatAreNotAsManyAsFeatures) {
+  Keyframe keyframe = KeyframeOf(0, 2, 2);
+  keyframe.line_landmark_ids.pop_back();
+  EXPECT_THROW(CutIntoPages(keyframe, 60'000), std::invalid_argument);
+}
+
+TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {
+  BusOptions options;
+  options.url = test::PrivateUrl();
+  options.max_message_bytes = 1200;
+  options.drop_fraction = 0.05;
+  test::RunningBus publisher(options, "vo");
+  KeyframePublisher pages(*publisher);
+  for (int id = 0; id < 10; ++id) pages.Publish(KeyframeOf(id, 200, 50));
+  test::RunningBus reader(options, "viewer");
+  test::Waiter received;
+  std::vector<Keyframe> keyframes;
+  KeyframeSubscriber subscriber(*reader, [&](const Keyframe& keyframe) {
+    keyframes.push_back(keyframe);
+    received.Add();
+  });
+  reader.Start();
+  ASSERT_TRUE(received.Reaches(10)) << received.value();
+  reader.Join();
+  for (int id = 0; id < 10; ++id) {
+    ExpectEqual(keyframes[static_cast<size_t>(id)], KeyframeOf(id, 200, 50));
+    EXPECT_EQ(keyframes[static_cast<size_t>(id)].source, publisher->source());
+  }
+  EXPECT_EQ(reader->counters().rejected, 0);
+}
+
+}  // namespace
+}  // namespace plslam::bus

@@ -1,0 +1,306 @@
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "core/bus/convert.h"
+#include "core/bus/frame_channel.h"
+#include "core/bus/log_dataset.h"
+#include "core/bus/log_reader.h"
+#include "core/bus/log_writer.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/image_strip_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::bus {
+namespace {
+
+using test::Eventually;
+using test::PrivateUrl;
+using test::RunningBus;
+using test::TemporaryFolder;
+using test::Waiter;
+
+constexpr int kWidth = 320;
+constexpr int kHeight = 240;
+constexpr int kFrames = 8;
+
+RigCalibration SmallRig() {
+  RigCalibration rig;
+  rig.name = "small";
+  rig.rate_hz = 20.0;
+  rig.left.width_px = kWidth;
+  rig.left.height_px = kHeight;
+  rig.left.fx_px = rig.left.fy_px = 200.0;
+  rig.right = rig.left;
+  rig.baseline_m = 0.1;
+  return rig;
+}
+
+StereoImages FrameOf(int id) {
+  StereoImages frame;
+  frame.frame_id = id;
+  frame.t_ns = 50'000'000LL * (id + 1);
+  cv::RNG random(static_cast<uint64_t>(id + 1));
+  frame.left.create(kHeight, kWidth, CV_8UC1);
+  frame.right.create(kHeight, kWidth, CV_8UC1);
+  random.fill(frame.left, cv::RNG::UNIFORM, 0, 256);
+  random.fill(frame.right, cv::RNG::UNIFORM, 0, 256);
+  return frame;
+}
+
+/// What a player publishes of a short stream.
+void PublishStream(Bus& bus, bool lockstep) {
+  camera_t camera = ToMessage(SmallRig());
+  bus.Publish(kCamera, camera);
+  FramePublisher frames(bus, lockstep);
+  for (int i = 0; i < kFrames; ++i) {
+    ground_truth_t truth{};
+    truth.frame_id = i;
+    truth.T_w_l = ToMessage(SE3(Eigen::Quaterniond::Identity(), {0.1 * i, 0.0, 0.0}));
+    bus.Publish(kGroundTruth, truth);
+    frames.Publish(FrameOf(i));
+  }
+}
+
+bool Equal(const cv::Mat& a, const cv::Mat& b) {
+  return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
+}
+
+void ExpectTheStream(const Dataset& dataset) {
+  ASSERT_EQ(dataset.size(), kFrames);
+  EXPECT_EQ(dataset.rig().name, "small");
+  for (int i = 0; i < kFrames; ++i) {
+    const StereoImages read = dataset.Read(i);
+    EXPECT_TRUE(Equal(read.left, FrameOf(i).left)) << i;
+    EXPECT_TRUE(Equal(read.right, FrameOf(i).right)) << i;
+    EXPECT_EQ(read.t_ns, FrameOf(i).t_ns);
+    EXPECT_EQ(dataset.t_ns(i), read.t_ns);
+    ASSERT_TRUE(dataset.GroundTruth(i));
+    EXPECT_DOUBLE_EQ(dataset.GroundTruth(i)->translation().x(), 0.1 * i);
+  }
+}
+
+/// Events of a log, to be written again changed.
+struct RawEvent {
+  std::string channel;
+  std::vector<uint8_t> data;
+};
+
+std::vector<RawEvent> ReadAll(const std::string& path) {
+  LogReader reader(path);
+  std::vector<RawEvent> events;
+  while (const auto event = reader.Next()) {
+    events.push_back({event->channel, *reader.Data(event->data_offset, event->data_bytes)});
+  }
+  return events;
+}
+
+void WriteAll(const std::string& path, const std::vector<RawEvent>& events) {
+  LogWriter writer(path);
+  int64_t time = 0;
+  for (const RawEvent& event : events) writer.Write(event.channel, event.data, time += 1000);
+}
+
+/// A log of the stream, recorded by ourselves over a network that loses 5 %.
+class RecordedLog : public testing::Test {
+ protected:
+  std::string Record(const BusOptions& options, bool lockstep) {
+    const std::string path = folder_ / "recorded.lcm";
+    BusOptions lossy = options;
+    lossy.drop_fraction = lockstep ? 0.05 : 0.0;
+    LogRecorder recorder(lossy, path);
+    std::thread thread([&] { recorder.Run(); });
+    {
+      RunningBus player(options, "player");
+      EXPECT_TRUE(test::WaitForReaders(*player, lockstep ? kStereoFrame : kStereoFrameLive, 1));
+      for (int i = 0; i < 5; ++i) player->Publish(kCamera, ToMessage(SmallRig()));
+      PublishStream(*player, lockstep);
+      EXPECT_TRUE(player->Flush(std::chrono::seconds(10)));
+    }
+    int64_t before = -1;
+    EXPECT_TRUE(Eventually([&] { return std::exchange(before, recorder.events()) == recorder.events(); }));
+    recorder.bus().Post([&] { recorder.Stop(); });
+    thread.join();
+    return path;
+  }
+  static BusOptions Options() {
+    BusOptions options;
+    options.url = PrivateUrl();
+    return options;
+  }
+
+  const TemporaryFolder folder_;
+};
+
+TEST_F(RecordedLog, IsAWholeDatasetInSpiteOfLosses) { ExpectTheStream(*OpenLogDataset(Record(Options(), true))); }
+
+TEST_F(RecordedLog, OfTheLiveChannelWithPrefixAndSmallMessages) {
+  BusOptions options = Options();
+  options.prefix = "r1/";
+  options.max_message_bytes = 1200;
+  ExpectTheStream(*OpenLogDataset(Record(options, false)));
+}
+
+TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {
+  auto events = ReadAll(Record(Options(), true));
+  const auto copy = events;
+  events.insert(events.end(), copy.begin(), copy.end());
+  std::mt19937_64 random(4);
+  std::shuffle(events.begin(), events.end(), random);
+  WriteAll(folder_ / "shuffled", events);
+  ExpectTheStream(*OpenLogDataset(folder_ / "shuffled"));
+}
+
+TEST_F(RecordedLog, MissingStripIsNamedWithItsFrame) {
+  auto events = ReadAll(Record(Options(), true));
+  const auto of_frame_3 = [](const RawEvent& event) {
+    image_strip_t strip;
+    return event.channel == "STEREO_FRAME" &&
+           strip.decode(event.data.data(), 0, static_cast<int>(event.data.size())) >= 0 && strip.frame_id == 3;
+  };
+  events.erase(std::find_if(events.begin(), events.end(), of_frame_3));
+  WriteAll(folder_ / "holed", events);
+  const auto dataset = OpenLogDataset(folder_ / "holed");
+  ASSERT_EQ(dataset->size(), kFrames);
+  EXPECT_NO_THROW(dataset->Read(2));
+  try {
+    dataset->Read(3);
+    FAIL();
+  } catch (const DatasetError& error) {
+    EXPECT_NE(std::string(error.what()).find("holed: frame 3 is not whole"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(RecordedLog, DamagedBytesArePassedOver) {
+  const std::string path = Record(Options(), true);
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::mt19937_64 random(9);
+  for (int round = 0; round < 100; ++round) {
+    std::string damaged = bytes;
+    for (uint64_t n = 1 + random() % 20; n > 0; --n) damaged[random() % damaged.size()] = static_cast<char>(random());
+    damaged.resize(damaged.size() - random() % 1000);
+    std::ofstream(folder_ / "damaged", std::ios::binary) << damaged;
+    try {
+      const auto dataset = OpenLogDataset(folder_ / "damaged");
+      for (int i = 0; i < dataset->size(); ++i) {
+        try {
+          dataset->Read(i);
+        } catch (const DatasetError&) {
+        }
+      }
+    } catch (const DatasetError&) {
+    }
+  }
+}
+
+TEST(LogDataset, SaysWhatIsMissing) {
+  const TemporaryFolder folder;
+  const auto error_of = [](const std::string& path) -> std::string {
+    try {
+      OpenLogDataset(path);
+    } catch (const DatasetError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(error_of(folder / "none").find("cannot be read"), std::string::npos);
+  EXPECT_NE(error_of(folder.path()).find("no regular file"), std::string::npos);
+  std::ofstream(folder / "empty");
+  EXPECT_NE(error_of(folder / "empty").find("no LCM log with stereo frames"), std::string::npos);
+  std::ofstream(folder / "text") << std::string(100'000, 'x');
+  EXPECT_NE(error_of(folder / "text").find("no LCM log with stereo frames"), std::string::npos);
+  EXPECT_FALSE(LooksLikeLcmLog(folder / "text"));
+}
+
+TEST(StockTools, LoggerRecordsWhatWePublish) {
+  if (!test::HasProgram("lcm-logger")) GTEST_SKIP() << "lcm-logger is not installed";
+  const TemporaryFolder folder;
+  const std::string url = PrivateUrl();
+  const std::string log = folder / "log";
+  test::Shell("lcm-logger -q -f -l '" + url + "' " + log + " > " + (folder / "out") + " 2>&1 & echo $! > " +
+              (folder / "pid"));
+  BusOptions options;
+  options.url = url;
+  Bus player(options, "player");
+  ASSERT_TRUE(Eventually([&] {  // until it listens
+    player.Publish(kCamera, ToMessage(SmallRig()));
+    return std::filesystem::exists(log) && std::filesystem::file_size(log) > 0;
+  }));
+  options.prefix = "again_";
+  Bus publisher(options, "player");
+  PublishStream(publisher, true);
+  test::Shell("sleep 0.3; kill -INT $(cat " + (folder / "pid") + "); sleep 0.3");
+  const auto events = ReadAll(log);
+  const auto count = [&](const std::string& channel) {
+    return std::count_if(events.begin(), events.end(), [&](const RawEvent& e) { return e.channel == channel; });
+  };
+  EXPECT_GE(count("CAMERA"), 1);
+  EXPECT_EQ(count("again_GROUND_TRUTH"), kFrames);
+  // Nobody paces the publisher here, and the logger cannot ask again: whether all strips arrived is luck.
+  EXPECT_GT(count("again_STEREO_FRAME"), 0);
+}
+
+TEST(StockTools, LogplayerFeedsAReader) {
+  if (!test::HasProgram("lcm-logplayer")) GTEST_SKIP() << "lcm-logplayer is not installed";
+  const TemporaryFolder folder;
+  const std::string log = folder / "log";
+  {
+    LogWriter writer(log);
+    for (int i = 0; i < 100; ++i) {
+      pose_t pose{};
+      pose.header.schema = kSchemaVersion;
+      pose.header.source = 7;
+      pose.header.seq = i;
+      pose.frame_id = i;
+      std::vector<uint8_t> bytes(static_cast<size_t>(pose.getEncodedSize()));
+      pose.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+      writer.Write("POSE", bytes, 1'000'000 + 2000 * i);
+    }
+  }
+  BusOptions options;
+  options.url = PrivateUrl();
+  RunningBus reader(options, "reader");
+  Waiter received;
+  int64_t next = 0;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_EQ(pose.frame_id, next++);
+    received.Add();
+  });
+  reader.Start();
+  ASSERT_EQ(test::Shell("lcm-logplayer -l '" + options.url + "' " + log + " > /dev/null 2>&1"), 0);
+  EXPECT_TRUE(received.Reaches(100)) << received.value();
+}
+
+TEST(FileUrl, OfARecordedLogFeedsAReader) {
+  const TemporaryFolder folder;
+  const std::string log = folder / "log";
+  {
+    BusOptions options;
+    options.url = "file://" + log + "?mode=w";
+    Bus writer(options, "writer");
+    for (int i = 0; i < 50; ++i) {
+      pose_t pose{};
+      pose.frame_id = i;
+      writer.Publish(kPose, pose);
+    }
+  }
+  BusOptions options;
+  options.url = "file://" + log + "?mode=r&speed=0";
+  RunningBus reader(options, "reader");
+  Waiter received;
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_EQ(pose.frame_id, received.value());
+    received.Add();
+  });
+  reader.Start();
+  EXPECT_TRUE(received.Reaches(50)) << received.value();
+}
+
+}  // namespace
+}  // namespace plslam::bus

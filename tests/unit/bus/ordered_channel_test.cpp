@@ -1,0 +1,394 @@
+#include <deque>
+#include <filesystem>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "core/bus/ordered_reader.h"
+#include "core/bus/ordered_writer.h"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int64_t kMs = 1'000'000;
+
+Bytes MessageOf(int64_t n, size_t size = 100) {
+  std::vector<uint8_t> bytes(size, static_cast<uint8_t>(n));
+  for (int i = 0; i < 8; ++i) bytes[static_cast<size_t>(i)] = static_cast<uint8_t>(n >> (8 * i));
+  return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+}
+
+int64_t NumberOf(const Bytes& message) {
+  int64_t n = 0;
+  for (int i = 7; i >= 0; --i) n = n << 8 | (*message)[static_cast<size_t>(i)];
+  return n;
+}
+
+OrderedWriter WriterOf(Retention retention = Retention::kAll) {
+  return OrderedWriter(retention, 100'000'000, "CHANNEL", "", false);
+}
+
+std::vector<int64_t> Drain(OrderedReader& reader, int64_t now) {
+  std::vector<int64_t> numbers;
+  while (const Bytes front = reader.Front()) {
+    numbers.push_back(NumberOf(front));
+    reader.Pop(now);
+  }
+  return numbers;
+}
+
+using Numbers = std::vector<int64_t>;
+
+TEST(OrderedReader, DeliversInOrderWhateverTheArrival) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2, 3, 1}) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1, 2, 3}));
+  EXPECT_EQ(reader.lost(), 1);
+  EXPECT_EQ(reader.repaired(), 1);
+}
+
+TEST(OrderedReader, AsksForAGapAtOnceAndOnlyForIt) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 1, 5, 6, 8}) reader.OnMessage(n, *MessageOf(n), 0);
+  Drain(reader, 0);
+  ASSERT_LE(reader.poll_time(), 0);
+  const auto request = reader.Poll(0);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->delivered, 1);
+  ASSERT_EQ(request->ranges.size(), 2U);
+  EXPECT_EQ(request->ranges[0].first, 2);
+  EXPECT_EQ(request->ranges[0].last, 4);
+  EXPECT_EQ(request->ranges[1].first, 7);
+  EXPECT_EQ(request->ranges[1].last, 7);
+}
+
+TEST(OrderedReader, AsksAgainWithGrowingPauses) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  reader.OnMessage(2, *MessageOf(2), 0);
+  std::vector<int64_t> times;
+  for (int64_t now = 0; now < 1000 * kMs; now += kMs) {
+    if (const auto request = reader.Poll(now); request && !request->ranges.empty()) times.push_back(now / kMs);
+  }
+  EXPECT_EQ(times, (Numbers{0, 5, 15, 35, 75, 155, 315, 515, 715, 915}));
+}
+
+TEST(OrderedReader, CountsRepetitions) {
+  OrderedReader reader(true, 1'000'000, 0);
+  using Arrival = OrderedReader::Arrival;
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kNew);
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kDuplicate);
+  Drain(reader, 0);
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kDuplicate);
+  EXPECT_TRUE(Drain(reader, 0).empty());
+}
+
+TEST(OrderedReader, FindsALostTailByTheAnnouncement) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  reader.Poll(0);
+  reader.OnAnnounce(0, 3, 3 * kMs);
+  const auto request = reader.Poll(3 * kMs);
+  ASSERT_TRUE(request);
+  ASSERT_EQ(request->ranges.size(), 1U);
+  EXPECT_EQ(request->ranges[0].first, 1);
+  EXPECT_EQ(request->ranges[0].last, 2);
+}
+
+TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(50, *MessageOf(50), 0);
+  EXPECT_TRUE(Drain(reader, 0).empty());
+  const auto question = reader.Poll(0);
+  ASSERT_TRUE(question);
+  EXPECT_EQ(question->delivered, -1);
+  EXPECT_TRUE(question->ranges.empty());
+  reader.OnAnnounce(48, 51, kMs);
+  const auto request = reader.Poll(kMs);
+  ASSERT_TRUE(request);
+  ASSERT_EQ(request->ranges.size(), 1U);
+  EXPECT_EQ(request->ranges[0].first, 48);
+  EXPECT_EQ(request->ranges[0].last, 49);
+  reader.OnMessage(48, *MessageOf(48), 2 * kMs);
+  reader.OnMessage(49, *MessageOf(49), 2 * kMs);
+  EXPECT_EQ(Drain(reader, 2 * kMs), (Numbers{48, 49, 50}));
+  EXPECT_EQ(reader.lost(), 0) << "what was sent before we listened was not lost on the wire";
+}
+
+TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 3, 5}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  for (int64_t now = 0; now < 20'000 * kMs; now += 10 * kMs) {
+    reader.Poll(now);
+    const Numbers more = Drain(reader, now);
+    if (!more.empty()) {
+      EXPECT_GE(now, 3000 * kMs);
+    }
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  }
+  EXPECT_EQ(numbers, (Numbers{0, 3, 5}));
+  EXPECT_EQ(reader.lost(), 3);
+  EXPECT_EQ(reader.repaired(), 0);
+}
+
+TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  reader.OnAnnounce(-5, 3, 0);
+  reader.OnAnnounce(7, 3, 0);
+  reader.OnAnnounce(0, int64_t{1} << 60, 0);
+  EXPECT_EQ(reader.lost(), 0);
+  EXPECT_EQ(reader.OnMessage(int64_t{1} << 60, *MessageOf(9), 0), OrderedReader::Arrival::kRefused);
+}
+
+TEST(OrderedReader, BoundsWhatWaitsOutOfOrder) {
+  OrderedReader reader(true, 10'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  for (int64_t n = 2; n < 1000; ++n) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_LE(reader.buffered_bytes(), 10'000);
+  EXPECT_EQ(reader.OnMessage(1, *MessageOf(1), 0), OrderedReader::Arrival::kNew);
+  EXPECT_EQ(Drain(reader, 0).size(), 101U);
+}
+
+TEST(OrderedWriter, HoldsBackWhatWouldOverflowAReader) {
+  OrderedWriter writer = WriterOf();
+  const int64_t window = 133'120;  // of the default receive buffer
+  writer.OnHello(7, window, 0);
+  int sent = 0;
+  while (writer.WindowOpen(60'000, 0) && sent < 100) writer.Sent(MessageOf(sent++, 60'000), 0);
+  EXPECT_EQ(sent, 2);
+  writer.OnRequest(7, 0, window, {}, 0);
+  EXPECT_TRUE(writer.WindowOpen(60'000, 0));
+}
+
+TEST(OrderedWriter, DoesNotWaitForADeadReader) {
+  OrderedWriter writer = WriterOf();
+  writer.OnHello(7, 64'000, 0);
+  writer.Sent(MessageOf(0, 60'000), 0);
+  EXPECT_FALSE(writer.WindowOpen(60'000, 1000 * kMs));
+  EXPECT_TRUE(writer.WindowOpen(60'000, 1501 * kMs));
+}
+
+TEST(OrderedWriter, LeavesASlowReaderBehindUntilItHasCaughtUp) {
+  OrderedWriter writer = WriterOf();
+  writer.OnHello(7, 64'000, 0);
+  writer.Sent(MessageOf(0, 60'000), 0);
+  EXPECT_FALSE(writer.WindowOpen(60'000, 0));
+  writer.LeaveBehind(60'000, 0);
+  for (int64_t n = 1; n < 5; ++n) {
+    EXPECT_TRUE(writer.WindowOpen(60'000, 0));
+    writer.Sent(MessageOf(n, 60'000), 0);
+  }
+  writer.OnRequest(7, 4, 64'000, {}, 0);
+  writer.Sent(MessageOf(5, 60'000), 0);
+  EXPECT_FALSE(writer.WindowOpen(60'000, 0));
+}
+
+TEST(OrderedWriter, IgnoresAcknowledgementsOfWhatWasNotSent) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  writer.OnHello(7, 64'000, 0);
+  writer.Sent(MessageOf(0), 0);
+  writer.OnRequest(7, INT64_MAX, 64'000, {{-5, INT64_MAX}}, 0);
+  EXPECT_FALSE(writer.AllDelivered(0));
+  EXPECT_EQ(writer.history().first_seq(), 0);
+}
+
+TEST(OrderedWriter, AnswersARequestWithAtMostAWindow) {
+  OrderedWriter writer = WriterOf();
+  for (int64_t n = 0; n < 100; ++n) writer.Sent(MessageOf(n, 30'000), 0);
+  const auto answer = writer.OnRequest(7, -1, 133'120, {{0, 99}}, 0);
+  EXPECT_TRUE(answer.announce);
+  ASSERT_EQ(answer.resend.size(), 3U);
+  EXPECT_EQ(NumberOf(answer.resend[2]), 2);
+}
+
+TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  writer.OnHello(7, 500'000, 0);
+  writer.OnHello(8, 500'000, 0);
+  for (int64_t n = 0; n < 10; ++n) writer.Sent(MessageOf(n), 0);
+  writer.OnRequest(7, 9, 500'000, {}, 0);
+  EXPECT_EQ(writer.history().first_seq(), 0);
+  writer.OnRequest(8, 5, 500'000, {}, 0);
+  EXPECT_EQ(writer.history().first_seq(), 6);
+  writer.OnRequest(7, 9, 500'000, {}, 11'000 * kMs);  // 8 has been gone for long
+  EXPECT_EQ(writer.history().first_seq(), 10);
+}
+
+TEST(OrderedWriter, AnnouncesAfterSendingUntilAcknowledged) {
+  OrderedWriter writer = WriterOf();
+  writer.OnHello(7, 500'000, 0);
+  const auto announcements = [&](int64_t from, int64_t to) {
+    Numbers times;
+    for (int64_t now = from; now < to; now += kMs) {
+      if (writer.AnnounceDue(now)) times.push_back(now / kMs);
+    }
+    return times;
+  };
+  EXPECT_EQ(announcements(0, 500 * kMs), Numbers());
+  writer.Sent(MessageOf(0), 500 * kMs);
+  EXPECT_EQ(announcements(500 * kMs, 800 * kMs), (Numbers{503, 508, 518, 538, 578, 658}));
+  writer.OnRequest(7, 0, 500'000, {}, 800 * kMs);
+  writer.Sent(MessageOf(1), 800 * kMs);
+  writer.OnRequest(7, 1, 500'000, {}, 801 * kMs);
+  EXPECT_EQ(announcements(801 * kMs, 1700 * kMs), Numbers());
+}
+
+/// One writer and some readers over a network that loses, repeats and reorders; simulated time.
+class LossyNetwork {
+ public:
+  LossyNetwork(double loss, uint64_t seed) : loss_(loss), random_(seed) {}
+
+  /// Sends n messages of random sizes; true when all readers have delivered all of them, in order, once.
+  bool Run(int n, int n_readers, int64_t limit) {
+    OrderedWriter writer = WriterOf();
+    std::vector<OrderedReader> readers(static_cast<size_t>(n_readers), OrderedReader(true, 10'000'000, 0));
+    std::vector<Numbers> delivered(readers.size());
+    std::vector<int64_t> hello(readers.size(), 0);
+    for (int64_t now = 0; now < limit; now += kMs / 5) {
+      for (size_t r = 0; r < readers.size(); ++r) {
+        if (now >= hello[r]) {
+          hello[r] = now + 300 * kMs;
+          ToWriter(now, [&, r, now] { writer.OnHello(static_cast<int64_t>(r) + 1, 133'120, now); });
+        }
+      }
+      if (writer.next_seq() < n && writer.WindowOpen(60'000, now)) {
+        const Bytes message = MessageOf(writer.next_seq(), random_() % 3 == 0 ? 60'000 : 200);
+        Multicast(now, readers, writer.next_seq(), message);
+        writer.Sent(message, now);
+      }
+      if (writer.AnnounceDue(now)) Announce(now, readers, writer);
+      Deliver(now);
+      for (size_t r = 0; r < readers.size(); ++r) Poll(now, readers, r, writer, delivered[r]);
+    }
+    Numbers all(static_cast<size_t>(n));
+    for (int i = 0; i < n; ++i) all[static_cast<size_t>(i)] = i;
+    bool ok = true;
+    for (size_t r = 0; r < readers.size(); ++r) {
+      EXPECT_EQ(delivered[r].size(), all.size()) << "reader " << r;
+      EXPECT_EQ(readers[r].lost(), readers[r].repaired());
+      EXPECT_TRUE(delivered[r] == all) << "reader " << r << " got them out of order, twice, or not all";
+      ok &= delivered[r] == all;
+    }
+    return ok;
+  }
+
+ private:
+  struct Flight {
+    int64_t at;
+    std::function<void()> land;
+  };
+
+  void Send(int64_t now, std::function<void()> land) {
+    if (Random() < loss_) return;
+    flights_.push_back({now + static_cast<int64_t>(Random() * 0.5 * kMs), land});
+    if (Random() < 0.02) flights_.push_back({now + 3 * kMs, std::move(land)});
+  }
+  void ToWriter(int64_t now, std::function<void()> land) { Send(now, std::move(land)); }
+
+  void Multicast(int64_t now, std::vector<OrderedReader>& readers, int64_t seq, const Bytes& message) {
+    for (OrderedReader& reader : readers) {
+      Send(now, [this, &reader, seq, message] { reader.OnMessage(seq, *message, now_); });
+    }
+  }
+
+  void Announce(int64_t now, std::vector<OrderedReader>& readers, const OrderedWriter& writer) {
+    for (OrderedReader& reader : readers) {
+      Send(now, [this, &reader, first = writer.history().first_seq(), next = writer.next_seq()] {
+        reader.OnAnnounce(first, next, now_);
+      });
+    }
+  }
+
+  void Poll(int64_t now, std::vector<OrderedReader>& readers, size_t r, OrderedWriter& writer, Numbers& delivered) {
+    const Numbers more = Drain(readers[r], now);
+    delivered.insert(delivered.end(), more.begin(), more.end());
+    const auto request = readers[r].Poll(now);
+    if (!request) return;
+    ToWriter(now, [this, &readers, &writer, r, request] {
+      const auto answer =
+          writer.OnRequest(static_cast<int64_t>(r) + 1, request->delivered, 133'120, request->ranges, now_);
+      for (const Bytes& message : answer.resend) Multicast(now_, readers, NumberOf(message), message);
+      if (answer.announce) Announce(now_, readers, writer);
+    });
+  }
+
+  void Deliver(int64_t now) {
+    now_ = now;
+    std::vector<Flight> landing;
+    for (auto flight = flights_.begin(); flight != flights_.end();) {
+      if (flight->at > now) {
+        ++flight;
+        continue;
+      }
+      landing.push_back(std::move(*flight));
+      flight = flights_.erase(flight);
+    }
+    for (Flight& flight : landing) flight.land();
+  }
+
+  double Random() { return static_cast<double>(random_() >> 11) * 0x1p-53; }
+
+  double loss_;
+  std::mt19937_64 random_;
+  std::deque<Flight> flights_;
+  int64_t now_ = 0;
+};
+
+class OrderedChannel : public testing::TestWithParam<double> {};
+
+TEST_P(OrderedChannel, EveryMessageArrivesOnceAndInOrder) {
+  for (uint64_t seed = 1; seed <= 5; ++seed) {
+    EXPECT_TRUE(LossyNetwork(GetParam(), seed).Run(200, 2, 60'000 * kMs)) << "seed " << seed;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Loss, OrderedChannel, testing::Values(0.0, 0.05, 0.2, 0.5));
+
+TEST(History, SpillsToALogAndReadsItBack) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "deep/CHANNEL.lcmlog";
+  {
+    History history(Retention::kAll, 10'000, "CHANNEL", path, false);
+    for (int64_t n = 0; n < 1000; ++n) history.Append(MessageOf(n, 100 + static_cast<size_t>(n % 50)));
+    EXPECT_LE(history.memory_bytes(), 10'000);
+    EXPECT_GT(history.spilled(), 900);
+    EXPECT_EQ(history.first_seq(), 0);
+    EXPECT_EQ(history.next_seq(), 1000);
+    for (const int64_t n : {0, 1, 500, 7, 950, 999}) {
+      const Bytes message = history.Get(n);
+      ASSERT_NE(message, nullptr) << n;
+      EXPECT_EQ(*message, *MessageOf(n, 100 + static_cast<size_t>(n % 50)));
+    }
+    history.Append(MessageOf(1000));
+    EXPECT_EQ(NumberOf(history.Get(920)), 920);
+    EXPECT_EQ(history.Get(1001), nullptr);
+    EXPECT_EQ(history.Get(-1), nullptr);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(History, BeginsLaterWhereTheDiskDoesNotTakeIt) {
+  History history(Retention::kAll, 1000, "CHANNEL", "/proc/nowhere/CHANNEL.lcmlog", false);
+  for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
+  EXPECT_EQ(history.first_seq(), 90);
+  EXPECT_EQ(history.Get(5), nullptr);
+  EXPECT_EQ(NumberOf(history.Get(95)), 95);
+}
+
+TEST(History, OfUnacknowledgedMessagesStaysInMemoryAndBounded) {
+  History history(Retention::kUnacknowledged, 1000, "CHANNEL", "", false);
+  for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
+  EXPECT_EQ(history.first_seq(), 90);
+  history.Forget(95);
+  EXPECT_EQ(history.first_seq(), 95);
+  EXPECT_EQ(history.Get(94), nullptr);
+}
+
+}  // namespace
+}  // namespace plslam::bus

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "tests/integration/whole_run.h"
 
@@ -13,7 +13,7 @@ namespace {
 using test::WholeRun;
 using testing::HasSubstr;
 
-/// Frames that the recorded tracker has done so far.
+/// The run is well under way: a dozen frames or more stand in its log.
 bool HasFrames(const WholeRun& run) {
   return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 3'000'000;
 }

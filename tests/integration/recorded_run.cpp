@@ -57,6 +57,11 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
 
 }  // namespace
 
+int RecordedRun::Count(const std::string& channel) const {
+  const auto found = counts.find(channel);
+  return found == counts.end() ? 0 : found->second;
+}
+
 int RecordedRun::Gaps(const std::string& channel) const {
   int gaps = 0;
   for (const auto& [key, numbers] : sequence_numbers) {

@@ -26,6 +26,7 @@ struct RecordedRun {
   std::vector<status_t> statuses;
   int undecodable = 0;
 
+  int Count(const std::string& channel) const;
   /// Missing or doubled numbers of a channel, over all publishers; each must begin with 0.
   int Gaps(const std::string& channel) const;
 };

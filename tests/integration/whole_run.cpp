@@ -41,7 +41,7 @@ WholeRun::~WholeRun() {
 }
 
 void WholeRun::Start(std::vector<std::string> arguments) {
-  arguments.insert(arguments.end(), {"--out", out().string()});
+  if (arguments[0] != "relay") arguments.insert(arguments.end(), {"--out", out().string()});
   process_ = std::make_unique<ChildProcess>(BinaryFolder() / "plslam", arguments, folder_ / "plslam.log");
 }
 

@@ -19,7 +19,7 @@ class WholeRun {
   WholeRun(const WholeRun&) = delete;
   WholeRun& operator=(const WholeRun&) = delete;
 
-  /// `plslam ARGUMENTS... --out OUT`.
+  /// `plslam ARGUMENTS...`, and `--out OUT` where that makes sense.
   void Start(std::vector<std::string> arguments);
   /// Exit code; -1 (and killed) where it has not ended within `limit_s`.
   int Wait(int limit_s = 240);

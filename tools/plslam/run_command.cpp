@@ -62,7 +62,7 @@ int Report(const RunOptions& options, const RunSession& session) {
   WriteSummary(options.out, json);
   if (options.json) {
     fmt::print("{}\n", json.dump(2));
-  } else if (!options.quiet) {
+  } else if (!options.quiet && summary.statistics->frames() > 0) {
     fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.

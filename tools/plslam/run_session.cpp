@@ -77,7 +77,7 @@ void RunSession::Tick() {
 void RunSession::TellReadiness() {
   for (const ProcessReport& report : supervisor_.reports()) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
-    if (!state.empty() && state != "starting") supervisor_.SetReady(report.name);
+    if (state == "ready" || state == "running") supervisor_.SetReady(report.name);
   }
 }
 

@@ -35,12 +35,19 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
   return processes;
 }
 
+/// "ATE 0.012 m, ...", of what `evaluate` gives by name.
 std::string AccuracyToText(const json& accuracy) {
-  std::string text;
-  for (const auto& [name, value] : accuracy.items()) {
-    if (value.is_number()) text += fmt::format("{}{} {:.5g}", text.empty() ? "" : ", ", name, value.get<double>());
+  std::string text = fmt::format("ATE {:.4f} m", accuracy.value("ate_m", 0.0));
+  for (const json& relative : accuracy.value("rpe", json::array())) {
+    if (relative["translation_m"]["n"] == 0) continue;
+    text +=
+        fmt::format(", RPE over {} {:.4f} m {:.3f} deg", relative["delta"].get<std::string>(),
+                    relative["translation_m"]["rmse"].get<double>(), relative["rotation_deg"]["rmse"].get<double>());
   }
-  return text;
+  const json kitti = accuracy.value("kitti", json::object());
+  if (kitti.value("segments", 0) > 0)
+    text += fmt::format(", KITTI t_rel {:.3f} %", kitti["t_rel_percent"].get<double>());
+  return text + fmt::format(", path {:.1f} m", accuracy.value("true_path_m", 0.0));
 }
 
 }  // namespace

@@ -71,11 +71,18 @@ TEST(RunSummary, TextTellsTheMainFigures) {
   summary.dataset = "kitti_03";
   summary.completed = true;
   summary.statistics = &statistics;
-  summary.accuracy = json{{"ate_m", 0.0123}, {"coverage_percent", 100.0}};
+  const json exact = {{"n", 3}, {"rmse", 0.5}}, none = {{"n", 0}, {"rmse", 0.0}};
+  summary.accuracy = json{{"ate_m", 0.0123},
+                          {"true_path_m", 40.0},
+                          {"rpe",
+                           {{{"delta", "1 frame"}, {"translation_m", exact}, {"rotation_deg", exact}},
+                            {{"delta", "1 m"}, {"translation_m", none}, {"rotation_deg", none}}}},
+                          {"kitti", {{"segments", 2}, {"t_rel_percent", 1.25}}}};
   const std::string text = SummaryToText(SummaryToJson(summary));
   EXPECT_THAT(text, testing::HasSubstr("kitti_03 completed"));
   EXPECT_THAT(text, testing::HasSubstr("2 tracked (100.0 %)"));
-  EXPECT_THAT(text, testing::HasSubstr("ate_m 0.0123"));
+  EXPECT_THAT(text, testing::HasSubstr(
+                        "ATE 0.0123 m, RPE over 1 frame 0.5000 m 0.500 deg, KITTI t_rel 1.250 %, path 40.0 m"));
 }
 
 TEST(YamlToJson, BrokenYamlStaysText) { EXPECT_EQ(YamlToJson("a: [1"), json("a: [1")); }

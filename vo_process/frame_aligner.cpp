@@ -1,5 +1,7 @@
 #include "vo_process/frame_aligner.h"
 
+#include <utility>
+
 #include "core/motion/pose_ransac.h"
 
 namespace plslam {
@@ -23,23 +25,38 @@ std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, co
 }  // namespace
 
 std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                             const SE3& T_odom_prev, const MotionPrediction& prediction) const {
+                                             const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                             int expected_weight) const {
   const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
-  const TrackingOptions& tracking = options_.tracking;
-  for (const double radius_px : {tracking.search_radius_px, tracking.wide_radius_px}) {
-    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
-    const auto coarse = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt);
-    if (IsStrong(coarse, matches.Weight())) return Refine(landmarks, frame, *coarse, prior);
+  auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, expected_weight);
+  if (!coarse) {
+    const Search near{options_.tracking.search_radius_px, kRecentFrames};
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
+    coarse = Estimate(landmarks, frame, matches, T_odom_predicted, prior);
+    if (!coarse) return std::nullopt;
+    coarse->weak = true;
   }
-  if (const auto coarse = FindByDescriptor(landmarks, frame)) return Refine(landmarks, frame, *coarse, prior);
+  return Refine(landmarks, frame, *coarse, prior);
+}
 
-  const Search near{tracking.search_radius_px, kRecentFrames};
-  const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
-  auto weak = Estimate(landmarks, frame, matches, T_odom_predicted, prior);
-  if (!weak) return std::nullopt;
-  weak->weak = true;
-  return Refine(landmarks, frame, *weak, prior);
+std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                     const SE3& T_odom_predicted, int expected_weight) const {
+  // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
+  // weaker than the last frame's is believed only when nothing better is found.
+  const double convincing = options_.tracking.convincing_ratio * expected_weight;
+  std::optional<Alignment> best;
+  const auto consider = [&](std::optional<Alignment> found) {
+    if (found && (!best || found->matches.Weight() > best->matches.Weight())) best = std::move(found);
+    return best && best->matches.Weight() >= convincing;
+  };
+  for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt);
+    if (IsStrong(found, matches.Weight()) && consider(std::move(found))) return best;
+  }
+  consider(FindByDescriptor(landmarks, frame));
+  return best;
 }
 
 FrameMatches FrameAligner::MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame,

@@ -27,11 +27,14 @@ class FrameAligner {
  public:
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
-  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since. nullopt: lost.
+  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
+  /// (points + 2 x lines) that frame had. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
-                                 const MotionPrediction& prediction) const;
+                                 const MotionPrediction& prediction, int expected_weight) const;
 
  private:
+  std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                         const SE3& T_odom_predicted, int expected_weight) const;
   FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
                                  const Search& search) const;
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,

@@ -74,12 +74,12 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
 
 std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
   if (!dormant_) {
-    auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction);
+    auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
     if (!found) return std::nullopt;
     return Tracked{std::move(*found), Reference::kCurrent};
   }
   // Lost: only strong evidence ends it, first of the place it was lost at, then of the frame before.
-  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction);
+  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_);
   if (found && !found->weak) {
     dormant_->landmarks.next_point_id = landmarks_.next_point_id;
     dormant_->landmarks.next_line_id = landmarks_.next_line_id;
@@ -87,7 +87,7 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
     dormant_.reset();
     return Tracked{std::move(*found), Reference::kDormant};
   }
-  found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction);
+  found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
   if (!found || found->weak) return std::nullopt;
   dormant_.reset();
   return Tracked{std::move(*found), Reference::kFoundedWhileLost};
@@ -101,6 +101,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
   result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
+  tracked_weight_ = alignment.matches.Weight();
   PropagateCovariance(tracked, result);
 
   landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);

@@ -83,6 +83,8 @@ class Odometry {
   bool initialised_ = false;
   int64_t last_t_ns_ = 0;
   SE3 T_odom_c_;
+  /// Inliers of the last frame that was found (points + 2 x lines).
+  int tracked_weight_ = 0;
   /// Of T_odom_c given the landmarks, at the frame before.
   Matrix6d alignment_covariance_ = Matrix6d::Zero();
 

@@ -25,6 +25,7 @@ struct TrackingOptions {
   int min_inliers = 10;
   int weak_inliers = 25;
   double min_inlier_ratio = 0.3;
+  double convincing_ratio = 0.4;
   double max_acceleration_m_s2 = 10.0;
   double max_angular_acceleration_rad_s2 = 20.0;
 };
@@ -72,6 +73,8 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
   visit("min_inlier_ratio", o.min_inlier_ratio, Bounds{0, 1}, "share of matches that must agree with the motion");
+  visit("convincing_ratio", o.convincing_ratio, Bounds{0, 1},
+        "share of the last frame's inliers below which wider searches are tried too");
   visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "deviation of the motion prior");
   visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
         "deviation of the motion prior");

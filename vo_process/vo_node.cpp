@@ -1,0 +1,180 @@
+#include "vo_process/vo_node.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <opencv2/core/utility.hpp>
+#include <utility>
+
+#include "core/bus/convert.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/header_t.hpp"
+#include "plslam/stream_t.hpp"
+#include "vo_process/vo_messages.h"
+
+namespace plslam {
+namespace {
+
+// Frames kept while no camera has come; later ones are answered when it has, earlier ones are given up.
+constexpr size_t kMaxWaitingFrames = 8;
+
+double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// The rig without the header, which differs from message to message.
+std::vector<uint8_t> RigBytes(camera_t message) {
+  message.header = {};
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+}  // namespace
+
+VoNode::VoNode(bus::Process& process, const VoOptions& options)
+    : process_(process),
+      options_(options),
+      session_(process.bus().source()),
+      keyframes_(process.bus()),
+      frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
+  // Left and right are the two threads; more inside OpenCV would only get in their way.
+  cv::setNumThreads(1);
+  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
+  process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  process_.SetConfiguration(ToYaml("vo", options_));
+}
+
+void VoNode::OnCamera(const camera_t& message) {
+  std::vector<uint8_t> bytes = RigBytes(message);
+  if (bytes == camera_bytes_) return;
+  camera_bytes_ = std::move(bytes);
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) {
+    spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
+    Count("cameras.rejected", 1);
+    return;
+  }
+  try {
+    front_end_.emplace(*rig, options_);
+  } catch (const std::exception& error) {
+    front_end_.reset();
+    process_.SetState("failed", error.what());
+    throw;
+  }
+  if (rig_) spdlog::info("another camera '{}': a new session begins", rig->name);
+  rig_ = *rig;
+  odometry_.reset();
+  for (const Frame& frame : std::exchange(waiting_for_camera_, {})) Track(frame);
+}
+
+void VoNode::OnFrame(const Frame& frame) {
+  if (front_end_) return Track(frame);
+  if (waiting_for_camera_.size() == kMaxWaitingFrames) {
+    waiting_for_camera_.erase(waiting_for_camera_.begin());
+    Count("frames.without_camera", 1);
+  }
+  waiting_for_camera_.push_back(frame);
+}
+
+void VoNode::OnStream(const stream_t& message) {
+  announced_frames_ = message.event == "end" ? message.n_frames : -1;
+  if (message.event == "begin") last_frame_id_ = -1;
+  FinishIfDone();
+}
+
+void VoNode::BeginSession() {
+  if (last_t_ns_ != 0) ++session_;
+  odometry_.emplace(front_end_->camera(), options_);
+}
+
+void VoNode::Track(const Frame& frame) {
+  if (!odometry_ || frame.images.t_ns < last_t_ns_) BeginSession();
+  last_t_ns_ = frame.images.t_ns;
+  StageTimer timer(NowMs);
+  const OdometryResult result = timer.Time("total", [&] {
+    StereoFeatures features = SeeFeatures(frame.images, timer);
+    return timer.Time("track", [&] { return odometry_->Track(frame.images.t_ns, std::move(features)); });
+  });
+  // The pose first: somebody waits for it.
+  PublishPose(frame, result, timer.stages());
+  if (result.keyframe) PublishKeyframe(frame, result);
+  PublishTracks(frame, result);
+  SetState("running");
+  Count("frames", 1);
+  Count("frames.skipped", frame.skipped);
+  if (result.state == TrackingState::kLost) Count("frames.lost", 1);
+  if (result.keyframe) Count("keyframes", 1);
+  last_frame_id_ = frame.images.frame_id;
+  FinishIfDone();
+}
+
+StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
+  try {
+    return front_end_->Process(images, timer);
+  } catch (const std::exception& error) {
+    spdlog::warn("frame {}: {}", images.frame_id, error.what());
+    Count("frames.bad", 1);
+    return {};
+  }
+}
+
+void VoNode::SetHeader(const Frame& frame, header_t& header) const {
+  header.session = session_;
+  header.t_ns = frame.images.t_ns;
+}
+
+void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages) {
+  // No map yet that could correct odometry.
+  pose_t message = ToPoseMessage(result, SE3(), stages);
+  SetHeader(frame, message.header);
+  message.frame_id = frame.images.frame_id;
+  message.n_skipped_frames = frame.skipped;
+  process_.bus().Publish(bus::kPose, message);
+}
+
+void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
+  tracks_t message = ToTracksMessage(result);
+  SetHeader(frame, message.header);
+  message.frame_id = frame.images.frame_id;
+  process_.bus().Publish(bus::kTracks, message);
+}
+
+void VoNode::PublishKeyframe(const Frame& frame, const OdometryResult& result) {
+  Keyframe keyframe = ToKeyframe(result);
+  keyframe.session = session_;
+  keyframe.t_ns = frame.images.t_ns;
+  keyframe.frame_id = frame.images.frame_id;
+  keyframes_.Publish(keyframe);
+}
+
+void VoNode::Count(const std::string& name, double increment) {
+  double& count = counts_[name];
+  count += increment;
+  process_.SetCounter(name, count);
+}
+
+void VoNode::FinishIfDone() {
+  if (announced_frames_ >= 0 && last_frame_id_ + 1 >= announced_frames_) SetState("finished");
+}
+
+void VoNode::SetState(const std::string& state) {
+  if (state == std::exchange(state_, state)) return;
+  process_.SetState(state);
+}
+
+bus::ProcessSpec VoSpec() {
+  bus::ProcessSpec spec;
+  spec.name = "vo";
+  spec.description = "Stereo odometry with points and lines: frames in, poses and keyframes out.";
+  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
+    VoOptions options;
+    config.Read("vo", options);
+    return std::make_shared<VoNode>(process, options);
+  };
+  return spec;
+}
+
+}  // namespace plslam

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/bus/frame_channel.h"
+#include "core/bus/keyframe_channel.h"
+#include "core/bus/process.h"
+#include "vo_process/odometry.h"
+#include "vo_process/options.h"
+#include "vo_process/stereo_front_end.h"
+
+namespace plslam {
+class camera_t;
+class header_t;
+class stream_t;
+
+/// vo_process on the bus: camera and frames in; poses, tracks and keyframes out.
+///
+/// Frames wait for the camera. Another camera, or time that goes back (another stream), begins a new session, since
+/// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features.
+class VoNode {
+ public:
+  VoNode(bus::Process& process, const VoOptions& options);
+
+ private:
+  using Frame = bus::FrameSubscriber::Frame;
+
+  void OnCamera(const camera_t& message);
+  void OnFrame(const Frame& frame);
+  void OnStream(const stream_t& message);
+  void BeginSession();
+  void Track(const Frame& frame);
+  StereoFeatures SeeFeatures(const StereoImages& images, StageTimer& timer);
+  void SetHeader(const Frame& frame, header_t& header) const;
+  void PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages);
+  void PublishTracks(const Frame& frame, const OdometryResult& result);
+  void PublishKeyframe(const Frame& frame, const OdometryResult& result);
+  void Count(const std::string& name, double increment);
+  void FinishIfDone();
+  void SetState(const std::string& state);
+
+  bus::Process& process_;
+  VoOptions options_;
+  int64_t session_ = 0;
+  std::vector<uint8_t> camera_bytes_;
+  std::optional<RigCalibration> rig_;
+  std::optional<StereoFrontEnd> front_end_;
+  std::optional<Odometry> odometry_;
+  std::vector<Frame> waiting_for_camera_;
+  int64_t last_t_ns_ = 0;
+  int64_t last_frame_id_ = -1;
+  int64_t announced_frames_ = -1;
+  std::map<std::string, double> counts_;
+  std::string state_;
+  bus::KeyframePublisher keyframes_;
+  // Last: its handler needs all of the above.
+  bus::FrameSubscriber frames_;
+};
+
+bus::ProcessSpec VoSpec();
+
+}  // namespace plslam

@@ -39,8 +39,8 @@ std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
 }
 
 PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
-  std::vector<int64_t> times_ns;
-  for (int i = 0; i < dataset.size(); ++i) times_ns.push_back(dataset.t_ns(i));
+  std::vector<int64_t> times_ns(static_cast<size_t>(dataset.size()));
+  for (int i = 0; i < dataset.size(); ++i) times_ns[static_cast<size_t>(i)] = dataset.t_ns(i);
   return {times_ns, options, dataset.rig().rate_hz};
 }
 
@@ -163,7 +163,7 @@ void PlayerNode::PublishTruth(const LoadedFrame& frame) {
   message.header.t_ns = frame.images.t_ns;
   message.frame_id = frame.images.frame_id;
   message.T_w_l = bus::ToMessage(*frame.T_w_l);
-  process_.bus().Publish(bus::kGroundTruth, std::move(message));
+  process_.bus().Publish(bus::kGroundTruth, message);
 }
 
 void PlayerNode::PublishStream(const char* event, int64_t n_frames) {

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int64_t kMaxFileBytes = 512LL * 1024 * 1024;
 // Enough for a JPEG whose frame header comes after colour profiles and thumbnails.
-constexpr int64_t kMaxHeaderBytes = 1024 * 1024;
+constexpr int64_t kMaxHeaderBytes = 1024LL * 1024;
 
 [[noreturn]] void Fail(const std::string& path, const std::string& what) { throw DatasetError(path + ": " + what); }
 

@@ -67,14 +67,15 @@ std::vector<int64_t> Times(const fs::path& folder, const std::string& camera_pat
     throw DatasetError(fmt::format("{}: has {} times for {} frames", path, times_ns.size(), n));
   }
   if (!(rate_hz > 0.0)) throw DatasetError(camera_path + ": rate_hz is missing, and there is no times.txt");
-  std::vector<int64_t> times_ns;
-  for (size_t i = 0; i < n; ++i) times_ns.push_back(std::llround(static_cast<double>(i) * 1e9 / rate_hz));
+  std::vector<int64_t> times_ns(n);
+  for (size_t i = 0; i < n; ++i) times_ns[i] = std::llround(static_cast<double>(i) * 1e9 / rate_hz);
   return times_ns;
 }
 
 std::vector<std::optional<SE3>> Interpolated(const std::string& path, const std::vector<ImageList::Entry>& entries) {
   const Trajectory truth = ReadDatasetTrajectory(path, TrajectoryFormat::kTum);
   std::vector<std::optional<SE3>> poses;
+  poses.reserve(entries.size());
   for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxGap_ns));
   return poses;
 }

@@ -89,7 +89,7 @@ std::string NamePattern(const std::string& folder, size_t n_frames) {
   for (size_t i = 0; i < n_frames; ++i) {
     for (const int digits : {6, 10}) {
       for (const char* extension : kExtensions) {
-        const std::string pattern = fmt::format("{{:0{}}}{}", digits, extension);
+        std::string pattern = fmt::format("{{:0{}}}{}", digits, extension);
         if (fs::exists(fs::path(folder) / fmt::format(fmt::runtime(pattern), i))) return pattern;
       }
     }

@@ -54,7 +54,7 @@ void RequireDistinctKeys(const std::string& path, const YAML::Node& node) {
 
 }  // namespace
 
-YamlMap::YamlMap(std::string path, YAML::Node node) : path_(std::move(path)), node_(std::move(node)) {
+YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
   if (!node_.IsMap()) {
     throw DatasetError(fmt::format("{}:{}: expected `key: value` lines", path_, node_.Mark().line + 1));
   }

@@ -40,7 +40,7 @@ class YamlMap {
   const std::string& path() const { return path_; }
 
  private:
-  YamlMap(std::string path, YAML::Node node);
+  YamlMap(std::string path, const YAML::Node& node);
   YAML::Node Get(std::string_view key) const;
   double ToNumber(std::string_view key, const YAML::Node& node) const;
 

@@ -161,7 +161,9 @@ std::optional<std::vector<SeqRange>> OrderedReader::Asking(int64_t now) {
     progressed_ = ask_now_ = fresh_ = false;
     return ranges;
   }
-  const int64_t budget = kMaxAsked - Count(Missing(expected_, asked_end_, kMaxAsked));
+  const int64_t asked = Count(Missing(expected_, asked_end_, kMaxAsked));
+  if (asked > kMaxAsked / 2) return std::nullopt;  // catching up: by batches, not one by one
+  const int64_t budget = kMaxAsked - asked;
   auto fresh = Missing(asked_end_, known_end_, budget);
   fresh_ = false;
   if (fresh.empty()) return std::nullopt;
@@ -200,7 +202,7 @@ void OrderedReader::GiveUp(int64_t now) {
     return;
   }
   SkipTo(buffer_.empty() ? known_end_ : buffer_.begin()->first);
-  progress_ = now;
+  if (!dead) progress_ = now;  // the other gaps of a dead publisher need no wait of their own
 }
 
 void OrderedReader::Schedule() {

@@ -223,7 +223,7 @@ TEST(StockTools, LoggerRecordsWhatWePublish) {
   const TemporaryFolder folder;
   const std::string url = PrivateUrl();
   const std::string log = folder / "log";
-  test::Shell("lcm-logger -q -f -l '" + url + "' " + log + " > " + (folder / "out") + " 2>&1 & echo $! > " +
+  test::Shell("lcm-logger -q -f --lcm-url='" + url + "' " + log + " > " + (folder / "out") + " 2>&1 & echo $! > " +
               (folder / "pid"));
   BusOptions options;
   options.url = url;

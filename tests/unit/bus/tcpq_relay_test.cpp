@@ -110,7 +110,7 @@ TEST(TcpqRelay, StockLoggerRecordsThroughIt) {
   const test::TemporaryFolder folder;
   const std::string log = folder / "log";
   const std::string pid_file = folder / "pid";
-  ASSERT_EQ(test::Shell("lcm-logger -q -f -l " + relay->url() + " " + log + " > " + (folder / "out") +
+  ASSERT_EQ(test::Shell("lcm-logger -q -f --lcm-url=" + relay->url() + " " + log + " > " + (folder / "out") +
                         " 2>&1 & echo $! > " + pid_file),
             0);
   ASSERT_TRUE(Eventually([&] { return relay->counters().clients == 1; }));

@@ -1,0 +1,1 @@
+plslam_benchmark(bus_benchmark SOURCES bus_benchmark.cpp LINK plslam_bus)

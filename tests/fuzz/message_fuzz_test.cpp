@@ -1,0 +1,253 @@
+// Mutates messages of all types: what the check of bytes lets through must decode within a bound of memory, and every
+// consumer (conversions, frames, keyframes, order and repair) must survive its content.
+//
+// PLSLAM_FUZZ_SECONDS sets the duration of each test (default 2), PLSLAM_FUZZ_SEED the first seed (default 1). Each
+// case is made from its seed alone, which a failure names.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "core/bus/convert.h"
+#include "core/bus/frame_assembler.h"
+#include "core/bus/keyframe_channel.h"
+#include "core/bus/log_dataset.h"
+#include "core/bus/log_writer.h"
+#include "core/bus/ordered_reader.h"
+#include "core/bus/wire.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/image_strip_t.hpp"
+#include "plslam/keyframe_t.hpp"
+#include "tests/unit/bus/allocation_counter.h"
+#include "tests/unit/bus/bus_fixture.h"
+#include "tests/unit/bus/random_message.h"
+
+namespace plslam::bus {
+namespace {
+
+using Random = std::mt19937_64;
+using ByteVector = std::vector<uint8_t>;
+
+double EnvironmentNumber(const char* name, double fallback) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? fallback : std::atof(text);
+}
+
+/// Calls `one_case` with fresh generators until the time is over.
+template <class Case>
+void Fuzz(Case one_case) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 2.0));
+  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
+  const uint64_t first = seed;
+  for (; Clock::now() < end && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    one_case(random);
+  }
+  std::printf("  %lu cases\n", static_cast<unsigned long>(seed - first));
+}
+
+/// Flipped, set, inserted and removed bytes, extreme words, and truncation. The fingerprint mostly stays.
+void Mutate(ByteVector& bytes, Random& random) {
+  for (uint64_t n = random() % 6; n > 0 && bytes.size() > 8; --n) {
+    const size_t from = random() % 16 == 0 ? 0 : 8;
+    const size_t at = from + random() % (bytes.size() - from);
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    switch (random() % 6) {
+      case 0:
+        bytes[at] ^= static_cast<uint8_t>(1U << (random() % 8));
+        break;
+      case 1:
+        bytes[at] = static_cast<uint8_t>(random());
+        break;
+      case 2:
+        bytes.insert(place, random() % 40, static_cast<uint8_t>(random()));
+        break;
+      case 3:
+        bytes.erase(place, place + static_cast<std::ptrdiff_t>(std::min<size_t>(random() % 40, bytes.size() - at)));
+        break;
+      case 4:
+        for (size_t i = at; i < std::min(at + 4, bytes.size()); ++i) bytes[i] = random() % 2 == 0 ? 0xFF : 0x7F;
+        break;
+      default:
+        if (random() % 4 == 0) bytes.resize(at);
+    }
+  }
+}
+
+TEST(MessageFuzz, CheckedBytesDecodeWithinABound) {
+  Fuzz([](Random& random) {
+    const auto layouts = MessageLayouts();
+    const MessageLayout& layout = layouts[random() % layouts.size()];
+    ByteVector bytes = test::RandomMessage(layout, random);
+    Mutate(bytes, random);
+    const auto length = MessageLength(layout, bytes);
+    if (!length) return;
+    ASSERT_LE(*length, bytes.size());
+    test::allocated = 0;
+    const auto again = test::DecodeAndEncode(std::string(layout.name), ByteView(bytes).first(*length));
+    ASSERT_LE(test::allocated, 64 * bytes.size() + 1000) << layout.name;
+    ASSERT_TRUE(again.decoded) << layout.name;
+    ASSERT_EQ(again.encoded, ByteVector(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(*length)));
+  });
+}
+
+template <class T>
+std::optional<T> Checked(const ByteVector& bytes) {
+  T message;
+  if (!MessageLength(*FindMessageLayout(T::getTypeName()), bytes)) return std::nullopt;
+  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return std::nullopt;
+  return message;
+}
+
+template <class T>
+ByteVector Encoded(const T& message) {
+  ByteVector bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
+RigCalibration SmallRig() {
+  RigCalibration rig;
+  rig.left.width_px = 16;
+  rig.left.height_px = 8;
+  rig.left.fx_px = rig.left.fy_px = 10.0;
+  rig.right = rig.left;
+  rig.baseline_m = 0.1;
+  return rig;
+}
+
+TEST(MessageFuzz, RigsAreRefusedOrSound) {
+  Fuzz([](Random& random) {
+    ByteVector bytes = Encoded(ToMessage(SmallRig()));
+    Mutate(bytes, random);
+    const auto message = Checked<camera_t>(bytes);
+    if (!message) return;
+    const auto rig = FromMessage(*message);
+    if (!rig) return;
+    ASSERT_TRUE(std::isfinite(rig->left.fx_px) && rig->left.fx_px > 0.0);
+    ASSERT_TRUE(rig->left.T_b_cam.IsFinite() && rig->right.T_b_cam.IsFinite());
+    ASSERT_GT(rig->left.width_px, 0);
+  });
+}
+
+image_strip_t Strip(int8_t camera, int32_t strip) {
+  image_strip_t message{};
+  message.header.source = 1;
+  message.camera = camera;
+  message.strip = strip;
+  message.n_strips = 2;
+  message.width_px = 32;
+  message.height_px = 16;
+  message.encoding = "mono8";
+  message.offset_bytes = 256 * strip;
+  message.n_bytes = 256;
+  message.data.assign(256, 7);
+  return message;
+}
+
+TEST(MessageFuzz, StripsMakeWholeFramesOrNone) {
+  FrameAssembler assembler;
+  Fuzz([&](Random& random) {
+    for (int8_t camera = 0; camera < 2; ++camera) {
+      for (int32_t s = 0; s < 2; ++s) {
+        image_strip_t strip = Strip(camera, s);
+        strip.frame_id = static_cast<int64_t>(random() % 3);
+        ByteVector bytes = Encoded(strip);
+        if (random() % 2 == 0) Mutate(bytes, random);
+        const auto message = Checked<image_strip_t>(bytes);
+        if (!message || assembler.Add(*message) != FrameAssembler::Outcome::kComplete) continue;
+        const StereoImages images = assembler.TakeFrame().images;
+        ASSERT_FALSE(images.left.empty());
+        ASSERT_FALSE(images.right.empty());
+      }
+    }
+    ASSERT_LE(assembler.partial(), FrameAssembler::kMaxPartial);
+  });
+}
+
+TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
+  Keyframe keyframe;
+  keyframe.keyframe_id = 3;
+  for (int i = 0; i < 30; ++i) {
+    keyframe.features.points.emplace_back();
+    keyframe.point_landmark_ids.push_back(-1);
+    keyframe.features.lines.emplace_back();
+    keyframe.line_landmark_ids.push_back(i);
+  }
+  const auto pages = CutIntoPages(keyframe, 2000);
+  KeyframeAssembler assembler;
+  Fuzz([&](Random& random) {
+    for (const keyframe_t& page : pages) {
+      ByteVector bytes = Encoded(page);
+      if (random() % 4 == 0) Mutate(bytes, random);
+      const auto message = Checked<keyframe_t>(bytes);
+      if (!message || assembler.Add(*message) != KeyframeAssembler::Outcome::kComplete) continue;
+      const Keyframe whole = assembler.Take();
+      ASSERT_TRUE(whole.T_odom_kf.IsFinite() && whole.T_prevkf_kf.IsFinite() && whole.covariance.allFinite());
+      ASSERT_EQ(whole.features.points.size(), whole.point_landmark_ids.size());
+      for (const StereoPoint& point : whole.features.points) ASSERT_TRUE(point.left.px.allFinite());
+    }
+  });
+}
+
+TEST(MessageFuzz, OrderSurvivesAnyNumbers) {
+  Fuzz([](Random& random) {
+    OrderedReader reader(true, 50'000, 0);
+    const ByteVector message(100, 0);
+    const auto number = [&]() -> int64_t {
+      return random() % 8 == 0 ? static_cast<int64_t>(random()) & INT64_MAX : static_cast<int64_t>(random() % 50);
+    };
+    int64_t last = -1;
+    for (int64_t now = 0; now < 300; ++now) {
+      const int64_t t = now * 20'000'000;
+      if (random() % 4 == 0) reader.OnAnnounce(number(), number(), t);
+      reader.OnMessage(number(), message, t);
+      while (reader.Front() != nullptr) {
+        ASSERT_GT(reader.delivered() + 1, last);
+        last = reader.delivered() + 1;
+        reader.Pop(t);
+      }
+      const auto request = reader.Poll(t);
+      ASSERT_TRUE(!request || request->ranges.size() <= 32);
+      ASSERT_LE(reader.buffered_bytes(), 50'000);
+    }
+  });
+}
+
+TEST(MessageFuzz, DamagedLogsAreReadOrRefused) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "log";
+  Fuzz([&](Random& random) {
+    {
+      LogWriter writer(path);
+      ByteVector camera = Encoded(ToMessage(SmallRig()));
+      if (random() % 8 == 0) Mutate(camera, random);
+      writer.Write("CAMERA", camera, 1);
+      for (int i = 0; i < 8; ++i) {
+        image_strip_t strip = Strip(static_cast<int8_t>(i / 2 % 2), i % 2);
+        strip.frame_id = i / 4;
+        strip.header.t_ns = i / 4;
+        ByteVector bytes = Encoded(strip);
+        if (random() % 8 == 0) Mutate(bytes, random);
+        writer.Write("STEREO_FRAME", bytes, i);
+      }
+    }
+    std::ifstream in(path, std::ios::binary);
+    ByteVector bytes((std::istreambuf_iterator<char>(in)), {});
+    if (random() % 2 == 0) Mutate(bytes, random);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    try {
+      const auto dataset = OpenLogDataset(path);
+      for (int i = 0; i < dataset->size(); ++i) dataset->Read(i);
+    } catch (const DatasetError&) {
+    }
+  });
+}
+
+}  // namespace
+}  // namespace plslam::bus

@@ -67,6 +67,7 @@ void StatusPublisher::Publish() {
 void StatusPublisher::SetState(const std::string& state, const std::string& reason) {
   {
     const std::scoped_lock lock(mutex_);
+    if (state_ == state && reason_ == reason) return;
     state_ = state;
     reason_ = reason;
   }

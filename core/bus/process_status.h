@@ -15,6 +15,7 @@ class StatusPublisher {
   /// Starts in state "starting". The bus outlives it, and is not run any more once it is gone.
   StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus);
 
+  /// Publishes at once where this is news.
   void SetState(const std::string& state, const std::string& reason = "");
   std::string state() const;
   void SetConfiguration(const std::string& yaml);

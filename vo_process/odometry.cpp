@@ -15,6 +15,13 @@ int FoundingWeight(const StereoFeatures& features) {
                           2 * std::count_if(features.lines.begin(), features.lines.end(), has_depth));
 }
 
+std::vector<double> PointDisparities(const StereoFeatures& features) {
+  std::vector<double> disparities;
+  disparities.reserve(features.points.size());
+  for (const StereoPoint& point : features.points) disparities.push_back(point.disparity_px);
+  return disparities;
+}
+
 double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   std::vector<double> disparities;
   for (const StereoPoint& point : frame.features.points) {
@@ -37,9 +44,12 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       aligner_(camera, options),
       motion_model_(options.tracking),
       keyframe_policy_(options.keyframes),
+      calibration_(camera, options.disparity_calibration),
       landmarks_(camera, options) {}
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
+  const std::vector<double> raw_disparities_px = PointDisparities(features);
+  calibration_.Correct(features);
   TrackedFrame frame(std::move(features));
   OdometryResult result;
   const double dt_s = std::max(1e-9 * static_cast<double>(t_ns - last_t_ns_), kMinInterval_s);
@@ -51,8 +61,10 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     const auto tracked = Find(frame, prediction);
     if (tracked) {
       Accept(*tracked, dt_s, frame, result);
+      calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
     } else {
       Miss(prediction, frame, result);
+      calibration_.Interrupt();
     }
   }
   result.T_odom_c = T_odom_c_;

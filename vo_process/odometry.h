@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/disparity_calibration.h"
 #include "vo_process/frame_aligner.h"
 #include "vo_process/keyframe_policy.h"
 #include "vo_process/local_landmarks.h"
@@ -51,6 +52,8 @@ class Odometry {
  public:
   Odometry(const StereoCamera& camera, const VoOptions& options);
 
+  const DisparityCalibration& disparity_calibration() const { return calibration_; }
+
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
   /// nothing are answered with a state, and the pose goes on by the motion model.
   OdometryResult Track(int64_t t_ns, StereoFeatures features);
@@ -78,6 +81,7 @@ class Odometry {
   FrameAligner aligner_;
   MotionModel motion_model_;
   KeyframePolicy keyframe_policy_;
+  DisparityCalibration calibration_;
   LocalLandmarks landmarks_;
 
   bool initialised_ = false;

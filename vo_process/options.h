@@ -16,6 +16,13 @@ struct LandmarkOptions {
   int max_missed = 8;
 };
 
+/// Self-calibration of the disparities.
+struct DisparityCalibrationOptions {
+  bool enabled = true;
+  double prior_sigma_px = 0.1;
+  double min_chi_square = 25.0;
+};
+
 /// Matching of landmarks with a frame, and what counts as tracked.
 struct TrackingOptions {
   std::string reference = "landmarks";
@@ -48,6 +55,7 @@ struct VoOptions {
   MatchOptions point_matching;
   LineMatchOptions line_matching;
   MotionOptions motion;
+  DisparityCalibrationOptions disparity_calibration;
   LandmarkOptions landmarks;
   TrackingOptions tracking;
   KeyframeOptions keyframes;
@@ -61,6 +69,13 @@ void VisitFields(Visitor& visit, LandmarkOptions& o) {
         "growth of a landmark's covariance before each new sight of it");
   visit("max_unseen_frames", o.max_unseen_frames, Bounds{1, 10000}, "frames out of sight after which it is dropped");
   visit("max_missed", o.max_missed, Bounds{1, 10000}, "frames it should have been seen in but was not, then dropped");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
+  visit("enabled", o.enabled, "whether offsets of the disparities are estimated and taken away");
+  visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large an offset is expected to be");
+  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (3 degrees of freedom) needed to use it");
 }
 
 template <class Visitor>
@@ -99,6 +114,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("point_matching", o.point_matching, "matching of points over time");
   visit("line_matching", o.line_matching, "matching of lines over time");
   visit("motion", o.motion, "motion estimation");
+  visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("landmarks", o.landmarks, "life of the landmarks");
   visit("tracking", o.tracking, "search, and what counts as tracked");
   visit("keyframes", o.keyframes, "choice of keyframes");

@@ -56,8 +56,8 @@ class BusSecurity : public testing::Test {
 };
 
 TEST_F(BusSecurity, SameKeyIsAcceptedOthersAreRejected) {
-  RunningBus reader(Options(KeyFile('a')), "reader");
   Waiter received;
+  RunningBus reader(Options(KeyFile('a')), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, 1);
     received.Add();
@@ -77,8 +77,8 @@ TEST_F(BusSecurity, SameKeyIsAcceptedOthersAreRejected) {
 }
 
 TEST_F(BusSecurity, WithoutAKeyBothKindsAreAccepted) {
-  RunningBus reader(Options(), "reader");
   Waiter received;
+  RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
   reader.Start();
   Bus keyed(Options(KeyFile('a')), "keyed");
@@ -115,8 +115,8 @@ TEST_F(BusSecurity, BadKeyFilesAreRefused) {
 }
 
 TEST_F(BusSecurity, ReplayedMessagesAreDroppedAndCounted) {
-  RunningBus reader(Options(), "reader");
   Waiter received;
+  RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
   reader.Start();
   for (int i = 0; i < 3; ++i) wire_.Send("POSE", Encoded(42, 0));
@@ -127,8 +127,8 @@ TEST_F(BusSecurity, ReplayedMessagesAreDroppedAndCounted) {
 }
 
 TEST_F(BusSecurity, MalformedDatagramsAreRejectedAndHarmless) {
-  RunningBus reader(Options(), "reader");
   Waiter received;
+  RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
   reader.Start();
   std::vector<std::vector<uint8_t>> bad = {
@@ -149,9 +149,9 @@ TEST_F(BusSecurity, MalformedDatagramsAreRejectedAndHarmless) {
 }
 
 TEST_F(BusSecurity, LyingRequestsAndAnnouncementsDoNotStopTheTraffic) {
-  RunningBus reader(Options(), "reader");
   Waiter received;
   int64_t next = 0;
+  RunningBus reader(Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);
     received.Add();
@@ -192,6 +192,7 @@ TEST_F(BusSecurity, LyingRequestsAndAnnouncementsDoNotStopTheTraffic) {
 }
 
 TEST_F(BusSecurity, RandomMessagesOfEveryTypeOnEveryChannel) {
+  Waiter received;
   RunningBus reader(Options(), "reader");
   for (const Channel& channel : Channels()) {
     reader->SubscribeBytes(
@@ -206,7 +207,6 @@ TEST_F(BusSecurity, RandomMessagesOfEveryTypeOnEveryChannel) {
     wire_.Send(std::string(channel.name), bytes);
   }
   RunningBus publisher(Options(), "publisher");
-  Waiter received;
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) { received.Add(pose.frame_id == 77 ? 1 : 0); });
   pose_t pose{};
   pose.frame_id = 77;

@@ -39,9 +39,9 @@ class BusOver : public testing::TestWithParam<const char*> {
 };
 
 TEST_P(BusOver, OwnMessagesArriveInOrder) {
-  RunningBus bus(OptionsFor(Url()));
   std::vector<int64_t> frames;
   Waiter received;
+  RunningBus bus(OptionsFor(Url()));
   bus->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     frames.push_back(pose.frame_id);
     received.Add();
@@ -59,9 +59,9 @@ INSTANTIATE_TEST_SUITE_P(Url, BusOver, testing::Values("udpm", "memq"));
 
 TEST(Bus, TwoProcessesExchangeOrderedMessages) {
   const std::string url = PrivateUrl();
-  RunningBus reader(OptionsFor(url));
   Waiter received;
   int64_t next = 0;
+  RunningBus reader(OptionsFor(url));
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);
     EXPECT_EQ(pose.header.t_ns, 1000 * pose.frame_id);
@@ -80,9 +80,9 @@ TEST_P(LossyBus, OrderedMessagesArriveAllTheSame) {
   const std::string url = PrivateUrl();
   BusOptions options = OptionsFor(url);
   options.drop_fraction = GetParam();
-  RunningBus reader(options, "reader");
   Waiter received;
   std::vector<int64_t> frames;
+  RunningBus reader(options, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     frames.push_back(pose.frame_id);
     received.Add();
@@ -109,9 +109,9 @@ TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   Bus publisher(options, "publisher");
   static constexpr int kMessages = 2000;
   for (int i = 0; i < kMessages; ++i) publisher.Publish(kPose, PoseOf(i));
-  RunningBus reader(OptionsFor(url), "reader");
   Waiter received;
   int64_t next = 0;
+  RunningBus reader(OptionsFor(url), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);
     received.Add();
@@ -126,9 +126,9 @@ TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
   BusOptions deaf = OptionsFor(url);
   deaf.drop_fraction = 0.5;
   deaf.drop_seed = 3;
-  RunningBus reader(deaf, "reader");
   Waiter received;
   int64_t newest = -1;
+  RunningBus reader(deaf, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_GT(pose.frame_id, newest);
     newest = pose.frame_id;
@@ -155,10 +155,10 @@ TEST(Bus, SlowHandlerHoldsThePublisherBackAndLosesNothing) {
   const std::string url = PrivateUrl();
   BusOptions options = OptionsFor(url);
   options.queue_bytes = 200'000;
-  RunningBus reader(options, "reader");
   Waiter received;
   std::mutex gate;
   int64_t next = 0;
+  RunningBus reader(options, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     const std::lock_guard lock(gate);
     EXPECT_EQ(pose.frame_id, next++);
@@ -180,11 +180,11 @@ TEST(Bus, SlowHandlerHoldsThePublisherBackAndLosesNothing) {
 }
 
 TEST(Bus, LatestMessageOvertakesOlderOnes) {
-  RunningBus bus(OptionsFor("memq://"));
   std::vector<int64_t> frames;
   Waiter received;
   Waiter entered;
   std::mutex gate;
+  RunningBus bus(OptionsFor("memq://"));
   bus->Subscribe<tracks_t>(kTracks, [&](const tracks_t& tracks) {
     entered.Add();
     const std::lock_guard lock(gate);
@@ -211,8 +211,8 @@ TEST(Bus, LatestMessageOvertakesOlderOnes) {
 
 TEST(Bus, BestEffortReaderNeitherAsksNorHoldsBack) {
   const std::string url = PrivateUrl();
-  RunningBus reader(OptionsFor(url), "reader");
   Waiter received;
+  RunningBus reader(OptionsFor(url), "reader");
   reader->SubscribeBestEffort<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
   reader.Start();
   Bus publisher(OptionsFor(url), "publisher");
@@ -227,8 +227,8 @@ TEST(Bus, PrefixesSeparateRobots) {
   one.prefix = "robot.1/";
   BusOptions two = OptionsFor(url);
   two.prefix = "robotx1/";
-  RunningBus reader(one, "reader");
   Waiter received;
+  RunningBus reader(one, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, 1);
     received.Add();
@@ -243,10 +243,10 @@ TEST(Bus, PrefixesSeparateRobots) {
 }
 
 TEST(Bus, TimersAndPostedCallsRunOnTheThreadOfRun) {
-  RunningBus bus(OptionsFor("memq://"));
   Waiter ticks;
   Waiter posted;
   std::thread::id thread;
+  RunningBus bus(OptionsFor("memq://"));
   bus->Every(std::chrono::milliseconds(2), [&] {
     thread = std::this_thread::get_id();
     ticks.Add();
@@ -317,8 +317,8 @@ TEST(Bus, MemoryStaysBoundedOverManyMessages) {
   BusOptions options = OptionsFor(url);
   options.history_bytes = 1'000'000;
   options.history_dir = folder.path();
-  RunningBus reader(OptionsFor(url), "reader");
   Waiter received;
+  RunningBus reader(OptionsFor(url), "reader");
   reader->Subscribe<command_t>(kCommand, [&](const command_t&) {});
   reader->Subscribe<stream_t>(kStream, [&](const stream_t&) { received.Add(); });
   reader.Start();

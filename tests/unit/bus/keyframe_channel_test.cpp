@@ -129,12 +129,12 @@ TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {
   options.url = test::PrivateUrl();
   options.max_message_bytes = 1200;
   options.drop_fraction = 0.05;
+  test::Waiter received;
+  std::vector<Keyframe> keyframes;
   test::RunningBus publisher(options, "vo");
   KeyframePublisher pages(*publisher);
   for (int id = 0; id < 10; ++id) pages.Publish(KeyframeOf(id, 200, 50));
   test::RunningBus reader(options, "viewer");
-  test::Waiter received;
-  std::vector<Keyframe> keyframes;
   KeyframeSubscriber subscriber(*reader, [&](const Keyframe& keyframe) {
     keyframes.push_back(keyframe);
     received.Add();

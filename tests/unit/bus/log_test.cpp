@@ -109,21 +109,20 @@ void WriteAll(const std::string& path, const std::vector<RawEvent>& events) {
 /// A log of the stream, recorded by ourselves over a network that loses 5 %.
 class RecordedLog : public testing::Test {
  protected:
-  std::string Record(const BusOptions& options, bool lockstep) {
+  std::string Record(const BusOptions& options) {
     const std::string path = folder_ / "recorded.lcm";
     BusOptions lossy = options;
-    lossy.drop_fraction = lockstep ? 0.05 : 0.0;
+    lossy.drop_fraction = 0.05;
     LogRecorder recorder(lossy, path);
     std::thread thread([&] { recorder.Run(); });
     {
       RunningBus player(options, "player");
-      EXPECT_TRUE(test::WaitForReaders(*player, lockstep ? kStereoFrame : kStereoFrameLive, 1));
+      EXPECT_TRUE(test::WaitForReaders(*player, kStereoFrame, 1));
       for (int i = 0; i < 5; ++i) player->Publish(kCamera, ToMessage(SmallRig()));
-      PublishStream(*player, lockstep);
+      PublishStream(*player, true);
       EXPECT_TRUE(player->Flush(std::chrono::seconds(10)));
     }
-    int64_t before = -1;
-    EXPECT_TRUE(Eventually([&] { return std::exchange(before, recorder.events()) == recorder.events(); }));
+    // What has been acknowledged waits in the recorder's queue at most, before this.
     recorder.bus().Post([&] { recorder.Stop(); });
     thread.join();
     return path;
@@ -137,17 +136,24 @@ class RecordedLog : public testing::Test {
   const TemporaryFolder folder_;
 };
 
-TEST_F(RecordedLog, IsAWholeDatasetInSpiteOfLosses) { ExpectTheStream(*OpenLogDataset(Record(Options(), true))); }
+TEST_F(RecordedLog, IsAWholeDatasetInSpiteOfLosses) { ExpectTheStream(*OpenLogDataset(Record(Options()))); }
 
-TEST_F(RecordedLog, OfTheLiveChannelWithPrefixAndSmallMessages) {
-  BusOptions options = Options();
-  options.prefix = "r1/";
-  options.max_message_bytes = 1200;
-  ExpectTheStream(*OpenLogDataset(Record(options, false)));
+TEST(LogDataset, OfTheLiveChannelWithPrefixAndSmallMessages) {
+  const TemporaryFolder folder;
+  const std::string log = folder / "log";
+  {
+    BusOptions options;
+    options.url = "file://" + log + "?mode=w";
+    options.prefix = "r1/";
+    options.max_message_bytes = 1200;
+    Bus player(options, "player");
+    PublishStream(player, false);
+  }
+  ExpectTheStream(*OpenLogDataset(log));
 }
 
 TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {
-  auto events = ReadAll(Record(Options(), true));
+  auto events = ReadAll(Record(Options()));
   const auto copy = events;
   events.insert(events.end(), copy.begin(), copy.end());
   std::mt19937_64 random(4);
@@ -157,7 +163,7 @@ TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {
 }
 
 TEST_F(RecordedLog, MissingStripIsNamedWithItsFrame) {
-  auto events = ReadAll(Record(Options(), true));
+  auto events = ReadAll(Record(Options()));
   const auto of_frame_3 = [](const RawEvent& event) {
     image_strip_t strip;
     return event.channel == "STEREO_FRAME" &&
@@ -177,7 +183,7 @@ TEST_F(RecordedLog, MissingStripIsNamedWithItsFrame) {
 }
 
 TEST_F(RecordedLog, DamagedBytesArePassedOver) {
-  const std::string path = Record(Options(), true);
+  const std::string path = Record(Options());
   std::ifstream in(path, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(in)), {});
   std::mt19937_64 random(9);
@@ -265,9 +271,9 @@ TEST(StockTools, LogplayerFeedsAReader) {
   }
   BusOptions options;
   options.url = PrivateUrl();
-  RunningBus reader(options, "reader");
   Waiter received;
   int64_t next = 0;
+  RunningBus reader(options, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);
     received.Add();
@@ -292,8 +298,8 @@ TEST(FileUrl, OfARecordedLogFeedsAReader) {
   }
   BusOptions options;
   options.url = "file://" + log + "?mode=r&speed=0";
-  RunningBus reader(options, "reader");
   Waiter received;
+  RunningBus reader(options, "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, received.value());
     received.Add();

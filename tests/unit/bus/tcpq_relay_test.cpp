@@ -85,9 +85,9 @@ class RawClient {
 
 TEST(TcpqRelay, CarriesOrderedMessagesBetweenProcesses) {
   RunningRelay relay;
-  RunningBus reader(relay.Options(), "reader");
   Waiter received;
   int64_t next = 0;
+  RunningBus reader(relay.Options(), "reader");
   reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
     EXPECT_EQ(pose.frame_id, next++);
     received.Add();

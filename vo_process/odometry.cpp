@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "vo_process/model_error.h"
+
 namespace plslam {
 namespace {
 
@@ -48,6 +50,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       landmarks_(camera, options) {}
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
+  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   const std::vector<double> raw_disparities_px = PointDisparities(features);
   calibration_.Correct(features);
   TrackedFrame frame(std::move(features));
@@ -113,7 +116,8 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
   result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
-  tracked_weight_ = alignment.matches.Weight();
+  // One mediocre frame does not lower what is expected of the next by much.
+  tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
   PropagateCovariance(tracked, result);
 
   landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);

@@ -10,6 +10,7 @@ namespace plslam {
 
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
+  double line_model_sigma_px = 0.1;
   double max_relative_depth_sigma = 0.3;
   double forgetting = 1.02;
   int max_unseen_frames = 30;
@@ -32,7 +33,7 @@ struct TrackingOptions {
   int min_inliers = 10;
   int weak_inliers = 25;
   double min_inlier_ratio = 0.3;
-  double convincing_ratio = 0.4;
+  double convincing_ratio = 0.7;
   double max_acceleration_m_s2 = 10.0;
   double max_angular_acceleration_rad_s2 = 20.0;
 };
@@ -63,6 +64,8 @@ struct VoOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LandmarkOptions& o) {
+  visit("line_model_sigma_px", o.line_model_sigma_px, Bounds{0, 10},
+        "deviation of lines from the model of a straight edge in space, added to that of their fit");
   visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
         "largest deviation of a disparity, relative, with which a landmark is founded");
   visit("forgetting", o.forgetting, Bounds{1.0, 2.0},

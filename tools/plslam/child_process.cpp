@@ -52,6 +52,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const SpawnWishes wishes(log);

@@ -12,7 +12,7 @@ FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
   report.session = message.header.session;
   report.frame_id = message.frame_id;
-  report.state = message.state;
+  report.state = int{message.state};
   report.keyframe_id = message.keyframe_id;
   report.tracked_points = message.n_tracked_points;
   report.tracked_lines = message.n_tracked_lines;

@@ -172,7 +172,7 @@ std::optional<StereoPoint> FromMessage(const point_feature_t& message) {
   StereoPoint point;
   point.left.px = {message.u_px, message.v_px};
   point.left.angle_rad = message.angle_rad;
-  point.left.octave = message.octave;
+  point.left.octave = static_cast<uint8_t>(message.octave);
   point.left.descriptor = FromBytes(message.descriptor);
   point.disparity_px = message.disparity_px > 0.0F ? message.disparity_px : -1.0;
   point.sigma_px = message.sigma_px;
@@ -208,7 +208,7 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
   StereoLine line;
   line.left.segment.p = {message.p_px[0], message.p_px[1]};
   line.left.segment.q = {message.q_px[0], message.q_px[1]};
-  line.left.octave = message.octave;
+  line.left.octave = static_cast<uint8_t>(message.octave);
   line.left.descriptor = FromBytes(message.descriptor);
   const bool has_depth = message.has_depth != 0 && message.disparity_p_px > 0.0F && message.disparity_q_px > 0.0F;
   line.disparity_p_px = has_depth ? message.disparity_p_px : -1.0;

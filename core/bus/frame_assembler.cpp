@@ -69,7 +69,7 @@ FrameAssembler::Partial& FrameAssembler::PartialOf(const image_strip_t& strip) {
 FrameAssembler::Outcome FrameAssembler::Add(const image_strip_t& strip) {
   if (strip.camera != 0 && strip.camera != 1) return Outcome::kNonsense;
   Partial& partial = PartialOf(strip);
-  Image& image = partial.images[static_cast<size_t>(strip.camera)];
+  Image& image = partial.images[strip.camera == 1 ? 1 : 0];
   const bool known = !image.tiles.empty() || Describe(strip, image);
   if (!known || !Fits(strip, image) || partial.t_ns != strip.header.t_ns) {
     Forget(strip.header.source, strip.frame_id);

@@ -98,7 +98,7 @@ std::optional<Keyframe> KeyframeAssembler::Head(const keyframe_t& page) {
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;
-  keyframe.state = page.state;
+  keyframe.state = static_cast<uint8_t>(page.state);
   return keyframe;
 }
 

@@ -37,7 +37,7 @@ struct LogFrame {
 
 /// One publisher's frames on one channel.
 using StreamKey = std::tuple<std::string, std::string, int64_t>;  // prefix, channel, source
-struct Stream {
+struct LogStream {
   std::map<int64_t, LogFrame> frames;
   int64_t n_strips = 0;
 };
@@ -56,7 +56,7 @@ std::optional<T> Decode(const LogReader& log, const Place& place) {
 class LogDataset : public Dataset {
  public:
   explicit LogDataset(const std::string& path) : path_(path), log_(path) {
-    std::map<StreamKey, Stream> streams;
+    std::map<StreamKey, LogStream> streams;
     Index(streams);
     ChooseStream(streams);
     ReadRig();
@@ -77,9 +77,9 @@ class LogDataset : public Dataset {
  private:
   [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
 
-  void Index(std::map<StreamKey, Stream>& streams);
-  void IndexStrip(const LogReader::Event& event, Stream& stream) const;
-  void ChooseStream(std::map<StreamKey, Stream>& streams);
+  void Index(std::map<StreamKey, LogStream>& streams);
+  void IndexStrip(const LogReader::Event& event, LogStream& stream) const;
+  void ChooseStream(std::map<StreamKey, LogStream>& streams);
   void ReadRig();
   void ReadGroundTruth();
   void CheckTimes() const;
@@ -95,7 +95,7 @@ class LogDataset : public Dataset {
   std::map<int64_t, SE3> truth_;  // by frame id
 };
 
-void LogDataset::IndexStrip(const LogReader::Event& event, Stream& stream) const {
+void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) const {
   const int64_t id = ReadInt64(event.head.data() + kWireHeaderBytes);
   LogFrame& frame = stream.frames[id];
   frame.id = id;
@@ -104,7 +104,7 @@ void LogDataset::IndexStrip(const LogReader::Event& event, Stream& stream) const
   ++stream.n_strips;
 }
 
-void LogDataset::Index(std::map<StreamKey, Stream>& streams) {
+void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
   while (const auto event = log_.Next()) {
     const Place place{event->data_offset, event->data_bytes};
     if (const auto prefix = PrefixOf(event->channel, kCamera)) cameras_.emplace_back(*prefix, place);
@@ -119,7 +119,7 @@ void LogDataset::Index(std::map<StreamKey, Stream>& streams) {
   }
 }
 
-void LogDataset::ChooseStream(std::map<StreamKey, Stream>& streams) {
+void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
   const auto most = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
     return a.second.n_strips < b.second.n_strips;
   });

@@ -124,7 +124,7 @@ void OrderedWriter::Trim(int64_t now) {
 bool OrderedWriter::AnnounceDue(int64_t now) {
   if (now < next_announce_) return false;
   static constexpr std::array<int64_t, 6> kPauses_ns = {5'000'000,  10'000'000, 20'000'000,
-                                                         40'000'000, 80'000'000, 150'000'000};
+                                                        40'000'000, 80'000'000, 150'000'000};
   const bool waiting = AliveReaders(now) > 0 && !AllDelivered(now);
   const bool everybody_has_it = AliveReaders(now) > 0 && !waiting;
   const bool first = announce_stage_ == 0;

@@ -6,7 +6,6 @@
 #include <fstream>
 #include <stdexcept>
 
-#include <lcm/lcm.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>

@@ -8,10 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/wire.h"
+#include <lcm/lcm.h>
 
-struct _lcm_t;
-struct _lcm_subscription_t;
+#include "core/bus/wire.h"
 
 namespace plslam::bus {
 
@@ -59,10 +58,10 @@ class Transport {
   std::string url_;
   Kind kind_;
   int64_t window_ = 0;
-  _lcm_t* lcm_ = nullptr;
+  lcm_t* lcm_ = nullptr;
   int wake_fd_ = -1;
   std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
-  std::vector<_lcm_subscription_t*> subscriptions_;
+  std::vector<lcm_subscription_t*> subscriptions_;
   bool listens_to_all_ = false;
   Receiver receiver_;
 };

@@ -13,6 +13,8 @@ struct OrbOptions {
   double scale_factor = 1.2;
   int fast_threshold = 20;
   int min_fast_threshold = 7;
+  /// Smaller to larger eigenvalue of the gradients around a corner; below, it is an edge.
+  double min_corner_ratio = 0.1;
 };
 
 /// Line segments and their descriptors (PL-SLAM §IV.B).
@@ -102,6 +104,7 @@ void VisitFields(Visitor& visit, OrbOptions& o) {
   visit("scale_factor", o.scale_factor, Bounds{1.05, 2.0}, "size ratio of neighbouring levels");
   visit("fast_threshold", o.fast_threshold, Bounds{2, 100}, "contrast of a FAST corner, grey levels");
   visit("min_fast_threshold", o.min_fast_threshold, Bounds{2, 100}, "the same where the first finds none");
+  visit("min_corner_ratio", o.min_corner_ratio, Bounds{0, 1}, "ratio of eigenvalues below which a corner is an edge");
 }
 
 template <class Visitor>

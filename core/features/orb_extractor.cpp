@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/features/corner_shape.h"
 #include "core/features/orb_detector.h"
 
 namespace plslam {
@@ -45,6 +46,7 @@ std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
     if (corners.empty()) continue;
     BlurForBrief(level_image, blurred_);
     for (const Corner& c : corners) {
+      if (CornerRatio(level_image, c.x, c.y) < options_.min_corner_ratio) continue;
       PointFeature point;
       point.px = pyramid_.ToImage(detector_.SubPixel(c), level);
       point.response = static_cast<float>(c.response);

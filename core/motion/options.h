@@ -7,7 +7,7 @@ namespace plslam {
 /// Robust motion estimation (PL-SLAM §IV.C).
 struct MotionOptions {
   int max_iterations = 10;
-  double huber_delta = 1.5;
+  double huber_delta = 1.0;
   double min_scale_px = 1.0;
   int min_inliers = 8;
   double max_scale = 3.0;

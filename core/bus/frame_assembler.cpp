@@ -68,6 +68,7 @@ FrameAssembler::Partial& FrameAssembler::PartialOf(const image_strip_t& strip) {
 
 FrameAssembler::Outcome FrameAssembler::Add(const image_strip_t& strip) {
   if (strip.camera != 0 && strip.camera != 1) return Outcome::kNonsense;
+  if (strip.header.seq < std::max(strip.strip, 0)) return Outcome::kNonsense;  // strips before it have numbers too
   Partial& partial = PartialOf(strip);
   Image& image = partial.images[strip.camera == 1 ? 1 : 0];
   const bool known = !image.tiles.empty() || Describe(strip, image);

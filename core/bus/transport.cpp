@@ -108,6 +108,11 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
 }
 
 Transport::~Transport() {
+  // LCM's tcpq frees the name of a subscription only when it is ended, for which it may try to connect again.
+  const bool connected = kind_ == Kind::kTcpRelay && lcm_get_fileno(lcm_) >= 0;
+  for (lcm_subscription_t* subscription : subscriptions_) {
+    if (connected) lcm_unsubscribe(lcm_, subscription);
+  }
   lcm_destroy(lcm_);
   close(wake_fd_);
 }

@@ -137,6 +137,7 @@ TEST(MessageFuzz, RigsAreRefusedOrSound) {
 image_strip_t Strip(int8_t camera, int32_t strip) {
   image_strip_t message{};
   message.header.source = 1;
+  message.header.seq = 2 * camera + strip;
   message.camera = camera;
   message.strip = strip;
   message.n_strips = 2;

@@ -281,6 +281,7 @@ TEST(FramePublisher, RefusesColourAndEmptyImages) {
 image_strip_t StripOf(int64_t frame, int8_t camera, int32_t strip) {
   image_strip_t message{};
   message.header.source = 9;
+  message.header.seq = 4 * camera + strip;
   message.frame_id = frame;
   message.camera = camera;
   message.strip = strip;

@@ -71,6 +71,8 @@ void VoNode::OnCamera(const camera_t& message) {
 }
 
 void VoNode::OnFrame(const Frame& frame) {
+  // A player that waits too long for a pose sends its frame again; ours is then on its way.
+  if (frame.source == last_source_ && frame.images.frame_id <= last_frame_id_) return Count("frames.repeated", 1);
   if (front_end_) return Track(frame);
   if (waiting_for_camera_.size() == kMaxWaitingFrames) {
     waiting_for_camera_.erase(waiting_for_camera_.begin());
@@ -81,7 +83,6 @@ void VoNode::OnFrame(const Frame& frame) {
 
 void VoNode::OnStream(const stream_t& message) {
   announced_frames_ = message.event == "end" ? message.n_frames : -1;
-  if (message.event == "begin") last_frame_id_ = -1;
   FinishIfDone();
 }
 
@@ -108,6 +109,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.state == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
   last_frame_id_ = frame.images.frame_id;
+  last_source_ = frame.source;
   FinishIfDone();
 }
 

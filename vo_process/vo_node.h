@@ -53,6 +53,7 @@ class VoNode {
   std::vector<Frame> waiting_for_camera_;
   int64_t last_t_ns_ = 0;
   int64_t last_frame_id_ = -1;
+  int64_t last_source_ = 0;
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;

@@ -37,7 +37,7 @@ int DirectionBin(const Eigen::Vector2d& d) {
   const double y = d.y();
   const double t = y / (std::abs(x) + std::abs(y));
   const double turn = x >= 0 ? (y >= 0 ? t : 4.0 + t) : 2.0 - t;
-  return static_cast<int>(turn * (kBins / 4)) % kBins;
+  return static_cast<int>(0.25 * turn * kBins) % kBins;
 }
 
 Piece MakePiece(const DetectedSegment& segment) {

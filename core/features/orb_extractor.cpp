@@ -20,11 +20,21 @@ std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
   for (int level = 1; level < levels; ++level) sides[level] = sides[level - 1] / options.scale_factor;
   const double sum = std::accumulate(sides.begin(), sides.end(), 0.0);
   std::vector<int> quotas;
+  quotas.reserve(levels);
   for (const double side : sides) quotas.push_back(static_cast<int>(std::lround(options.max_points * side / sum)));
   return quotas;
 }
 
 }  // namespace
+
+std::vector<Corner> OrbExtractor::FindCorners(const cv::Mat& image, int quota) {
+  std::vector<Corner> corners =
+      detector_.Detect(image, options_.fast_threshold, options_.min_fast_threshold, kMargin_px);
+  // Shapes are looked at after a first choice, with some to spare: there may be ten times as many corners as wanted.
+  corners = SpreadCorners(corners, quota + quota / 4, image.cols, image.rows);
+  std::erase_if(corners, [&](const Corner& c) { return CornerRatio(image, c.x, c.y) < options_.min_corner_ratio; });
+  return SpreadCorners(corners, quota, image.cols, image.rows);
+}
 
 std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
   if (image.empty()) return {};
@@ -39,14 +49,11 @@ std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
     // What a level could not give, the coarser ones may; the total never exceeds the maximum.
     const int room = options_.max_points - static_cast<int>(points.size());
     const int quota = std::min(quotas[level] + unused, room);
-    const std::vector<Corner> corners =
-        SpreadCorners(detector_.Detect(level_image, options_.fast_threshold, options_.min_fast_threshold, kMargin_px),
-                      quota, level_image.cols, level_image.rows);
+    const std::vector<Corner> corners = FindCorners(level_image, quota);
     unused = quota - static_cast<int>(corners.size());
     if (corners.empty()) continue;
     BlurForBrief(level_image, blurred_);
     for (const Corner& c : corners) {
-      if (CornerRatio(level_image, c.x, c.y) < options_.min_corner_ratio) continue;
       PointFeature point;
       point.px = pyramid_.ToImage(detector_.SubPixel(c), level);
       point.response = static_cast<float>(c.response);

@@ -24,6 +24,9 @@ class OrbExtractor {
   std::vector<PointFeature> Extract(const cv::Mat& image);
 
  private:
+  /// Corners of one level, at most `quota`, spread over it and firm in both directions.
+  std::vector<Corner> FindCorners(const cv::Mat& image, int quota);
+
   OrbOptions options_;
   ImagePyramid pyramid_;
   CornerDetector detector_;

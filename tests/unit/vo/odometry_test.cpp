@@ -158,6 +158,16 @@ TEST(Odometry, FewFeaturesAreWeakNotLost) {
   EXPECT_LT(PositionError(result, 10), 0.05);
 }
 
+TEST(Odometry, StepFarBeyondTheSearchWindowIsFollowed) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 5; ++i) odometry.Track(i * kFrame_ns, See(world, 0));
+  const SE3 step(ExpSO3(Eigen::Vector3d(0.0, 0.25, 0.0)), Eigen::Vector3d(0.5, 0.1, 0.3));
+  const OdometryResult result = odometry.Track(5 * kFrame_ns, world.Observe(PoseAt(0) * step, 0.3, 5));
+  EXPECT_EQ(result.state, TrackingState::kTracking);
+  EXPECT_LT((result.T_odom_c.translation() - step.translation()).norm(), 0.02);
+}
+
 TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

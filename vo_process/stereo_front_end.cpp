@@ -1,5 +1,6 @@
 #include "vo_process/stereo_front_end.h"
 
+#include <cmath>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -22,8 +23,8 @@ cv::Mat Shrink(const cv::Mat& mask) {
 }
 
 bool IsMasked(const cv::Mat& mask, const Eigen::Vector2d& px) {
-  const int u = static_cast<int>(px.x() + 0.5);
-  const int v = static_cast<int>(px.y() + 0.5);
+  const int u = static_cast<int>(std::lround(px.x()));
+  const int v = static_cast<int>(std::lround(px.y()));
   return u < 0 || v < 0 || u >= mask.cols || v >= mask.rows || mask.at<uchar>(v, u) == 0;
 }
 

@@ -77,7 +77,8 @@ std::vector<Eigen::Vector2d> RoundedRectangle(double half_x_m, double half_y_m, 
     }
     const bool last_straight = piece == 7 && left > pieces[7];
     if (piece % 2 == 1 && !last_straight) {
-      const double angle = left / radius_m + 0.5 * kPi * (piece / 2 - 1);
+      const int corner = piece / 2;
+      const double angle = left / radius_m + 0.5 * kPi * (corner - 1);
       points.emplace_back(centres[piece / 2] + radius_m * Eigen::Vector2d(Cos(angle), Sin(angle)));
     } else if (last_straight) {
       points.emplace_back(-straight_x + left - pieces[7], -half_y_m);
@@ -96,6 +97,7 @@ std::vector<Eigen::Vector2d> RoundedRectangle(double half_x_m, double half_y_m, 
 std::vector<Eigen::Vector2d> ScaledToLength(const std::vector<Eigen::Vector2d>& control_points, double length_m) {
   const double scale = length_m / ClosedSpline(control_points).length();
   std::vector<Eigen::Vector2d> scaled;
+  scaled.reserve(control_points.size());
   for (const Eigen::Vector2d& point : control_points) {
     scaled.emplace_back(scale * point);
   }

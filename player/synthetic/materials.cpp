@@ -143,8 +143,9 @@ Texture PaintTiles(uint64_t seed, float value) {
   Canvas canvas(512, 512, value - 55.0F);
   Random random(seed);
   for (int i = 0; i < 16; ++i) {
+    const int row = i / 4;
     const double x = i % 4 * 128;
-    const double y = i / 4 * 128;
+    const double y = row * 128;
     canvas.Rectangle(x + 3, y + 3, x + 125, y + 125, static_cast<float>(value + random.Uniform(-8.0, 8.0)));
   }
   canvas.AddNoise(seed, 64, 5.0F, 5);

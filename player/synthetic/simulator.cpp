@@ -33,6 +33,7 @@ Eigen::Matrix3d UprightFromFile(const std::vector<SE3>& poses) {
 
 std::vector<int64_t> RegularTimes(int count, double rate_hz) {
   std::vector<int64_t> times;
+  times.reserve(count);
   for (int i = 0; i < count; ++i) {
     times.push_back(static_cast<int64_t>(std::floor(i * (1e9 / rate_hz) + 0.5)));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace plslam::synthetic {
 namespace {
@@ -28,8 +29,9 @@ int FloorToInt(float x) {
 
 Texture::Texture(int width, int height, Border border, const std::vector<float>& pixels) : border_(border) {
   Level finest{width, height, std::vector<uint16_t>(pixels.size())};
-  std::transform(pixels.begin(), pixels.end(), finest.pixels.begin(),
-                 [](float value) { return static_cast<uint16_t>(std::clamp(value, 0.0F, 255.0F) * kScale + 0.5F); });
+  std::transform(pixels.begin(), pixels.end(), finest.pixels.begin(), [](float value) {
+    return static_cast<uint16_t>(std::floor(std::clamp(value, 0.0F, 255.0F) * kScale + 0.5F));
+  });
   levels_.push_back(std::move(finest));
   while (levels_.back().width > 1 && levels_.back().height > 1) {
     levels_.push_back(Halved(levels_.back()));

@@ -99,8 +99,9 @@ bool WorldBuilder::AddParallelepiped(const Eigen::Vector3d& o, const Eigen::Vect
   AddFace({o + b + c, a, -b}, top, 1e9, false);
   AddFace({o, a, b}, top, 1e9, false);
   for (int i = 0; i < 4; ++i) {
+    const int half = i / 2;
     const double x = i % 2;
-    const double y = i / 2;
+    const double y = half;
     AddSegment(o + x * a + y * b, o + x * a + y * b + c);
     AddSegment(o + x * a + y * c, o + x * a + y * c + b);
     AddSegment(o + x * b + y * c, o + x * b + y * c + a);

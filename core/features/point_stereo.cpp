@@ -113,25 +113,12 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
   return found;
 }
 
-}  // namespace
-
-std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options) {
-  std::vector<StereoPoint> without(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    without[i].left = points[i];
-    without[i].sigma_px = options.point_sigma_px * points[i].scale;
-  }
-  return without;
-}
-
-void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options) {
-  if (left.empty()) return;
-  const std::vector<Candidate> candidates = FindCandidates(left, right, options);
-  const HalvedPair pair(left_image, right_image);
+void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                      const std::vector<Candidate>& candidates, const HalvedPair& pair,
+                      const StereoOptions& options) {
   const PatchAligner aligner(pair, options.row_sigma_px);
   RowSearch search(pair);
-  for (size_t i = 0; i < left.size(); ++i) {
+  for (size_t i = first; i < left.size(); i += 2) {
     const PointFeature& feature = left[i].left;
     std::optional<PatchAlignment> found;
     if (candidates[i].index >= 0) {
@@ -144,6 +131,28 @@ void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFe
     left[i].disparity_px = found->disparity_px;
     left[i].sigma_disparity_px = found->sigma_disparity_px;
   }
+}
+
+}  // namespace
+
+std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options) {
+  std::vector<StereoPoint> without(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    without[i].left = points[i];
+    without[i].sigma_px = options.point_sigma_px * points[i].scale;
+  }
+  return without;
+}
+
+void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options,
+                       const RunBoth& run_both) {
+  if (left.empty()) return;
+  const std::vector<Candidate> candidates = FindCandidates(left, right, options);
+  const HalvedPair pair(left_image, right_image);
+  // Points are matched independently of each other; odd and even ones share near and far, easy and hard alike.
+  run_both([&] { MatchEverySecond(0, left, right, candidates, pair, options); },
+           [&] { MatchEverySecond(1, left, right, candidates, pair, options); });
 }
 
 }  // namespace plslam

@@ -6,6 +6,7 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/features/run_both.h"
 
 namespace plslam {
 
@@ -19,6 +20,7 @@ std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const St
 /// mutually best. The disparity is then measured by aligning the patches of the two images (`PatchAligner`) and
 /// dropped where they do not correlate. Points without a match keep a negative disparity.
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options);
+                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options,
+                       const RunBoth& run_both = RunInTurn);
 
 }  // namespace plslam

@@ -9,11 +9,12 @@
 namespace plslam {
 
 StereoFeatures MatchStereo(ImageFeatures left, const ImageFeatures& right, const cv::Mat& left_image,
-                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options) {
+                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options,
+                           const RunBoth& run_both) {
   StereoFeatures features;
   features.points = WithoutDepth(std::move(left.points), options);
   features.lines = WithoutDepth(std::move(left.lines));
-  MatchPointsStereo(features.points, right.points, left_image, right_image, options);
+  MatchPointsStereo(features.points, right.points, left_image, right_image, options, run_both);
   MatchLinesStereo(features.lines, right.lines, left_image, right_image, camera, options);
   return features;
 }

@@ -4,15 +4,17 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/features/run_both.h"
 #include "core/geometry/stereo_camera.h"
 
 namespace plslam {
 
 /// Stereo matches of both kinds (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, then sub-pixel disparity by
 /// comparing the images, with its standard deviation. All left features are kept; those without a match, and segments
-/// nearly parallel to the baseline, have no depth.
+/// nearly parallel to the baseline, have no depth. `run_both` shares the work between two threads.
 StereoFeatures MatchStereo(ImageFeatures left, const ImageFeatures& right, const cv::Mat& left_image,
-                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options);
+                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options,
+                           const RunBoth& run_both = RunInTurn);
 
 /// The same for a depth map aligned with the left image (16 bits, 0 = unknown): virtual right measurements
 /// d = b f / Z, the lines' from depths sampled robustly along the segment.

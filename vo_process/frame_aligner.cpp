@@ -12,6 +12,12 @@ constexpr int kRecentFrames = 2;
 constexpr double kRansacInlier_px = 4.0;
 constexpr uint64_t kRansacSeed = 1;
 
+// The first estimate has only to bring the second search near.
+MotionOptions Coarse(MotionOptions options) {
+  options.max_refinements = 1;
+  return options;
+}
+
 int Weight(const MotionEstimate& estimate) { return estimate.n_point_inliers + 2 * estimate.n_line_inliers; }
 
 std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, const std::vector<bool>& inlier) {
@@ -33,7 +39,7 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
   if (!coarse) {
     const Search near{options_.tracking.search_radius_px, kRecentFrames};
     const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
-    coarse = Estimate(landmarks, frame, matches, T_odom_predicted, prior);
+    coarse = Estimate(landmarks, frame, matches, T_odom_predicted, prior, Coarse(options_.motion));
     if (!coarse) return std::nullopt;
     coarse->weak = true;
   }
@@ -52,7 +58,7 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
   };
   for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
     const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
-    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt);
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt, Coarse(options_.motion));
     if (IsStrong(found, matches.Weight()) && consider(std::move(found))) return best;
   }
   consider(FindByDescriptor(landmarks, frame));
@@ -68,11 +74,12 @@ FrameMatches FrameAligner::MatchByProjection(const LocalLandmarks& landmarks, co
 
 std::optional<Alignment> FrameAligner::Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                                 const FrameMatches& matches, const SE3& T_odom_initial,
-                                                const std::optional<MotionPrior>& prior) const {
+                                                const std::optional<MotionPrior>& prior,
+                                                const MotionOptions& motion) const {
   if (matches.Weight() < options_.tracking.min_inliers) return std::nullopt;
   const auto estimate = EstimateMotion(landmarks.points.Observations(matches.points, frame),
                                        landmarks.lines.Observations(matches.lines, frame), camera_,
-                                       T_odom_initial.Inverse(), prior, options_.motion);
+                                       T_odom_initial.Inverse(), prior, motion);
   if (!estimate || Weight(*estimate) < options_.tracking.min_inliers) return std::nullopt;
   Alignment alignment;
   alignment.T_odom_c = estimate->T_cur_ref.Inverse();
@@ -94,7 +101,7 @@ std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& la
   const SE3 T_odom_c = T_c_odom->Inverse();
   const Search near{options_.tracking.search_radius_px, kRecentFrames};
   const FrameMatches guided = MatchByProjection(landmarks, frame, T_odom_c, near);
-  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt);
+  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt, Coarse(options_.motion));
   if (!IsStrong(coarse, guided.Weight())) return std::nullopt;
   return coarse;
 }
@@ -105,7 +112,7 @@ std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, c
   const FrameMatches matches = MatchByProjection(landmarks, frame, coarse.T_odom_c, all);
   std::optional<MotionPrior> used_prior;
   if (coarse.weak) used_prior = prior;
-  auto fine = Estimate(landmarks, frame, matches, coarse.T_odom_c, used_prior);
+  auto fine = Estimate(landmarks, frame, matches, coarse.T_odom_c, used_prior, options_.motion);
   if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
   fine->weak = coarse.weak;
   return fine;

@@ -39,7 +39,7 @@ class FrameAligner {
                                  const Search& search) const;
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                     const FrameMatches& matches, const SE3& T_odom_initial,
-                                    const std::optional<MotionPrior>& prior) const;
+                                    const std::optional<MotionPrior>& prior, const MotionOptions& motion) const;
   std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
   std::optional<Alignment> Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
                                   const MotionPrior& prior) const;

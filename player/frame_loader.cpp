@@ -1,5 +1,8 @@
 #include "player/frame_loader.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <utility>
 
 namespace plslam {
@@ -17,6 +20,13 @@ LoadedFrame Load(const Dataset& dataset, const PlayOrder::Item& item) {
   return frame;
 }
 
+// Frames are loaded ahead, while somebody else works on the one before: reading gives way to that work. (On Linux the
+// priority is the thread's, and any user may lower it.)
+void GiveWay() {
+  constexpr int kNice = 10;
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNice);
+}
+
 }  // namespace
 
 FrameLoader::FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth)
@@ -28,6 +38,7 @@ FrameLoader::~FrameLoader() {
 }
 
 void FrameLoader::Work() {
+  GiveWay();
   std::exception_ptr failure;
   try {
     for (auto item = order_.Next(); item; item = order_.Next()) {

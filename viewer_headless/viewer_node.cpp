@@ -31,14 +31,6 @@ double Seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The rig without the header, which differs from message to message.
-std::vector<uint8_t> RigBytes(camera_t message) {
-  message.header = {};
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
-
 }  // namespace
 
 ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
@@ -87,7 +79,7 @@ void ViewerNode::Subscribe() {
 }
 
 void ViewerNode::OnCamera(const camera_t& message) {
-  std::vector<uint8_t> bytes = RigBytes(message);
+  std::vector<uint8_t> bytes = bus::RigBytes(message);
   if (bytes == camera_bytes_) return;
   camera_bytes_ = std::move(bytes);
   const std::optional<RigCalibration> rig = bus::FromMessage(message);

@@ -8,6 +8,7 @@
 
 #include "core/features/line_matcher.h"
 #include "vo_process/landmark_fusion.h"
+#include "vo_process/landmark_list.h"
 #include "vo_process/segment_geometry.h"
 
 namespace plslam {
@@ -128,16 +129,9 @@ std::vector<LandmarkMatch> LineLandmarks::MatchByProjection(const SE3& T_c_odom,
 
 std::vector<LandmarkMatch> LineLandmarks::MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                             const LineMatchOptions& options) const {
-  std::vector<Descriptor> known;
-  std::vector<int> owners;
-  for (int i = 0; i < static_cast<int>(landmarks_.size()); ++i) {
-    if (landmarks_[i].unseen_frames > max_unseen_frames) continue;
-    known.push_back(landmarks_[i].descriptor);
-    owners.push_back(i);
-  }
-  std::vector<Descriptor> seen;
-  for (const StereoLine& line : frame.features.lines) seen.push_back(line.left.descriptor);
-  return PairUp(owners, MatchLinesBruteForce(known, seen, options));
+  const KnownDescriptors known = RecentDescriptors(landmarks_, max_unseen_frames);
+  return PairUp(known.owners,
+                MatchLinesBruteForce(known.descriptors, SeenDescriptors(frame.features.lines), options));
 }
 
 std::vector<LineObservation> LineLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
@@ -184,9 +178,7 @@ void LineLandmarks::Age(const SE3& T_c_odom) {
   for (LineLandmark& landmark : landmarks_) {
     if (landmark.unseen_frames > 0 && Predict(T_c_odom, landmark, camera_, 0.0)) ++landmark.missed;
   }
-  std::erase_if(landmarks_, [this](const LineLandmark& landmark) {
-    return landmark.unseen_frames > options_.max_unseen_frames || landmark.missed > options_.max_missed;
-  });
+  DropStale(options_, landmarks_);
 }
 
 void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "vo_process/landmark_fusion.h"
+#include "vo_process/landmark_list.h"
 
 namespace plslam {
 namespace {
@@ -53,16 +54,8 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByProjection(const SE3& T_c_odom
 
 std::vector<LandmarkMatch> PointLandmarks::MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                              const MatchOptions& options) const {
-  std::vector<Descriptor> known;
-  std::vector<int> owners;
-  for (int i = 0; i < static_cast<int>(landmarks_.size()); ++i) {
-    if (landmarks_[i].unseen_frames > max_unseen_frames) continue;
-    known.push_back(landmarks_[i].descriptor);
-    owners.push_back(i);
-  }
-  std::vector<Descriptor> seen;
-  for (const StereoPoint& point : frame.features.points) seen.push_back(point.left.descriptor);
-  return PairUp(owners, MatchBruteForce(known, seen, options));
+  const KnownDescriptors known = RecentDescriptors(landmarks_, max_unseen_frames);
+  return PairUp(known.owners, MatchBruteForce(known.descriptors, SeenDescriptors(frame.features.points), options));
 }
 
 std::vector<PointObservation> PointLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
@@ -114,9 +107,7 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
     const bool in_view = p_c.z() > kMinDepth_m && camera_.InImage(camera_.Project(p_c), kImageMargin_px);
     if (in_view) ++landmark.missed;
   }
-  std::erase_if(landmarks_, [this](const PointLandmark& landmark) {
-    return landmark.unseen_frames > options_.max_unseen_frames || landmark.missed > options_.max_missed;
-  });
+  DropStale(options_, landmarks_);
 }
 
 void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {

@@ -24,14 +24,6 @@ double NowMs() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-// The rig without the header, which differs from message to message.
-std::vector<uint8_t> RigBytes(camera_t message) {
-  message.header = {};
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
-
 }  // namespace
 
 VoNode::VoNode(bus::Process& process, const VoOptions& options)
@@ -48,7 +40,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
 }
 
 void VoNode::OnCamera(const camera_t& message) {
-  std::vector<uint8_t> bytes = RigBytes(message);
+  std::vector<uint8_t> bytes = bus::RigBytes(message);
   if (bytes == camera_bytes_) return;
   camera_bytes_ = std::move(bytes);
   const std::optional<RigCalibration> rig = bus::FromMessage(message);

@@ -219,4 +219,11 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
   return line;
 }
 
+std::vector<uint8_t> RigBytes(camera_t message) {
+  message.header = {};
+  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
+  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
 }  // namespace plslam::bus

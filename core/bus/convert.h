@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "core/bus/keyframe.h"
 #include "core/features/features.h"
@@ -37,6 +39,8 @@ Descriptor FromBytes(const uint8_t (&bytes)[32]);
 /// Header not filled in.
 camera_t ToMessage(const RigCalibration& rig);
 std::optional<RigCalibration> FromMessage(const camera_t& message);
+/// The encoded rig without its header, which differs from message to message: equal for equal rigs.
+std::vector<uint8_t> RigBytes(camera_t message);
 
 point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id);
 std::optional<StereoPoint> FromMessage(const point_feature_t& message);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/bus/keyframe.h"
+#include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "vo_process/odometry.h"

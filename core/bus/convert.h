@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/bus/keyframe.h"
+#include "core/map/keyframe.h"
 #include "core/features/features.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"

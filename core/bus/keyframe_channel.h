@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/bus/bus.h"
-#include "core/bus/keyframe.h"
+#include "core/map/keyframe.h"
 
 namespace plslam {
 class keyframe_t;

@@ -24,10 +24,15 @@ struct Keyframe {
   SE3 T_odom_kf;
   /// Tracking state, as in `pose_t.state`.
   int state = 0;
+  /// The stream waits for the map: every keyframe is adjusted to the end before the next (same result at every run).
+  bool lockstep = false;
   StereoFeatures features;
   /// Landmark of vo_process that each feature was tracked from or founded, or -1. As long as the features.
   std::vector<int64_t> point_landmark_ids;
   std::vector<int64_t> line_landmark_ids;
+  /// Landmark of the map that each feature was tracked as, or -1. As long as the features, or empty: none.
+  std::vector<int64_t> point_map_ids;
+  std::vector<int64_t> line_map_ids;
 };
 
 }  // namespace plslam

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "core/map/landmarks.h"
+#include "core/map/map_keyframe.h"
+
+namespace plslam {
+
+/// Names of what has changed since the last `Map::TakeChanges`; what was removed stands only among the removed.
+struct MapChanges {
+  std::set<int64_t> keyframes, removed_keyframes;
+  std::set<int64_t> points, removed_points;
+  std::set<int64_t> lines, removed_lines;
+
+  bool empty() const;
+};
+
+/// Keyframes, landmarks of both kinds and what connects them (PL-SLAM §V): covisibility graph, essential graph and
+/// spanning tree. Plain values with ids, ordered by id. The graphs follow from the sights of the landmarks, so whoever
+/// has the same keyframes and landmarks has the same graphs.
+///
+/// Sights of keyframes that are not in the map are a caller's error and ignored.
+class Map {
+ public:
+  /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
+  static constexpr int kCovisible = 20;
+  static constexpr int kEssential = 100;
+
+  struct Neighbour {
+    int64_t keyframe_id = -1;
+    int shared = 0;
+
+    bool operator==(const Neighbour&) const = default;
+  };
+
+  /// The landmark that each feature of a keyframe belongs to, or -1; features beyond the end of the vectors have none.
+  struct FeatureLandmarks {
+    std::vector<int64_t> points;
+    std::vector<int64_t> lines;
+  };
+
+  const std::map<int64_t, MapKeyframe>& keyframes() const { return keyframes_; }
+  const std::map<int64_t, MapPoint>& points() const { return points_; }
+  const std::map<int64_t, MapLine>& lines() const { return lines_; }
+  /// nullptr where there is none.
+  const MapKeyframe* FindKeyframe(int64_t id) const;
+  const MapPoint* FindPoint(int64_t id) const;
+  const MapLine* FindLine(int64_t id) const;
+
+  /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
+  void Put(const MapKeyframe& keyframe);
+  void Put(const MapPoint& point);
+  void Put(const MapLine& line);
+  /// A keyframe goes with its sights; landmarks that lose their last sight go too, and its children in the spanning tree
+  /// move to their best neighbour (its parent where they have none).
+  void RemoveKeyframe(int64_t id);
+  void RemovePoint(int64_t id);
+  void RemoveLine(int64_t id);
+  void Clear();
+
+  /// Moves, without touching the sights.
+  void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
+  void SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance);
+  void SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
+                  const Eigen::Matrix3d& covariance_q);
+
+  const FeatureLandmarks& LandmarksOf(int64_t keyframe_id) const;
+  int Shared(int64_t a, int64_t b) const;
+  /// Keyframes that share at least `min_shared` landmarks (>= 1) with this one: most shared first, then by id.
+  std::vector<Neighbour> Neighbours(int64_t keyframe_id, int min_shared) const;
+  std::vector<int64_t> Children(int64_t keyframe_id) const;
+
+  /// What has changed since the last call.
+  MapChanges TakeChanges();
+
+ private:
+  template <class Landmark>
+  void PutLandmark(const Landmark& landmark, std::map<int64_t, Landmark>& landmarks,
+                   std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed);
+  template <class Landmark>
+  void RemoveLandmark(int64_t id, std::map<int64_t, Landmark>& landmarks,
+                      std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
+                      std::set<int64_t>& removed);
+  template <class Landmark>
+  void DropSights(int64_t keyframe_id, std::map<int64_t, Landmark>& landmarks,
+                  std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
+                  std::set<int64_t>& removed);
+  void CountShared(const std::vector<Sight>& sights, int sign);
+
+  std::map<int64_t, MapKeyframe> keyframes_;
+  std::map<int64_t, MapPoint> points_;
+  std::map<int64_t, MapLine> lines_;
+  std::map<int64_t, FeatureLandmarks> landmarks_of_;
+  std::map<int64_t, std::map<int64_t, int>> shared_;
+  std::map<int64_t, std::set<int64_t>> children_;
+  MapChanges changes_;
+};
+
+}  // namespace plslam

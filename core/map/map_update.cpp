@@ -1,0 +1,56 @@
+#include "core/map/map_update.h"
+
+namespace plslam {
+namespace {
+
+template <class Value>
+void Copy(const std::map<int64_t, Value>& from, const std::set<int64_t>& ids, std::vector<Value>& to) {
+  for (const int64_t id : ids) to.push_back(from.at(id));
+}
+
+template <class Value>
+void CopyAll(const std::map<int64_t, Value>& from, std::vector<Value>& to) {
+  for (const auto& [id, value] : from) to.push_back(value);
+}
+
+}  // namespace
+
+MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
+  MapUpdate update;
+  Copy(map.keyframes(), changes.keyframes, update.keyframes);
+  Copy(map.points(), changes.points, update.points);
+  Copy(map.lines(), changes.lines, update.lines);
+  update.removed_keyframes.assign(changes.removed_keyframes.begin(), changes.removed_keyframes.end());
+  update.removed_points.assign(changes.removed_points.begin(), changes.removed_points.end());
+  update.removed_lines.assign(changes.removed_lines.begin(), changes.removed_lines.end());
+  return update;
+}
+
+MapUpdate WholeMap(const Map& map) {
+  MapUpdate update;
+  CopyAll(map.keyframes(), update.keyframes);
+  CopyAll(map.points(), update.points);
+  CopyAll(map.lines(), update.lines);
+  return update;
+}
+
+MapReplica::Outcome MapReplica::Apply(const MapUpdate& update) {
+  const bool same_source = update.source == source_;
+  if (same_source && update.version <= version_) return Outcome::kKnown;
+  const bool whole = update.base_version == 0;
+  if (!whole && (!same_source || update.base_version != version_)) return Outcome::kGap;
+  if (whole) map_.Clear();
+  // What is removed first: keyframes that go hand their children on, and the update knows to whom.
+  for (const int64_t id : update.removed_points) map_.RemovePoint(id);
+  for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
+  for (const int64_t id : update.removed_keyframes) map_.RemoveKeyframe(id);
+  for (const MapKeyframe& keyframe : update.keyframes) map_.Put(keyframe);
+  for (const MapPoint& point : update.points) map_.Put(point);
+  for (const MapLine& line : update.lines) map_.Put(line);
+  map_.TakeChanges();
+  source_ = update.source;
+  version_ = update.version;
+  return Outcome::kApplied;
+}
+
+}  // namespace plslam

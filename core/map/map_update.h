@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/map/map.h"
+
+namespace plslam {
+
+/// Sums of an adjustment, for reports: root mean squares of the residuals in standard deviations and, of points, pixels.
+struct AdjustmentFigures {
+  int n_keyframes = 0;
+  int n_fixed_keyframes = 0;
+  int n_points = 0;
+  int n_lines = 0;
+  int n_outliers = 0;
+  double rms_before = 0.0;
+  double rms_after = 0.0;
+  double reprojection_before_px = 0.0;
+  double reprojection_after_px = 0.0;
+};
+
+/// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
+/// changed come whole.
+struct MapUpdate {
+  int64_t source = 0;  ///< publisher: the start of mapping_process whose map it is; set by the receiver
+  int64_t version = 0;
+  /// The version it builds on. 0: on nothing, it is the whole map.
+  int64_t base_version = 0;
+  /// The newest keyframe of vo_process that is in it.
+  int64_t session = 0;
+  int64_t session_keyframe_id = -1;
+  int64_t t_ns = 0;
+  std::vector<MapKeyframe> keyframes;
+  std::vector<int64_t> removed_keyframes;
+  std::vector<MapPoint> points;
+  std::vector<int64_t> removed_points;
+  std::vector<MapLine> lines;
+  std::vector<int64_t> removed_lines;
+  AdjustmentFigures adjustment;
+  /// Times of the stages that led to it, ms.
+  std::vector<std::pair<std::string, double>> stage_ms;
+};
+
+/// The part of `map` that `changes` names.
+MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
+/// All of it, with base version 0.
+MapUpdate WholeMap(const Map& map);
+
+/// Keeps up with a map that somebody else owns.
+class MapReplica {
+ public:
+  /// kApplied: this is now that version. kKnown: it was already. kGap: versions are missing, ask for the whole map.
+  enum class Outcome { kApplied, kKnown, kGap };
+
+  /// An update of another source counts only where it is a whole map; then that source's map replaces this one.
+  Outcome Apply(const MapUpdate& update);
+
+  const Map& map() const { return map_; }
+  int64_t source() const { return source_; }
+  int64_t version() const { return version_; }
+
+ private:
+  Map map_;
+  int64_t source_ = 0;
+  int64_t version_ = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,1 @@
+#include "core/optim/bundle.h"

@@ -91,8 +91,10 @@ pose3_t ToMessage(const SE3& T_a_b) {
 std::optional<SE3> FromMessage(const pose3_t& message) {
   const Eigen::Quaterniond q(message.q_wxyz[0], message.q_wxyz[1], message.q_wxyz[2], message.q_wxyz[3]);
   const Eigen::Vector3d t(message.position_m[0], message.position_m[1], message.position_m[2]);
-  const bool ok = t.allFinite() && std::abs(q.squaredNorm() - 1.0) < 2e-6;  // false for NaN
-  return ok ? std::optional(SE3(q, t)) : std::nullopt;
+  const double error = std::abs(q.squaredNorm() - 1.0);
+  if (!t.allFinite() || !(error < 2e-6)) return std::nullopt;  // NaN too
+  // Normalised again, a quaternion may change its last bits, and the copy of a map would not be the map.
+  return error < 1e-12 ? SE3::FromUnit(q, t) : SE3(q, t);
 }
 
 void ToArray(const Matrix6d& covariance, double (&values)[36]) {
@@ -150,9 +152,10 @@ std::optional<RigCalibration> FromMessage(const camera_t& message) {
   return rig;
 }
 
-point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id) {
+point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id) {
   point_feature_t message{};
   message.landmark_id = landmark_id;
+  message.map_id = map_id;
   message.u_px = ToFloat(point.left.px.x());
   message.v_px = ToFloat(point.left.px.y());
   message.disparity_px = ToFloat(point.HasDepth() ? point.disparity_px : -1.0);
@@ -167,7 +170,7 @@ point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id) {
 std::optional<StereoPoint> FromMessage(const point_feature_t& message) {
   const bool ok = PixelsOk({message.u_px, message.v_px, message.disparity_px}) && std::isfinite(message.angle_rad) &&
                   PositiveFinite({message.sigma_px, message.sigma_disparity_px}) && message.octave >= 0 &&
-                  message.octave <= kMaxOctave && message.landmark_id >= -1;
+                  message.octave <= kMaxOctave && message.landmark_id >= -1 && message.map_id >= -1;
   if (!ok) return std::nullopt;
   StereoPoint point;
   point.left.px = {message.u_px, message.v_px};
@@ -180,9 +183,10 @@ std::optional<StereoPoint> FromMessage(const point_feature_t& message) {
   return point;
 }
 
-line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id) {
+line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id) {
   line_feature_t message{};
   message.landmark_id = landmark_id;
+  message.map_id = map_id;
   for (int i = 0; i < 2; ++i) {
     message.p_px[i] = ToFloat(line.left.segment.p[i]);
     message.q_px[i] = ToFloat(line.left.segment.q[i]);
@@ -203,7 +207,7 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
                                    message.disparity_p_px, message.disparity_q_px});
   const bool rest_ok =
       PositiveFinite({message.sigma_px, message.sigma_disparity_p_px, message.sigma_disparity_q_px}) &&
-      message.octave >= 0 && message.octave <= kMaxOctave && message.landmark_id >= -1;
+      message.octave >= 0 && message.octave <= kMaxOctave && message.landmark_id >= -1 && message.map_id >= -1;
   if (!pixels_ok || !rest_ok) return std::nullopt;
   StereoLine line;
   line.left.segment.p = {message.p_px[0], message.p_px[1]};

@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "core/map/keyframe.h"
 #include "core/features/features.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
@@ -24,7 +23,8 @@ namespace plslam::bus {
 
 /// w >= 0.
 pose3_t ToMessage(const SE3& T_a_b);
-/// Unit quaternion (to 1e-6) and finite position.
+/// Unit quaternion (to 1e-6) and finite position. What is unit to rounding comes through with all its bits, but for the
+/// sign of the quaternion.
 std::optional<SE3> FromMessage(const pose3_t& message);
 
 /// Row major.
@@ -42,9 +42,10 @@ std::optional<RigCalibration> FromMessage(const camera_t& message);
 /// The encoded rig without its header, which differs from message to message: equal for equal rigs.
 std::vector<uint8_t> RigBytes(camera_t message);
 
-point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id);
+/// `landmark_id` of vo_process and `map_id` of the map; -1: none. They do not come back with the feature.
+point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id);
 std::optional<StereoPoint> FromMessage(const point_feature_t& message);
-line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id);
+line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id);
 std::optional<StereoLine> FromMessage(const line_feature_t& message);
 
 }  // namespace plslam::bus

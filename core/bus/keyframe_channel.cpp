@@ -24,8 +24,15 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
   page.state = static_cast<int8_t>(keyframe.state);
+  page.lockstep = keyframe.lockstep ? 1 : 0;
   return page;
 }
+
+bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids, size_t n) {
+  return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
+}
+
+int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
 /// Fills pages one after another with messages of one size each.
 class Pager {
@@ -64,18 +71,20 @@ class Pager {
 
 std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes) {
   const StereoFeatures& features = keyframe.features;
-  if (keyframe.point_landmark_ids.size() != features.points.size() ||
-      keyframe.line_landmark_ids.size() != features.lines.size()) {
+  if (!AsMany(keyframe.point_landmark_ids, keyframe.point_map_ids, features.points.size()) ||
+      !AsMany(keyframe.line_landmark_ids, keyframe.line_map_ids, features.lines.size())) {
     throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
                                 ": landmark ids are not as many as features");
   }
   Pager pager(HeadPage(keyframe), page_bytes);
   for (size_t i = 0; i < features.points.size(); ++i) {
-    const point_feature_t point = ToMessage(features.points[i], keyframe.point_landmark_ids[i]);
+    const point_feature_t point =
+        ToMessage(features.points[i], keyframe.point_landmark_ids[i], MapId(keyframe.point_map_ids, i));
     pager.PageFor(point._getEncodedSizeNoHash()).points.push_back(point);
   }
   for (size_t i = 0; i < features.lines.size(); ++i) {
-    const line_feature_t line = ToMessage(features.lines[i], keyframe.line_landmark_ids[i]);
+    const line_feature_t line =
+        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], MapId(keyframe.line_map_ids, i));
     pager.PageFor(line._getEncodedSizeNoHash()).lines.push_back(line);
   }
   return pager.Finish();
@@ -86,7 +95,8 @@ std::optional<Keyframe> KeyframeAssembler::Head(const keyframe_t& page) {
   const auto covariance = FromArray(page.covariance);
   const auto T_odom_kf = FromMessage(page.T_odom_kf);
   const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
-                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4;
+                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
+                      (page.lockstep == 0 || page.lockstep == 1);
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
   Keyframe keyframe;
   keyframe.source = page.header.source;
@@ -99,6 +109,7 @@ std::optional<Keyframe> KeyframeAssembler::Head(const keyframe_t& page) {
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;
   keyframe.state = static_cast<uint8_t>(page.state);
+  keyframe.lockstep = page.lockstep != 0;
   return keyframe;
 }
 
@@ -111,12 +122,14 @@ bool KeyframeAssembler::Append(const keyframe_t& page, Keyframe& keyframe) {
     if (!point) return false;
     features.points.push_back(*point);
     keyframe.point_landmark_ids.push_back(message.landmark_id);
+    keyframe.point_map_ids.push_back(message.map_id);
   }
   for (const line_feature_t& message : page.lines) {
     auto line = FromMessage(message);
     if (!line) return false;
     features.lines.push_back(*line);
     keyframe.line_landmark_ids.push_back(message.landmark_id);
+    keyframe.line_map_ids.push_back(message.map_id);
   }
   return true;
 }

@@ -16,8 +16,8 @@ class keyframe_t;
 
 namespace plslam::bus {
 
-/// `keyframe` as pages of at most `page_bytes`, points before lines. Throws std::invalid_argument where the landmark
-/// ids are not as many as the features.
+/// `keyframe` as pages of at most `page_bytes`, points before lines. Throws std::invalid_argument where the ids are
+/// not as many as the features (ids of the map may be left out altogether).
 std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes);
 
 /// Puts pages together again; they come in order for each publisher.

@@ -19,6 +19,14 @@ class SE3 {
   SE3(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) : q_(q.normalized()), t_(t) {}
   SE3(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) : SE3(Eigen::Quaterniond(R), t) {}
 
+  /// `q` taken as it is, bit by bit; it must be unit to rounding.
+  static SE3 FromUnit(const Eigen::Quaterniond& q, const Eigen::Vector3d& t) {
+    SE3 T;
+    T.q_ = q;
+    T.t_ = t;
+    return T;
+  }
+
   const Eigen::Quaterniond& rotation() const { return q_; }
   const Eigen::Vector3d& translation() const { return t_; }
   Eigen::Matrix3d R() const { return q_.toRotationMatrix(); }

@@ -190,6 +190,7 @@ TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
       const Keyframe whole = assembler.Take();
       ASSERT_TRUE(whole.T_odom_kf.IsFinite() && whole.T_prevkf_kf.IsFinite() && whole.covariance.allFinite());
       ASSERT_EQ(whole.features.points.size(), whole.point_landmark_ids.size());
+      ASSERT_EQ(whole.features.points.size(), whole.point_map_ids.size());
       for (const StereoPoint& point : whole.features.points) ASSERT_TRUE(point.left.px.allFinite());
     }
   });

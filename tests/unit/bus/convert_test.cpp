@@ -1,5 +1,6 @@
 #include "core/bus/convert.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -50,6 +51,17 @@ TEST(Convert, PoseSurvivesTheWire) {
   ASSERT_TRUE(back);
   EXPECT_LT((back->matrix() - T.matrix()).cwiseAbs().maxCoeff(), 1e-15);
   EXPECT_GE(ToMessage(SE3(Eigen::Quaterniond(-0.5, 0.5, 0.5, 0.5), {0, 0, 0})).q_wxyz[0], 0.0);
+}
+
+TEST(Convert, PosesKeepTheirBitsHoweverOftenTheyTravel) {
+  for (int i = 0; i < 1000; ++i) {
+    const pose3_t sent = ToMessage(SE3::Exp(Vector6d::Random()) * SE3::Exp(Vector6d::Random()));
+    const auto T = FromMessage(sent);
+    ASSERT_TRUE(T);
+    const pose3_t again = ToMessage(*T);
+    EXPECT_TRUE(std::equal(sent.q_wxyz, sent.q_wxyz + 4, again.q_wxyz)) << i;
+    EXPECT_TRUE(std::equal(sent.position_m, sent.position_m + 3, again.position_m)) << i;
+  }
 }
 
 TEST(Convert, PosesThatAreNoneAreRefused) {
@@ -138,7 +150,7 @@ TEST(Convert, FeaturesThatCannotBeAreRefused) {
     for (const auto member :
          {&point_feature_t::u_px, &point_feature_t::v_px, &point_feature_t::disparity_px, &point_feature_t::sigma_px,
           &point_feature_t::sigma_disparity_px, &point_feature_t::angle_rad}) {
-      point_feature_t point = ToMessage(StereoPoint(), -1);
+      point_feature_t point = ToMessage(StereoPoint(), -1, -1);
       ASSERT_TRUE(FromMessage(point));
       point.*member = bad;
       EXPECT_FALSE(FromMessage(point));
@@ -146,16 +158,16 @@ TEST(Convert, FeaturesThatCannotBeAreRefused) {
     for (const auto member :
          {&line_feature_t::disparity_p_px, &line_feature_t::disparity_q_px, &line_feature_t::sigma_px,
           &line_feature_t::sigma_disparity_p_px, &line_feature_t::sigma_disparity_q_px}) {
-      line_feature_t line = ToMessage(StereoLine(), -1);
+      line_feature_t line = ToMessage(StereoLine(), -1, -1);
       ASSERT_TRUE(FromMessage(line));
       line.*member = bad;
       EXPECT_FALSE(FromMessage(line));
     }
   }
-  point_feature_t point = ToMessage(StereoPoint(), -1);
+  point_feature_t point = ToMessage(StereoPoint(), -1, -1);
   point.octave = -1;
   EXPECT_FALSE(FromMessage(point));
-  line_feature_t line = ToMessage(StereoLine(), -2);
+  line_feature_t line = ToMessage(StereoLine(), -2, -1);
   EXPECT_FALSE(FromMessage(line));
 }
 

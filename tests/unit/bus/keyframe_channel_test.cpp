@@ -22,6 +22,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.previous_keyframe_id = id - 1;
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
   keyframe.state = 1;
+  keyframe.lockstep = id % 2 == 1;
   for (int i = 0; i < n_points; ++i) {
     StereoPoint point;
     point.left.px = {static_cast<float>(i), 2.5};
@@ -30,6 +31,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
     point.left.descriptor = {random(), random(), random(), random()};
     keyframe.features.points.push_back(point);
     keyframe.point_landmark_ids.push_back(i - 1);
+    keyframe.point_map_ids.push_back(2 * i - 1);
   }
   for (int i = 0; i < n_lines; ++i) {
     StereoLine line;
@@ -39,6 +41,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
     line.left.descriptor = {random(), random(), random(), random()};
     keyframe.features.lines.push_back(line);
     keyframe.line_landmark_ids.push_back(-1);
+    keyframe.line_map_ids.push_back(i / 2 - 1);
   }
   return keyframe;
 }
@@ -51,6 +54,9 @@ void ExpectEqual(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.covariance, b.covariance);
   EXPECT_EQ(a.point_landmark_ids, b.point_landmark_ids);
   EXPECT_EQ(a.line_landmark_ids, b.line_landmark_ids);
+  EXPECT_EQ(a.point_map_ids, b.point_map_ids);
+  EXPECT_EQ(a.line_map_ids, b.line_map_ids);
+  EXPECT_EQ(a.lockstep, b.lockstep);
   ASSERT_EQ(a.features.points.size(), b.features.points.size());
   ASSERT_EQ(a.features.lines.size(), b.features.lines.size());
   for (size_t i = 0; i < a.features.points.size(); ++i) {
@@ -114,7 +120,10 @@ TEST(KeyframeAssembler, RefusesHostilePages) {
   expect_refused([](keyframe_t& p) { p.state = 17; });
   expect_refused([](keyframe_t& p) { p.covariance[0] = -1.0; });
   expect_refused([](keyframe_t& p) { p.T_odom_kf.q_wxyz[0] = 5.0; });
+  expect_refused([](keyframe_t& p) { p.lockstep = 2; });
   expect_refused([](keyframe_t& p) { p.points[0].u_px = 1e30F; });
+  expect_refused([](keyframe_t& p) { p.points[0].map_id = -2; });
+  expect_refused([](keyframe_t& p) { p.lines[0].map_id = -2; });
   EXPECT_EQ(assembler.Add(page), Outcome::kComplete);
 }
 
@@ -122,6 +131,20 @@ TEST(CutIntoPages, RefusesIdsThatAreNotAsManyAsFeatures) {
   Keyframe keyframe = KeyframeOf(0, 2, 2);
   keyframe.line_landmark_ids.pop_back();
   EXPECT_THROW(CutIntoPages(keyframe, 60'000), std::invalid_argument);
+  keyframe = KeyframeOf(0, 2, 2);
+  keyframe.point_map_ids.pop_back();
+  EXPECT_THROW(CutIntoPages(keyframe, 60'000), std::invalid_argument);
+}
+
+TEST(CutIntoPages, NoIdsOfTheMapArriveAsNone) {
+  Keyframe keyframe = KeyframeOf(0, 2, 3);
+  keyframe.point_map_ids.clear();
+  keyframe.line_map_ids.clear();
+  KeyframeAssembler assembler;
+  ASSERT_EQ(assembler.Add(CutIntoPages(keyframe, 60'000)[0]), Outcome::kComplete);
+  const Keyframe received = assembler.Take();
+  EXPECT_EQ(received.point_map_ids, std::vector<int64_t>(2, -1));
+  EXPECT_EQ(received.line_map_ids, std::vector<int64_t>(3, -1));
 }
 
 TEST(KeyframeChannel, LateReaderGetsAllKeyframesOverALossyNetwork) {

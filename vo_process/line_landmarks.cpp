@@ -7,15 +7,14 @@
 #include <span>
 
 #include "core/features/line_matcher.h"
+#include "core/features/segment_projection.h"
 #include "vo_process/landmark_fusion.h"
 #include "vo_process/landmark_list.h"
-#include "vo_process/segment_geometry.h"
 
 namespace plslam {
 namespace {
 
 constexpr double kMinDepth_m = 0.1;
-constexpr double kMinLength_px = 5.0;
 // How far a segment may grow at one sight, in lengths of its own.
 constexpr double kMaxExtension = 0.5;
 
@@ -23,30 +22,9 @@ Segment3 Transform(const SE3& T, const Segment3& segment) { return {T * segment.
 
 Eigen::Vector3d Measurement(const Eigen::Vector2d& px, double disparity_px) { return {px.x(), px.y(), disparity_px}; }
 
-// Segment as it should appear in the left image, cut to it; nullopt where too little would be seen.
 std::optional<Segment2> Predict(const SE3& T_c_odom, const LineLandmark& landmark, const StereoCamera& camera,
                                 double margin_px) {
-  const auto visible = ClipInFront(Transform(T_c_odom, landmark.segment_odom), kMinDepth_m);
-  if (!visible) return std::nullopt;
-  const Segment2 full{camera.Project(visible->p), camera.Project(visible->q)};
-  // Liang-Barsky against the image grown by the margin.
-  const Eigen::Vector2d low = Eigen::Vector2d::Constant(-margin_px);
-  const Eigen::Vector2d high(camera.width_px + margin_px, camera.height_px + margin_px);
-  const Eigen::Vector2d along = full.q - full.p;
-  double from = 0.0;
-  double to = 1.0;
-  for (int k = 0; k < 2; ++k) {
-    if (std::abs(along[k]) < 1e-9) {
-      if (full.p[k] < low[k] || full.p[k] > high[k]) return std::nullopt;
-      continue;
-    }
-    const double a = (low[k] - full.p[k]) / along[k];
-    const double b = (high[k] - full.p[k]) / along[k];
-    from = std::max(from, std::min(a, b));
-    to = std::min(to, std::max(a, b));
-  }
-  if ((to - from) * along.norm() < kMinLength_px) return std::nullopt;
-  return Segment2{full.p + from * along, full.p + to * along};
+  return ProjectSegment(Transform(T_c_odom, landmark.segment_odom), camera, margin_px);
 }
 
 // Measurements of one endpoint: its distances to the observed lines in the left and, with depth, the right image.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/features/expected_octave.h"
 #include "vo_process/landmark_fusion.h"
 #include "vo_process/landmark_list.h"
 
@@ -16,12 +17,6 @@ constexpr double kImageMargin_px = 4.0;
 
 Eigen::Vector3d Measurement(const StereoPoint& point) {
   return {point.left.px.x(), point.left.px.y(), point.disparity_px};
-}
-
-// Octave in which a corner of `octave` at `depth_m` should be found at another depth.
-int ExpectedOctave(const PointLandmark& landmark, double depth_m, const OrbOptions& orb) {
-  const double steps = std::log(landmark.depth_m / depth_m) / std::log(orb.scale_factor);
-  return std::clamp(landmark.octave + static_cast<int>(std::lround(steps)), 0, orb.levels - 1);
 }
 
 void Remember(const StereoPoint& seen, double depth_m, PointLandmark& landmark) {
@@ -45,8 +40,9 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByProjection(const SE3& T_c_odom
     if (p_c.z() < kMinDepth_m) continue;
     const Eigen::Vector2d px = camera_.Project(p_c);
     if (!camera_.InImage(px, -search.radius_px)) continue;
-    queries.push_back(
-        {px, search.radius_px, ExpectedOctave(landmark, p_c.z(), orb_), landmark.angle_rad, landmark.descriptor});
+    queries.push_back({px, search.radius_px,
+                       ExpectedOctave(landmark.octave, landmark.depth_m, p_c.z(), orb_.scale_factor, orb_.levels),
+                       landmark.angle_rad, landmark.descriptor});
     owners.push_back(i);
   }
   return PairUp(owners, MatchPointsByProjection(queries, frame.point_grid, options));

@@ -1,4 +1,4 @@
-#include "vo_process/segment_geometry.h"
+#include "core/features/segment_projection.h"
 
 #include <gtest/gtest.h>
 

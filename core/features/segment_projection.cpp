@@ -1,12 +1,15 @@
-#include "vo_process/segment_geometry.h"
+#include "core/features/segment_projection.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plslam {
 namespace {
 
 // sin^2 of the least angle between a viewing ray and a line for which the nearest place is meaningful.
 constexpr double kMinSine2 = 1e-4;
+constexpr double kMinDepth_m = 0.1;
+constexpr double kMinLength_px = 5.0;
 
 }  // namespace
 
@@ -17,6 +20,30 @@ std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_
   if (clipped.p.z() < min_depth_m) clipped.p += (min_depth_m - clipped.p.z()) / along.z() * along;
   if (clipped.q.z() < min_depth_m) clipped.q += (min_depth_m - clipped.q.z()) / along.z() * along;
   return clipped;
+}
+
+std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px) {
+  const auto visible = ClipInFront(segment_c, kMinDepth_m);
+  if (!visible) return std::nullopt;
+  const Segment2 full{camera.Project(visible->p), camera.Project(visible->q)};
+  // Liang-Barsky against the image grown by the margin.
+  const Eigen::Vector2d low = Eigen::Vector2d::Constant(-margin_px);
+  const Eigen::Vector2d high(camera.width_px + margin_px, camera.height_px + margin_px);
+  const Eigen::Vector2d along = full.q - full.p;
+  double from = 0.0;
+  double to = 1.0;
+  for (int k = 0; k < 2; ++k) {
+    if (std::abs(along[k]) < 1e-9) {
+      if (full.p[k] < low[k] || full.p[k] > high[k]) return std::nullopt;
+      continue;
+    }
+    const double a = (low[k] - full.p[k]) / along[k];
+    const double b = (high[k] - full.p[k]) / along[k];
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  if (!((to - from) * along.norm() >= kMinLength_px)) return std::nullopt;
+  return Segment2{full.p + from * along, full.p + to * along};
 }
 
 double VarianceAcross(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px) {

@@ -11,6 +11,10 @@ namespace plslam {
 /// The part of a segment (camera frame) at least `min_depth_m` in front of the camera; nullopt where there is none.
 std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_m);
 
+/// A segment (camera frame) as it should appear in the left image, cut to the image grown by `margin_px`; nullopt where
+/// less than a few pixels would be seen.
+std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px);
+
 /// Distance of a pixel to the infinite line through `observed`, as a variance: `sigma_px` at the observed endpoints,
 /// growing linearly beyond them, since the direction of a short segment is less sure than its place.
 double VarianceAcross(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px);

@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-constexpr int kSubpixels = 32;
+constexpr int kSubpixels = BilinearWarp::kSubpixels;
 
 // Outside of every image: the remapping writes its border value.
 constexpr int16_t kNowhere = -2;
@@ -27,8 +27,7 @@ Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
 
 Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view) const {
   const StereoCamera& c = rectification_.camera;
-  Maps maps{cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere)),
-            cv::Mat(c.height_px, c.width_px, CV_16UC1, cv::Scalar(0)),
+  Maps maps{BilinearWarp(c.width_px, c.height_px),
             cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere)),
             cv::Mat(c.height_px, c.width_px, CV_8UC1, cv::Scalar(0))};
   bool everywhere = true;
@@ -42,10 +41,8 @@ Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view) const {
       if (!inside) continue;
       const double x = std::clamp(raw->x(), 0.0, c.width_px - 1.0);
       const double y = std::clamp(raw->y(), 0.0, c.height_px - 1.0);
-      const int64_t x32 = std::llround(x * kSubpixels);
-      const int64_t y32 = std::llround(y * kSubpixels);
-      maps.whole.at<cv::Vec2s>(v, u) = {ToInt16(x32 / kSubpixels), ToInt16(y32 / kSubpixels)};
-      maps.fraction.at<uint16_t>(v, u) = static_cast<uint16_t>((y32 % kSubpixels) * kSubpixels + x32 % kSubpixels);
+      maps.warp->SetSource(u, v, static_cast<int>(std::lround(x * kSubpixels)),
+                           static_cast<int>(std::lround(y * kSubpixels)));
       maps.nearest.at<cv::Vec2s>(v, u) = {ToInt16(std::llround(x)), ToInt16(std::llround(y))};
       maps.mask.at<uint8_t>(v, u) = 255;
     }
@@ -67,17 +64,13 @@ void Rectifier::CheckImage(const cv::Mat& image, int type, const char* side) con
 cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
   CheckImage(image, CV_8UC1, "left");
   if (rectification_.identity) return image;
-  cv::Mat result;
-  cv::remap(image, result, left_.whole, left_.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
-  return result;
+  return left_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
   CheckImage(image, CV_8UC1, "right");
-  if (rectification_.identity || right_.whole.empty()) return image;
-  cv::Mat result;
-  cv::remap(image, result, right_.whole, right_.fraction, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
-  return result;
+  if (rectification_.identity || !right_.warp) return image;
+  return right_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyDepth(const cv::Mat& depth) const {

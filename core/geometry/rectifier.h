@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include <opencv2/core/mat.hpp>
 
+#include "core/geometry/bilinear_warp.h"
 #include "core/geometry/rectification.h"
 
 namespace plslam {
@@ -32,9 +35,8 @@ class Rectifier {
 
  private:
   struct Maps {
-    // OpenCV's fixed-point pair for bilinear remapping, and the coordinates of the nearest pixel.
-    cv::Mat whole;
-    cv::Mat fraction;
+    std::optional<BilinearWarp> warp;
+    // Coordinates of the nearest pixel, for OpenCV.
     cv::Mat nearest;
     cv::Mat mask;
   };

@@ -5,8 +5,9 @@
 namespace plslam::bus {
 
 std::span<const Channel> Channels() {
-  static constexpr std::array kRows = {kCamera, kStream,   kStereoFrame, kStereoFrameLive, kGroundTruth,   kPose,
-                                       kTracks, kKeyframe, kStatus,      kCommand,         kRepairRequest, kAnnounce};
+  static constexpr std::array kRows = {kCamera, kStream,  kStereoFrame,   kStereoFrameLive, kGroundTruth,
+                                       kPose,   kTracks,  kKeyframe,      kMapUpdate,       kMapRequest,
+                                       kStatus, kCommand, kRepairRequest, kAnnounce};
   return kRows;
 }
 

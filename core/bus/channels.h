@@ -47,6 +47,14 @@ inline constexpr Channel kTracks{"TRACKS",          "tracks_t",       "vo",
                                  Delivery::kLatest, Retention::kNone, "features of a frame, for pictures"};
 inline constexpr Channel kKeyframe{"KEYFRAME",       "keyframe_t",    "vo",
                                    Delivery::kEvery, Retention::kAll, "keyframes, by pages"};
+inline constexpr Channel kMapUpdate{"MAP_UPDATE",
+                                    "map_update_t",
+                                    "mapping",
+                                    Delivery::kEvery,
+                                    Retention::kUnacknowledged,
+                                    "what changed in the map, or all of it, by pages"};
+inline constexpr Channel kMapRequest{"MAP_REQUEST",     "map_request_t",  "all",
+                                     Delivery::kLatest, Retention::kNone, "asks for the whole map"};
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz"};
 inline constexpr Channel kCommand{

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/pager.h"
 #include "plslam/keyframe_t.hpp"
 
 namespace plslam::bus {
@@ -34,39 +35,6 @@ bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids
 
 int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
-/// Fills pages one after another with messages of one size each.
-class Pager {
- public:
-  Pager(keyframe_t head, int64_t page_bytes)
-      : head_(std::move(head)), room_(page_bytes - head_.getEncodedSize()), left_(room_), pages_({head_}) {}
-
-  keyframe_t& PageFor(int64_t bytes) {
-    if (bytes > room_) throw std::invalid_argument("bus.max_message_bytes leaves no room for keyframes");
-    if (bytes > left_) {
-      pages_.push_back(head_);
-      left_ = room_;
-    }
-    left_ -= bytes;
-    return pages_.back();
-  }
-
-  std::vector<keyframe_t> Finish() {
-    for (size_t i = 0; i < pages_.size(); ++i) {
-      pages_[i].page = static_cast<int32_t>(i);
-      pages_[i].n_pages = static_cast<int32_t>(pages_.size());
-      pages_[i].n_points = static_cast<int32_t>(pages_[i].points.size());
-      pages_[i].n_lines = static_cast<int32_t>(pages_[i].lines.size());
-    }
-    return std::move(pages_);
-  }
-
- private:
-  keyframe_t head_;
-  int64_t room_;
-  int64_t left_;
-  std::vector<keyframe_t> pages_;
-};
-
 }  // namespace
 
 std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes) {
@@ -76,16 +44,21 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
     throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
                                 ": landmark ids are not as many as features");
   }
-  Pager pager(HeadPage(keyframe), page_bytes);
+  const keyframe_t head = HeadPage(keyframe);
+  Pager<keyframe_t> pager(head, head, page_bytes, "keyframes");
   for (size_t i = 0; i < features.points.size(); ++i) {
     const point_feature_t point =
         ToMessage(features.points[i], keyframe.point_landmark_ids[i], MapId(keyframe.point_map_ids, i));
-    pager.PageFor(point._getEncodedSizeNoHash()).points.push_back(point);
+    keyframe_t& page = pager.PageFor(point._getEncodedSizeNoHash());
+    page.points.push_back(point);
+    ++page.n_points;
   }
   for (size_t i = 0; i < features.lines.size(); ++i) {
     const line_feature_t line =
         ToMessage(features.lines[i], keyframe.line_landmark_ids[i], MapId(keyframe.line_map_ids, i));
-    pager.PageFor(line._getEncodedSizeNoHash()).lines.push_back(line);
+    keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
+    page.lines.push_back(line);
+    ++page.n_lines;
   }
   return pager.Finish();
 }

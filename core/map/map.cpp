@@ -1,6 +1,8 @@
 #include "core/map/map.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace plslam {
@@ -18,9 +20,26 @@ void SetLandmark(std::vector<int64_t>& of, int32_t feature, int64_t landmark_id)
   of[place] = landmark_id;
 }
 
-bool SameKeyframes(const std::vector<Sight>& a, const std::vector<Sight>& b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                    [](const Sight& x, const Sight& y) { return x.keyframe_id == y.keyframe_id; });
+void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights) {
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const bool ascends = i == 0 || sights[i - 1].keyframe_id < sights[i].keyframe_id;
+    if (ascends && sights[i].feature >= 0) continue;
+    throw std::invalid_argument(std::string(kind) + " " + std::to_string(id) + ": sight " + std::to_string(i) +
+                                " is of keyframe " + std::to_string(sights[i].keyframe_id) + ", feature " +
+                                std::to_string(sights[i].feature) + ", and sights must ascend by keyframe");
+  }
+}
+
+/// Keyframes of `a` that are not in `b` (`common` false), or are (true).
+std::vector<int64_t> Keyframes(const std::vector<Sight>& a, const std::vector<Sight>& b, bool common) {
+  std::vector<int64_t> ids;
+  auto other = b.begin();
+  for (const Sight& sight : a) {
+    while (other != b.end() && other->keyframe_id < sight.keyframe_id) ++other;
+    const bool is_common = other != b.end() && other->keyframe_id == sight.keyframe_id;
+    if (is_common == common) ids.push_back(sight.keyframe_id);
+  }
+  return ids;
 }
 
 }  // namespace
@@ -33,6 +52,11 @@ bool MapChanges::empty() const {
 const MapKeyframe* Map::FindKeyframe(int64_t id) const { return Find(keyframes_, id); }
 const MapPoint* Map::FindPoint(int64_t id) const { return Find(points_, id); }
 const MapLine* Map::FindLine(int64_t id) const { return Find(lines_, id); }
+
+MapTotals Map::Totals() const {
+  return {static_cast<int64_t>(keyframes_.size()), static_cast<int64_t>(points_.size()),
+          static_cast<int64_t>(lines_.size()), n_point_sights_, n_line_sights_};
+}
 
 void Map::Put(const MapKeyframe& keyframe) {
   const auto [place, added] = keyframes_.try_emplace(keyframe.id, keyframe);
@@ -47,79 +71,88 @@ void Map::Put(const MapKeyframe& keyframe) {
   changes_.removed_keyframes.erase(keyframe.id);
 }
 
+Map::Kind<MapPoint> Map::Points() {
+  return {points_, &FeatureLandmarks::points, changes_.points, changes_.removed_points, n_point_sights_};
+}
+
+Map::Kind<MapLine> Map::Lines() {
+  return {lines_, &FeatureLandmarks::lines, changes_.lines, changes_.removed_lines, n_line_sights_};
+}
+
+/// Replaces the sights of a landmark, and keeps the tables that follow from them.
 template <class Landmark>
-void Map::PutLandmark(const Landmark& landmark, std::map<int64_t, Landmark>& landmarks,
-                      std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed) {
-  const auto [place, added] = landmarks.try_emplace(landmark.id);
-  Landmark& stored = place->second;
-  const std::vector<Sight> old = std::move(stored.sights);
+void Map::SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind) {
+  const std::vector<Sight> old = std::exchange(landmark.sights, std::move(sights));
+  const std::vector<Sight>& now = landmark.sights;
+  kind.n_sights += static_cast<int64_t>(now.size()) - static_cast<int64_t>(old.size());
+  const std::vector<int64_t> kept = Keyframes(old, now, true);
+  CountShared(Keyframes(old, now, false), kept, -1);
+  CountShared(Keyframes(now, old, false), kept, 1);
+  for (const Sight& sight : old) SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, -1);
+  for (const Sight& sight : now) SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, landmark.id);
+}
+
+template <class Landmark>
+void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
+  kind.removed.erase(landmark.id);
+  kind.changed.insert(landmark.id);
+  Landmark& stored = kind.landmarks[landmark.id];
+  std::vector<Sight> sights = landmark.sights;
+  std::erase_if(sights, [this](const Sight& sight) { return !keyframes_.contains(sight.keyframe_id); });
+  std::vector<Sight> old = std::move(stored.sights);
   stored = landmark;
-  std::erase_if(stored.sights, [this](const Sight& sight) { return !keyframes_.contains(sight.keyframe_id); });
-  changed.insert(landmark.id);
-  if (old == stored.sights) return;
-  for (const Sight& sight : old) SetLandmark(landmarks_of_[sight.keyframe_id].*of, sight.feature, -1);
-  const bool same_keyframes = SameKeyframes(old, stored.sights);
-  if (!same_keyframes) CountShared(old, -1);
-  for (const Sight& sight : stored.sights) {
-    std::vector<int64_t>& of_keyframe = landmarks_of_[sight.keyframe_id].*of;
+  stored.sights = std::move(old);
+  if (stored.sights == sights) return;
+  for (const Sight& sight : sights) {
+    const std::vector<int64_t>& of_keyframe = landmarks_of_[sight.keyframe_id].*kind.of;
     const auto feature = static_cast<size_t>(sight.feature);
     const int64_t owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
-    if (owner >= 0 && owner != landmark.id) {
-      Landmark& robbed = landmarks.at(owner);
-      CountShared(robbed.sights, -1);
-      std::erase(robbed.sights, sight);
-      CountShared(robbed.sights, 1);
-      changed.insert(owner);
-    }
-    SetLandmark(of_keyframe, sight.feature, landmark.id);
+    if (owner < 0 || owner == landmark.id) continue;
+    Landmark& robbed = kind.landmarks.at(owner);
+    std::vector<Sight> rest = robbed.sights;
+    std::erase(rest, sight);
+    SetSights(robbed, std::move(rest), kind);
+    kind.changed.insert(owner);
   }
-  if (!same_keyframes) CountShared(stored.sights, 1);
+  SetSights(stored, std::move(sights), kind);
 }
 
 void Map::Put(const MapPoint& point) {
-  changes_.removed_points.erase(point.id);
-  PutLandmark(point, points_, &FeatureLandmarks::points, changes_.points);
+  CheckSights("point", point.id, point.sights);
+  PutLandmark(point, Points());
 }
 
 void Map::Put(const MapLine& line) {
-  changes_.removed_lines.erase(line.id);
-  PutLandmark(line, lines_, &FeatureLandmarks::lines, changes_.lines);
+  CheckSights("line", line.id, line.sights);
+  PutLandmark(line, Lines());
 }
 
 template <class Landmark>
-void Map::RemoveLandmark(int64_t id, std::map<int64_t, Landmark>& landmarks,
-                         std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
-                         std::set<int64_t>& removed) {
-  const auto found = landmarks.find(id);
-  if (found == landmarks.end()) return;
-  for (const Sight& sight : found->second.sights) SetLandmark(landmarks_of_[sight.keyframe_id].*of, sight.feature, -1);
-  CountShared(found->second.sights, -1);
-  landmarks.erase(found);
-  changed.erase(id);
-  removed.insert(id);
+void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
+  const auto found = kind.landmarks.find(id);
+  if (found == kind.landmarks.end()) return;
+  SetSights(found->second, {}, kind);
+  kind.landmarks.erase(found);
+  kind.changed.erase(id);
+  kind.removed.insert(id);
 }
 
-void Map::RemovePoint(int64_t id) {
-  RemoveLandmark(id, points_, &FeatureLandmarks::points, changes_.points, changes_.removed_points);
-}
-
-void Map::RemoveLine(int64_t id) {
-  RemoveLandmark(id, lines_, &FeatureLandmarks::lines, changes_.lines, changes_.removed_lines);
-}
+void Map::RemovePoint(int64_t id) { RemoveLandmark(id, Points()); }
+void Map::RemoveLine(int64_t id) { RemoveLandmark(id, Lines()); }
 
 template <class Landmark>
-void Map::DropSights(int64_t keyframe_id, std::map<int64_t, Landmark>& landmarks,
-                     std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
-                     std::set<int64_t>& removed) {
-  const std::vector<int64_t> seen = landmarks_of_[keyframe_id].*of;
+void Map::DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind) {
+  const std::vector<int64_t> seen = landmarks_of_[keyframe_id].*kind.of;
   for (const int64_t id : seen) {
     if (id < 0) continue;
-    Landmark landmark = landmarks.at(id);
-    std::erase_if(landmark.sights, [keyframe_id](const Sight& sight) { return sight.keyframe_id == keyframe_id; });
-    if (landmark.sights.empty()) {
-      RemoveLandmark(id, landmarks, of, changed, removed);
+    Landmark& landmark = kind.landmarks.at(id);
+    std::vector<Sight> rest = landmark.sights;
+    std::erase_if(rest, [keyframe_id](const Sight& sight) { return sight.keyframe_id == keyframe_id; });
+    if (rest.empty()) {
+      RemoveLandmark(id, kind);
     } else {
-      PutLandmark(landmark, landmarks, of, changed);
+      SetSights(landmark, std::move(rest), kind);
+      kind.changed.insert(id);
     }
   }
 }
@@ -139,11 +172,10 @@ void Map::RemoveKeyframe(int64_t id) {
     }
     Put(child);
   }
-  DropSights(id, points_, &FeatureLandmarks::points, changes_.points, changes_.removed_points);
-  DropSights(id, lines_, &FeatureLandmarks::lines, changes_.lines, changes_.removed_lines);
+  DropSightsOf(id, Points());
+  DropSightsOf(id, Lines());
   children_[parent_id].erase(id);
   children_.erase(id);
-  for (const auto& [other, count] : shared_[id]) shared_[other].erase(id);
   shared_.erase(id);
   landmarks_of_.erase(id);
   keyframes_.erase(found);
@@ -176,14 +208,20 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
   changes_.lines.insert(line_id);
 }
 
-void Map::CountShared(const std::vector<Sight>& sights, int sign) {
-  for (size_t i = 0; i < sights.size(); ++i) {
-    for (size_t j = 0; j < sights.size(); ++j) {
-      if (i == j) continue;
-      std::map<int64_t, int>& row = shared_[sights[i].keyframe_id];
-      const int count = row[sights[j].keyframe_id] += sign;
-      if (count == 0) row.erase(sights[j].keyframe_id);
-    }
+/// Counts a landmark of `changed` and `kept` keyframes for the pairs in which one is of the changed.
+void Map::CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign) {
+  const auto count_one_way = [this, sign](int64_t from, int64_t to) {
+    std::map<int64_t, int>& row = shared_[from];
+    const auto count = row.try_emplace(to, 0).first;
+    if ((count->second += sign) == 0) row.erase(count);
+  };
+  for (size_t i = 0; i < changed.size(); ++i) {
+    const auto count = [&](int64_t other) {
+      count_one_way(changed[i], other);
+      count_one_way(other, changed[i]);
+    };
+    std::for_each(kept.begin(), kept.end(), count);
+    std::for_each(changed.begin(), changed.begin() + static_cast<std::ptrdiff_t>(i), count);
   }
 }
 

@@ -19,11 +19,23 @@ struct MapChanges {
   bool empty() const;
 };
 
+/// How much is in a map.
+struct MapTotals {
+  int64_t keyframes = 0;
+  int64_t points = 0;
+  int64_t lines = 0;
+  int64_t point_sights = 0;
+  int64_t line_sights = 0;
+
+  bool operator==(const MapTotals&) const = default;
+};
+
 /// Keyframes, landmarks of both kinds and what connects them (PL-SLAM §V): covisibility graph, essential graph and
 /// spanning tree. Plain values with ids, ordered by id. The graphs follow from the sights of the landmarks, so whoever
 /// has the same keyframes and landmarks has the same graphs.
 ///
-/// Sights of keyframes that are not in the map are a caller's error and ignored.
+/// Sights of keyframes that are not in the map are ignored. Sights that do not ascend, or of negative features, are
+/// std::invalid_argument.
 class Map {
  public:
   /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
@@ -50,6 +62,7 @@ class Map {
   const MapKeyframe* FindKeyframe(int64_t id) const;
   const MapPoint* FindPoint(int64_t id) const;
   const MapLine* FindLine(int64_t id) const;
+  MapTotals Totals() const;
 
   /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
   void Put(const MapKeyframe& keyframe);
@@ -78,18 +91,27 @@ class Map {
   MapChanges TakeChanges();
 
  private:
+  /// Where everything about one kind of landmarks stands.
   template <class Landmark>
-  void PutLandmark(const Landmark& landmark, std::map<int64_t, Landmark>& landmarks,
-                   std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed);
+  struct Kind {
+    std::map<int64_t, Landmark>& landmarks;
+    std::vector<int64_t> FeatureLandmarks::*of;
+    std::set<int64_t>& changed;
+    std::set<int64_t>& removed;
+    int64_t& n_sights;
+  };
+  Kind<MapPoint> Points();
+  Kind<MapLine> Lines();
+
   template <class Landmark>
-  void RemoveLandmark(int64_t id, std::map<int64_t, Landmark>& landmarks,
-                      std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
-                      std::set<int64_t>& removed);
+  void PutLandmark(const Landmark& landmark, Kind<Landmark> kind);
   template <class Landmark>
-  void DropSights(int64_t keyframe_id, std::map<int64_t, Landmark>& landmarks,
-                  std::vector<int64_t> FeatureLandmarks::*of, std::set<int64_t>& changed,
-                  std::set<int64_t>& removed);
-  void CountShared(const std::vector<Sight>& sights, int sign);
+  void RemoveLandmark(int64_t id, Kind<Landmark> kind);
+  template <class Landmark>
+  void SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind);
+  template <class Landmark>
+  void DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind);
+  void CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign);
 
   std::map<int64_t, MapKeyframe> keyframes_;
   std::map<int64_t, MapPoint> points_;
@@ -97,6 +119,8 @@ class Map {
   std::map<int64_t, FeatureLandmarks> landmarks_of_;
   std::map<int64_t, std::map<int64_t, int>> shared_;
   std::map<int64_t, std::set<int64_t>> children_;
+  int64_t n_point_sights_ = 0;
+  int64_t n_line_sights_ = 0;
   MapChanges changes_;
 };
 

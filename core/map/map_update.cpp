@@ -17,6 +17,7 @@ void CopyAll(const std::map<int64_t, Value>& from, std::vector<Value>& to) {
 
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
   MapUpdate update;
+  update.totals = map.Totals();
   Copy(map.keyframes(), changes.keyframes, update.keyframes);
   Copy(map.points(), changes.points, update.points);
   Copy(map.lines(), changes.lines, update.lines);
@@ -28,6 +29,7 @@ MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
 
 MapUpdate WholeMap(const Map& map) {
   MapUpdate update;
+  update.totals = map.Totals();
   CopyAll(map.keyframes(), update.keyframes);
   CopyAll(map.points(), update.points);
   CopyAll(map.lines(), update.lines);

@@ -39,6 +39,8 @@ struct MapUpdate {
   std::vector<int64_t> removed_points;
   std::vector<MapLine> lines;
   std::vector<int64_t> removed_lines;
+  /// Of the map as it then is.
+  MapTotals totals;
   AdjustmentFigures adjustment;
   /// Times of the stages that led to it, ms.
   std::vector<std::pair<std::string, double>> stage_ms;

@@ -13,11 +13,19 @@
 #include "plslam/intrinsics_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/line_feature_t.hpp"
+#include "plslam/map_adjustment_t.hpp"
+#include "plslam/map_keyframe_t.hpp"
+#include "plslam/map_line_t.hpp"
+#include "plslam/map_point_t.hpp"
+#include "plslam/map_request_t.hpp"
+#include "plslam/map_totals_t.hpp"
+#include "plslam/map_update_t.hpp"
 #include "plslam/point_feature_t.hpp"
 #include "plslam/pose3_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/range_t.hpp"
 #include "plslam/repair_request_t.hpp"
+#include "plslam/sight_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -47,8 +55,9 @@ std::map<std::string, std::function<DecodedAgain(ByteView)>> TableOf() {
 const auto& Table() {
   static const auto table =
       TableOf<announce_t, camera_t, command_t, counter_t, ground_truth_t, header_t, image_strip_t, intrinsics_t,
-              keyframe_t, line_feature_t, point_feature_t, pose3_t, pose_t, range_t, repair_request_t, stage_t,
-              status_t, stream_t, track_line_t, track_point_t, tracks_t>();
+              keyframe_t, line_feature_t, map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t,
+              map_totals_t, map_update_t, point_feature_t, pose3_t, pose_t, range_t, repair_request_t, sight_t,
+              stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t>();
   return table;
 }
 

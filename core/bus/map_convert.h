@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+
+#include "core/map/landmarks.h"
+#include "core/map/map_keyframe.h"
+#include "core/map/map_update.h"
+
+namespace plslam {
+class map_adjustment_t;
+class map_keyframe_t;
+class map_line_t;
+class map_point_t;
+class map_totals_t;
+}  // namespace plslam
+
+namespace plslam::bus {
+
+// The parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their bits, covariances
+// of landmarks are rounded to single precision; what has been through once comes through again as it is, so a copy of
+// a map and the map have the same messages, byte for byte.
+
+map_keyframe_t ToMessage(const MapKeyframe& keyframe);
+std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message);
+
+map_point_t ToMessage(const MapPoint& point);
+std::optional<MapPoint> FromMessage(const map_point_t& message);
+
+map_line_t ToMessage(const MapLine& line);
+std::optional<MapLine> FromMessage(const map_line_t& message);
+
+map_totals_t ToMessage(const MapTotals& totals);
+std::optional<MapTotals> FromMessage(const map_totals_t& message);
+
+map_adjustment_t ToMessage(const AdjustmentFigures& figures);
+std::optional<AdjustmentFigures> FromMessage(const map_adjustment_t& message);
+
+}  // namespace plslam::bus

@@ -1,0 +1,231 @@
+#include "core/bus/map_pages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "core/bus/map_convert.h"
+#include "core/bus/pager.h"
+#include "plslam/map_update_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int32_t kMaxPages = 1'000'000;
+constexpr size_t kMaxEntries = 2'000'000;
+constexpr size_t kMaxPublishers = 8;
+constexpr size_t kMaxStages = 64;
+
+map_update_t HeadPage(const MapUpdate& update) {
+  map_update_t page{};
+  page.header.session = update.session;
+  page.header.t_ns = update.t_ns;
+  page.version = update.version;
+  page.base_version = update.base_version;
+  page.session_keyframe_id = update.session_keyframe_id;
+  page.totals = ToMessage(update.totals);
+  page.adjustment = ToMessage(update.adjustment);
+  return page;
+}
+
+void AddStages(const MapUpdate& update, map_update_t& page) {
+  for (const auto& [name, ms] : update.stage_ms) {
+    stage_t& stage = page.stages.emplace_back();
+    stage.name = name;
+    stage.ms = ms;
+  }
+  page.n_stages = static_cast<int32_t>(page.stages.size());
+}
+
+/// The update without its content; nullopt where the head cannot be.
+std::optional<MapUpdate> Head(const map_update_t& page) {
+  const auto totals = FromMessage(page.totals);
+  const auto adjustment = FromMessage(page.adjustment);
+  const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
+                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages;
+  if (!totals || !adjustment || !numbers_ok) return std::nullopt;
+  MapUpdate update;
+  update.source = page.header.source;
+  update.version = page.version;
+  update.base_version = page.base_version;
+  update.session = page.header.session;
+  update.session_keyframe_id = page.session_keyframe_id;
+  update.t_ns = page.header.t_ns;
+  update.totals = *totals;
+  update.adjustment = *adjustment;
+  for (const stage_t& stage : page.stages) {
+    if (!std::isfinite(stage.ms)) return std::nullopt;
+    update.stage_ms.emplace_back(stage.name, stage.ms);
+  }
+  return update;
+}
+
+bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
+  if (to.size() + ids.size() > kMaxEntries) return false;
+  for (const int64_t id : ids) {
+    if (id <= (to.empty() ? -1 : to.back())) return false;
+    to.push_back(id);
+  }
+  return true;
+}
+
+bool AppendKeyframes(const std::vector<map_keyframe_t>& messages, std::vector<MapKeyframe>& to) {
+  if (to.size() + messages.size() > kMaxEntries) return false;
+  for (const map_keyframe_t& message : messages) {
+    const auto keyframe = FromMessage(message);
+    if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
+    to.push_back(*keyframe);
+  }
+  return true;
+}
+
+/// An entry with the id of the one before goes on with its sights.
+template <class Message, class Landmark>
+bool AppendLandmarks(const std::vector<Message>& messages, std::vector<Landmark>& to) {
+  if (to.size() + messages.size() > kMaxEntries) return false;
+  for (const Message& message : messages) {
+    auto landmark = FromMessage(message);
+    const int64_t last_id = to.empty() ? -1 : to.back().id;
+    if (!landmark || landmark->id < last_id) return false;
+    if (landmark->id > last_id) {
+      to.push_back(std::move(*landmark));
+      continue;
+    }
+    std::vector<Sight>& sights = to.back().sights;
+    const bool goes_on = !landmark->sights.empty() && !sights.empty() &&
+                         landmark->sights.front().keyframe_id > sights.back().keyframe_id;
+    if (!goes_on) return false;
+    sights.insert(sights.end(), landmark->sights.begin(), landmark->sights.end());
+  }
+  return true;
+}
+
+bool Append(const map_update_t& page, MapUpdate& update) {
+  return AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
+         AppendRemoved(page.removed_points, update.removed_points) &&
+         AppendRemoved(page.removed_lines, update.removed_lines) &&
+         AppendKeyframes(page.keyframes, update.keyframes) && AppendLandmarks(page.points, update.points) &&
+         AppendLandmarks(page.lines, update.lines);
+}
+
+using UpdatePager = Pager<map_update_t>;
+
+void CutRemoved(const std::vector<int64_t>& ids, int32_t map_update_t::*count,
+                std::vector<int64_t> map_update_t::*list, UpdatePager& pager) {
+  for (const int64_t id : ids) {
+    map_update_t& page = pager.PageFor(sizeof(id));
+    (page.*list).push_back(id);
+    ++(page.*count);
+  }
+}
+
+template <class Landmark, class Message>
+void CutLandmarks(const std::vector<Landmark>& landmarks, int32_t map_update_t::*count,
+                  std::vector<Message> map_update_t::*list, UpdatePager& pager) {
+  static constexpr int64_t kSightBytes = 12;
+  const auto add = [&](Message message) {
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    (page.*list).push_back(std::move(message));
+    ++(page.*count);
+  };
+  for (const Landmark& landmark : landmarks) {
+    Message rest = ToMessage(landmark);
+    // More sights than a page holds go into entries of their own before the last.
+    while (rest._getEncodedSizeNoHash() > pager.room()) {
+      Message part = rest;
+      const int64_t excess = rest._getEncodedSizeNoHash() - pager.room();
+      const int64_t n = rest.n_sights - (excess + kSightBytes - 1) / kSightBytes;
+      if (n <= 0) break;  // the pager says what is wrong
+      part.n_sights = static_cast<int32_t>(n);
+      part.sights.resize(static_cast<size_t>(n));
+      rest.sights.erase(rest.sights.begin(), rest.sights.begin() + n);
+      rest.n_sights -= part.n_sights;
+      add(std::move(part));
+    }
+    add(std::move(rest));
+  }
+}
+
+/// The first element that readers would refuse, by the very code that they run.
+template <class Value, class Append>
+void CheckValues(const char* kind, const std::vector<Value>& values, Append append) {
+  std::vector<Value> taken;
+  for (const Value& value : values) {
+    if (append(std::vector{ToMessage(value)}, taken)) {
+      if (taken.size() > 1) taken.erase(taken.begin());
+      continue;
+    }
+    throw std::invalid_argument(std::string("map update: ") + kind + " " + std::to_string(value.id) +
+                                " cannot be: numbers that are not finite, ids or sights that do not ascend");
+  }
+}
+
+void Check(const MapUpdate& update, const map_update_t& first_page) {
+  if (!Head(first_page)) {
+    throw std::invalid_argument("map update: version " + std::to_string(update.version) + " on " +
+                                std::to_string(update.base_version) + ": its head has numbers that cannot be");
+  }
+  CheckValues("keyframe", update.keyframes, AppendKeyframes);
+  CheckValues("point", update.points, AppendLandmarks<map_point_t, MapPoint>);
+  CheckValues("line", update.lines, AppendLandmarks<map_line_t, MapLine>);
+}
+
+bool SameHead(const map_update_t& page, const MapUpdate& update) {
+  return page.version == update.version && page.base_version == update.base_version &&
+         page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id;
+}
+
+}  // namespace
+
+std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes) {
+  const map_update_t head = HeadPage(update);
+  map_update_t first = head;
+  AddStages(update, first);
+  Check(update, first);
+  UpdatePager pager(std::move(first), head, page_bytes, "the map");
+  CutRemoved(update.removed_keyframes, &map_update_t::n_removed_keyframes, &map_update_t::removed_keyframes, pager);
+  CutRemoved(update.removed_points, &map_update_t::n_removed_points, &map_update_t::removed_points, pager);
+  CutRemoved(update.removed_lines, &map_update_t::n_removed_lines, &map_update_t::removed_lines, pager);
+  for (const MapKeyframe& keyframe : update.keyframes) {
+    const map_keyframe_t message = ToMessage(keyframe);
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    page.keyframes.push_back(message);
+    ++page.n_keyframes;
+  }
+  CutLandmarks(update.points, &map_update_t::n_points, &map_update_t::points, pager);
+  CutLandmarks(update.lines, &map_update_t::n_lines, &map_update_t::lines, pager);
+  return pager.Finish();
+}
+
+MapUpdateAssembler::Outcome MapUpdateAssembler::Add(const map_update_t& page) {
+  const int64_t source = page.header.source;
+  auto head = Head(page);
+  const bool pages_ok = page.n_pages >= 1 && page.n_pages <= kMaxPages && page.page >= 0 && page.page < page.n_pages;
+  if (!head || !pages_ok) {
+    partials_.erase(source);
+    return Outcome::kNonsense;
+  }
+  if (page.page == 0) {  // a page 0 in the middle of another update: that one has lost pages for good
+    if (partials_.size() >= kMaxPublishers && !partials_.contains(source)) partials_.clear();
+    partials_[source] = {std::move(*head), 0, page.n_pages};
+  }
+  const auto found = partials_.find(source);
+  if (found == partials_.end()) return Outcome::kPassedOver;
+  Partial& partial = found->second;
+  const bool expected =
+      page.page == partial.next_page && page.n_pages == partial.n_pages && SameHead(page, partial.update);
+  if (!expected || !Append(page, partial.update)) {
+    partials_.erase(found);
+    return expected ? Outcome::kNonsense : Outcome::kPassedOver;
+  }
+  if (++partial.next_page < partial.n_pages) return Outcome::kTaken;
+  complete_ = std::move(partial.update);
+  partials_.erase(found);
+  return Outcome::kComplete;
+}
+
+MapUpdate MapUpdateAssembler::Take() { return std::move(*std::exchange(complete_, std::nullopt)); }
+
+}  // namespace plslam::bus

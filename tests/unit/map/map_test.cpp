@@ -1,0 +1,206 @@
+#include "core/map/map.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/map/random_map.h"
+
+namespace plslam {
+namespace {
+
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+MapKeyframe KeyframeOf(int64_t id, int64_t parent_id) {
+  MapKeyframe keyframe;
+  keyframe.id = id;
+  keyframe.parent_id = parent_id;
+  return keyframe;
+}
+
+MapPoint PointOf(int64_t id, std::vector<Sight> sights) {
+  MapPoint point;
+  point.id = id;
+  point.sights = std::move(sights);
+  return point;
+}
+
+MapLine LineOf(int64_t id, std::vector<Sight> sights) {
+  MapLine line;
+  line.id = id;
+  line.sights = std::move(sights);
+  return line;
+}
+
+/// Keyframes 0, 1, 2, each the parent of the next.
+Map Chain() {
+  Map map;
+  for (int64_t id = 0; id < 3; ++id) map.Put(KeyframeOf(id, id - 1));
+  return map;
+}
+
+using PairCounts = std::map<std::pair<int64_t, int64_t>, int>;
+
+/// Slow twin of the covisibility counts: every pair of sights of every landmark.
+template <class Landmark>
+void Recount(const std::map<int64_t, Landmark>& landmarks, PairCounts& counts) {
+  for (const auto& [id, landmark] : landmarks) {
+    for (const Sight& a : landmark.sights) {
+      for (const Sight& b : landmark.sights) {
+        if (a.keyframe_id != b.keyframe_id) ++counts[{a.keyframe_id, b.keyframe_id}];
+      }
+    }
+  }
+}
+
+/// Slow twin of the tables from features to landmarks, and of the number of sights.
+template <class Landmark>
+void ExpectTables(const Map& map, const std::map<int64_t, Landmark>& landmarks,
+                  std::vector<int64_t> Map::FeatureLandmarks::*of, int64_t n_sights) {
+  std::map<Sight, int64_t, decltype([](const Sight& a, const Sight& b) {
+             return std::pair(a.keyframe_id, a.feature) < std::pair(b.keyframe_id, b.feature);
+           })>
+      owners;
+  for (const auto& [id, landmark] : landmarks) {
+    for (const Sight& sight : landmark.sights) {
+      ASSERT_TRUE(owners.emplace(sight, id).second)
+          << "feature " << sight.feature << " of keyframe " << sight.keyframe_id << " belongs to two";
+    }
+  }
+  ASSERT_EQ(static_cast<int64_t>(owners.size()), n_sights);
+  size_t found = 0;
+  for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
+    const std::vector<int64_t>& table = map.LandmarksOf(keyframe_id).*of;
+    for (size_t feature = 0; feature < table.size(); ++feature) {
+      const auto owner = owners.find({keyframe_id, static_cast<int32_t>(feature)});
+      ASSERT_EQ(table[feature], owner == owners.end() ? -1 : owner->second) << keyframe_id << " " << feature;
+      found += table[feature] >= 0 ? 1 : 0;
+    }
+  }
+  ASSERT_EQ(found, owners.size());
+}
+
+void ExpectCounts(const Map& map) {
+  PairCounts counts;
+  Recount(map.points(), counts);
+  Recount(map.lines(), counts);
+  for (const auto& [a, keyframe_a] : map.keyframes()) {
+    size_t neighbours = 0;
+    for (const auto& [b, keyframe_b] : map.keyframes()) {
+      const auto count = counts.find({a, b});
+      ASSERT_EQ(map.Shared(a, b), count == counts.end() ? 0 : count->second) << a << " " << b;
+      neighbours += count == counts.end() ? 0 : 1;
+    }
+    ASSERT_EQ(map.Neighbours(a, 1).size(), neighbours) << a;
+  }
+}
+
+void ExpectTree(const Map& map) {
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (id == map.keyframes().begin()->first) {
+      ASSERT_EQ(keyframe.parent_id, -1);
+    } else {
+      ASSERT_LT(keyframe.parent_id, id);
+      ASSERT_NE(map.FindKeyframe(keyframe.parent_id), nullptr) << id << " hangs on " << keyframe.parent_id;
+    }
+    std::vector<int64_t> children;
+    for (const auto& [other_id, other] : map.keyframes()) {
+      if (other.parent_id == id) children.push_back(other_id);
+    }
+    ASSERT_EQ(map.Children(id), children) << id;
+  }
+}
+
+TEST(Map, TablesAgreeWithASlowRecountWhateverHappens) {
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    test::RandomMap random(seed);
+    for (int i = 0; i < 40; ++i) {
+      random.Steps(10);
+      const Map& map = random.map();
+      const MapTotals totals = map.Totals();
+      ExpectCounts(map);
+      ExpectTables(map, map.points(), &Map::FeatureLandmarks::points, totals.point_sights);
+      ExpectTables(map, map.lines(), &Map::FeatureLandmarks::lines, totals.line_sights);
+      ExpectTree(map);
+      if (HasFatalFailure()) return;
+    }
+    EXPECT_GT(random.map().Totals().point_sights, 50) << "nothing was tested";
+  }
+}
+
+TEST(Map, AFeatureBelongsToTheLandmarkThatCameLast) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{0, 5}, {1, 6}}));
+  map.Put(PointOf(1, {{1, 6}, {2, 7}}));
+  EXPECT_THAT(map.FindPoint(0)->sights, ElementsAre(Sight{0, 5}));
+  EXPECT_EQ(map.LandmarksOf(1).points[6], 1);
+  EXPECT_EQ(map.Shared(0, 1), 0);
+  EXPECT_EQ(map.Shared(1, 2), 1);
+}
+
+TEST(Map, PointsAndLinesOfTheSameNumberAreApart) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{0, 1}, {1, 1}}));
+  map.Put(LineOf(0, {{0, 1}, {1, 1}}));
+  EXPECT_EQ(map.Shared(0, 1), 2);
+  map.RemoveLine(0);
+  EXPECT_EQ(map.Shared(0, 1), 1);
+  EXPECT_NE(map.FindPoint(0), nullptr);
+}
+
+TEST(Map, NeighboursComeByNumberOfSharedLandmarks) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{0, 0}, {2, 0}}));
+  map.Put(PointOf(1, {{0, 1}, {1, 0}, {2, 1}}));
+  EXPECT_THAT(map.Neighbours(2, 1), ElementsAre(Map::Neighbour{0, 2}, Map::Neighbour{1, 1}));
+  EXPECT_THAT(map.Neighbours(2, 2), ElementsAre(Map::Neighbour{0, 2}));
+  EXPECT_THAT(map.Neighbours(9, 1), IsEmpty());
+}
+
+TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
+  Map map = Chain();
+  map.Put(KeyframeOf(3, 1));
+  map.Put(PointOf(0, {{1, 0}}));
+  map.Put(PointOf(1, {{0, 0}, {1, 1}}));
+  map.Put(PointOf(2, {{2, 0}, {3, 0}}));
+  map.TakeChanges();
+  map.RemoveKeyframe(1);
+  EXPECT_EQ(map.FindPoint(0), nullptr) << "nobody sees it";
+  EXPECT_THAT(map.FindPoint(1)->sights, ElementsAre(Sight{0, 0}));
+  EXPECT_EQ(map.FindKeyframe(2)->parent_id, 0) << "no older neighbour: the parent of the parent";
+  EXPECT_EQ(map.FindKeyframe(3)->parent_id, 2) << "its best neighbour";
+  const MapChanges changes = map.TakeChanges();
+  EXPECT_THAT(changes.removed_keyframes, ElementsAre(1));
+  EXPECT_THAT(changes.keyframes, ElementsAre(2, 3));
+  EXPECT_THAT(changes.removed_points, ElementsAre(0));
+  EXPECT_THAT(changes.points, ElementsAre(1));
+  EXPECT_TRUE(map.TakeChanges().empty());
+}
+
+TEST(Map, SightsOfUnknownKeyframesAreIgnored) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{1, 0}, {77, 0}}));
+  EXPECT_THAT(map.FindPoint(0)->sights, ElementsAre(Sight{1, 0}));
+}
+
+TEST(Map, SightsThatCannotBeAreRefused) {
+  Map map = Chain();
+  EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {0, 0}})), std::invalid_argument);
+  EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {1, 1}})), std::invalid_argument);
+  EXPECT_THROW(map.Put(LineOf(0, {{1, -1}})), std::invalid_argument);
+  EXPECT_TRUE(map.points().empty());
+}
+
+TEST(Map, WhatIsPutBackIntoItselfStays) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{0, 5}, {1, 6}}));
+  map.Put(*map.FindPoint(0));
+  map.Put(*map.FindKeyframe(1));
+  EXPECT_EQ(map.FindPoint(0)->sights.size(), 2U);
+  EXPECT_EQ(map.Shared(0, 1), 1);
+  EXPECT_THAT(map.Children(0), ElementsAre(1));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,122 @@
+#include "core/map/map_update.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/map/random_map.h"
+
+namespace plslam {
+namespace {
+
+using Outcome = MapReplica::Outcome;
+
+template <class Landmark>
+void ExpectSameSights(const std::map<int64_t, Landmark>& a, const std::map<int64_t, Landmark>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (auto x = a.begin(), y = b.begin(); x != a.end(); ++x, ++y) {
+    ASSERT_EQ(x->first, y->first);
+    ASSERT_EQ(x->second.sights, y->second.sights) << "landmark " << x->first;
+    ASSERT_EQ(x->second.descriptor, y->second.descriptor) << "landmark " << x->first;
+  }
+}
+
+void ExpectSame(const Map& a, const Map& b) {
+  ASSERT_EQ(a.Totals(), b.Totals());
+  ExpectSameSights(a.points(), b.points());
+  ExpectSameSights(a.lines(), b.lines());
+  for (const auto& [id, keyframe] : a.keyframes()) {
+    const MapKeyframe* other = b.FindKeyframe(id);
+    ASSERT_NE(other, nullptr) << id;
+    ASSERT_EQ(keyframe.T_w_kf.matrix(), other->T_w_kf.matrix());
+    ASSERT_EQ(keyframe.parent_id, other->parent_id) << id;
+    ASSERT_EQ(a.Children(id), b.Children(id)) << id;
+    ASSERT_EQ(a.Neighbours(id, 1), b.Neighbours(id, 1)) << id;
+  }
+  for (const auto& [id, point] : a.points()) {
+    ASSERT_EQ(point.p_w, b.FindPoint(id)->p_w) << id;
+    ASSERT_EQ(point.covariance, b.FindPoint(id)->covariance) << id;
+  }
+  for (const auto& [id, line] : a.lines()) ASSERT_EQ(line.segment_w.q, b.FindLine(id)->segment_w.q) << id;
+}
+
+/// The owner's side: versions one after another.
+class Owner {
+ public:
+  Owner(int64_t source, uint64_t seed) : source_(source), random_(seed) {}
+
+  MapUpdate Next(int steps) {
+    random_.Steps(steps);
+    MapUpdate update = ChangedPart(random_.map(), random_.map().TakeChanges());
+    update.base_version = version_;
+    update.version = ++version_;
+    update.source = source_;
+    return update;
+  }
+
+  MapUpdate Whole() const {
+    MapUpdate update = WholeMap(random_.map());
+    update.version = version_;
+    update.source = source_;
+    return update;
+  }
+
+  const Map& map() const { return random_.map(); }
+
+ private:
+  int64_t source_;
+  test::RandomMap random_;
+  int64_t version_ = 0;
+};
+
+TEST(MapReplica, FollowsWhateverHappens) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Owner owner(1, seed);
+    MapReplica replica;
+    for (int i = 0; i < 40; ++i) {
+      const MapUpdate update = owner.Next(1 + i);
+      ASSERT_EQ(replica.Apply(update), Outcome::kApplied);
+      ASSERT_EQ(update.totals, replica.map().Totals());
+      ExpectSame(owner.map(), replica.map());
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+TEST(MapReplica, AGapIsSeenAndTheWholeMapFillsIt) {
+  Owner owner(1, 5);
+  MapReplica replica;
+  replica.Apply(owner.Next(50));
+  owner.Next(50);
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kGap);
+  EXPECT_EQ(replica.version(), 1);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kApplied);
+  EXPECT_EQ(replica.version(), 3);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kKnown) << "asked for by somebody else";
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kApplied);
+  ExpectSame(owner.map(), replica.map());
+}
+
+TEST(MapReplica, OneThatComesLateLacksWhatWasBefore) {
+  Owner owner(1, 6);
+  owner.Next(50);
+  MapReplica replica;
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kGap);
+  EXPECT_TRUE(replica.map().keyframes().empty());
+  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kApplied);
+  ExpectSame(owner.map(), replica.map());
+}
+
+TEST(MapReplica, TheMapOfAnotherStartTakesItsPlace) {
+  Owner before(1, 7), after(2, 8);
+  MapReplica replica;
+  replica.Apply(before.Next(100));
+  replica.Apply(before.Next(100));
+  EXPECT_EQ(replica.Apply(after.Next(20)), Outcome::kApplied) << "its first version stands on nothing";
+  ExpectSame(after.map(), replica.map());
+  EXPECT_EQ(replica.Apply(before.Next(10)), Outcome::kGap);
+  EXPECT_EQ(replica.Apply(after.Next(20)), Outcome::kApplied);
+  ExpectSame(after.map(), replica.map());
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,156 @@
+#include "tests/unit/map/random_map.h"
+
+#include <algorithm>
+#include <iterator>
+
+namespace plslam::test {
+namespace {
+
+constexpr int kFeatures = 60;
+constexpr uint64_t kNewest = 12;
+
+}  // namespace
+
+SE3 RandomMap::DrawPose() {
+  Vector6d x;
+  for (double& value : x) value = static_cast<double>(Draw(2001)) * 1e-3 - 1.0;
+  return SE3::Exp(x);
+}
+
+Eigen::Matrix3d RandomMap::DrawCovariance() {
+  Eigen::Matrix3d root;
+  for (double& value : root.reshaped()) value = static_cast<double>(Draw(1000)) * 1e-4;
+  return root * root.transpose();
+}
+
+template <class Value>
+const Value& RandomMap::DrawFrom(const std::map<int64_t, Value>& values) {
+  return std::next(values.begin(), static_cast<std::ptrdiff_t>(Draw(values.size())))->second;
+}
+
+/// In some of the newest keyframes.
+std::vector<Sight> RandomMap::DrawSights() {
+  std::vector<Sight> sights;
+  auto keyframe = map_.keyframes().rbegin();
+  for (uint64_t i = 0; i < kNewest && keyframe != map_.keyframes().rend(); ++i, ++keyframe) {
+    if (Draw(3) == 0) sights.push_back({keyframe->first, static_cast<int32_t>(Draw(kFeatures))});
+  }
+  if (sights.empty()) sights.push_back({map_.keyframes().rbegin()->first, static_cast<int32_t>(Draw(kFeatures))});
+  if (sights.front().keyframe_id > sights.back().keyframe_id) std::reverse(sights.begin(), sights.end());
+  return sights;
+}
+
+void RandomMap::AddKeyframe() {
+  MapKeyframe keyframe;
+  keyframe.id = next_keyframe_++;
+  keyframe.session = 7;
+  keyframe.session_keyframe_id = keyframe.id;
+  keyframe.frame_id = 5 * keyframe.id;
+  keyframe.t_ns = 1000 * keyframe.id;
+  keyframe.T_w_kf = DrawPose();
+  keyframe.T_odom_kf = DrawPose();
+  keyframe.T_prevkf_kf = DrawPose();
+  keyframe.covariance.setIdentity();
+  keyframe.covariance *= 1e-3 * static_cast<double>(Draw(100));
+  if (!map_.keyframes().empty()) {
+    keyframe.previous_id = map_.keyframes().rbegin()->first;
+    keyframe.parent_id = DrawFrom(map_.keyframes()).id;
+  }
+  map_.Put(keyframe);
+}
+
+void RandomMap::Place(MapPoint& point) {
+  point.p_w = DrawPose().translation();
+  point.covariance = DrawCovariance();
+  point.descriptor = {random_(), random_(), random_(), random_()};
+  point.angle_rad = static_cast<float>(Draw(6));
+  point.octave = static_cast<int>(Draw(8));
+  point.depth_m = 1.0 + static_cast<double>(Draw(100)) / 7.0;
+}
+
+void RandomMap::Place(MapLine& line) {
+  line.segment_w = {DrawPose().translation(), DrawPose().translation()};
+  line.covariance_p = DrawCovariance();
+  line.covariance_q = DrawCovariance();
+  line.descriptor = {random_(), random_(), random_(), random_()};
+}
+
+/// A new landmark, or another state of an old one.
+template <class Landmark>
+void RandomMap::Change(const std::map<int64_t, Landmark>& landmarks, int64_t& next_id) {
+  Landmark landmark;
+  if (landmarks.empty() || Draw(2) == 0) {
+    landmark.id = next_id++;
+  } else {
+    landmark = DrawFrom(landmarks);
+  }
+  if (landmark.sights.empty() || Draw(2) == 0) landmark.sights = DrawSights();
+  Place(landmark);
+  map_.Put(landmark);
+}
+
+/// One of two takes the sights of both; in a keyframe that has both, its own.
+template <class Landmark>
+void RandomMap::Fuse(const std::map<int64_t, Landmark>& landmarks) {
+  if (landmarks.size() < 2) return;
+  const Landmark gone = DrawFrom(landmarks);
+  Landmark stays = DrawFrom(landmarks);
+  if (gone.id == stays.id) return;
+  std::map<int64_t, int32_t> sights;
+  for (const Sight& sight : stays.sights) sights.emplace(sight.keyframe_id, sight.feature);
+  for (const Sight& sight : gone.sights) sights.emplace(sight.keyframe_id, sight.feature);
+  stays.sights.clear();
+  for (const auto& [keyframe_id, feature] : sights) stays.sights.push_back({keyframe_id, feature});
+  if (Draw(2) == 0) {
+    Remove(gone);
+    map_.Put(stays);
+  } else {
+    map_.Put(stays);
+    Remove(gone);
+  }
+}
+
+void RandomMap::Step() {
+  if (map_.keyframes().empty()) return AddKeyframe();
+  switch (Draw(45)) {
+    case 0:
+    case 1:
+      return AddKeyframe();
+    case 2:
+      return Fuse(map_.points());
+    case 3:
+      return Fuse(map_.lines());
+    case 4:
+      if (!map_.points().empty()) Remove(DrawFrom(map_.points()));
+      return;
+    case 5:
+      if (!map_.lines().empty()) Remove(DrawFrom(map_.lines()));
+      return;
+    case 6: {
+      const int64_t id = DrawFrom(map_.keyframes()).id;
+      if (id != 0 && Draw(3) == 0) map_.RemoveKeyframe(id);
+      return;
+    }
+    case 7:
+      return map_.SetPose(DrawFrom(map_.keyframes()).id, DrawPose(), Matrix6d::Identity());
+    case 8:
+      if (!map_.points().empty()) {
+        map_.SetPosition(DrawFrom(map_.points()).id, DrawPose().translation(), DrawCovariance());
+      }
+      return;
+    case 9:
+      if (!map_.lines().empty()) {
+        const Segment3 segment = {DrawPose().translation(), DrawPose().translation()};
+        map_.SetSegment(DrawFrom(map_.lines()).id, segment, DrawCovariance(), DrawCovariance());
+      }
+      return;
+    default:
+      return Draw(2) == 0 ? Change(map_.points(), next_point_) : Change(map_.lines(), next_line_);
+  }
+}
+
+void RandomMap::Steps(int n) {
+  for (int i = 0; i < n; ++i) Step();
+}
+
+}  // namespace plslam::test

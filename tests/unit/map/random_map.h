@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "core/map/map.h"
+
+namespace plslam::test {
+
+/// A map to which everything happens that can happen to one: keyframes come, landmarks of both kinds are founded, seen
+/// again, moved, fused, robbed of sights and removed, and keyframes are removed. Everything follows from the seed.
+class RandomMap {
+ public:
+  explicit RandomMap(uint64_t seed) : random_(seed) {}
+
+  /// One thing happens.
+  void Step();
+  void Steps(int n);
+
+  Map& map() { return map_; }
+  const Map& map() const { return map_; }
+
+ private:
+  void AddKeyframe();
+  template <class Landmark>
+  void Change(const std::map<int64_t, Landmark>& landmarks, int64_t& next_id);
+  template <class Landmark>
+  void Fuse(const std::map<int64_t, Landmark>& landmarks);
+  void Remove(const MapPoint& point) { map_.RemovePoint(point.id); }
+  void Remove(const MapLine& line) { map_.RemoveLine(line.id); }
+  void Place(MapPoint& point);
+  void Place(MapLine& line);
+
+  uint64_t Draw(uint64_t n) { return random_() % n; }
+  SE3 DrawPose();
+  Eigen::Matrix3d DrawCovariance();
+  std::vector<Sight> DrawSights();
+  template <class Value>
+  const Value& DrawFrom(const std::map<int64_t, Value>& values);
+
+  std::mt19937_64 random_;
+  Map map_;
+  int64_t next_keyframe_ = 0;
+  int64_t next_point_ = 0;
+  int64_t next_line_ = 0;
+};
+
+}  // namespace plslam::test

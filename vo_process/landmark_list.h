@@ -1,14 +1,20 @@
 #pragma once
 
+#include <map>
+#include <set>
 #include <vector>
 
 #include "core/features/features.h"
+#include "vo_process/map_patch.h"
 #include "vo_process/options.h"
 #include "vo_process/tracked_frame.h"
 
 namespace plslam {
 
 // What lists of point and of line landmarks have in common.
+
+/// Landmarks that come from the map take part only in searches around a pose that is known.
+inline constexpr int kAdoptedUnseenFrames = 3;
 
 /// Descriptors of the landmarks seen within `max_unseen_frames`, and their places in the list.
 struct KnownDescriptors {
@@ -34,6 +40,44 @@ std::vector<Descriptor> SeenDescriptors(const std::vector<Feature>& features) {
   seen.reserve(features.size());
   for (const Feature& feature : features) seen.push_back(feature.left.descriptor);
   return seen;
+}
+
+/// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here (as not
+/// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same.
+template <class Known, class Landmark, class Set>
+void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
+               const Set& set) {
+  std::map<int64_t, size_t> by_id;
+  std::map<int64_t, size_t> by_map_id;
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    by_id[landmarks[i].id] = i;
+    if (landmarks[i].map_id >= 0) by_map_id[landmarks[i].map_id] = i;
+  }
+  std::vector<char> drop(landmarks.size(), 0);
+  for (const Adopted<Known>& entry : adopted) {
+    std::set<size_t> same;
+    for (const int64_t id : entry.tracker_ids) {
+      const auto found = by_id.find(id);
+      if (found != by_id.end()) same.insert(found->second);
+    }
+    const auto found = by_map_id.find(entry.landmark->id);
+    if (found != by_map_id.end()) same.insert(found->second);
+    for (auto it = same.begin(); it != same.end(); ++it) drop[*it] = it == same.begin() ? 0 : 1;
+    if (same.empty()) {
+      Landmark& landmark = landmarks.emplace_back();
+      landmark.id = next_id++;
+      landmark.map_id = entry.landmark->id;
+      landmark.unseen_frames = kAdoptedUnseenFrames;
+      set(*entry.landmark, true, landmark);
+    } else {
+      Landmark& landmark = landmarks[*same.begin()];
+      landmark.map_id = entry.landmark->id;
+      set(*entry.landmark, false, landmark);
+    }
+  }
+  drop.resize(landmarks.size(), 0);
+  size_t i = 0;
+  std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
 }
 
 /// Drops what has been out of sight, or missed in sight, for too long.

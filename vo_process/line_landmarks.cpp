@@ -136,7 +136,7 @@ void LineLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>
   for (const LandmarkMatch& match : matches) {
     LineLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.lines[match.feature], landmark);
-    frame.line_tracks[match.feature] = {landmark.id, landmark.seen};
+    frame.line_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -159,6 +159,16 @@ void LineLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
+void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id) {
+  const Eigen::Matrix3d R = T_odom_w.R();
+  AdoptEach(adopted, next_id, landmarks_, [&](const MapLine& known, bool is_new, LineLandmark& landmark) {
+    landmark.segment_odom = Transform(T_odom_w, known.segment_w);
+    landmark.covariance_p = R * known.covariance_p * R.transpose();
+    landmark.covariance_q = R * known.covariance_q * R.transpose();
+    if (is_new) landmark.descriptor = known.descriptor;
+  });
+}
+
 void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     if (frame.line_tracks[i].landmark_id < 0) {
@@ -179,13 +189,14 @@ void LineLandmarks::FoundOne(const SE3& T_odom_c, const StereoLine& seen, Featur
   const double limit = options_.max_relative_depth_sigma;
   if (seen.sigma_disparity_p_px > limit * seen.disparity_p_px) return;
   if (seen.sigma_disparity_q_px > limit * seen.disparity_q_px) return;
-  if (track.landmark_id < 0) track = {next_id++, 0};
+  if (track.landmark_id < 0) track = {next_id++, 0, -1};
   const Eigen::Vector3d p = Measurement(seen.left.segment.p, seen.disparity_p_px);
   const Eigen::Vector3d q = Measurement(seen.left.segment.q, seen.disparity_q_px);
   const Eigen::Matrix3d R = T_odom_c.R();
   LineLandmark landmark;
   landmark.id = track.landmark_id;
   landmark.seen = track.age + 1;
+  landmark.map_id = track.map_id;
   landmark.segment_odom = {T_odom_c * camera_.Backproject(p), T_odom_c * camera_.Backproject(q)};
   landmark.covariance_p =
       R * camera_.BackprojectCovariance(p, seen.sigma_px, seen.sigma_disparity_p_px) * R.transpose();

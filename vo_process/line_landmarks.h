@@ -5,6 +5,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/motion/motion_estimator.h"
+#include "vo_process/map_patch.h"
 #include "vo_process/options.h"
 #include "vo_process/tracked_frame.h"
 
@@ -21,6 +22,8 @@ struct LineLandmark {
   /// As last seen.
   Descriptor descriptor{};
 
+  /// The same landmark in the map, or -1.
+  int64_t map_id = -1;
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
@@ -48,6 +51,10 @@ class LineLandmarks {
   /// Fuses what the frame saw of the matched landmarks (across the line; along it they are extended), names them in
   /// the frame's tracks, and ages the others.
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
+
+  /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the same
+  /// the oldest stays), and all of those that are not.
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id);
 
   /// Founds a landmark for each segment with depth that has none, and names it in the frame's tracks.
   void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);

@@ -24,6 +24,13 @@ std::vector<double> PointDisparities(const StereoFeatures& features) {
   return disparities;
 }
 
+std::vector<int64_t> LandmarkIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<int64_t> ids;
+  ids.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
+  return ids;
+}
+
 double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   std::vector<double> disparities;
   for (const StereoPoint& point : frame.features.points) {
@@ -72,10 +79,31 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   }
   result.T_odom_c = T_odom_c_;
   result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
+  if (result.keyframe) {
+    keyframe_log_.Add(result.keyframe->id, LandmarkIds(frame.point_tracks), LandmarkIds(frame.line_tracks));
+  }
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
+}
+
+bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
+  const auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
+  if (!patch) return false;
+  T_w_odom_ = patch->T_w_odom;
+  if (!dormant_) {
+    landmarks_.Adopt(*patch);
+    return true;
+  }
+  // While lost, the map is about the landmarks from before; names are drawn from one source.
+  LocalLandmarks& before = dormant_->landmarks;
+  before.next_point_id = landmarks_.next_point_id;
+  before.next_line_id = landmarks_.next_line_id;
+  before.Adopt(*patch);
+  landmarks_.next_point_id = before.next_point_id;
+  landmarks_.next_line_id = before.next_line_id;
+  return true;
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {

@@ -58,6 +58,14 @@ class Odometry {
   /// nothing are answered with a state, and the pose goes on by the motion model.
   OdometryResult Track(int64_t t_ns, StereoFeatures features);
 
+  /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do not
+  /// jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map does
+  /// not have the keyframe.
+  bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
+
+  /// Map from odometry, as of the last `Adopt`.
+  const SE3& T_w_odom() const { return T_w_odom_; }
+
  private:
   /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
   /// before the loss, or those founded by a lost frame.
@@ -83,6 +91,8 @@ class Odometry {
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
   LocalLandmarks landmarks_;
+  KeyframeLog keyframe_log_;
+  SE3 T_w_odom_;
 
   bool initialised_ = false;
   int64_t last_t_ns_ = 0;

@@ -38,6 +38,13 @@ struct TrackingOptions {
   double max_angular_acceleration_rad_s2 = 20.0;
 };
 
+/// Use of the map that mapping_process makes.
+struct MapUseOptions {
+  bool enabled = true;
+  int local_keyframes = 20;
+  double wait_s = 5.0;
+};
+
 /// Keyframe choice (PL-SLAM §IV.D) and its floors.
 struct KeyframeOptions {
   double entropy_ratio = 0.9;
@@ -59,6 +66,7 @@ struct VoOptions {
   DisparityCalibrationOptions disparity_calibration;
   LandmarkOptions landmarks;
   TrackingOptions tracking;
+  MapUseOptions map;
   KeyframeOptions keyframes;
 };
 
@@ -99,6 +107,14 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
 }
 
 template <class Visitor>
+void VisitFields(Visitor& visit, MapUseOptions& o) {
+  visit("enabled", o.enabled, "whether frames are tracked against the map, where there is one");
+  visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes whose landmarks are looked for");
+  visit("wait_s", o.wait_s, Bounds{0, 3600},
+        "how long a lockstep stream waits for the map where no mapping_process is heard of");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "keyframe when the entropy ratio falls below");
   visit("min_tracked_ratio", o.min_tracked_ratio, Bounds{0, 1},
@@ -120,6 +136,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("landmarks", o.landmarks, "life of the landmarks");
   visit("tracking", o.tracking, "search, and what counts as tracked");
+  visit("map", o.map, "use of the map");
   visit("keyframes", o.keyframes, "choice of keyframes");
 }
 

@@ -72,7 +72,7 @@ void PointLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch
   for (const LandmarkMatch& match : matches) {
     PointLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.points[match.feature], landmark);
-    frame.point_tracks[match.feature] = {landmark.id, landmark.seen};
+    frame.point_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -106,6 +106,19 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
+void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, int64_t& next_id) {
+  const Eigen::Matrix3d R = T_odom_w.R();
+  AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {
+    landmark.p_odom = T_odom_w * known.p_w;
+    landmark.covariance = R * known.covariance * R.transpose();
+    if (!is_new) return;
+    landmark.descriptor = known.descriptor;
+    landmark.angle_rad = known.angle_rad;
+    landmark.octave = known.octave;
+    landmark.depth_m = known.depth_m;
+  });
+}
+
 void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     if (frame.point_tracks[i].landmark_id < 0)
@@ -125,10 +138,11 @@ void PointLandmarks::FoundOne(const SE3& T_odom_c, const StereoPoint& seen, Feat
   const Eigen::Vector3d uvd = Measurement(seen);
   const Eigen::Vector3d p_c = camera_.Backproject(uvd);
   const Eigen::Matrix3d R = T_odom_c.R();
-  if (track.landmark_id < 0) track = {next_id++, 0};
+  if (track.landmark_id < 0) track = {next_id++, 0, -1};
   PointLandmark landmark;
   landmark.id = track.landmark_id;
   landmark.seen = track.age + 1;
+  landmark.map_id = track.map_id;
   landmark.p_odom = T_odom_c * p_c;
   landmark.covariance =
       R * camera_.BackprojectCovariance(uvd, seen.sigma_px, seen.sigma_disparity_px) * R.transpose();

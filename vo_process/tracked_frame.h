@@ -14,6 +14,8 @@ struct FeatureTrack {
   int64_t landmark_id = -1;
   /// Frames in which the landmark has been seen; 0 for one founded by this feature.
   int age = 0;
+  /// The same landmark in the map, or -1.
+  int64_t map_id = -1;
 };
 
 /// The features of the frame being tracked, ready for queries by place, and their landmarks.

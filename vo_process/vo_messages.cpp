@@ -5,13 +5,6 @@
 namespace plslam {
 namespace {
 
-std::vector<int64_t> LandmarkIds(const std::vector<FeatureTrack>& tracks) {
-  std::vector<int64_t> ids;
-  ids.reserve(tracks.size());
-  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
-  return ids;
-}
-
 void CopyPixel(const Eigen::Vector2d& px, float (&to)[2]) {
   to[0] = static_cast<float>(px.x());
   to[1] = static_cast<float>(px.y());
@@ -64,20 +57,6 @@ tracks_t ToTracksMessage(const OdometryResult& result) {
   message.n_points = static_cast<int32_t>(message.points.size());
   message.n_lines = static_cast<int32_t>(message.lines.size());
   return message;
-}
-
-Keyframe ToKeyframe(const OdometryResult& result) {
-  Keyframe keyframe;
-  keyframe.keyframe_id = result.keyframe->id;
-  keyframe.previous_keyframe_id = result.keyframe->previous_id;
-  keyframe.T_prevkf_kf = result.keyframe->T_prevkf_kf;
-  keyframe.covariance = result.keyframe->covariance;
-  keyframe.T_odom_kf = result.T_odom_c;
-  keyframe.state = static_cast<int>(result.state);
-  keyframe.features = result.features;
-  keyframe.point_landmark_ids = LandmarkIds(result.point_tracks);
-  keyframe.line_landmark_ids = LandmarkIds(result.line_tracks);
-  return keyframe;
 }
 
 }  // namespace plslam

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "vo_process/odometry.h"
@@ -15,8 +14,5 @@ namespace plslam {
 pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages);
 
 tracks_t ToTracksMessage(const OdometryResult& result);
-
-/// `result.keyframe` must be set.
-Keyframe ToKeyframe(const OdometryResult& result);
 
 }  // namespace plslam

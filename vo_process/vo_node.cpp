@@ -11,13 +11,16 @@
 #include "core/bus/convert.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/header_t.hpp"
+#include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
+#include "vo_process/keyframe_value.h"
 #include "vo_process/vo_messages.h"
 
 namespace plslam {
 namespace {
 
-// Frames kept while no camera has come; later ones are answered when it has, earlier ones are given up.
+constexpr std::chrono::milliseconds kMapTick(200);
+// Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
 
 double NowMs() {
@@ -31,11 +34,26 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       options_(options),
       session_(process.bus().source()),
       keyframes_(process.bus()),
+      map_wait_(options.map.wait_s),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  if (options_.map.enabled) {
+    map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
+      map_session_ = update.session;
+      map_keyframe_id_ = update.session_keyframe_id;
+      OnMap();
+    });
+    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+    process_.bus().Every(kMapTick, [this] {
+      if (map_wait_.GiveUp(1e-3 * NowMs())) {
+        spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
+        GoOn();
+      }
+    });
+  }
   process_.SetConfiguration(ToYaml("vo", options_));
 }
 
@@ -59,18 +77,53 @@ void VoNode::OnCamera(const camera_t& message) {
   if (rig_) spdlog::info("another camera '{}': a new session begins", rig->name);
   rig_ = *rig;
   odometry_.reset();
-  for (const Frame& frame : std::exchange(waiting_for_camera_, {})) Track(frame);
+  GoOn();
 }
 
 void VoNode::OnFrame(const Frame& frame) {
   // A player that waits too long for a pose sends its frame again; ours is then on its way.
   if (frame.source == last_source_ && frame.images.frame_id <= last_frame_id_) return Count("frames.repeated", 1);
-  if (front_end_) return Track(frame);
-  if (waiting_for_camera_.size() == kMaxWaitingFrames) {
-    waiting_for_camera_.erase(waiting_for_camera_.begin());
-    Count("frames.without_camera", 1);
+  if (front_end_ && !map_wait_.keyframe_id()) return Track(frame);
+  if (waiting_.size() == kMaxWaitingFrames) {
+    waiting_.erase(waiting_.begin());
+    Count(front_end_ ? "frames.without_map" : "frames.without_camera", 1);
   }
-  waiting_for_camera_.push_back(frame);
+  waiting_.push_back(frame);
+}
+
+void VoNode::GoOn() {
+  while (front_end_ && !map_wait_.keyframe_id() && !waiting_.empty()) {
+    const Frame frame = std::move(waiting_.front());
+    waiting_.erase(waiting_.begin());
+    Track(frame);
+  }
+}
+
+void VoNode::OnStatus(const status_t& message) {
+  if (message.process == "mapping") map_wait_.OnSignOfLife(1e-3 * NowMs());
+}
+
+void VoNode::OnMap() {
+  const auto awaited = map_wait_.keyframe_id();
+  if (!awaited) {
+    if (!lockstep_) AdoptMap(adopted_keyframe_id_ + 1);
+    return;
+  }
+  if (!AdoptMap(*awaited)) return;
+  map_wait_.End();
+  GoOn();
+}
+
+void VoNode::AwaitMap(const Frame& frame, int64_t keyframe_id) {
+  lockstep_ = frame.lockstep;
+  if (!map_ || !lockstep_ || keyframe_id == 0 || AdoptMap(keyframe_id - 1)) return;
+  map_wait_.Begin(keyframe_id - 1, 1e-3 * NowMs());
+}
+
+bool VoNode::AdoptMap(int64_t oldest_keyframe_id) {
+  if (!odometry_ || map_session_ != session_ || map_keyframe_id_ < oldest_keyframe_id) return false;
+  if (odometry_->Adopt(map_->replica().map(), session_, map_keyframe_id_)) adopted_keyframe_id_ = map_keyframe_id_;
+  return true;
 }
 
 void VoNode::OnStream(const stream_t& message) {
@@ -80,6 +133,8 @@ void VoNode::OnStream(const stream_t& message) {
 
 void VoNode::BeginSession() {
   if (last_t_ns_ != 0) ++session_;
+  map_wait_.End();
+  adopted_keyframe_id_ = -1;
   odometry_.emplace(front_end_->camera(), options_);
 }
 
@@ -95,6 +150,7 @@ void VoNode::Track(const Frame& frame) {
   PublishPose(frame, result, timer.stages());
   if (result.keyframe) PublishKeyframe(frame, result);
   PublishTracks(frame, result);
+  if (result.keyframe) AwaitMap(frame, result.keyframe->id);
   SetState("running");
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
@@ -121,8 +177,7 @@ void VoNode::SetHeader(const Frame& frame, header_t& header) const {
 }
 
 void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages) {
-  // No map yet that could correct odometry.
-  pose_t message = ToPoseMessage(result, SE3(), stages);
+  pose_t message = ToPoseMessage(result, odometry_->T_w_odom(), stages);
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   message.n_skipped_frames = frame.skipped;
@@ -141,6 +196,7 @@ void VoNode::PublishKeyframe(const Frame& frame, const OdometryResult& result) {
   keyframe.session = session_;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
+  keyframe.lockstep = frame.lockstep;
   keyframes_.Publish(keyframe);
 }
 

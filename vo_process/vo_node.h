@@ -8,7 +8,9 @@
 
 #include "core/bus/frame_channel.h"
 #include "core/bus/keyframe_channel.h"
+#include "core/bus/map_channel.h"
 #include "core/bus/process.h"
+#include "vo_process/map_wait.h"
 #include "vo_process/odometry.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo_front_end.h"
@@ -16,12 +18,16 @@
 namespace plslam {
 class camera_t;
 class header_t;
+class status_t;
 class stream_t;
 
 /// vo_process on the bus: camera and frames in; poses, tracks and keyframes out.
 ///
 /// Frames wait for the camera. Another camera, or time that goes back (another stream), begins a new session, since
 /// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features.
+///
+/// The map, where there is one, takes effect at once in a live stream. In lockstep, that of keyframe k takes effect when
+/// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -32,6 +38,11 @@ class VoNode {
   void OnCamera(const camera_t& message);
   void OnFrame(const Frame& frame);
   void OnStream(const stream_t& message);
+  void OnStatus(const status_t& message);
+  void OnMap();
+  void AwaitMap(const Frame& frame, int64_t keyframe_id);
+  bool AdoptMap(int64_t oldest_keyframe_id);
+  void GoOn();
   void BeginSession();
   void Track(const Frame& frame);
   StereoFeatures SeeFeatures(const StereoImages& images, StageTimer& timer);
@@ -50,7 +61,7 @@ class VoNode {
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
-  std::vector<Frame> waiting_for_camera_;
+  std::vector<Frame> waiting_;
   int64_t last_t_ns_ = 0;
   int64_t last_frame_id_ = -1;
   int64_t last_source_ = 0;
@@ -58,6 +69,13 @@ class VoNode {
   std::map<std::string, double> counts_;
   std::string state_;
   bus::KeyframePublisher keyframes_;
+  MapWait map_wait_;
+  bool lockstep_ = false;
+  /// The newest keyframe in the map.
+  int64_t map_session_ = 0;
+  int64_t map_keyframe_id_ = -1;
+  int64_t adopted_keyframe_id_ = -1;
+  std::unique_ptr<bus::MapSubscriber> map_;
   // Last: its handler needs all of the above.
   bus::FrameSubscriber frames_;
 };

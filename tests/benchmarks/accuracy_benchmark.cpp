@@ -15,6 +15,7 @@
 #include "core/config/config.h"
 #include "player/open_dataset.h"
 #include "tests/support/odometry_run.h"
+#include "tests/support/slam_run.h"
 
 namespace {
 
@@ -54,6 +55,31 @@ void PrintFrame(int index, const OdometryFrame& f) {
               f.T_odom_l.translation().x(), f.T_odom_l.translation().y(), f.T_odom_l.translation().z());
 }
 
+double Quantile(std::vector<double> values, double q) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<size_t>(q * static_cast<double>(values.size())))];
+}
+
+double MeanFigure(const std::vector<plslam::AdjustmentFigures>& figures, double plslam::AdjustmentFigures::*member) {
+  double sum = 0.0;
+  for (const auto& f : figures) sum += f.*member;
+  return figures.empty() ? 0.0 : sum / static_cast<double>(figures.size());
+}
+
+void PrintSlam(const std::string& name, const plslam::test::SlamRun& run) {
+  std::printf(
+      "%-40s SLAM lost %d keyframes %d ate final %.5f live %.5f | points %zu (%.1f) lines %zu (%.1f) | insert %.1f "
+      "adjust "
+      "%.1f 95%% %.1f | px %.3f -> %.3f\n",
+      name.c_str(), plslam::test::LostFrames(run.live), run.keyframes,
+      plslam::test::AbsoluteTrajectoryError(run.final), plslam::test::AbsoluteTrajectoryError(run.live), run.points,
+      run.sights_per_point, run.lines, run.sights_per_line, Quantile(run.insert_ms, 0.5),
+      Quantile(run.adjust_ms, 0.5), Quantile(run.adjust_ms, 0.95),
+      MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_before_px),
+      MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_after_px));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -63,6 +89,7 @@ int main(int argc, char** argv) {
   int stride = 1;
   int frames_wanted = 1 << 30;
   bool verbose = false;
+  bool with_mapping = false;
   CLI::App app("Accuracy and time of odometry in one process, without messages");
   app.add_option("datasets", datasets, "datasets")->required();
   app.add_option("--set", overrides, "KEY=VALUE");
@@ -70,6 +97,7 @@ int main(int argc, char** argv) {
   app.add_option("--stride", stride, "every so many frames");
   app.add_option("--frames", frames_wanted, "at most so many");
   app.add_flag("--verbose", verbose, "a line for each frame");
+  app.add_flag("--mapping", with_mapping, "tracking against the map instead of odometry alone");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   plslam::Config config;
@@ -77,8 +105,15 @@ int main(int argc, char** argv) {
   for (const std::string& assignment : overrides) config.Override(assignment);
   plslam::VoOptions options;
   config.Read("vo", options);
+  plslam::MappingOptions mapping;
+  config.Read("mapping", mapping);
   for (const std::string& location : datasets) {
     const auto dataset = plslam::OpenDataset(location, "");
+    if (with_mapping) {
+      PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0),
+                plslam::test::RunSlam(*dataset, options, mapping, stride, frames_wanted));
+      continue;
+    }
     const auto frames = plslam::test::RunOdometry(*dataset, options, stride, frames_wanted);
     const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
     for (int i = 0; verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);

@@ -2,6 +2,7 @@
 
 #include "core/bus/options.h"
 #include "core/config/config.h"
+#include "mapping_process/options.h"
 #include "player/options.h"
 #include "viewer_headless/options.h"
 #include "vo_process/options.h"
@@ -14,6 +15,7 @@ struct AllOptions {
   bus::BusOptions bus;
   PlayerOptions player;
   VoOptions vo;
+  MappingOptions mapping;
   ViewerOptions viewer;
 };
 
@@ -27,6 +29,7 @@ std::vector<Section> Sections(AllOptions& all) {
   return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
           {"player", "What is played, and how.", ListFields(all.player)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
+          {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
           {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
 }
 

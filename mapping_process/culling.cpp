@@ -1,0 +1,64 @@
+#include "mapping_process/culling.h"
+
+#include <utility>
+
+namespace plslam {
+namespace {
+
+template <class Kind>
+void JudgeKind(const std::vector<int64_t>& ids, int min_sights, Map& map) {
+  for (const int64_t id : ids) {
+    const auto* landmark = Kind::Find(map, id);
+    if (landmark != nullptr && static_cast<int>(landmark->sights.size()) < min_sights) Kind::Remove(id, map);
+  }
+}
+
+struct Share {
+  int landmarks = 0;
+  int redundant = 0;
+};
+
+template <class Kind>
+void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& share) {
+  for (const int64_t id : Kind::Of(map, keyframe_id)) {
+    if (id < 0) continue;
+    ++share.landmarks;
+    if (static_cast<int>(Kind::Find(map, id)->sights.size()) > min_others) ++share.redundant;
+  }
+}
+
+bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, const Map& map) {
+  if (keyframe.previous_id < 0 || keyframe.id == map.keyframes().begin()->first) return false;
+  Share share;
+  CountRedundant<PointKind>(keyframe.id, options.redundant_sights, map, share);
+  CountRedundant<LineKind>(keyframe.id, options.redundant_sights, map, share);
+  return share.landmarks > 0 && share.redundant >= options.redundant_share * share.landmarks;
+}
+
+}  // namespace
+
+void Trial::Begin(const NewLandmarks& landmarks, int64_t inserted) { by_keyframe_[inserted] = landmarks; }
+
+void Trial::Judge(int64_t inserted, const CullingOptions& options, Map& map) {
+  while (!by_keyframe_.empty() && by_keyframe_.begin()->first + options.trial_keyframes <= inserted) {
+    const NewLandmarks due = std::exchange(by_keyframe_.begin()->second, {});
+    by_keyframe_.erase(by_keyframe_.begin());
+    JudgeKind<PointKind>(due.points, options.min_sights, map);
+    JudgeKind<LineKind>(due.lines, options.min_sights, map);
+  }
+}
+
+std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
+                                              KeyframeFeatures& features, Map& map) {
+  std::vector<int64_t> removed;
+  for (const int64_t id : candidates) {
+    const MapKeyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr || !IsRedundant(*keyframe, options, map)) continue;
+    map.RemoveKeyframe(id);
+    features.erase(id);
+    removed.push_back(id);
+  }
+  return removed;
+}
+
+}  // namespace plslam

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "mapping_process/options.h"
+#include "mapping_process/stored_keyframe.h"
+
+namespace plslam {
+
+/// Names for new landmarks: 0, 1, 2, ... of each kind.
+struct LandmarkIds {
+  int64_t next_point = 0;
+  int64_t next_line = 0;
+};
+
+/// Landmarks that came with a keyframe.
+struct NewLandmarks {
+  std::vector<int64_t> points;
+  std::vector<int64_t> lines;
+};
+
+/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty.
+NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
+                             const InsertionOptions& options, LandmarkIds& ids, Map& map);
+
+}  // namespace plslam

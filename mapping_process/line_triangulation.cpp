@@ -1,0 +1,161 @@
+#include "mapping_process/line_triangulation.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/features/line_matcher.h"
+#include "core/features/segment_projection.h"
+#include "mapping_process/projection_search.h"
+#include "mapping_process/sights.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kMinDepth_m = 0.1;
+constexpr double kMinOverlap = 0.3;
+constexpr double kMaxAcross_px = 2.0;
+constexpr int kNeighbours = 4;
+
+Eigen::Vector3d Ray(const Eigen::Vector2d& px, const SegmentView& view, const StereoCamera& camera) {
+  return view.T_w_kf.rotation() *
+         Eigen::Vector3d((px.x() - camera.cx_px) / camera.f_px, (px.y() - camera.cy_px) / camera.f_px, 1.0);
+}
+
+// Unit normal, in w, of the plane through the camera and the segment.
+Eigen::Vector3d PlaneNormal(const SegmentView& view, const StereoCamera& camera) {
+  return Ray(view.segment.p, view, camera).cross(Ray(view.segment.q, view, camera)).normalized();
+}
+
+bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCamera& camera) {
+  const SE3 T_kf_w = view.T_w_kf.Inverse();
+  const Segment3 in_camera{T_kf_w * segment_w.p, T_kf_w * segment_w.q};
+  if (in_camera.p.z() < kMinDepth_m || in_camera.q.z() < kMinDepth_m) return false;
+  const auto s_p = AlongLine(in_camera, view.segment.p, camera);
+  const auto s_q = AlongLine(in_camera, view.segment.q, camera);
+  if (!s_p || !s_q || *s_p >= *s_q) return false;
+  const double shared = std::min(*s_q, 1.0) - std::max(*s_p, 0.0);
+  return shared >= kMinOverlap * std::min(1.0, *s_q - *s_p);
+}
+
+// Across the ray the pixel's deviation, along it what the angle of the planes makes of both deviations.
+Eigen::Matrix3d EndpointCovariance(const Eigen::Vector3d& ray, double depth_m, double sigma_px, double sine,
+                                   const StereoCamera& camera) {
+  const double across = depth_m * sigma_px / camera.f_px;
+  const double along = std::numbers::sqrt2 * across / sine;
+  const Eigen::Vector3d direction = ray.normalized();
+  const Eigen::Matrix3d dd = direction * direction.transpose();
+  return across * across * (Eigen::Matrix3d::Identity() - dd) + along * along * dd;
+}
+
+// Lines of a keyframe that show no landmark and have no depth of their own.
+std::vector<char> WithoutDepth(int64_t keyframe_id, const StereoFeatures& features, const Map& map) {
+  std::vector<char> eligible;
+  for (int32_t i = 0; i < static_cast<int32_t>(features.lines.size()); ++i) {
+    const bool open = LandmarkAt<LineKind>(map, {keyframe_id, i}) < 0;
+    eligible.push_back(open && !features.lines[static_cast<size_t>(i)].HasDepth() ? 1 : 0);
+  }
+  return eligible;
+}
+
+std::vector<int> Places(const std::vector<char>& eligible) {
+  std::vector<int> places;
+  for (size_t i = 0; i < eligible.size(); ++i) {
+    if (eligible[i] != 0) places.push_back(static_cast<int>(i));
+  }
+  return places;
+}
+
+std::vector<Descriptor> Descriptors(const std::vector<int>& places, const std::vector<StereoLine>& lines) {
+  std::vector<Descriptor> descriptors;
+  for (const int place : places) descriptors.push_back(lines[static_cast<size_t>(place)].left.descriptor);
+  return descriptors;
+}
+
+SegmentView ViewOf(const Sight& sight, const KeyframeFeatures& features, const Map& map) {
+  const StereoLine& line = features.at(sight.keyframe_id).lines[static_cast<size_t>(sight.feature)];
+  return {map.FindKeyframe(sight.keyframe_id)->T_w_kf, line.left.segment, line.sigma_px};
+}
+
+std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
+  std::vector<int64_t> ids;
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kCovisible)) {
+    if (static_cast<int>(ids.size()) == kNeighbours) break;
+    ids.push_back(neighbour.keyframe_id);
+  }
+  return ids;
+}
+
+}  // namespace
+
+std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const SegmentView& second,
+                                                const StereoCamera& camera, double min_angle_rad) {
+  const Eigen::Vector3d n_first = PlaneNormal(first, camera);
+  const Eigen::Vector3d n_second = PlaneNormal(second, camera);
+  const double sine = n_first.cross(n_second).norm();
+  if (!(sine >= std::sin(min_angle_rad))) return std::nullopt;
+  const Eigen::Vector3d between = second.T_w_kf.translation() - first.T_w_kf.translation();
+  TriangulatedLine line;
+  const auto place = [&](const Eigen::Vector2d& px, Eigen::Vector3d& end, Eigen::Matrix3d& covariance) {
+    const Eigen::Vector3d ray = Ray(px, first, camera);
+    const double depth_m = n_second.dot(between) / n_second.dot(ray);
+    if (!(depth_m > kMinDepth_m) || !std::isfinite(depth_m)) return false;
+    end = first.T_w_kf.translation() + depth_m * ray;
+    covariance = EndpointCovariance(ray, depth_m, std::max(first.sigma_px, second.sigma_px), sine, camera);
+    return covariance.allFinite();
+  };
+  if (!place(first.segment.p, line.segment_w.p, line.covariance_p)) return std::nullopt;
+  if (!place(first.segment.q, line.segment_w.q, line.covariance_q)) return std::nullopt;
+  if (!Overlap(line.segment_w, second, camera)) return std::nullopt;
+  return line;
+}
+
+std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeatures& features,
+                                      const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
+                                      Map& map) {
+  std::vector<int64_t> created;
+  const std::vector<StereoLine>& lines = features.at(keyframe_id).lines;
+  const std::vector<int64_t> neighbours = NeighbourIds(keyframe_id, map);
+  const double min_angle_rad = options.insertion.min_plane_angle_deg * std::numbers::pi / 180.0;
+  for (const int64_t neighbour_id : neighbours) {
+    const std::vector<int> own = Places(WithoutDepth(keyframe_id, features.at(keyframe_id), map));
+    const std::vector<int> theirs = Places(WithoutDepth(neighbour_id, features.at(neighbour_id), map));
+    const std::vector<StereoLine>& other_lines = features.at(neighbour_id).lines;
+    const std::vector<int> match =
+        MatchLinesBruteForce(Descriptors(own, lines), Descriptors(theirs, other_lines), options.line_matching);
+    for (size_t i = 0; i < match.size(); ++i) {
+      if (match[i] < 0) continue;
+      const Sight sight{keyframe_id, own[i]};
+      const Sight other{neighbour_id, theirs[static_cast<size_t>(match[i])]};
+      const auto triangulated =
+          TriangulateLine(ViewOf(sight, features, map), ViewOf(other, features, map), camera, min_angle_rad);
+      if (!triangulated) continue;
+      MapLine line;
+      line.id = ids.next_line++;
+      line.segment_w = triangulated->segment_w;
+      line.covariance_p = triangulated->covariance_p;
+      line.covariance_q = triangulated->covariance_q;
+      line.descriptor = lines[static_cast<size_t>(sight.feature)].left.descriptor;
+      line.sights = {sight};
+      map.Put(line);
+      AddSight<LineKind>(line.id, other, features, map);
+      // Two views agree on any line whose planes meet: a third one tells.
+      for (const int64_t third_id : neighbours) {
+        if (third_id == neighbour_id) continue;
+        const StereoFeatures& seen = features.at(third_id);
+        for (const LandmarkFeature& found :
+             SearchLines(map, {line.id}, map.FindKeyframe(third_id)->T_w_kf, seen.lines,
+                         WithoutDepth(third_id, seen, map), kMaxAcross_px, camera, options)) {
+          AddSight<LineKind>(line.id, {third_id, found.feature}, features, map);
+        }
+      }
+      if (map.FindLine(line.id)->sights.size() >= 3) {
+        created.push_back(line.id);
+      } else {
+        map.RemoveLine(line.id);
+      }
+    }
+  }
+  return created;
+}
+
+}  // namespace plslam

@@ -1,0 +1,199 @@
+#include "mapping_process/local_window.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "mapping_process/sights.h"
+
+namespace plslam {
+namespace {
+
+// Landmarks that at least two keyframes see, one of them free.
+template <class Kind>
+std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map) {
+  std::set<int64_t> ids;
+  for (const int64_t keyframe_id : free) {
+    for (const int64_t id : Kind::Of(map, keyframe_id)) {
+      if (id >= 0 && Kind::Find(map, id)->sights.size() >= 2) ids.insert(id);
+    }
+  }
+  return {ids.begin(), ids.end()};
+}
+
+template <class Kind>
+void CountKeyframes(const std::vector<int64_t>& ids, const Map& map, std::map<int64_t, int>& counts) {
+  for (const int64_t id : ids) {
+    for (const Sight& sight : Kind::Find(map, id)->sights) ++counts[sight.keyframe_id];
+  }
+}
+
+std::vector<int64_t> FixedKeyframes(const LocalWindow& window, const Map& map, int max_count) {
+  std::map<int64_t, int> counts;
+  CountKeyframes<PointKind>(window.points, map, counts);
+  CountKeyframes<LineKind>(window.lines, map, counts);
+  for (const int64_t id : window.keyframes) counts.erase(id);
+  std::vector<Map::Neighbour> others;
+  for (const auto& [id, shared] : counts) others.push_back({id, shared});
+  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });
+  std::vector<int64_t> fixed;
+  for (const Map::Neighbour& other : others) {
+    if (static_cast<int>(fixed.size()) == max_count) break;
+    fixed.push_back(other.keyframe_id);
+  }
+  return fixed;
+}
+
+PointSight Seen(int pose, int point, const StereoPoint& seen) {
+  return {
+      pose, point, {seen.left.px.x(), seen.left.px.y(), seen.disparity_px}, seen.sigma_px, seen.sigma_disparity_px};
+}
+
+LineSight Seen(int pose, int line, const StereoLine& seen) {
+  return {pose,
+          line,
+          seen.left.segment,
+          seen.disparity_p_px,
+          seen.disparity_q_px,
+          seen.sigma_px,
+          seen.sigma_disparity_p_px,
+          seen.sigma_disparity_q_px};
+}
+
+// Calls visit(pose, landmark, sight) for each sight of the landmarks by a keyframe of the window, always in one order.
+template <class Kind, class Visit>
+void ForEachSight(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& ids, const Map& map,
+                  const Visit& visit) {
+  std::map<int64_t, int> poses;
+  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) poses[keyframes[static_cast<size_t>(i)]] = i;
+  for (int k = 0; k < static_cast<int>(ids.size()); ++k) {
+    for (const Sight& sight : Kind::Find(map, ids[static_cast<size_t>(k)])->sights) {
+      const auto pose = poses.find(sight.keyframe_id);
+      if (pose != poses.end()) visit(pose->second, k, sight);
+    }
+  }
+}
+
+void AddPoses(size_t n_free, const Map& map, LocalWindow& window) {
+  const int64_t first = map.keyframes().begin()->first;
+  for (size_t i = 0; i < window.keyframes.size(); ++i) {
+    const int64_t id = window.keyframes[i];
+    window.problem.poses.push_back({map.FindKeyframe(id)->T_w_kf, i >= n_free || id == first});
+  }
+  // Where nothing holds the window in place, its oldest keyframe does.
+  const auto fixed = [](const BundlePose& pose) { return pose.fixed; };
+  if (std::none_of(window.problem.poses.begin(), window.problem.poses.end(), fixed)) {
+    const auto oldest = std::min_element(window.keyframes.begin(), window.keyframes.end());
+    window.problem.poses[static_cast<size_t>(oldest - window.keyframes.begin())].fixed = true;
+  }
+}
+
+void AddLandmarks(const Map& map, const KeyframeFeatures& features, LocalWindow& window) {
+  BundleProblem& problem = window.problem;
+  for (const int64_t id : window.points) problem.points.push_back({map.FindPoint(id)->p_w});
+  for (const int64_t id : window.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
+  ForEachSight<PointKind>(window.keyframes, window.points, map, [&](int pose, int point, const Sight& sight) {
+    const auto& list = features.at(sight.keyframe_id).points;
+    problem.point_sights.push_back(Seen(pose, point, list[static_cast<size_t>(sight.feature)]));
+  });
+  ForEachSight<LineKind>(window.keyframes, window.lines, map, [&](int pose, int line, const Sight& sight) {
+    const auto& list = features.at(sight.keyframe_id).lines;
+    problem.line_sights.push_back(Seen(pose, line, list[static_cast<size_t>(sight.feature)]));
+  });
+}
+
+Eigen::Matrix3d Rotate(const SE3& T, const Eigen::Matrix3d& covariance) {
+  return T.R() * covariance * T.R().transpose();
+}
+
+// What nobody else sees keeps its place relative to its keyframe.
+void MoveLonelyLandmarks(int64_t keyframe_id, const SE3& T_new_old, Map& map) {
+  for (const int64_t id : PointKind::Of(map, keyframe_id)) {
+    if (id < 0) continue;
+    const MapPoint& point = *map.FindPoint(id);
+    if (point.sights.size() == 1) map.SetPosition(id, T_new_old * point.p_w, Rotate(T_new_old, point.covariance));
+  }
+  for (const int64_t id : LineKind::Of(map, keyframe_id)) {
+    if (id < 0) continue;
+    const MapLine& line = *map.FindLine(id);
+    if (line.sights.size() != 1) continue;
+    map.SetSegment(id, {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q},
+                   Rotate(T_new_old, line.covariance_p), Rotate(T_new_old, line.covariance_q));
+  }
+}
+
+template <class Kind>
+int DropOutliers(const LocalWindow& window, const std::vector<int64_t>& ids, const std::vector<bool>& inliers,
+                 const KeyframeFeatures& features, Map& map) {
+  std::vector<std::pair<int64_t, int64_t>> outliers;
+  size_t i = 0;
+  ForEachSight<Kind>(window.keyframes, ids, map, [&](int, int landmark, const Sight& sight) {
+    if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], sight.keyframe_id);
+  });
+  for (const auto& [landmark_id, keyframe_id] : outliers) DropSight<Kind>(landmark_id, keyframe_id, features, map);
+  return static_cast<int>(outliers.size());
+}
+
+// Covariances of the adjustment are relative to what was fixed; that has one of its own.
+void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& map) {
+  const auto& poses = window.problem.poses;
+  const auto fixed = std::find_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; });
+  const MapKeyframe anchor = *map.FindKeyframe(window.keyframes[static_cast<size_t>(fixed - poses.begin())]);
+  for (size_t i = 0; i < window.keyframes.size(); ++i) {
+    if (window.problem.poses[i].fixed) continue;
+    const int64_t id = window.keyframes[i];
+    const SE3 T_new_old = result.T_w_c[i] * window.problem.poses[i].T_w_c.Inverse();
+    MoveLonelyLandmarks(id, T_new_old, map);
+    const SE3 T_anchor_kf = anchor.T_w_kf.Inverse() * result.T_w_c[i];
+    map.SetPose(id, result.T_w_c[i], ComposeCovariance(anchor.covariance, T_anchor_kf, result.pose_covariances[i]));
+  }
+}
+
+}  // namespace
+
+LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
+                            const StereoCamera& camera, const WindowOptions& options) {
+  LocalWindow window;
+  window.problem.camera = camera;
+  window.keyframes.push_back(keyframe_id);
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, options.min_shared)) {
+    if (static_cast<int>(window.keyframes.size()) == options.keyframes) break;
+    window.keyframes.push_back(neighbour.keyframe_id);
+  }
+  const size_t n_free = window.keyframes.size();
+  window.points = SeenTwice<PointKind>(window.keyframes, map);
+  window.lines = SeenTwice<LineKind>(window.keyframes, map);
+  const std::vector<int64_t> fixed = FixedKeyframes(window, map, options.fixed_keyframes);
+  window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
+  AddPoses(n_free, map, window);
+  AddLandmarks(map, features, window);
+  return window;
+}
+
+AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult& result,
+                                  const KeyframeFeatures& features, Map& map) {
+  AdjustmentFigures figures;
+  if (!result.ok) return figures;
+  const auto& poses = window.problem.poses;
+  figures.n_fixed_keyframes =
+      static_cast<int>(std::count_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; }));
+  figures.n_keyframes = static_cast<int>(poses.size()) - figures.n_fixed_keyframes;
+  figures.n_points = static_cast<int>(window.points.size());
+  figures.n_lines = static_cast<int>(window.lines.size());
+  figures.rms_before = result.before.normalised;
+  figures.rms_after = result.after.normalised;
+  figures.reprojection_before_px = result.before.point_px;
+  figures.reprojection_after_px = result.after.point_px;
+  MoveKeyframes(window, result, map);
+  for (size_t i = 0; i < window.points.size(); ++i) {
+    map.SetPosition(window.points[i], result.points[i], result.point_covariances[i]);
+  }
+  for (size_t i = 0; i < window.lines.size(); ++i) {
+    map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
+  }
+  figures.n_outliers = DropOutliers<PointKind>(window, window.points, result.point_inliers, features, map) +
+                       DropOutliers<LineKind>(window, window.lines, result.line_inliers, features, map);
+  return figures;
+}
+
+}  // namespace plslam

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/map/map_update.h"
+#include "core/optim/bundle.h"
+#include "mapping_process/options.h"
+#include "mapping_process/stored_keyframe.h"
+
+namespace plslam {
+
+/// The part of the map around a keyframe as an adjustment: places in the vectors of `problem` are those of the ids here.
+struct LocalWindow {
+  std::vector<int64_t> keyframes;
+  std::vector<int64_t> points;
+  std::vector<int64_t> lines;
+  BundleProblem problem;
+};
+
+/// The keyframe, its best neighbours and the landmarks they see, at least two keyframes each (PL-SLAM §V.B); other
+/// keyframes that see those are held fixed, and so is the first of the map.
+LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
+                            const StereoCamera& camera, const WindowOptions& options);
+
+/// Takes the result over into the map: poses, landmarks (those that only one of the keyframes sees move with it), and
+/// sights that turned out wrong are dropped. Nothing where the adjustment failed.
+AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult& result,
+                                  const KeyframeFeatures& features, Map& map);
+
+}  // namespace plslam

@@ -1,0 +1,154 @@
+#include "mapping_process/mapper.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/pose_ransac.h"
+#include "mapping_process/duplicates.h"
+#include "mapping_process/line_extent.h"
+#include "mapping_process/line_triangulation.h"
+#include "mapping_process/local_window.h"
+#include "mapping_process/pose_refinement.h"
+#include "mapping_process/sights.h"
+
+namespace plslam {
+namespace {
+
+// Associations below which a pose from the tracker is not corrected by them.
+constexpr int kMinWeight = 20;
+// Newest keyframes that are never redundant: the tracker's next steps lean on them.
+constexpr int64_t kNewestKept = 3;
+
+template <class Kind>
+void AddSights(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
+               Map& map) {
+  for (int32_t i = 0; i < static_cast<int32_t>(association.size()); ++i) {
+    const int64_t id = association[static_cast<size_t>(i)];
+    if (id >= 0) AddSight<Kind>(id, {keyframe_id, i}, features, map);
+  }
+}
+
+void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
+  ids.insert(ids.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
+  MapKeyframe entry;
+  entry.id = next_keyframe_id_;
+  entry.session = keyframe.session;
+  entry.session_keyframe_id = keyframe.keyframe_id;
+  entry.frame_id = keyframe.frame_id;
+  entry.t_ns = keyframe.t_ns;
+  entry.T_odom_kf = keyframe.T_odom_kf;
+  const auto session = sessions_.find(keyframe.session);
+  if (session != sessions_.end()) {
+    const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
+    entry.previous_id = previous.id;
+    entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
+    entry.relative_covariance = keyframe.covariance;
+    entry.T_w_kf = previous.T_w_kf * entry.T_prevkf_kf;
+    entry.covariance = ComposeCovariance(previous.covariance, entry.T_prevkf_kf, keyframe.covariance);
+  } else if (!map_.keyframes().empty()) {
+    entry.T_w_kf = map_.keyframes().rbegin()->second.T_w_kf;
+    entry.covariance = map_.keyframes().rbegin()->second.covariance + Matrix6d::Identity();
+  } else {
+    entry.T_w_kf = keyframe.T_odom_kf;
+  }
+  return entry;
+}
+
+bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
+  const auto session = sessions_.find(keyframe.session);
+  if (session != sessions_.end() && keyframe.keyframe_id <= session->second.session_keyframe_id) {
+    *reason = fmt::format("keyframe {} of session {} came before", keyframe.keyframe_id, keyframe.session);
+    return false;
+  }
+  MapKeyframe entry = Prepare(keyframe);
+  Association association = tracker_.Claims(keyframe, map_);
+  Join(keyframe, entry, association);
+  Put(keyframe, entry, association);
+  NewLandmarks created =
+      CreateLandmarks(entry.id, keyframe.features, camera_, options_.insertion, landmark_ids_, map_);
+  Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
+  MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
+  trial_.Begin(created, entry.id);
+  tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
+  sessions_[keyframe.session] = {entry.id, keyframe.keyframe_id};
+  newest_session_ = keyframe.session;
+  newest_t_ns_ = keyframe.t_ns;
+  next_keyframe_id_ = entry.id + 1;
+  return true;
+}
+
+void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+  // First with what the tracker says, then with what can be found around it.
+  for (const bool searching : {false, true}) {
+    if (searching) {
+      const LocalMap local = LocalMapOf(association, map_, options_.insertion.local_keyframes);
+      SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_, association);
+    }
+    if (association.Weight() < kMinWeight) continue;
+    if (const auto pose = RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.motion, association)) {
+      entry.T_w_kf = pose->T_w_kf;
+    }
+  }
+}
+
+void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {
+  map_.Put(entry);
+  features_[entry.id] = keyframe.features;
+  AddSights<PointKind>(entry.id, association.points, features_, map_);
+  AddSights<LineKind>(entry.id, association.lines, features_, map_);
+  MapKeyframe with_parent = entry;
+  const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, 1);
+  with_parent.parent_id = neighbours.empty() ? entry.previous_id : neighbours.front().keyframe_id;
+  if (with_parent.parent_id >= 0) map_.Put(with_parent);
+}
+
+void Mapper::Adjust(const std::atomic<bool>* stop) {
+  const LocalWindow window =
+      MakeLocalWindow(sessions_.at(newest_session_).keyframe_id, map_, features_, camera_, options_.window);
+  const BundleResult result = AdjustBundle(window.problem, options_.bundle, stop);
+  figures_ = ApplyAdjustment(window, result, features_, map_);
+  if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
+}
+
+void Mapper::Cull() {
+  const int64_t newest = next_keyframe_id_ - 1;
+  trial_.Judge(newest, options_.culling, map_);
+  std::vector<int64_t> candidates;
+  for (const Map::Neighbour& neighbour : map_.Neighbours(newest, options_.window.min_shared)) {
+    const bool is_newest =
+        sessions_.at(map_.FindKeyframe(neighbour.keyframe_id)->session).keyframe_id == neighbour.keyframe_id;
+    if (!is_newest && neighbour.keyframe_id + kNewestKept <= newest) candidates.push_back(neighbour.keyframe_id);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  RemoveRedundantKeyframes(candidates, options_.culling, features_, map_);
+}
+
+MapUpdate Mapper::TakeUpdate() {
+  MapUpdate update = ChangedPart(map_, map_.TakeChanges());
+  update.base_version = version_;
+  update.version = ++version_;
+  update.session = newest_session_;
+  update.session_keyframe_id = sessions_.empty() ? -1 : sessions_.at(newest_session_).session_keyframe_id;
+  update.t_ns = newest_t_ns_;
+  update.adjustment = figures_;
+  return update;
+}
+
+MapUpdate Mapper::Whole() const {
+  MapUpdate update = WholeMap(map_);
+  update.version = version_;
+  update.session = newest_session_;
+  update.session_keyframe_id = sessions_.empty() ? -1 : sessions_.at(newest_session_).session_keyframe_id;
+  update.t_ns = newest_t_ns_;
+  update.adjustment = figures_;
+  return update;
+}
+
+}  // namespace plslam

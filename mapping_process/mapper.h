@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "core/geometry/stereo_camera.h"
+#include "core/map/keyframe.h"
+#include "core/map/map_update.h"
+#include "mapping_process/association.h"
+#include "mapping_process/culling.h"
+#include "mapping_process/landmark_creation.h"
+#include "mapping_process/options.h"
+#include "mapping_process/stored_keyframe.h"
+
+namespace plslam {
+
+/// Owner of the map (PL-SLAM §V): takes keyframes in, adjusts the map around the newest, and tells what changed. No
+/// clock, no thread, no messages: the same calls give the same map.
+///
+/// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
+class Mapper {
+ public:
+  Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
+
+  /// Joins a keyframe to the map: pose among the landmarks it shows, sights, new landmarks, duplicates (§V.A). Keyframes
+  /// of one session come in order; one that came before is ignored. A session that starts while there is a map
+  /// is joined to it where its first keyframe is recognised among the newest ones, and else begins at the place of the
+  /// newest one without connection. False where the keyframe was ignored; `reason` says why.
+  bool Insert(const Keyframe& keyframe, std::string* reason);
+
+  /// Local bundle adjustment around the newest keyframe (§V.B).
+  void Adjust(const std::atomic<bool>* stop);
+
+  /// Takes out landmarks that did not prove themselves, and redundant keyframes.
+  void Cull();
+
+  /// What has changed since the last one; `version` counts up from 1.
+  MapUpdate TakeUpdate();
+  /// All of the map at the version of the last update.
+  MapUpdate Whole() const;
+
+  const Map& map() const { return map_; }
+  int64_t version() const { return version_; }
+  const AdjustmentFigures& figures() const { return figures_; }
+
+ private:
+  struct Session {
+    int64_t keyframe_id = -1;          ///< newest, in the map
+    int64_t session_keyframe_id = -1;  ///< the same, as the session counts
+  };
+
+  MapKeyframe Prepare(const Keyframe& keyframe) const;
+  void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
+  void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
+
+  StereoCamera camera_;
+  MappingOptions options_;
+  Map map_;
+  KeyframeFeatures features_;
+  TrackerLandmarks tracker_;
+  Trial trial_;
+  LandmarkIds landmark_ids_;
+  int64_t next_keyframe_id_ = 0;
+  std::map<int64_t, Session> sessions_;
+  int64_t newest_session_ = 0;
+  int64_t newest_t_ns_ = 0;
+  int64_t version_ = 0;
+  AdjustmentFigures figures_;
+};
+
+}  // namespace plslam

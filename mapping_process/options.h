@@ -1,0 +1,90 @@
+#pragma once
+
+#include "core/config/fields.h"
+#include "core/features/options.h"
+#include "core/motion/options.h"
+#include "core/optim/options.h"
+
+namespace plslam {
+
+/// How a keyframe is joined to the map (PL-SLAM §V.A).
+struct InsertionOptions {
+  double search_radius_px = 8.0;
+  double fuse_radius_px = 4.0;
+  int local_keyframes = 15;
+  int fuse_keyframes = 5;
+  double max_relative_depth_sigma = 0.3;
+  double min_plane_angle_deg = 2.0;
+  int orb_levels = 8;
+  double orb_scale_factor = 1.2;
+};
+
+/// Which part of the map is adjusted (PL-SLAM §V.B).
+struct WindowOptions {
+  int keyframes = 8;
+  int fixed_keyframes = 10;
+  int min_shared = 15;
+};
+
+/// What is taken out of the map again.
+struct CullingOptions {
+  int trial_keyframes = 3;
+  int min_sights = 3;
+  double redundant_share = 0.9;
+  int redundant_sights = 3;
+};
+
+/// Everything of mapping_process.
+struct MappingOptions {
+  InsertionOptions insertion;
+  MatchOptions point_matching;
+  LineMatchOptions line_matching;
+  MotionOptions motion;
+  WindowOptions window;
+  BundleOptions bundle;
+  CullingOptions culling;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, InsertionOptions& o) {
+  visit("search_radius_px", o.search_radius_px, Bounds{0.5, 1000}, "window in which local landmarks are searched");
+  visit("fuse_radius_px", o.fuse_radius_px, Bounds{0.5, 100},
+        "window in which neighbours are searched for duplicates");
+  visit("local_keyframes", o.local_keyframes, Bounds{1, 1000}, "keyframes whose landmarks are the local map");
+  visit("fuse_keyframes", o.fuse_keyframes, Bounds{0, 1000}, "neighbours that new landmarks are searched in");
+  visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
+        "largest deviation of a disparity, relative, with which a landmark is made");
+  visit("min_plane_angle_deg", o.min_plane_angle_deg, Bounds{0.1, 90},
+        "least angle of the planes of two views at which a segment is triangulated");
+  visit("orb_levels", o.orb_levels, Bounds{1, 12}, "as vo.features.orb.levels");
+  visit("orb_scale_factor", o.orb_scale_factor, Bounds{1.05, 2.0}, "as vo.features.orb.scale_factor");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, WindowOptions& o) {
+  visit("keyframes", o.keyframes, Bounds{2, 1000}, "keyframes that are adjusted: the new one and its neighbours");
+  visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
+  visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, CullingOptions& o) {
+  visit("trial_keyframes", o.trial_keyframes, Bounds{1, 1000}, "keyframes after which a new landmark is judged");
+  visit("min_sights", o.min_sights, Bounds{1, 1000}, "keyframes that must see it by then");
+  visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
+        "share of a keyframe's landmarks that others see as well, at which it goes; above 1: never");
+  visit("redundant_sights", o.redundant_sights, Bounds{1, 1000}, "how many others must see a landmark for that");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, MappingOptions& o) {
+  visit("insertion", o.insertion, "how keyframes join the map");
+  visit("point_matching", o.point_matching, "matching of points");
+  visit("line_matching", o.line_matching, "matching of lines");
+  visit("motion", o.motion, "pose of a new keyframe");
+  visit("window", o.window, "which part of the map is adjusted");
+  visit("bundle", o.bundle, "bundle adjustment");
+  visit("culling", o.culling, "what is taken out again");
+}
+
+}  // namespace plslam

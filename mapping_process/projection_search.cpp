@@ -1,0 +1,87 @@
+#include "mapping_process/projection_search.h"
+
+#include "core/features/descriptor_matcher.h"
+#include "core/features/expected_octave.h"
+#include "core/features/line_matcher.h"
+#include "core/features/segment_projection.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kMinDepth_m = 0.05;
+
+// Features that take part, and their places in the whole list.
+template <class Feature>
+struct Subset {
+  std::vector<Feature> features;
+  std::vector<int> places;
+};
+
+template <class Feature>
+Subset<Feature> Eligible(const std::vector<Feature>& features, const std::vector<char>& eligible) {
+  Subset<Feature> subset;
+  for (size_t i = 0; i < features.size(); ++i) {
+    if (eligible[i] == 0) continue;
+    subset.features.push_back(features[i]);
+    subset.places.push_back(static_cast<int>(i));
+  }
+  return subset;
+}
+
+std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const std::vector<int>& found,
+                                    const std::vector<int>& places) {
+  std::vector<LandmarkFeature> pairs;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i] >= 0) pairs.push_back({owners[i], places[static_cast<size_t>(found[i])]});
+  }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+                                          const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
+                                          double radius_px, const StereoCamera& camera,
+                                          const MappingOptions& options) {
+  const Subset<StereoPoint> subset = Eligible(features, eligible);
+  const SE3 T_kf_w = T_w_kf.Inverse();
+  std::vector<PointQuery> queries;
+  std::vector<int64_t> owners;
+  for (const int64_t id : ids) {
+    const MapPoint& point = *map.FindPoint(id);
+    const Eigen::Vector3d p_c = T_kf_w * point.p_w;
+    if (p_c.z() < kMinDepth_m) continue;
+    const Eigen::Vector2d px = camera.Project(p_c);
+    if (!camera.InImage(px, 0.0)) continue;
+    const int octave = ExpectedOctave(point.octave, point.depth_m, p_c.z(), options.insertion.orb_scale_factor,
+                                      options.insertion.orb_levels);
+    queries.push_back({px, radius_px, octave, point.angle_rad, point.descriptor});
+    owners.push_back(id);
+  }
+  if (queries.empty() || subset.features.empty()) return {};
+  return PairUp(owners, MatchPointsByProjection(queries, PointGrid(subset.features), options.point_matching),
+                subset.places);
+}
+
+std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+                                         const std::vector<StereoLine>& features, const std::vector<char>& eligible,
+                                         double radius_px, const StereoCamera& camera,
+                                         const MappingOptions& options) {
+  const Subset<StereoLine> subset = Eligible(features, eligible);
+  const SE3 T_kf_w = T_w_kf.Inverse();
+  std::vector<PredictedLine> predicted;
+  std::vector<int64_t> owners;
+  for (const int64_t id : ids) {
+    const MapLine& line = *map.FindLine(id);
+    const auto segment = ProjectSegment({T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q}, camera, 0.0);
+    if (!segment) continue;
+    predicted.push_back({*segment, line.descriptor});
+    owners.push_back(id);
+  }
+  if (predicted.empty() || subset.features.empty()) return {};
+  LineMatchOptions window = options.line_matching;
+  window.max_across_px = radius_px;
+  return PairUp(owners, MatchLinesByProjection(predicted, subset.features, window), subset.places);
+}
+
+}  // namespace plslam

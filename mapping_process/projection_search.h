@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "mapping_process/options.h"
+#include "mapping_process/stored_keyframe.h"
+
+namespace plslam {
+
+/// A landmark and the feature that it may be.
+struct LandmarkFeature {
+  int64_t landmark_id = -1;
+  int feature = -1;
+};
+
+/// Searches landmarks among the features for which `eligible` is not zero: each within `radius_px` of where it should
+/// appear in the keyframe at `T_w_kf`, by descriptor, mutual best.
+std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+                                          const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
+                                          double radius_px, const StereoCamera& camera,
+                                          const MappingOptions& options);
+/// Sibling of `SearchPoints`.
+std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
+                                         const std::vector<StereoLine>& features, const std::vector<char>& eligible,
+                                         double radius_px, const StereoCamera& camera, const MappingOptions& options);
+
+}  // namespace plslam

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+
+#include "core/features/features.h"
+#include "core/map/map.h"
+
+namespace plslam {
+
+/// Features of the keyframes in the map, by their ids there.
+using KeyframeFeatures = std::map<int64_t, StereoFeatures>;
+
+/// Points as a template argument; sibling of `LineKind`. What differs by kind stands here, so that what does not is
+/// written once.
+struct PointKind {
+  using Landmark = MapPoint;
+  using Feature = StereoPoint;
+  static const std::vector<StereoPoint>& Features(const StereoFeatures& features) { return features.points; }
+  static const std::map<int64_t, MapPoint>& Landmarks(const Map& map) { return map.points(); }
+  static const MapPoint* Find(const Map& map, int64_t id) { return map.FindPoint(id); }
+  static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
+    return map.LandmarksOf(keyframe_id).points;
+  }
+  static void Remove(int64_t id, Map& map) { map.RemovePoint(id); }
+};
+
+/// Lines as a template argument; sibling of `PointKind`.
+struct LineKind {
+  using Landmark = MapLine;
+  using Feature = StereoLine;
+  static const std::vector<StereoLine>& Features(const StereoFeatures& features) { return features.lines; }
+  static const std::map<int64_t, MapLine>& Landmarks(const Map& map) { return map.lines(); }
+  static const MapLine* Find(const Map& map, int64_t id) { return map.FindLine(id); }
+  static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
+    return map.LandmarksOf(keyframe_id).lines;
+  }
+  static void Remove(int64_t id, Map& map) { map.RemoveLine(id); }
+};
+
+/// Landmark of a feature, -1 for none.
+template <class Kind>
+int64_t LandmarkAt(const Map& map, const Sight& sight) {
+  const std::vector<int64_t>& of = Kind::Of(map, sight.keyframe_id);
+  const auto place = static_cast<size_t>(sight.feature);
+  return place < of.size() ? of[place] : -1;
+}
+
+template <class Landmark>
+bool IsSeenBy(const Landmark& landmark, int64_t keyframe_id) {
+  for (const Sight& sight : landmark.sights) {
+    if (sight.keyframe_id == keyframe_id) return true;
+  }
+  return false;
+}
+
+}  // namespace plslam

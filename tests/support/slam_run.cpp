@@ -1,0 +1,100 @@
+#include "tests/support/slam_run.h"
+
+#include <chrono>
+#include <utility>
+
+#include "vo_process/keyframe_value.h"
+#include "vo_process/stereo_front_end.h"
+
+namespace plslam::test {
+namespace {
+
+double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+SE3 Blend(const SE3& a, const SE3& b, double t) {
+  return {a.rotation().slerp(t, b.rotation()), Eigen::Vector3d((1.0 - t) * a.translation() + t * b.translation())};
+}
+
+template <class Landmarks>
+double MeanSights(const Landmarks& landmarks) {
+  size_t sum = 0;
+  for (const auto& [id, landmark] : landmarks) sum += landmark.sights.size();
+  return landmarks.empty() ? 0.0 : static_cast<double>(sum) / static_cast<double>(landmarks.size());
+}
+
+void Summarise(const Map& map, SlamRun& run) {
+  run.keyframes = static_cast<int>(map.keyframes().size());
+  run.points = map.points().size();
+  run.lines = map.lines().size();
+  run.sights_per_point = MeanSights(map.points());
+  run.sights_per_line = MeanSights(map.lines());
+  run.map = map;
+}
+
+// Corrections T_w_odom at the keyframes, blended between them.
+SE3 CorrectionAt(int64_t frame, const std::map<int64_t, SE3>& corrections) {
+  const auto after = corrections.lower_bound(frame);
+  if (after == corrections.begin()) return after->second;
+  const auto before = std::prev(after);
+  if (after == corrections.end()) return before->second;
+  const double t = static_cast<double>(frame - before->first) / static_cast<double>(after->first - before->first);
+  return Blend(before->second, after->second, t);
+}
+
+}  // namespace
+
+SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride,
+                int max_frames) {
+  StereoFrontEnd front_end(dataset.rig(), vo);
+  Odometry odometry(front_end.camera(), vo);
+  Mapper mapper(front_end.camera(), mapping);
+  const SE3 T_c_l(Rectifier(dataset.rig()).q_l_c().conjugate(), Eigen::Vector3d::Zero());
+  SlamRun run;
+  std::vector<OdometryFrame> in_odom;
+  constexpr int64_t kSession = 1;
+  for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
+    const StereoImages images = dataset.Read(i);
+    StageTimer timer(NowMs);
+    const OdometryResult result = odometry.Track(images.t_ns, front_end.Process(images, timer));
+    OdometryFrame frame;
+    frame.t_ns = images.t_ns;
+    frame.state = result.state;
+    frame.T_w_l = dataset.GroundTruth(i);
+    frame.T_odom_l = result.T_odom_c * T_c_l;
+    frame.keyframe = result.keyframe.has_value();
+    in_odom.push_back(frame);
+    frame.T_odom_l = odometry.T_w_odom() * frame.T_odom_l;
+    run.live.push_back(frame);
+    if (!result.keyframe) continue;
+    Keyframe keyframe = ToKeyframe(result);
+    keyframe.session = kSession;
+    keyframe.t_ns = images.t_ns;
+    keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;
+    if (keyframe.keyframe_id > 0 && vo.map.enabled) odometry.Adopt(mapper.map(), kSession, keyframe.keyframe_id - 1);
+    std::string reason;
+    const double t0 = NowMs();
+    mapper.Insert(keyframe, &reason);
+    const double t1 = NowMs();
+    mapper.Adjust(nullptr);
+    const double t2 = NowMs();
+    mapper.Cull();
+    mapper.TakeUpdate();
+    run.insert_ms.push_back(t1 - t0);
+    run.adjust_ms.push_back(t2 - t1);
+    run.figures.push_back(mapper.figures());
+  }
+  Summarise(mapper.map(), run);
+  std::map<int64_t, SE3> corrections;
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
+  }
+  run.final = in_odom;
+  for (size_t i = 0; i < run.final.size() && !corrections.empty(); ++i) {
+    run.final[i].T_odom_l = CorrectionAt(static_cast<int64_t>(i), corrections) * run.final[i].T_odom_l;
+  }
+  return run;
+}
+
+}  // namespace plslam::test

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping_process/mapper.h"
+#include "tests/support/odometry_run.h"
+
+namespace plslam::test {
+
+/// What tracking and mapping make of a dataset.
+struct SlamRun {
+  /// As published at the time: T_odom_l holds T_w_l(estimated).
+  std::vector<OdometryFrame> live;
+  /// Frames carried by the final places of the keyframes.
+  std::vector<OdometryFrame> final;
+  int keyframes = 0;
+  size_t points = 0;
+  size_t lines = 0;
+  double sights_per_point = 0.0;
+  double sights_per_line = 0.0;
+  /// Per keyframe, ms, and the figures of its adjustment.
+  std::vector<double> insert_ms;
+  std::vector<double> adjust_ms;
+  std::vector<AdjustmentFigures> figures;
+  Map map;
+};
+
+/// Front end, odometry and mapping over a dataset in this process, as in lockstep: the map of a keyframe takes effect when
+/// the next keyframe has been made.
+SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride = 1,
+                int max_frames = 1 << 30);
+
+}  // namespace plslam::test

@@ -1,0 +1,38 @@
+#include "vo_process/keyframe_value.h"
+
+namespace plslam {
+namespace {
+
+std::vector<int64_t> LandmarkIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<int64_t> ids;
+  ids.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
+  return ids;
+}
+
+std::vector<int64_t> MapIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<int64_t> ids;
+  ids.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) ids.push_back(track.map_id);
+  return ids;
+}
+
+}  // namespace
+
+Keyframe ToKeyframe(const OdometryResult& result) {
+  Keyframe keyframe;
+  keyframe.keyframe_id = result.keyframe->id;
+  keyframe.previous_keyframe_id = result.keyframe->previous_id;
+  keyframe.T_prevkf_kf = result.keyframe->T_prevkf_kf;
+  keyframe.covariance = result.keyframe->covariance;
+  keyframe.T_odom_kf = result.T_odom_c;
+  keyframe.state = static_cast<int>(result.state);
+  keyframe.features = result.features;
+  keyframe.point_landmark_ids = LandmarkIds(result.point_tracks);
+  keyframe.line_landmark_ids = LandmarkIds(result.line_tracks);
+  keyframe.point_map_ids = MapIds(result.point_tracks);
+  keyframe.line_map_ids = MapIds(result.line_tracks);
+  return keyframe;
+}
+
+}  // namespace plslam

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "core/map/map.h"
+
+namespace plslam {
+
+/// A landmark of the map and the landmarks of the tracker that keyframes have shown to be the same.
+template <class Landmark>
+struct Adopted {
+  const Landmark* landmark = nullptr;
+  std::vector<int64_t> tracker_ids;
+};
+
+/// The part of the map around a keyframe; points into that map.
+struct MapPatch {
+  SE3 T_w_odom;
+  std::vector<Adopted<MapPoint>> points;
+  std::vector<Adopted<MapLine>> lines;
+};
+
+/// Which landmarks the tracker's last keyframes showed, by feature: the link between its landmarks and those of the map.
+class KeyframeLog {
+ public:
+  void Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids);
+
+  /// What the keyframe of the session and its best neighbours see, as the map knows it. nullopt where the map does not
+  /// have the keyframe.
+  std::optional<MapPatch> PatchAround(const Map& map, int64_t session, int64_t keyframe_id, int max_keyframes) const;
+
+ private:
+  struct Entry {
+    int64_t keyframe_id = -1;
+    std::vector<int64_t> point_ids;
+    std::vector<int64_t> line_ids;
+  };
+  const Entry* Find(int64_t keyframe_id) const;
+  template <class Landmark>
+  std::vector<Adopted<Landmark>> Adopt(const Map& map, int64_t session, const std::vector<const Landmark*>& landmarks,
+                                       std::vector<int64_t> Entry::*ids) const;
+
+  std::deque<Entry> entries_;
+};
+
+}  // namespace plslam

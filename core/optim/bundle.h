@@ -60,10 +60,12 @@ struct BundleProblem {
   std::vector<LineSight> line_sights;
 };
 
-/// Normalised (standard deviations) and in pixels, over the sights that are inliers in the end.
+/// Normalised (standard deviations) and in pixels of the left image, over the sights that are inliers in the end: of
+/// points, and of lines across (the rms of the two ends).
 struct BundleRms {
   double normalised = 0.0;
   double point_px = 0.0;
+  double line_px = 0.0;
 };
 
 struct BundleResult {

@@ -19,9 +19,11 @@ struct BundleOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, BundleOptions& o) {
   visit("lines", o.lines, OneOf{"minimal", "endpoints"},
-        "parameters of a line: minimal (four: endpoints move across the line only) or its two endpoints, as in the paper");
+        "parameters of a line: minimal (four: endpoints move across the line only) or its two endpoints, as in the "
+        "paper");
   visit("max_iterations", o.max_iterations, Bounds{1, 1000}, "Levenberg-Marquardt iterations of each pass");
-  visit("max_refinements", o.max_refinements, Bounds{0, 20}, "passes after the first, each without the outliers found");
+  visit("max_refinements", o.max_refinements, Bounds{0, 20},
+        "passes after the first, each without the outliers found");
   visit("huber_delta", o.huber_delta, Bounds{0.1, 100}, "where the loss turns linear, in standard deviations");
   visit("gate_sigmas", o.gate_sigmas, Bounds{0.5, 10},
         "chi-square gate of inliers, as quantile of the normal distribution (2.33 keeps 99 %)");

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geometry/se3.h"
+
+namespace plslam {
+
+/// Where a camera stands, and how points turn in it when its parameters change: what all residuals of one pose share.
+struct CameraView {
+  Eigen::Matrix3d R_c_w = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d t_w_c = Eigen::Vector3d::Zero();
+  /// Right Jacobian of the rotation parameters w: `Exp(w + dw)` is `Exp(w) Exp(turn * dw)` to first order.
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+
+  Eigen::Vector3d ToCamera(const Eigen::Vector3d& p_w) const { return R_c_w * (p_w - t_w_c); }
+};
+
+/// A pose as six free numbers x = [a; w] around where it started: `R = R_start Exp(w)`, `t_w_c = t_start + a`.
+///
+/// A plain vector space needs no manifold, whose product with each Jacobian costs as much as the Jacobian itself. By a
+/// the derivative is minus the one by a point of the world, so it is free; rotations stay below half a turn.
+class AdjustedPose {
+ public:
+  AdjustedPose() = default;
+  /// `column_in`: number among the free poses, or -1.
+  AdjustedPose(const SE3& T_w_c, int column_in) : start_(T_w_c), column(column_in) {
+    Update();
+    start_view_ = view;
+  }
+
+  const CameraView& start_view() const { return start_view_; }
+
+  /// Follows `x`.
+  void Update();
+  SE3 T_w_c() const;
+  /// Of the right perturbation of `T_w_c()`, from that of `x`.
+  Matrix6d RightCovariance(const Matrix6d& covariance_x) const;
+
+ private:
+  SE3 start_;
+  CameraView start_view_;
+
+ public:
+  bool IsFree() const { return column >= 0; }
+
+  int column = -1;
+  int sights = 0;
+  Vector6d x = Vector6d::Zero();
+  CameraView view;
+};
+
+/// One row of a residual's Jacobians: by a pose's [a; w], from the derivatives `g` by points `p_c` of the camera.
+/// `by_world` is the derivative by a shift of the whole landmark in the world, `by_turn` the sum of g x p_c.
+inline void WritePoseRow(const CameraView& view, const Eigen::RowVector3d& by_world,
+                         const Eigen::RowVector3d& by_turn, double* row) {
+  Eigen::Map<Eigen::RowVector3d>{row} = -by_world;
+  Eigen::Map<Eigen::RowVector3d>{row + 3}.noalias() = by_turn * view.turn;
+}
+
+}  // namespace plslam

@@ -1,0 +1,50 @@
+#include "core/optim/point_cost.h"
+
+#include <cmath>
+
+#include "core/motion/residual.h"
+
+namespace plslam {
+
+PointCost::PointCost(const PointSight& sight, const AdjustedPoint&, const CameraView&, const StereoCamera& camera)
+    : uvd_(sight.uvd.x() - camera.cx_px, sight.uvd.y() - camera.cy_px, sight.uvd.z()),
+      weight_(1.0 / sight.sigma_px),
+      weight_disparity_(1.0 / sight.sigma_disparity_px),
+      f_px_(camera.f_px),
+      focal_baseline_(camera.FocalBaseline()),
+      min_depth_m_(PoseView::MinDepth(camera)),
+      rows_(sight.uvd.z() >= 0.0 ? 3 : 2) {}
+
+bool PointCost::IsUsable(const PointSight& sight) {
+  const bool finite = sight.uvd.allFinite() && std::isfinite(sight.sigma_px);
+  const bool disparity =
+      sight.uvd.z() < 0.0 || (sight.sigma_disparity_px > 0.0 && std::isfinite(sight.sigma_disparity_px));
+  return finite && sight.sigma_px > 0.0 && disparity;
+}
+
+bool PointCost::Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
+                         double* by_landmark) const {
+  const Eigen::Vector3d p_c = view.ToCamera(Eigen::Map<const Eigen::Vector3d>(x));
+  if (!(p_c.z() > min_depth_m_)) return false;
+  const double inverse_z = 1.0 / p_c.z();
+  const double k = f_px_ * inverse_z;
+  residuals[0] = weight_ * (uvd_.x() - k * p_c.x());
+  residuals[1] = weight_ * (uvd_.y() - k * p_c.y());
+  if (rows_ == 3) residuals[2] = weight_disparity_ * (uvd_.z() - focal_baseline_ * inverse_z);
+  if (!by_pose && !by_landmark) return true;
+
+  // Rows: derivatives of the residuals by the point in the camera.
+  Eigen::Matrix3d g;
+  g << -weight_ * k, 0.0, weight_ * k * p_c.x() * inverse_z,  //
+      0.0, -weight_ * k, weight_ * k * p_c.y() * inverse_z,   //
+      0.0, 0.0, weight_disparity_ * focal_baseline_ * inverse_z * inverse_z;
+  for (int i = 0; i < rows_; ++i) {
+    const Eigen::Vector3d row = g.row(i);
+    const Eigen::RowVector3d by_world = row.transpose() * view.R_c_w;
+    if (by_landmark) Eigen::Map<Eigen::RowVector3d>{by_landmark + 3 * i} = by_world;
+    if (by_pose) WritePoseRow(view, by_world, row.cross(p_c).transpose(), by_pose + 6 * i);
+  }
+  return true;
+}
+
+}  // namespace plslam

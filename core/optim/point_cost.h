@@ -1,0 +1,61 @@
+#pragma once
+
+#include "core/optim/bundle.h"
+#include "core/optim/camera_view.h"
+
+namespace plslam {
+
+/// A point as the adjustment moves it: its position in the world.
+struct AdjustedPoint {
+  static constexpr int kSize = 3;
+  using Parameters = Eigen::Vector3d;
+
+  explicit AdjustedPoint(const BundlePoint& point) : x(point.p_w), start(point.p_w), free(!point.fixed) {}
+
+  bool IsUsable() const { return start.allFinite(); }
+  Eigen::Vector3d Middle() const { return x; }
+
+  Parameters x;
+  Parameters start;
+  bool free;
+};
+
+/// One view of a point: whitened residuals (u, v, disparity), or (u, v) where it has no disparity; measured minus
+/// predicted. The disparity is the right image's share.
+class PointCost {
+ public:
+  using Landmark = AdjustedPoint;
+  static constexpr int kMaxRows = 3;
+
+  PointCost() = default;
+  PointCost(const PointSight& sight, const AdjustedPoint& point, const CameraView& view, const StereoCamera& camera);
+
+  /// False for what cannot be measured: not finite, or sigmas that are not positive.
+  static bool IsUsable(const PointSight& sight);
+
+  int rows() const { return rows_; }
+
+  /// Residuals at the parameters `x` of the point, and where not null their Jacobians (row-major, `rows()` x 6 and
+  /// `rows()` x 3). False, with nothing written, where the point is behind the camera or too near.
+  bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
+                double* by_landmark) const;
+
+  /// Whether the landmark is where the sight says it is as a whole: nothing more to see for a point.
+  bool Plausible(const CameraView&, const double*) const { return true; }
+
+  /// Squared distance in the left image, from whitened residuals.
+  double SquaredPixels(const double* residuals) const {
+    return (residuals[0] * residuals[0] + residuals[1] * residuals[1]) / (weight_ * weight_);
+  }
+
+ private:
+  Eigen::Vector3d uvd_;
+  double weight_;
+  double weight_disparity_;
+  double f_px_;
+  double focal_baseline_;
+  double min_depth_m_;
+  int rows_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,144 @@
+#pragma once
+
+#include "core/optim/sight_group.h"
+
+namespace plslam {
+
+template <class Cost>
+template <class GivenLandmark, class Sight>
+SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
+                             std::vector<AdjustedPose>& poses, const StereoCamera& camera)
+    : landmarks_(landmarks.begin(), landmarks.end()),
+      first_(landmarks.size() + 1, 0),
+      given_sights_(sights.size()),
+      prior_weights_(landmarks.size(), 0.0) {
+  std::vector<char> usable(sights.size());
+  for (size_t i = 0; i < sights.size(); ++i) {
+    const int landmark = LandmarkOf(sights[i]);
+    usable[i] = Cost::IsUsable(sights[i]) && landmarks_[landmark].IsUsable();
+    if (usable[i]) ++first_[landmark + 1];
+  }
+  for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+  sights_ = std::make_unique<SightCostFunction<Cost>[]>(first_.back());
+  std::vector<int> next(first_);
+  for (size_t i = 0; i < sights.size(); ++i) {
+    if (!usable[i]) continue;
+    Landmark& landmark = landmarks_[LandmarkOf(sights[i])];
+    AdjustedPose& pose = poses[sights[i].pose];
+    SightCostFunction<Cost>& bound = sights_[next[LandmarkOf(sights[i])]++];
+    bound.Bind(Cost(sights[i], landmark, pose.view, camera), pose, landmark, static_cast<int>(i));
+    ++pose.sights;
+    double r[Cost::kMaxRows];
+    bound.active = bound.cost.Evaluate(pose.view, landmark.x.data(), r, nullptr, nullptr);
+  }
+  FindWeak();
+}
+
+template <class Cost>
+typename SightGroup<Cost>::Information SightGroup<Cost>::InformationOf(size_t landmark) const {
+  Information sum = Information::Zero();
+  double r[Cost::kMaxRows];
+  Eigen::Matrix<double, Cost::kMaxRows, kSize, Eigen::RowMajor> J;
+  for (int i = first_[landmark]; i < first_[landmark + 1]; ++i) {
+    const SightCostFunction<Cost>& sight = sights_[i];
+    J.setZero();
+    if (sight.active && sight.cost.Evaluate(sight.pose->view, landmarks_[landmark].x.data(), r, nullptr, J.data())) {
+      sum.noalias() += J.transpose() * J;
+    }
+  }
+  return sum;
+}
+
+template <class Cost>
+void SightGroup<Cost>::FindWeak() {
+  constexpr double kMaxRelativeSigma = 0.3;
+  constexpr double kMinDistance_m = 1e-3;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    if (!landmarks_[i].free || Count(i) == 0) continue;
+    has_free_ = true;
+    double distance_m = 1e300;
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      distance_m = std::min(distance_m, (landmarks_[i].Middle() - sights_[k].pose->view.t_w_c).norm());
+    }
+    distance_m = std::max(distance_m, kMinDistance_m);
+    Information excess = InformationOf(i);
+    excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
+    if (excess.llt().info() == Eigen::Success) continue;
+    priors_.push_back(std::make_unique<WeakPrior<Landmark>>(landmarks_[i], distance_m));
+    prior_weights_[i] = priors_.back()->weight;
+  }
+}
+
+template <class Cost>
+void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order,
+                             ceres::LossFunction* loss) {
+  size_t prior = 0;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    Landmark& landmark = landmarks_[i];
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      SightCostFunction<Cost>& sight = sights_[k];
+      double* blocks[2];
+      int count = 0;
+      if (landmark.free) blocks[count++] = landmark.x.data();
+      if (sight.pose->IsFree()) blocks[count++] = sight.pose->x.data();
+      if (count > 0) problem.AddResidualBlock(&sight, loss, blocks, count);
+    }
+    if (prior_weights_[i] > 0.0) problem.AddResidualBlock(priors_[prior++].get(), nullptr, landmark.x.data());
+    if (landmark.free && Count(i) > 0) order.AddElementToGroup(landmark.x.data(), 0);
+  }
+}
+
+template <class Cost>
+int SightGroup<Cost>::Gate(const Gates& gates) {
+  int changed = 0;
+  for (int i = 0; i < first_.back(); ++i) {
+    const bool agrees = sights_[i].Agrees(gates);
+    changed += agrees != sights_[i].active;
+    sights_[i].active = agrees;
+  }
+  return changed;
+}
+
+template <class Cost>
+void SightGroup<Cost>::RestoreLost() {
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    const auto* begin = sights_.get() + first_[i];
+    if (std::none_of(begin, begin + Count(i), [](const auto& sight) { return sight.active; })) {
+      landmarks_[i].x = landmarks_[i].start;
+    }
+  }
+}
+
+template <class Cost>
+SightSums SightGroup<Cost>::Sum(State state) const {
+  SightSums sums;
+  double r[Cost::kMaxRows];
+  for (int i = 0; i < first_.back(); ++i) {
+    const SightCostFunction<Cost>& sight = sights_[i];
+    if (!sight.active) continue;
+    const bool start = state == State::kStart;
+    const CameraView& view = start ? sight.pose->start_view() : sight.pose->view;
+    const auto& x = start ? sight.landmark->start : sight.landmark->x;
+    if (!sight.cost.Evaluate(view, x.data(), r, nullptr, nullptr)) continue;
+    for (int row = 0; row < sight.cost.rows(); ++row) sums.squares += r[row] * r[row];
+    sums.rows += sight.cost.rows();
+    sums.squares_px += sight.cost.SquaredPixels(r);
+    sums.sights += 1.0;
+  }
+  return sums;
+}
+
+template <class Cost>
+std::vector<bool> SightGroup<Cost>::Inliers() const {
+  std::vector<bool> inliers(given_sights_, false);
+  for (int i = 0; i < first_.back(); ++i) inliers[sights_[i].sight] = sights_[i].active;
+  return inliers;
+}
+
+template <class Cost>
+bool SightGroup<Cost>::IsFinite() const {
+  return std::all_of(landmarks_.begin(), landmarks_.end(),
+                     [](const Landmark& l) { return !l.IsUsable() || l.x.allFinite(); });
+}
+
+}  // namespace plslam

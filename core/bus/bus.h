@@ -125,9 +125,11 @@ void Bus::Publish(const Channel& channel, T message) {
 
 template <class T>
 Bus::Deliver Bus::Decoder(std::function<void(const T&)> handler) {
-  return [handler = std::move(handler), message = std::make_shared<T>()](std::span<const uint8_t> bytes) {
-    if (message->decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
-    handler(*message);
+  return [handler = std::move(handler)](std::span<const uint8_t> bytes) {
+    // A new one each time: LCM's decoders leave what was in an array of numbers where it now has none.
+    T message;
+    if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
+    handler(message);
     return true;
   };
 }

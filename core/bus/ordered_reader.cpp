@@ -56,7 +56,8 @@ void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now)
   heard_ = now;
   if (!started_) {
     if (known_end_ == 0) join_end_ = next_seq;
-    Start(first_seq, now);
+    // What is here may be older: the publisher has forgotten what everybody else has.
+    Start(buffer_.empty() ? first_seq : std::min(first_seq, buffer_.begin()->first), now);
   }
   if (next_seq > known_end_) {
     if (!HasGap()) progress_ = now;

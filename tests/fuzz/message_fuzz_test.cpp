@@ -15,13 +15,16 @@
 #include "core/bus/keyframe_channel.h"
 #include "core/bus/log_dataset.h"
 #include "core/bus/log_writer.h"
+#include "core/bus/map_pages.h"
 #include "core/bus/ordered_reader.h"
 #include "core/bus/wire.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/keyframe_t.hpp"
+#include "plslam/map_update_t.hpp"
 #include "tests/unit/bus/allocation_counter.h"
 #include "tests/unit/bus/bus_fixture.h"
+#include "tests/unit/bus/map_owner.h"
 #include "tests/unit/bus/random_message.h"
 
 namespace plslam::bus {
@@ -192,6 +195,31 @@ TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
       ASSERT_EQ(whole.features.points.size(), whole.point_landmark_ids.size());
       ASSERT_EQ(whole.features.points.size(), whole.point_map_ids.size());
       for (const StereoPoint& point : whole.features.points) ASSERT_TRUE(point.left.px.allFinite());
+    }
+  });
+}
+
+TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
+  std::vector<std::vector<map_update_t>> versions;
+  test::MapOwner owner(1);
+  for (int i = 0; i < 6; ++i) versions.push_back(CutIntoPages(owner.Next(60), 3000));
+  Fuzz([&](Random& random) {
+    MapUpdateAssembler assembler;
+    MapReplica replica;
+    for (const auto& pages : versions) {
+      for (const map_update_t& page : pages) {
+        ByteVector bytes = Encoded(page);
+        if (random() % 8 == 0) Mutate(bytes, random);
+        const auto message = Checked<map_update_t>(bytes);
+        if (message && assembler.Add(*message) == MapUpdateAssembler::Outcome::kComplete) {
+          replica.Apply(assembler.Take());
+        }
+      }
+    }
+    for (const auto& [id, point] : replica.map().points()) ASSERT_TRUE(point.p_w.allFinite());
+    for (const auto& [id, keyframe] : replica.map().keyframes()) {
+      ASSERT_LT(keyframe.parent_id, id);
+      ASSERT_TRUE(keyframe.T_w_kf.IsFinite());
     }
   });
 }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "plslam/command_t.hpp"
+#include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -219,6 +220,28 @@ TEST(Bus, BestEffortReaderNeitherAsksNorHoldsBack) {
   for (int i = 0; i < 10; ++i) publisher.Publish(kPose, PoseOf(i));
   ASSERT_TRUE(received.Reaches(10));
   EXPECT_EQ(publisher.ReaderCount(kPose), 0);
+}
+
+TEST(Bus, AnEmptyArrayArrivesEmptyAfterAFullOne) {
+  const std::string url = PrivateUrl();
+  std::vector<size_t> sizes;
+  Waiter received;
+  RunningBus reader(OptionsFor(url));
+  reader->Subscribe<map_update_t>(kMapUpdate, [&](const map_update_t& update) {
+    sizes.push_back(update.removed_points.size());
+    received.Add();
+  });
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  map_update_t update{};
+  for (const int32_t n : {3, 0}) {
+    update.n_removed_points = n;
+    update.removed_points.assign(static_cast<size_t>(n), 7);
+    publisher.Publish(kMapUpdate, update);
+  }
+  ASSERT_TRUE(received.Reaches(2)) << received.value();
+  reader.Join();
+  EXPECT_THAT(sizes, testing::ElementsAre(3, 0));
 }
 
 TEST(Bus, PrefixesSeparateRobots) {

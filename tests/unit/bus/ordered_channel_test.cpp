@@ -117,6 +117,19 @@ TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
   EXPECT_EQ(reader.lost(), 0) << "what was sent before we listened was not lost on the wire";
 }
 
+TEST(OrderedReader, LateJoinerTakesWhatCameBeforeThePublisherForgotIt) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(20, *MessageOf(20), 0);
+  reader.OnMessage(22, *MessageOf(22), 0);
+  EXPECT_EQ(Drain(reader, 0), Numbers());
+  reader.OnAnnounce(23, 25, 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{20}));
+  reader.OnMessage(23, *MessageOf(23), 0);
+  reader.OnMessage(24, *MessageOf(24), 0);
+  reader.OnAnnounce(23, 25, 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{22, 23, 24}));
+}
+
 TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 3, 5}) reader.OnMessage(n, *MessageOf(n), 0);

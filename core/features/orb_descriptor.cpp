@@ -6,10 +6,13 @@
 #include <numbers>
 
 #include "core/features/cpu_clones.h"
+#include "core/features/whole_blocks.h"
 
 namespace plslam {
 namespace {
 
+/// Pixels of a row that vector code does at a time.
+constexpr int kBlock = 32;
 constexpr int kPatchRow = 32;  // 31 pixels and one of weight 0, for whole vector registers
 
 /// Weights of the disc: 1 inside, and the column inside.
@@ -219,12 +222,17 @@ void BlurForBrief(const cv::Mat& image, cv::Mat& blurred) {
   for (int y = 0; y < image.rows; ++y) {
     std::array<const uint8_t*, 7> rows{};
     for (int k = 0; k < 7; ++k) rows[k] = image.ptr<uint8_t>(std::clamp(y + k - 3, 0, image.rows - 1));
-    BlurColumns(rows, width, padded.data() + 3);
+    InWholeBlocks<kBlock>(width, [&](int begin, int n) {
+      std::array<const uint8_t*, 7> from{};
+      for (int k = 0; k < 7; ++k) from[k] = rows[k] + begin;
+      BlurColumns(from, n, padded.data() + 3 + begin);
+    });
     for (int k = 0; k < 3; ++k) {
       padded[k] = padded[3];
       padded[width + 3 + k] = padded[width + 2];
     }
-    BlurRow(padded.data(), width, blurred.ptr<uint8_t>(y));
+    auto* out = blurred.ptr<uint8_t>(y);
+    InWholeBlocks<kBlock>(width, [&](int begin, int n) { BlurRow(padded.data() + begin, n, out + begin); });
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/features/cpu_clones.h"
 #include "core/features/fast_score.h"
 
 namespace plslam {
@@ -30,6 +31,34 @@ void ForEachNonZero(const uint8_t* row, int count, const Visit& visit) {
   }
   for (; x < count; ++x) {
     if (row[x] != 0) visit(x);
+  }
+}
+
+PLSLAM_AVX2_CLONES
+void TakeLargest(const uint8_t* row, int count, uint8_t* __restrict largest) {
+  for (int x = 0; x < count; ++x) largest[x] = std::max(largest[x], row[x]);
+}
+
+PLSLAM_AVX2_CLONES
+void DropBelow(const uint8_t* least, int count, uint8_t* __restrict row) {
+  for (int x = 0; x < count; ++x) row[x] = row[x] < least[x] ? static_cast<uint8_t>(0) : row[x];
+}
+
+/// A row of cells of the score map, `band`: where a cell has a score above `threshold`, those that are not become 0.
+/// With whole rows of pixels at a time, because there are far more weak corners than are ever wanted.
+void DropWeakBesideStrong(int threshold, const cv::Rect& band, cv::Mat& scores) {
+  std::vector<uint8_t> least(static_cast<size_t>(band.width), 0);
+  for (int y = band.y; y < band.br().y; ++y) {
+    TakeLargest(scores.ptr<uint8_t>(y) + band.x, band.width, least.data());
+  }
+  for (int x = 0; x < band.width; x += kCell_px) {
+    const auto first = least.begin() + x;
+    const auto last = least.begin() + std::min(x + kCell_px, band.width);
+    const bool has_strong = *std::max_element(first, last) > threshold;
+    std::fill(first, last, static_cast<uint8_t>(has_strong ? threshold + 1 : 0));
+  }
+  for (int y = band.y; y < band.br().y; ++y) {
+    DropBelow(least.data(), band.width, scores.ptr<uint8_t>(y) + band.x);
   }
 }
 
@@ -75,21 +104,15 @@ std::vector<Corner> CornerDetector::Detect(const cv::Mat& image, int threshold, 
   FastScores(image, scores_);
   SuppressNonMaxima(scores_, std::min(threshold, low_threshold) + 1, maxima_);
 
-  const int columns = (width - 1) / kCell_px + 1;
-  const int rows = (height - 1) / kCell_px + 1;
-  const auto cell_of = [&](int x, int y) { return (y / kCell_px) * columns + x / kCell_px; };
   std::vector<Corner> corners;
-  std::vector<char> has_strong(static_cast<size_t>(columns) * rows, 0);
-  for (int y = 0; y < height; ++y) {
-    const uint8_t* row = maxima_.ptr<uint8_t>(y + margin) + margin;
-    ForEachNonZero(row, width, [&](int x) {
-      if (row[x] > threshold) has_strong[cell_of(x, y)] = 1;
-      corners.push_back({x + margin, y + margin, row[x]});
-    });
+  for (int y = margin; y < margin + height; y += kCell_px) {
+    const int rows = std::min(kCell_px, margin + height - y);
+    DropWeakBesideStrong(threshold, cv::Rect(margin, y, width, rows), maxima_);
+    for (int v = y; v < y + rows; ++v) {
+      const uint8_t* row = maxima_.ptr<uint8_t>(v);
+      ForEachNonZero(row + margin, width, [&](int x) { corners.push_back({margin + x, v, row[margin + x]}); });
+    }
   }
-  std::erase_if(corners, [&](const Corner& c) {
-    return c.response <= threshold && has_strong[cell_of(c.x - margin, c.y - margin)] != 0;
-  });
   return corners;
 }
 

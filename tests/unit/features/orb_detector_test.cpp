@@ -4,7 +4,9 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
+#include "core/features/fast_score.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {
@@ -38,6 +40,51 @@ TEST(CornerDetector, WeakCornersOnlyWhereNoStrongOneIsInTheCell) {
   EXPECT_GE(strong, 4);
   EXPECT_GE(weak_alone, 4);
   EXPECT_TRUE(detector.Detect(image, 100, 90, 3).empty());
+}
+
+/// By the definition: all local maxima, then cell by cell.
+std::vector<Corner> NaiveCorners(const cv::Mat& image, int threshold, int low_threshold, int margin) {
+  constexpr int kCell_px = 32;
+  cv::Mat scores;
+  cv::Mat maxima;
+  FastScores(image, scores);
+  SuppressNonMaxima(scores, low_threshold + 1, maxima);
+  const cv::Rect inside(margin, margin, image.cols - 2 * margin, image.rows - 2 * margin);
+  std::vector<Corner> corners;
+  for (int y = inside.y; y < inside.br().y; ++y) {
+    for (int x = inside.x; x < inside.br().x; ++x) {
+      const cv::Rect cell(margin + (x - margin) / kCell_px * kCell_px, margin + (y - margin) / kCell_px * kCell_px,
+                          kCell_px, kCell_px);
+      double best = 0.0;
+      cv::minMaxLoc(maxima(cell & inside), nullptr, &best);
+      const int score = maxima.at<uint8_t>(y, x);
+      if (score > threshold || (score > 0 && best <= threshold)) corners.push_back({x, y, score});
+    }
+  }
+  return corners;
+}
+
+TEST(CornerDetector, EqualsTheDefinition) {
+  // Noise of growing contrast, so that some cells have weak corners only.
+  cv::Mat image = test::RandomImage(213, 105, 8);
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      image.at<uint8_t>(y, x) = static_cast<uint8_t>(100 + image.at<uint8_t>(y, x) * x / 500);
+    }
+  }
+  CornerDetector detector;
+  const std::vector<Corner> corners = detector.Detect(image, 12, 3, 16);
+  const std::vector<Corner> expected = NaiveCorners(image, 12, 3, 16);
+  ASSERT_EQ(corners.size(), expected.size());
+  int weak = 0;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    EXPECT_EQ(corners[i].x, expected[i].x) << "corner " << i;
+    EXPECT_EQ(corners[i].y, expected[i].y) << "corner " << i;
+    EXPECT_EQ(corners[i].response, expected[i].response) << "corner " << i;
+    weak += corners[i].response <= 12 ? 1 : 0;
+  }
+  EXPECT_GT(weak, 10);
+  EXPECT_GT(static_cast<int>(corners.size()) - weak, 10);
 }
 
 TEST(CornerDetector, KeepsTheMargin) {

@@ -112,6 +112,8 @@ class Adjustment {
       if (IsAdjusted(pose)) order.AddElementToGroup(pose.x.data(), 1);
     }
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
+      points_.AddPriorsTo(ceres_problem);
+      lines_.AddPriorsTo(ceres_problem);
       const BundlePass pass = SolveBundle(ceres_problem, order, options_, stop);
       for (AdjustedPose& pose : poses_) pose.Update();
       result.stopped = pass.stopped;

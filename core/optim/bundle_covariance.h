@@ -59,8 +59,7 @@ std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(
   Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor> by_landmark;
   group.ForEachLandmark([&](size_t i, const SightCostFunction<Cost>* begin, const SightCostFunction<Cost>* end) {
     const auto& landmark = group.landmarks()[i];
-    const double prior = group.PriorWeight(i);
-    Information H = prior * prior * Information::Identity();
+    Information H = group.PriorOf(i);
     couplings.clear();
     bool seen = false;
     for (const SightCostFunction<Cost>* sight = begin; sight != end; ++sight) {

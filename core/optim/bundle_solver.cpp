@@ -8,6 +8,7 @@ namespace {
 
 // Above it the reduced system is mostly zeros.
 constexpr int kMaxDensePoses = 60;
+constexpr double kInitialRadius = 1e8;
 
 // Ends the pass when asked to, or when a step has gained little. Ceres' own test throws such a step away.
 class Monitor : public ceres::IterationCallback {
@@ -64,6 +65,8 @@ BundlePass SolveBundle(ceres::Problem& problem, const ceres::ParameterBlockOrder
   solver.parameter_tolerance = 0.0;
   // Levenberg-Marquardt scales by the diagonal itself.
   solver.jacobi_scaling = false;
+  // The start is near: what damps a depth by the information across the view would take many steps.
+  solver.initial_trust_region_radius = kInitialRadius;
   solver.num_threads = 1;
   solver.logging_type = ceres::SILENT;
   solver.callbacks.push_back(&monitor);

@@ -1,15 +1,19 @@
 #include "core/optim/line_endpoint_cost.h"
 
+#include <algorithm>
+
 #include <Eigen/Cholesky>
 
 #include "core/motion/residual.h"
-#include "core/optim/line_cost.h"
 
 namespace plslam {
 namespace {
 
-constexpr double kMinLength_px = 1.0;
 constexpr double kMinLength_m = 1e-6;
+// Observations far smaller than the segment, so that weights stay finite.
+constexpr double kMaxBeyond = 100.0;
+// How far endpoints may go along the line, as share of the length.
+constexpr double kAlongShare = 0.01;
 // A distance's own error, as share of that of the observed ends.
 constexpr double kOwnShare = 0.1;
 
@@ -24,6 +28,17 @@ bool AdjustedEndpoints::IsUsable() const {
   return start.allFinite() && (start.tail<3>() - start.head<3>()).norm() > kMinLength_m;
 }
 
+Matrix6d AdjustedEndpoints::PriorWeight(double distance_m) const {
+  const Eigen::Vector3d step = start.tail<3>() - start.head<3>();
+  const Eigen::Matrix3d along = step * step.transpose() / step.squaredNorm();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along;
+  const Eigen::Matrix3d weight = across / distance_m + along / (kAlongShare * step.norm());
+  Matrix6d weights = Matrix6d::Zero();
+  weights.topLeftCorner<3, 3>() = weight;
+  weights.bottomRightCorner<3, 3>() = weight;
+  return weights;
+}
+
 std::array<Eigen::Matrix3d, 2> AdjustedEndpoints::EndCovariances(const Matrix6d& covariance) const {
   const Across across = DirectionsAcross(Segment());
   const Eigen::Matrix3d project = across * across.transpose();
@@ -31,31 +46,24 @@ std::array<Eigen::Matrix3d, 2> AdjustedEndpoints::EndCovariances(const Matrix6d&
           project * covariance.bottomRightCorner<3, 3>() * project};
 }
 
-LineEndpointCost::Image::Image(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, double baseline_m_in)
-    : start_px(p_px), baseline_m(baseline_m_in) {
-  const Eigen::Vector2d direction = (q_px - p_px).normalized();
-  normal = {-direction.y(), direction.x()};
-}
-
 LineEndpointCost::LineEndpointCost(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view,
                                    const StereoCamera& camera)
-    : f_px_(camera.f_px), min_depth_m_(PoseView::MinDepth(camera)) {
-  const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
-  const Eigen::Vector2d p = sight.observed.p - centre;
-  const Eigen::Vector2d q = sight.observed.q - centre;
-  const Eigen::Vector2d p_right = p - sight.disparity_p_px * Eigen::Vector2d::UnitX();
-  const Eigen::Vector2d q_right = q - sight.disparity_q_px * Eigen::Vector2d::UnitX();
-  const bool has_right =
-      sight.disparity_p_px >= 0.0 && sight.disparity_q_px >= 0.0 && (q_right - p_right).norm() >= kMinLength_px;
-  rows_ = has_right ? 4 : 2;
-  left_ = Image(p, q, 0.0);
-  if (has_right) right_ = Image(p_right, q_right, camera.baseline_m);
-  Weigh(sight, line, view);
+    : start_px_(sight.observed.p - Eigen::Vector2d(camera.cx_px, camera.cy_px)),
+      length_px_(sight.observed.Length()),
+      sigma_px_(sight.sigma_px),
+      sigma_disparity_p_px_(sight.sigma_disparity_p_px),
+      sigma_disparity_q_px_(sight.sigma_disparity_q_px),
+      min_depth_m_(PoseView::MinDepth(camera)) {
+  const ObservedImages images(sight, camera);
+  left_ = images.left;
+  right_ = images.right;
+  rows_ = images.has_right ? 4 : 2;
+  Anchor(view, line);
 }
 
 bool LineEndpointCost::IsUsable(const LineSight& sight) { return LineCost::IsUsable(sight); }
 
-void LineEndpointCost::Weigh(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view) {
+void LineEndpointCost::Anchor(const CameraView& view, const AdjustedEndpoints& line) {
   const double tilt = rows_ == 4 ? right_.normal.x() : 0.0;
   const double shared = rows_ == 4 ? left_.normal.dot(right_.normal) : 0.0;
   const Eigen::Vector2d direction(left_.normal.y(), -left_.normal.x());
@@ -66,26 +74,19 @@ void LineEndpointCost::Weigh(const LineSight& sight, const AdjustedEndpoints& li
   for (int i = 0; i < 2; ++i) {
     double along = i;
     if (ends[i].z() > min_depth_m_) {
-      const Eigen::Vector2d end_px = f_px_ / ends[i].z() * ends[i].head<2>();
-      along = direction.dot(end_px - left_.start_px) / sight.observed.Length();
+      const Eigen::Vector2d end_px = left_.f_px / ends[i].z() * ends[i].head<2>();
+      along = std::clamp(direction.dot(end_px - start_px_) / length_px_, -kMaxBeyond, 1.0 + kMaxBeyond);
     }
-    A(i, 0) = (1.0 - along) * sight.sigma_px;
-    A(i, 1) = along * sight.sigma_px;
+    A(i, 0) = (1.0 - along) * sigma_px_;
+    A(i, 1) = along * sigma_px_;
     A(i + 2, 0) = shared * A(i, 0);
     A(i + 2, 1) = shared * A(i, 1);
-    A(i + 2, 2) = (1.0 - along) * tilt * sight.sigma_disparity_p_px;
-    A(i + 2, 3) = along * tilt * sight.sigma_disparity_q_px;
+    A(i + 2, 2) = (1.0 - along) * tilt * sigma_disparity_p_px_;
+    A(i + 2, 3) = along * tilt * sigma_disparity_q_px_;
   }
   Eigen::Matrix4d S = A * A.transpose();
-  S.diagonal().array() += kOwnShare * kOwnShare * sight.sigma_px * sight.sigma_px;
+  S.diagonal().array() += kOwnShare * kOwnShare * sigma_px_ * sigma_px_;
   whitening_ = S.llt().matrixL().solve(Eigen::Matrix4d::Identity());
-}
-
-double LineEndpointCost::Distance(const Image& image, const Eigen::Vector3d& p_c, Eigen::Vector3d& by_p_c) const {
-  const double k = f_px_ / p_c.z();
-  const Eigen::Vector2d px(k * (p_c.x() - image.baseline_m), k * p_c.y());
-  by_p_c << k * image.normal, -image.normal.dot(px) / p_c.z();
-  return image.normal.dot(px - image.start_px);
 }
 
 bool LineEndpointCost::Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
@@ -96,7 +97,7 @@ bool LineEndpointCost::Evaluate(const CameraView& view, const double* x, double*
   // Row i is by p where i is even, by q where it is odd.
   Eigen::Vector4d r;
   Eigen::Vector3d g[4];
-  for (int i = 0; i < rows_; ++i) r(i) = Distance(i < 2 ? left_ : right_, i % 2 == 0 ? p : q, g[i]);
+  for (int i = 0; i < rows_; ++i) r(i) = (i < 2 ? left_ : right_).Distance(i % 2 == 0 ? p : q, g[i]);
   for (int i = 0; i < rows_; ++i) {
     residuals[i] = 0.0;
     Eigen::Vector3d g_p = Eigen::Vector3d::Zero();

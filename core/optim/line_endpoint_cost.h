@@ -4,12 +4,15 @@
 
 #include "core/optim/bundle.h"
 #include "core/optim/camera_view.h"
+#include "core/optim/line_cost.h"
 
 namespace plslam {
 
 /// A line by its two endpoints, as in the paper. What they do along the line is not measured.
 struct AdjustedEndpoints {
   static constexpr int kSize = 6;
+  /// Along the line there seems to be information, but it is noise.
+  static constexpr bool kAlwaysPrior = true;
   using Parameters = Vector6d;
 
   explicit AdjustedEndpoints(const BundleLine& line);
@@ -19,6 +22,9 @@ struct AdjustedEndpoints {
   /// Covariances of the endpoints across the line, from that of the parameters.
   std::array<Eigen::Matrix3d, 2> EndCovariances(const Matrix6d& covariance) const;
   Eigen::Vector3d Middle() const { return 0.5 * (x.head<3>() + x.tail<3>()); }
+  /// Root of the information of a weak prior, which is firm along the line: what residuals say about it is noise, and
+  /// endpoints that follow it wander.
+  Matrix6d PriorWeight(double distance_m) const;
 
   Parameters x;
   Parameters start;
@@ -30,7 +36,7 @@ struct AdjustedEndpoints {
 /// disparities the left ones.
 ///
 /// The observed line is known at its ends, so the distances are correlated and less certain beyond them (see
-/// core/motion/line_residual.h). Where the endpoints are along it is taken from the start.
+/// core/motion/line_residual.h). Where the endpoints are along it is found between passes.
 class LineEndpointCost {
  public:
   using Landmark = AdjustedEndpoints;
@@ -43,13 +49,14 @@ class LineEndpointCost {
   /// As `LineCost::IsUsable`.
   static bool IsUsable(const LineSight& sight);
 
+  /// Weighs by where the endpoints are.
+  void Anchor(const CameraView& view, const AdjustedEndpoints& line);
+
   int rows() const { return rows_; }
 
   /// As `PointCost::Evaluate`, with `rows()` x 6 for the landmark. False where an endpoint is behind the camera.
   bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
                 double* by_landmark) const;
-
-  bool Plausible(const CameraView&, const double*) const { return true; }
 
   /// As `LineCost::SquaredPixels`, of the projected endpoints.
   double SquaredPixels(const double* residuals) const {
@@ -59,24 +66,15 @@ class LineEndpointCost {
   }
 
  private:
-  /// An image's view of the segment, relative to the principal point.
-  struct Image {
-    Image() = default;
-    Image(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, double baseline_m_in);
-
-    Eigen::Vector2d start_px = Eigen::Vector2d::Zero();
-    Eigen::Vector2d normal = Eigen::Vector2d::UnitY();
-    double baseline_m = 0.0;
-  };
-
-  /// Distance of a projected point to the line of the image, and its derivative by the point.
-  double Distance(const Image& image, const Eigen::Vector3d& p_c, Eigen::Vector3d& by_p_c) const;
-  void Weigh(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view);
-
-  Image left_;
-  Image right_;
+  ObservedImage left_;
+  ObservedImage right_;
   Eigen::Matrix4d whitening_ = Eigen::Matrix4d::Identity();
-  double f_px_;
+  /// Relative to the principal point.
+  Eigen::Vector2d start_px_;
+  double length_px_;
+  double sigma_px_;
+  double sigma_disparity_p_px_;
+  double sigma_disparity_q_px_;
   double min_depth_m_;
   int rows_;
 };

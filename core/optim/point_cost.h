@@ -8,12 +8,15 @@ namespace plslam {
 /// A point as the adjustment moves it: its position in the world.
 struct AdjustedPoint {
   static constexpr int kSize = 3;
+  static constexpr bool kAlwaysPrior = false;
   using Parameters = Eigen::Vector3d;
 
   explicit AdjustedPoint(const BundlePoint& point) : x(point.p_w), start(point.p_w), free(!point.fixed) {}
 
   bool IsUsable() const { return start.allFinite(); }
   Eigen::Vector3d Middle() const { return x; }
+  /// Root of the information of a weak prior.
+  Eigen::Matrix3d PriorWeight(double distance_m) const { return Eigen::Matrix3d::Identity() / distance_m; }
 
   Parameters x;
   Parameters start;
@@ -33,15 +36,15 @@ class PointCost {
   /// False for what cannot be measured: not finite, or sigmas that are not positive.
   static bool IsUsable(const PointSight& sight);
 
+  /// What is taken from the state between passes: nothing.
+  void Anchor(const CameraView&, const AdjustedPoint&) {}
+
   int rows() const { return rows_; }
 
   /// Residuals at the parameters `x` of the point, and where not null their Jacobians (row-major, `rows()` x 6 and
   /// `rows()` x 3). False, with nothing written, where the point is behind the camera or too near.
   bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
                 double* by_landmark) const;
-
-  /// Whether the landmark is where the sight says it is as a whole: nothing more to see for a point.
-  bool Plausible(const CameraView&, const double*) const { return true; }
 
   /// Squared distance in the left image, from whitened residuals.
   double SquaredPixels(const double* residuals) const {

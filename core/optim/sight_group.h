@@ -67,7 +67,7 @@ class SightCostFunction final : public ceres::CostFunction {
     if (!cost.Evaluate(pose->view, landmark->x.data(), r, nullptr, nullptr)) return false;
     double squared = 0.0;
     for (int i = 0; i < cost.rows(); ++i) squared += r[i] * r[i];
-    return squared <= gates[cost.rows()] && cost.Plausible(pose->view, landmark->x.data());
+    return squared <= gates[cost.rows()];
   }
 
   Cost cost;
@@ -82,30 +82,34 @@ class SightCostFunction final : public ceres::CostFunction {
 };
 
 /// Holds a landmark near its start where sights alone do not: at infinity, seen once without disparity, along a line.
-/// The deviation is the distance to the landmark, so that it is nothing beside what is measured.
+/// It is nothing beside what is measured.
 template <class Landmark>
 class WeakPrior final : public ceres::CostFunction {
  public:
-  WeakPrior(const Landmark& landmark, double distance_m) : start_(landmark.start), weight(1.0 / distance_m) {
+  using Information = Eigen::Matrix<double, Landmark::kSize, Landmark::kSize>;
+
+  /// The deviation is the distance to the landmark; along a line a hundredth of the length.
+  WeakPrior(const Landmark& landmark, double distance_m)
+      : start_(landmark.start), weight_(landmark.PriorWeight(distance_m)) {
     set_num_residuals(Landmark::kSize);
     mutable_parameter_block_sizes()->push_back(Landmark::kSize);
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     using Parameters = typename Landmark::Parameters;
-    Eigen::Map<Parameters>{residuals} = weight * (Eigen::Map<const Parameters>(parameters[0]) - start_);
+    Eigen::Map<Parameters>{residuals} = weight_ * (Eigen::Map<const Parameters>(parameters[0]) - start_);
     if (jacobians && jacobians[0]) {
-      using Jacobian = Eigen::Matrix<double, Landmark::kSize, Landmark::kSize>;
-      Eigen::Map<Jacobian>{jacobians[0]} = weight * Jacobian::Identity();
+      // Symmetric, so rows or columns first are the same.
+      Eigen::Map<Information>{jacobians[0]} = weight_;
     }
     return true;
   }
 
+  Information information() const { return weight_ * weight_; }
+
  private:
   typename Landmark::Parameters start_;
-
- public:
-  double weight;
+  Information weight_;
 };
 
 /// All landmarks of one kind and their sights, in the order of the landmarks. Points and lines are two of these.
@@ -123,6 +127,9 @@ class SightGroup {
              std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
   void AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss);
+
+  /// To be called before each pass: holds what the sights that now take part do not.
+  void AddPriorsTo(ceres::Problem& problem);
 
   /// Lets those take part that agree; returns how many changed.
   int Gate(const Gates& gates);
@@ -146,11 +153,13 @@ class SightGroup {
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
   int sight_count() const { return first_.back(); }
   /// Of the weak prior of a landmark; zero where there is none.
-  double PriorWeight(size_t landmark) const { return prior_weights_[landmark]; }
+  Information PriorOf(size_t landmark) const {
+    return priors_[landmark] ? priors_[landmark]->information() : Information::Zero();
+  }
 
  private:
   int Count(size_t landmark) const { return first_[landmark + 1] - first_[landmark]; }
-  void FindWeak();
+  double DistanceTo(size_t landmark) const;
   Information InformationOf(size_t landmark) const;
 
   std::vector<Landmark> landmarks_;
@@ -158,8 +167,10 @@ class SightGroup {
   std::vector<int> first_;
   std::unique_ptr<SightCostFunction<Cost>[]> sights_;
   size_t given_sights_;
-  std::vector<double> prior_weights_;
+  /// By landmark; null where sights suffice.
   std::vector<std::unique_ptr<WeakPrior<Landmark>>> priors_;
+  /// By landmark: whether its sights have changed since priors were added.
+  std::vector<char> changed_;
   bool has_free_ = false;
 };
 

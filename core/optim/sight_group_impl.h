@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cmath>
+#include <limits>
+#include <utility>
+
 #include "core/optim/sight_group.h"
 
 namespace plslam {
@@ -11,7 +15,8 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
     : landmarks_(landmarks.begin(), landmarks.end()),
       first_(landmarks.size() + 1, 0),
       given_sights_(sights.size()),
-      prior_weights_(landmarks.size(), 0.0) {
+      priors_(landmarks.size()),
+      changed_(landmarks.size(), 1) {
   std::vector<char> usable(sights.size());
   for (size_t i = 0; i < sights.size(); ++i) {
     const int landmark = LandmarkOf(sights[i]);
@@ -31,7 +36,7 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
     double r[Cost::kMaxRows];
     bound.active = bound.cost.Evaluate(pose.view, landmark.x.data(), r, nullptr, nullptr);
   }
-  FindWeak();
+  for (size_t i = 0; i < landmarks_.size(); ++i) has_free_ |= landmarks_[i].free && Count(i) > 0;
 }
 
 template <class Cost>
@@ -50,29 +55,36 @@ typename SightGroup<Cost>::Information SightGroup<Cost>::InformationOf(size_t la
 }
 
 template <class Cost>
-void SightGroup<Cost>::FindWeak() {
+double SightGroup<Cost>::DistanceTo(size_t landmark) const {
+  constexpr double kMin_m = 1e-3;
+  const Eigen::Vector3d middle_w = landmarks_[landmark].Middle();
+  double nearest_m = std::numeric_limits<double>::max();
+  for (int k = first_[landmark]; k < first_[landmark + 1]; ++k) {
+    nearest_m = std::min(nearest_m, (middle_w - sights_[k].pose->view.t_w_c).norm());
+  }
+  return std::max(nearest_m, kMin_m);
+}
+
+template <class Cost>
+void SightGroup<Cost>::AddPriorsTo(ceres::Problem& problem) {
   constexpr double kMaxRelativeSigma = 0.3;
-  constexpr double kMinDistance_m = 1e-3;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    if (!landmarks_[i].free || Count(i) == 0) continue;
-    has_free_ = true;
-    double distance_m = 1e300;
-    for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      distance_m = std::min(distance_m, (landmarks_[i].Middle() - sights_[k].pose->view.t_w_c).norm());
+    if (!std::exchange(changed_[i], 0) || priors_[i] || !landmarks_[i].free || Count(i) == 0) continue;
+    const double distance_m = DistanceTo(i);
+    if (!Landmark::kAlwaysPrior) {
+      // What is left above the information of a deviation that is too large.
+      Information excess = InformationOf(i);
+      excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
+      if (excess.llt().info() == Eigen::Success) continue;
     }
-    distance_m = std::max(distance_m, kMinDistance_m);
-    Information excess = InformationOf(i);
-    excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
-    if (excess.llt().info() == Eigen::Success) continue;
-    priors_.push_back(std::make_unique<WeakPrior<Landmark>>(landmarks_[i], distance_m));
-    prior_weights_[i] = priors_.back()->weight;
+    priors_[i] = std::make_unique<WeakPrior<Landmark>>(landmarks_[i], distance_m);
+    problem.AddResidualBlock(priors_[i].get(), nullptr, landmarks_[i].x.data());
   }
 }
 
 template <class Cost>
 void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order,
                              ceres::LossFunction* loss) {
-  size_t prior = 0;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     Landmark& landmark = landmarks_[i];
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
@@ -83,7 +95,6 @@ void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrder
       if (sight.pose->IsFree()) blocks[count++] = sight.pose->x.data();
       if (count > 0) problem.AddResidualBlock(&sight, loss, blocks, count);
     }
-    if (prior_weights_[i] > 0.0) problem.AddResidualBlock(priors_[prior++].get(), nullptr, landmark.x.data());
     if (landmark.free && Count(i) > 0) order.AddElementToGroup(landmark.x.data(), 0);
   }
 }
@@ -91,10 +102,16 @@ void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrder
 template <class Cost>
 int SightGroup<Cost>::Gate(const Gates& gates) {
   int changed = 0;
-  for (int i = 0; i < first_.back(); ++i) {
-    const bool agrees = sights_[i].Agrees(gates);
-    changed += agrees != sights_[i].active;
-    sights_[i].active = agrees;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      SightCostFunction<Cost>& sight = sights_[k];
+      sight.cost.Anchor(sight.pose->view, landmarks_[i]);
+      const bool agrees = sight.Agrees(gates);
+      if (agrees == sight.active) continue;
+      sight.active = agrees;
+      changed_[i] = 1;
+      ++changed;
+    }
   }
   return changed;
 }

@@ -1,6 +1,7 @@
 #include "core/motion/normal_equations.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 namespace plslam {
@@ -22,51 +23,41 @@ void PrepareAll(const std::vector<Observation>& observations, const MotionOption
   }
 }
 
-template <int N, class Prepared>
-void AddAll(const std::vector<Prepared>& observations, const std::vector<char>& active, const PoseView& view,
-            const RobustExpectations& expectations, double delta, NormalEquations& sum) {
-  Residual<N> residual;
-  for (size_t i = 0; i < observations.size(); ++i) {
-    if (active[i] == 0) continue;
-    if (!Linearize(observations[i], view, 0.0, residual) || !Whiten(residual)) {
-      sum.cost += PseudoHuberLoss(kHidden, delta);
-      continue;
-    }
-    const double squared = residual.r.squaredNorm();
-    const double weight = PseudoHuberWeight(squared, delta);
-    for (int row = 0; row < N; ++row) {
-      const Vector6d J = residual.J.row(row);
-      const Vector6d weighted = weight * J;
-      for (int column = 0; column < 6; ++column) sum.H_data.col(column) += J(column) * weighted;
-      sum.g += residual.r(row) * weighted;
-    }
-    sum.cost += PseudoHuberLoss(squared, delta);
-    sum.dimensions += residual.dimension;
-    sum.squares += squared;
-    sum.weighted_squares += weight * squared;
-    const RobustExpectation& expected = expectations[residual.dimension];
-    sum.expected_weighted_squares += residual.dimension * expected.A / expected.probability;
-    sum.expected_weight += residual.dimension * expected.weight;
-    sum.expected_A += residual.dimension * expected.A;
-    sum.expected_B += residual.dimension * expected.B;
-  }
+// What `count` residuals of one dimension are expected to add up to.
+void AddExpected(const RobustExpectation& expected, int dimension, int count, NormalEquations& sum) {
+  const int dimensions = dimension * count;
+  sum.dimensions += dimensions;
+  sum.expected_weighted_squares += dimensions * expected.A / expected.probability;
+  sum.expected_weight += dimensions * expected.weight;
+  sum.expected_A += dimensions * expected.A;
+  sum.expected_B += dimensions * expected.B;
 }
 
-template <int N, class Prepared>
-std::vector<Deviation> Deviations(const std::vector<Prepared>& observations, const PoseView& view,
+void AddLine(const Residual<4>& residual, double delta, NormalEquations& sum) {
+  const double squared = residual.r.squaredNorm();
+  const double weight = PseudoHuberWeight(squared, delta);
+  for (int row = 0; row < 4; ++row) {
+    const Vector6d J = residual.J.row(row);
+    const Vector6d weighted = weight * J;
+    for (int column = 0; column < 6; ++column) sum.H_data.col(column) += J(column) * weighted;
+    sum.g += residual.r(row) * weighted;
+  }
+  sum.cost += PseudoHuberLoss(squared, delta);
+  sum.squares += squared;
+  sum.weighted_squares += weight * squared;
+}
+
+std::vector<Deviation> Deviations(const std::vector<double>& squared_norms, const std::vector<int>& dimensions,
                                   const MotionOptions& options) {
   Deviation by_dimension[5];
   for (int d = 2; d <= 4; ++d) {
     by_dimension[d] = {0.0, ChiSquareQuantile(d, 0.0), ChiSquareQuantile(d, options.gate_sigmas)};
   }
   std::vector<Deviation> deviations;
-  deviations.reserve(observations.size());
-  Residual<N> residual;
-  for (const Prepared& observation : observations) {
-    const bool seen = Linearize(observation, view, options.min_scale_px, residual) && Whiten(residual);
-    Deviation deviation = by_dimension[seen ? residual.dimension : N];
-    deviation.squared = seen ? residual.r.squaredNorm() : std::numeric_limits<double>::infinity();
-    deviations.push_back(deviation);
+  deviations.reserve(squared_norms.size());
+  for (size_t i = 0; i < squared_norms.size(); ++i) {
+    deviations.push_back(by_dimension[dimensions[i]]);
+    deviations.back().squared = squared_norms[i];
   }
   return deviations;
 }
@@ -80,6 +71,7 @@ PreparedObservations::PreparedObservations(const std::vector<PointObservation>& 
                                            const MotionOptions& options) {
   PrepareAll(point_observations, options, points, point_index);
   PrepareAll(line_observations, options, lines, line_index);
+  point_batch = PointBatch(points);
 }
 
 int ActiveSet::CountPoints() const { return Count(points); }
@@ -89,20 +81,49 @@ NormalEquations BuildNormalEquations(const PreparedObservations& observations, c
                                      const SE3& T_cur_ref, const StereoCamera& camera,
                                      const RobustExpectations& expectations, const MotionOptions& options) {
   const PoseView view(T_cur_ref, camera);
+  const double delta = options.huber_delta;
+  const double hidden_cost = PseudoHuberLoss(kHidden, delta);
   NormalEquations sum;
-  AddAll<3>(observations.points, active.points, view, expectations, options.huber_delta, sum);
-  AddAll<4>(observations.lines, active.lines, view, expectations, options.huber_delta, sum);
+  std::array<int, 5> count_by_dimension{};
+  observations.point_batch.AddTo(active.points, view, delta, hidden_cost, sum, count_by_dimension);
+  Residual<4> residual;
+  for (size_t i = 0; i < observations.lines.size(); ++i) {
+    if (active.lines[i] == 0) continue;
+    if (Linearize(observations.lines[i], view, 0.0, residual) && Whiten(residual)) {
+      AddLine(residual, delta, sum);
+      ++count_by_dimension[residual.dimension];
+    } else {
+      sum.cost += hidden_cost;
+    }
+  }
+  for (int d = 2; d <= 4; ++d) AddExpected(expectations[d], d, count_by_dimension[d], sum);
+  sum.H_data = Matrix6d(sum.H_data.selfadjointView<Eigen::Lower>());
   return sum;
 }
 
 std::vector<Deviation> PointDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
                                        const StereoCamera& camera, const MotionOptions& options) {
-  return Deviations<3>(observations.points, PoseView(T_cur_ref, camera), options);
+  std::vector<int> dimensions;
+  dimensions.reserve(observations.points.size());
+  for (const PreparedPoint& point : observations.points) dimensions.push_back(point.has_disparity ? 3 : 2);
+  return Deviations(observations.point_batch.SquaredNorms(PoseView(T_cur_ref, camera), options.min_scale_px),
+                    dimensions, options);
 }
 
 std::vector<Deviation> LineDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
                                       const StereoCamera& camera, const MotionOptions& options) {
-  return Deviations<4>(observations.lines, PoseView(T_cur_ref, camera), options);
+  const PoseView view(T_cur_ref, camera);
+  std::vector<double> squared_norms;
+  std::vector<int> dimensions;
+  squared_norms.reserve(observations.lines.size());
+  dimensions.reserve(observations.lines.size());
+  Residual<4> residual;
+  for (const PreparedLine& line : observations.lines) {
+    const bool seen = Linearize(line, view, options.min_scale_px, residual) && Whiten(residual);
+    squared_norms.push_back(seen ? residual.r.squaredNorm() : std::numeric_limits<double>::infinity());
+    dimensions.push_back(seen ? residual.dimension : 4);
+  }
+  return Deviations(squared_norms, dimensions, options);
 }
 
 }  // namespace plslam

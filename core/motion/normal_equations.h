@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/motion/line_residual.h"
+#include "core/motion/point_batch.h"
 #include "core/motion/point_residual.h"
 #include "core/motion/robust.h"
 
@@ -14,6 +15,8 @@ struct PreparedObservations {
   std::vector<PreparedLine> lines;
   std::vector<int> point_index;
   std::vector<int> line_index;
+  /// The same points, laid out for arithmetic.
+  PointBatch point_batch;
 
   PreparedObservations(const std::vector<PointObservation>& point_observations,
                        const std::vector<LineObservation>& line_observations, const MotionOptions& options);

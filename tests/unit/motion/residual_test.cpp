@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
 #include "core/motion/line_residual.h"
-#include "core/motion/point_residual.h"
 #include "tests/unit/motion/motion_world.h"
+#include "tests/unit/motion/slow_point_residual.h"
 
 namespace plslam {
 namespace {
+
+using test::Linearize;
 
 constexpr double kStep = 1e-6;
 

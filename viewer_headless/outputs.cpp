@@ -9,6 +9,8 @@
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
+#include "viewer_headless/final_trajectory.h"
+#include "viewer_headless/map_file.h"
 
 namespace plslam {
 namespace {
@@ -34,22 +36,27 @@ void WriteAllFormats(const std::string& stem, const Trajectory& trajectory) {
 
 }  // namespace
 
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Eigen::Quaterniond& q_l_c) {
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
   RunTrajectories result;
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
+  const FinalPoses final_poses(map);
   const FrameRecord* previous = nullptr;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const bool usable = frame.state != TrackingState::kLost && IsAfterLast(result.all, frame.t_ns);
     if (usable) {
-      result.all.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
-      if (frame.keyframe_id >= 0) result.keyframes.push_back(result.all.back());
+      result.all.push_back({frame.t_ns, final_poses(frame_id, frame) * T_c_l});
+      result.live.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});
+      if (frame.keyframe_id >= 0 && map.keyframes().empty()) result.keyframes.push_back(result.all.back());
       result.covariances.push_back({frame.t_ns, Rotate(frame.covariance.Unpack(), R_l_c)});
       if (previous != nullptr && previous->session == frame.session) {
         result.motion_covariances.push_back({frame.t_ns, Rotate(frame.motion_covariance.Unpack(), R_l_c)});
       }
     }
     previous = usable ? &frame : nullptr;
+  }
+  for (const TrajectoryPose& pose : KeyframeTrajectory(map, recorder)) {
+    result.keyframes.push_back({pose.t_ns, pose.T_a_b * T_c_l});
   }
   for (const auto& [frame_id, truth] : recorder.truth()) {
     if (IsAfterLast(result.truth, truth.t_ns)) result.truth.push_back({truth.t_ns, truth.T_w_l});
@@ -92,14 +99,17 @@ void PrepareOutputFolder(const std::string& folder) {
   std::remove(probe.c_str());
 }
 
-void WriteOutputs(const std::string& folder, const Recorder& recorder, const Eigen::Quaterniond& q_l_c) {
-  const RunTrajectories run = BuildTrajectories(recorder, q_l_c);
+void WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
+                  const Eigen::Quaterniond& q_l_c) {
+  const RunTrajectories run = BuildTrajectories(recorder, map, q_l_c);
   WriteAllFormats(folder + "/trajectory", run.all);
+  WriteTrajectory(folder + "/trajectory_live.tum", TrajectoryFormat::kTum, run.live);
   WriteAllFormats(folder + "/keyframes", run.keyframes);
   if (!run.truth.empty()) WriteTrajectory(folder + "/groundtruth.tum", TrajectoryFormat::kTum, run.truth);
   WritePoseCovariances(folder + "/covariance.txt", run.covariances);
   WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances);
   WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder));
+  if (!map.keyframes().empty()) WriteFileAtomically(folder + "/map.ply", MapPly(map));
 }
 
 }  // namespace plslam

@@ -4,6 +4,7 @@
 
 #include "core/io/pose_covariance.h"
 #include "core/io/trajectory.h"
+#include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 
 namespace plslam {
@@ -11,8 +12,9 @@ namespace plslam {
 /// What the files say, as values; l is the left camera as calibrated. Frames with state lost have no pose of their own
 /// and are left out everywhere but in `poses.csv`. A frame whose time is not after the one before is left out too.
 struct RunTrajectories {
-  Trajectory all;        ///< T_w_l of every frame
-  Trajectory keyframes;  ///< of those that became keyframes
+  Trajectory all;        ///< T_w_l of every frame in the map as it is at the end (FinalPoses)
+  Trajectory live;       ///< of the same frames as it was published with them
+  Trajectory keyframes;  ///< of the map's keyframes; where there is no map, of frames that became keyframes
   Trajectory truth;      ///< true T_w_l
   /// Of `all`, of the right perturbation in l.
   std::vector<PoseCovariance> covariances;
@@ -20,8 +22,8 @@ struct RunTrajectories {
   std::vector<PoseCovariance> motion_covariances;
 };
 
-/// `q_l_c` turns directions of the rectified left camera c into l.
-RunTrajectories BuildTrajectories(const Recorder& recorder, const Eigen::Quaterniond& q_l_c);
+/// `q_l_c` turns directions of the rectified left camera c into l. A `map` without keyframes is none.
+RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c);
 
 /// One row for each frame, lost ones included: time, state, counts, stage times.
 std::string PosesCsv(const Recorder& recorder);
@@ -30,6 +32,7 @@ std::string PosesCsv(const Recorder& recorder);
 void PrepareOutputFolder(const std::string& folder);
 
 /// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Throws std::runtime_error.
-void WriteOutputs(const std::string& folder, const Recorder& recorder, const Eigen::Quaterniond& q_l_c);
+void WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
+                  const Eigen::Quaterniond& q_l_c);
 
 }  // namespace plslam

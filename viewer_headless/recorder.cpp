@@ -90,6 +90,13 @@ bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
   return true;
 }
 
+std::optional<std::pair<int64_t, int64_t>> Recorder::LastKeyframe() const {
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    if (frame->second.keyframe_id >= 0) return std::pair(frame->second.session, frame->second.keyframe_id);
+  }
+  return std::nullopt;
+}
+
 bool Recorder::IsComplete() const {
   return n_frames_ && static_cast<int64_t>(frames_.size()) + skipped_frames_ >= *n_frames_;
 }

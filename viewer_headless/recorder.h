@@ -91,6 +91,9 @@ class Recorder {
   /// Every frame of the ended stream has a pose or has been passed over by the tracker.
   bool IsComplete() const;
 
+  /// Session and number there of the newest keyframe.
+  std::optional<std::pair<int64_t, int64_t>> LastKeyframe() const;
+
   const std::map<int64_t, FrameRecord>& frames() const { return frames_; }
   const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }

@@ -25,6 +25,8 @@ constexpr std::chrono::milliseconds kTick(250);
 // After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing.
 constexpr int kQuietTicksAfterFinish = 4;
 constexpr int kQuietTicksAtMost = 60;
+// Until the map is taken as it is, from the last thing that came (a killed mapping_process is back sooner).
+constexpr int kQuietTicksForTheMap = 40;
 constexpr size_t kRateTicks = 12;
 
 double Seconds() {
@@ -75,6 +77,8 @@ void ViewerNode::Subscribe() {
         // Called on the receiving thread: looks at nothing that changes.
         [every = options_.overlay_every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
   }
+  map_ = std::make_unique<bus::MapSubscriber>(bus,
+                                              [this](const MapUpdate& update, const MapReplica&) { OnMap(update); });
   bus.Every(kTick, [this] { OnTick(); });
 }
 
@@ -123,6 +127,14 @@ void ViewerNode::OnPose(const pose_t& message) {
 
 void ViewerNode::OnStatus(const status_t& message) {
   if (message.process == "vo") vo_finished_ = message.state == "finished";
+  if (message.process == "mapping") mapping_heard_ = true;
+}
+
+void ViewerNode::OnMap(const MapUpdate& update) {
+  mapping_heard_ = true;
+  mapped_ = {update.session, update.session_keyframe_id};
+  dirty_ = true;
+  quiet_ticks_ = 0;
 }
 
 void ViewerNode::OnCommand(const command_t& message) {
@@ -153,15 +165,24 @@ void ViewerNode::OnTick() {
 
 bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;
+  if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
   if (recorder_.IsComplete()) return true;
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
+}
+
+/// It has the last keyframe, or nobody makes one.
+bool ViewerNode::MapIsComplete() const {
+  if (!mapping_heard_) return true;
+  const auto last = recorder_.LastKeyframe();
+  return !last || mapped_ == *last;
 }
 
 void ViewerNode::Write() {
   if (!rectifier_ && !recorder_.frames().empty()) {
     spdlog::warn("no camera was announced: trajectories are those of the rectified camera");
   }
-  WriteOutputs(options_.out, recorder_, rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity());
+  WriteOutputs(options_.out, recorder_, map_->replica().map(),
+               rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity());
   written_ = true;
   dirty_ = false;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/bus/frame_channel.h"
+#include "core/bus/map_channel.h"
 #include "core/bus/process.h"
 #include "core/geometry/rectifier.h"
 #include "plslam/camera_t.hpp"
@@ -23,7 +24,7 @@
 namespace plslam {
 
 /// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
-/// ended and every pose is there (state "finished"), and again when it is told to stop and something came after.
+/// ended, every pose is there and the map has taken in the last keyframe (state "finished"), and again when it is told to stop and something came after.
 /// Never needed by the others: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
@@ -42,10 +43,12 @@ class ViewerNode {
   void OnStatus(const status_t& message);
   void OnCommand(const command_t& message);
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
+  void OnMap(const MapUpdate& update);
   void OnTick();
 
   void BeginAgain();
   bool RunIsOver() const;
+  bool MapIsComplete() const;
   void Write();
   void Reject();
   void DrawPicture(const std::optional<OverlayQueue::Ready>& ready);
@@ -57,10 +60,14 @@ class ViewerNode {
   Recorder recorder_;
   OverlayQueue overlays_;
   std::unique_ptr<bus::FrameSubscriber> frames_;
+  std::unique_ptr<bus::MapSubscriber> map_;
   std::unique_ptr<Rectifier> rectifier_;
   std::vector<uint8_t> camera_bytes_;
   int64_t announced_frames_ = -1;
   bool vo_finished_ = false;
+  bool mapping_heard_ = false;
+  /// Newest keyframe in the map: session and number there.
+  std::pair<int64_t, int64_t> mapped_{0, -1};
   /// Something has come since the files were written, and ticks since the last thing came.
   bool dirty_ = false;
   int quiet_ticks_ = 0;

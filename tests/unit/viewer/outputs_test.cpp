@@ -24,7 +24,7 @@ TEST(Outputs, LostFramesAreLeftOutAndSoAreTheMotionsBesideThem) {
     pose.keyframe_id = i % 2 == 0 ? i / 2 : -1;
     recorder.AddPose(pose);
   }
-  const RunTrajectories run = BuildTrajectories(recorder, Eigen::Quaterniond::Identity());
+  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
   EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 1, 2, 4, 5));
   EXPECT_THAT(FramesOf(run.keyframes), ElementsAre(0, 2, 4));
   EXPECT_EQ(run.covariances.size(), 5u);
@@ -43,7 +43,7 @@ TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
   pose.T_w_odom = T_w_odom;
   pose.T_odom_c = T_odom_c;
   recorder.AddPose(pose);
-  const SE3 T_w_l = BuildTrajectories(recorder, q_l_c).all.at(0).T_a_b;
+  const SE3 T_w_l = BuildTrajectories(recorder, Map(), q_l_c).all.at(0).T_a_b;
   // A point of c, seen from l, must come out at the same place of the map.
   const Eigen::Vector3d p_c(0.5, -0.4, 8.0);
   EXPECT_LT((T_w_l * (q_l_c * p_c) - T_w_odom * (T_odom_c * p_c)).norm(), 1e-12);
@@ -56,7 +56,7 @@ TEST(Outputs, CovariancesAreTurnedIntoTheCalibratedCamera) {
   const Vector6d x_c = (Vector6d() << 1, 2, 3, 4, 5, 6).finished();
   pose.covariance = x_c * x_c.transpose();
   recorder.AddPose(pose);
-  const Matrix6d covariance = BuildTrajectories(recorder, q_l_c).covariances.at(0).covariance;
+  const Matrix6d covariance = BuildTrajectories(recorder, Map(), q_l_c).covariances.at(0).covariance;
   // T * Exp(x_c) * T_c_l == T * T_c_l * Exp(Ad(T_l_c) x_c).
   const Vector6d x_l = SE3(q_l_c, Eigen::Vector3d::Zero()).Adjoint() * x_c;
   EXPECT_LT((covariance - x_l * x_l.transpose()).norm(), 1e-4);
@@ -71,7 +71,7 @@ TEST(Outputs, TimesThatDoNotIncreaseAreLeftOut) {
   recorder.AddPose(SomePose(2));
   recorder.AddTruth(0, {5, SE3()});
   recorder.AddTruth(1, {4, SE3()});
-  const RunTrajectories run = BuildTrajectories(recorder, Eigen::Quaterniond::Identity());
+  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
   EXPECT_THAT(FramesOf(run.all), ElementsAre(0, 2));
   EXPECT_EQ(run.truth.size(), 1u);
 }
@@ -82,7 +82,7 @@ TEST(Outputs, MotionIntoANewSessionHasNoCovariance) {
   FramePose pose = SomePose(1);
   pose.session = 8;
   recorder.AddPose(pose);
-  EXPECT_TRUE(BuildTrajectories(recorder, Eigen::Quaterniond::Identity()).motion_covariances.empty());
+  EXPECT_TRUE(BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity()).motion_covariances.empty());
 }
 
 TEST(Outputs, AllFilesAreWrittenAndReadable) {
@@ -94,7 +94,7 @@ TEST(Outputs, AllFilesAreWrittenAndReadable) {
     recorder.AddTruth(i, {SomePose(i).t_ns, SE3()});
   }
   PrepareOutputFolder(out);
-  WriteOutputs(out, recorder, Eigen::Quaterniond::Identity());
+  WriteOutputs(out, recorder, Map(), Eigen::Quaterniond::Identity());
   for (const char* name : {"trajectory.tum", "trajectory.kitti", "trajectory.euroc", "groundtruth.tum"}) {
     EXPECT_EQ(ReadTrajectory(out + "/" + name).size(), 5u) << name;
   }
@@ -108,7 +108,7 @@ TEST(Outputs, AllFilesAreWrittenAndReadable) {
 
 TEST(Outputs, EmptyRunWritesEmptyFilesAndNoGroundTruth) {
   const ScratchFolder folder;
-  WriteOutputs(folder.Path(""), {}, Eigen::Quaterniond::Identity());
+  WriteOutputs(folder.Path(""), {}, {}, Eigen::Quaterniond::Identity());
   EXPECT_TRUE(ReadTrajectory(folder.Path("trajectory.tum")).empty());
   EXPECT_FALSE(std::filesystem::exists(folder.Path("groundtruth.tum")));
 }
@@ -143,7 +143,7 @@ TEST(Outputs, FullDiskIsToldAndLeavesNoHalfFile) {
   std::filesystem::create_symlink("/dev/full", folder.Path("trajectory.tum.part"));
   Recorder recorder;
   recorder.AddPose(SomePose(0));
-  EXPECT_THAT([&] { WriteOutputs(folder.Path(""), recorder, Eigen::Quaterniond::Identity()); },
+  EXPECT_THAT([&] { WriteOutputs(folder.Path(""), recorder, Map(), Eigen::Quaterniond::Identity()); },
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("trajectory.tum: cannot be written: No space")));
   EXPECT_FALSE(std::filesystem::exists(folder.Path("trajectory.tum")));
 }

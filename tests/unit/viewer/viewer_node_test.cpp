@@ -93,6 +93,32 @@ class ViewerNodeTest : public testing::Test {
     bus().Publish(bus::kTracks, tracks);
   }
 
+  void PublishMappingStatus() {
+    status_t m{};
+    m.process = "mapping";
+    m.state = "running";
+    bus().Publish(bus::kStatus, m);
+  }
+
+  /// A map of the keyframes 0 .. `last` of session 0, each moved by `x_m`.
+  static MapUpdate MapOf(int64_t last, double x_m) {
+    Map map;
+    for (int64_t id = 0; id <= last; ++id) {
+      MapKeyframe keyframe;
+      keyframe.id = id;
+      keyframe.session_keyframe_id = id;
+      keyframe.frame_id = 4 * id;
+      keyframe.t_ns = Time(4 * id);
+      keyframe.T_odom_kf = TruePose(4 * id);
+      keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {x_m, 0, 0}) * keyframe.T_odom_kf;
+      map.Put(keyframe);
+    }
+    MapUpdate update = WholeMap(map);
+    update.version = last + 1;
+    update.session_keyframe_id = last;
+    return update;
+  }
+
   void PublishImages(int64_t frame) {
     const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
     bus::FramePublisher(bus(), true).Publish({frame, Time(frame), image, image});
@@ -124,6 +150,37 @@ TEST_F(ViewerNodeTest, WritesEverythingWhenTheStreamHasEnded) {
   EXPECT_EQ(ReadTrajectory(Out("groundtruth.tum")).size(), 12u);
   EXPECT_THAT(states_, testing::Contains("running"));
   EXPECT_EQ(states_.back(), "finished");
+}
+
+TEST_F(ViewerNodeTest, WaitsUntilTheMapHasTheLastKeyframe) {
+  const ViewerNode node(*process_, Options());
+  bus::MapUpdatePublisher mapping(bus(), [] {});
+  PublishMappingStatus();
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  PublishStream("end", kFrames);
+  mapping.Publish(MapOf(1, 1.0));
+  // The map lags behind: the poses are all there for several ticks before the last keyframe is in it.
+  int ticks = 0;
+  bus().Every(std::chrono::milliseconds(200), [&] {
+    if (++ticks == 6) mapping.Publish(MapOf(2, 3.0));
+  });
+  bus().Run();
+  EXPECT_GE(ticks, 6);
+  const Trajectory trajectory = ReadTrajectory(Out("trajectory.tum"));
+  ASSERT_EQ(trajectory.size(), 12u);
+  EXPECT_NEAR(trajectory[7].T_a_b.translation().x(), 3.0, 1e-9);
+  EXPECT_NEAR(ReadTrajectory(Out("trajectory_live.tum")).at(7).T_a_b.translation().x(), 0.0, 1e-9);
+  EXPECT_EQ(ReadTrajectory(Out("keyframes.tum")).size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(Out("map.ply")));
+}
+
+TEST_F(ViewerNodeTest, WithoutMappingThereIsNoMapFile) {
+  const ViewerNode node(*process_, Options());
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  PublishStream("end", kFrames);
+  bus().Run();
+  EXPECT_FALSE(std::filesystem::exists(Out("map.ply")));
+  EXPECT_EQ(ReadTrajectory(Out("keyframes.tum")).size(), 3u);
 }
 
 TEST_F(ViewerNodeTest, WritesWhatIsThereWhenStoppedEarly) {

@@ -1,0 +1,48 @@
+#include "viewer_headless/final_trajectory.h"
+
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+namespace plslam {
+
+FinalPoses::FinalPoses(const Map& map) {
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    corrections_[keyframe.session].insert_or_assign(keyframe.frame_id,
+                                                    keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
+  }
+}
+
+SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
+  const auto session = corrections_.find(frame.session);
+  if (session == corrections_.end()) return frame.T_w_odom * frame.T_odom_c;
+  const std::map<int64_t, SE3>& corrections = session->second;
+  const auto after = corrections.lower_bound(frame_id);
+  if (after == corrections.begin() || (after != corrections.end() && after->first == frame_id)) {
+    return after->second * frame.T_odom_c;
+  }
+  const auto before = std::prev(after);
+  const SE3 T_before = before->second * frame.T_odom_c;
+  if (after == corrections.end()) return T_before;
+  const SE3 T_after = after->second * frame.T_odom_c;
+  const double share =
+      static_cast<double>(frame_id - before->first) / static_cast<double>(after->first - before->first);
+  return SE3(T_before.rotation().slerp(share, T_after.rotation()),
+             (1.0 - share) * T_before.translation() + share * T_after.translation());
+}
+
+Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
+  std::set<int64_t> sessions;
+  for (const auto& [frame_id, frame] : recorder.frames()) sessions.insert(frame.session);
+  Trajectory trajectory;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (sessions.contains(keyframe.session)) trajectory.push_back({keyframe.t_ns, keyframe.T_w_kf});
+  }
+  const auto earlier = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns < b.t_ns; };
+  const auto same = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns == b.t_ns; };
+  std::stable_sort(trajectory.begin(), trajectory.end(), earlier);
+  trajectory.erase(std::unique(trajectory.begin(), trajectory.end(), same), trajectory.end());
+  return trajectory;
+}
+
+}  // namespace plslam

@@ -50,23 +50,30 @@ bool IsInside(const Lattice& l, int count, int width, int height) {
   return true;
 }
 
+/// Where the samples of all rows lie in the image: `y * stride + x`, row after row.
+PLSLAM_AVX2_CLONES void Places(int x0, int y0, int step_x, int step_y, int row_x, int row_y, int stride, int count,
+                               int32_t* __restrict places) {
+  for (int r = 0; r < kLbdRows; ++r) {
+    const int x = x0 + r * row_x;
+    const int y = y0 + r * row_y;
+    for (int i = 0; i < count; ++i) {
+      places[i] = ((y + i * step_y) >> kPlaceBits) * stride + ((x + i * step_x) >> kPlaceBits);
+    }
+    places += count;
+  }
+}
+
 void GatherInside(const Gradients& g, const Lattice& l, Samples& out) {
   const int16_t* dx = g.dx.ptr<int16_t>();
   const int16_t* dy = g.dy.ptr<int16_t>();
-  const int stride = static_cast<int>(g.dx.step1());
-  const int step_x = static_cast<int>(l.step_x);
-  const int step_y = static_cast<int>(l.step_y);
-  size_t k = 0;
-  for (int r = 0; r < kLbdRows; ++r) {
-    int x = static_cast<int>(l.x + r * l.row_x);
-    int y = static_cast<int>(l.y + r * l.row_y);
-    for (int i = 0; i < out.count; ++i, ++k) {
-      const int at = (y >> kPlaceBits) * stride + (x >> kPlaceBits);
-      out.dx[k] = dx[at];
-      out.dy[k] = dy[at];
-      x += step_x;
-      y += step_y;
-    }
+  std::array<int32_t, kSampleCount> places;
+  Places(static_cast<int>(l.x), static_cast<int>(l.y), static_cast<int>(l.step_x), static_cast<int>(l.step_y),
+         static_cast<int>(l.row_x), static_cast<int>(l.row_y), static_cast<int>(g.dx.step1()), out.count,
+         places.data());
+  const size_t size = size_t{kLbdRows} * static_cast<size_t>(out.count);
+  for (size_t k = 0; k < size; ++k) {
+    out.dx[k] = dx[places[k]];
+    out.dy[k] = dy[places[k]];
   }
 }
 
@@ -108,7 +115,7 @@ PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, 
 void Compare(const std::array<int64_t, kLbdChannels>& a, const std::array<int64_t, kLbdChannels>& b, size_t& bit,
              Descriptor& out) {
   for (size_t c = 0; c < kLbdChannels; ++c, ++bit) {
-    if (a[c] > b[c]) out[bit / 64] |= uint64_t{1} << (bit % 64);
+    out[bit / 64] |= static_cast<uint64_t>(a[c] > b[c]) << (bit % 64);
   }
 }
 
@@ -147,12 +154,13 @@ std::array<LbdBand, kLbdBands> LbdBands(const std::array<LbdRow, kLbdRows>& rows
   std::array<LbdBand, kLbdBands> bands{};
   for (int band = 0; band < kLbdBands; ++band) {
     const int middle = band * kLbdBandWidth + kLbdBandWidth / 2;
-    const int reach = kLbdBandWidth + kLbdBandWidth / 2;
+    constexpr int kReach = kLbdBandWidth + kLbdBandWidth / 2;
+    constexpr int64_t kAllWeights = (kReach + 1) * (kReach + 1);
     int64_t total = 0;
     std::array<int64_t, kLbdChannels> sum{};
     std::array<int64_t, kLbdChannels> squares{};
-    for (int r = std::max(0, middle - reach); r <= std::min(kLbdRows - 1, middle + reach); ++r) {
-      const int64_t weight = reach + 1 - std::abs(r - middle);
+    for (int r = std::max(0, middle - kReach); r <= std::min(kLbdRows - 1, middle + kReach); ++r) {
+      const int64_t weight = kReach + 1 - std::abs(r - middle);
       total += weight;
       for (size_t c = 0; c < kLbdChannels; ++c) {
         const int64_t v = weighted[static_cast<size_t>(r)][c];
@@ -162,8 +170,10 @@ std::array<LbdBand, kLbdBands> LbdBands(const std::array<LbdRow, kLbdRows>& rows
     }
     LbdBand& out = bands[static_cast<size_t>(band)];
     for (size_t c = 0; c < kLbdChannels; ++c) {
-      out.mean[c] = sum[c] / total;
-      out.variance[c] = (squares[c] * total - sum[c] * sum[c]) / (total * total);
+      const int64_t spread = squares[c] * total - sum[c] * sum[c];
+      // Dividing by a constant is a shift; only the outermost bands have fewer rows.
+      out.mean[c] = total == kAllWeights ? sum[c] / kAllWeights : sum[c] / total;
+      out.variance[c] = total == kAllWeights ? spread / (kAllWeights * kAllWeights) : spread / (total * total);
     }
   }
   return bands;

@@ -145,7 +145,8 @@ bool LineGrower::StraightSoFar() {
 }
 
 bool LineGrower::TakeNear(int major, double place, double tolerance, std::vector<Sample>& out) {
-  const int nearest = static_cast<int>(std::floor(place + 0.5));
+  // Rounds what lies in the image; what is cut off towards zero from below is outside as well.
+  const int nearest = static_cast<int>(place + 0.5);
   if (nearest < 3 || nearest >= minor_size_ - 3) return false;
   // The nearest pixel first, then the neighbours on the nearer side.
   const int side = place >= nearest ? 1 : -1;

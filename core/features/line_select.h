@@ -10,7 +10,7 @@ namespace plslam {
 
 /// Joins collinear pieces of one edge (same polarity, gap of a few pixels, within about a pixel of one straight line)
 /// and drops duplicates that lie on a longer segment. The result is ordered by length, longest first.
-std::vector<DetectedSegment> MergeCollinear(std::vector<DetectedSegment> segments);
+std::vector<DetectedSegment> MergeCollinear(const std::vector<DetectedSegment>& segments);
 
 /// The at most `max_lines` longest of `segments` (ordered longest first), spread over the image: in each cell of a
 /// grid, what exceeds the cell's share counts as shorter the more longer ones the cell has already.

@@ -39,29 +39,6 @@ void AddStages(const MapUpdate& update, map_update_t& page) {
   page.n_stages = static_cast<int32_t>(page.stages.size());
 }
 
-/// The update without its content; nullopt where the head cannot be.
-std::optional<MapUpdate> Head(const map_update_t& page) {
-  const auto totals = FromMessage(page.totals);
-  const auto adjustment = FromMessage(page.adjustment);
-  const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
-                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages;
-  if (!totals || !adjustment || !numbers_ok) return std::nullopt;
-  MapUpdate update;
-  update.source = page.header.source;
-  update.version = page.version;
-  update.base_version = page.base_version;
-  update.session = page.header.session;
-  update.session_keyframe_id = page.session_keyframe_id;
-  update.t_ns = page.header.t_ns;
-  update.totals = *totals;
-  update.adjustment = *adjustment;
-  for (const stage_t& stage : page.stages) {
-    if (!std::isfinite(stage.ms)) return std::nullopt;
-    update.stage_ms.emplace_back(stage.name, stage.ms);
-  }
-  return update;
-}
-
 bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
   if (to.size() + ids.size() > kMaxEntries) return false;
   for (const int64_t id : ids) {
@@ -163,7 +140,7 @@ void CheckValues(const char* kind, const std::vector<Value>& values, Append appe
 }
 
 void Check(const MapUpdate& update, const map_update_t& first_page) {
-  if (!Head(first_page)) {
+  if (!HeadOf(first_page)) {
     throw std::invalid_argument("map update: version " + std::to_string(update.version) + " on " +
                                 std::to_string(update.base_version) + ": its head has numbers that cannot be");
   }
@@ -178,6 +155,28 @@ bool SameHead(const map_update_t& page, const MapUpdate& update) {
 }
 
 }  // namespace
+
+std::optional<MapUpdate> HeadOf(const map_update_t& page) {
+  const auto totals = FromMessage(page.totals);
+  const auto adjustment = FromMessage(page.adjustment);
+  const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
+                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages;
+  if (!totals || !adjustment || !numbers_ok) return std::nullopt;
+  MapUpdate update;
+  update.source = page.header.source;
+  update.version = page.version;
+  update.base_version = page.base_version;
+  update.session = page.header.session;
+  update.session_keyframe_id = page.session_keyframe_id;
+  update.t_ns = page.header.t_ns;
+  update.totals = *totals;
+  update.adjustment = *adjustment;
+  for (const stage_t& stage : page.stages) {
+    if (!std::isfinite(stage.ms)) return std::nullopt;
+    update.stage_ms.emplace_back(stage.name, stage.ms);
+  }
+  return update;
+}
 
 std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes) {
   const map_update_t head = HeadPage(update);
@@ -201,7 +200,7 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
 
 MapUpdateAssembler::Outcome MapUpdateAssembler::Add(const map_update_t& page) {
   const int64_t source = page.header.source;
-  auto head = Head(page);
+  auto head = HeadOf(page);
   const bool pages_ok = page.n_pages >= 1 && page.n_pages <= kMaxPages && page.page >= 0 && page.page < page.n_pages;
   if (!head || !pages_ok) {
     partials_.erase(source);

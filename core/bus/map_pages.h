@@ -17,6 +17,9 @@ namespace plslam::bus {
 /// numbers that are not finite, ids or sights that do not ascend, keyframes older than their parents.
 std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes);
 
+/// What the head of a page says, without content (stages only from page 0); nullopt where it cannot be.
+std::optional<MapUpdate> HeadOf(const map_update_t& page);
+
 /// Puts pages together again; they come in order for each publisher.
 class MapUpdateAssembler {
  public:

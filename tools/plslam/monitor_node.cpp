@@ -1,6 +1,8 @@
 #include "tools/plslam/monitor_node.h"
 
+#include "core/bus/map_pages.h"
 #include "plslam/keyframe_t.hpp"
+#include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -46,6 +48,18 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
     for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
     for (const auto& line : m.lines) statistics_.AddLandmark(m.header.session, line.landmark_id, true);
   });
+  bus.Subscribe<map_update_t>(bus::kMapUpdate, [this](const map_update_t& m) {
+    const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;
+    if (head) map_.Add(*head);
+  });
+}
+
+bool MonitorNode::has_all() const {
+  const RunStatistics& s = statistics_;
+  const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
+  const bool has_map =
+      map_.version() == 0 || std::pair(map_.session(), map_.session_keyframe_id()) == s.last_keyframe();
+  return has_frames && has_map;
 }
 
 std::string MonitorNode::StateOf(int64_t pid) const {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/bus/bus.h"
+#include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
 
@@ -26,6 +27,9 @@ class MonitorNode {
   explicit MonitorNode(bus::Bus& bus);
 
   const RunStatistics& statistics() const { return statistics_; }
+  const MapStatistics& map() const { return map_; }
+  /// Every frame that was sent is counted, and where there is a map it has the last keyframe.
+  bool has_all() const;
   /// By process id; those of processes that have ended stay.
   const std::map<int64_t, ProcessStatus>& processes() const { return processes_; }
   /// Empty where the process has not been heard.
@@ -41,6 +45,7 @@ class MonitorNode {
 
  private:
   RunStatistics statistics_;
+  MapStatistics map_;
   std::map<int64_t, ProcessStatus> processes_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;

@@ -8,6 +8,7 @@ namespace {
 using Arguments = std::vector<std::string>;
 
 bool Always(const RunOptions&) { return true; }
+bool WithMap(const RunOptions& options) { return !options.no_mapping; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
 Arguments RecorderArguments(const RunOptions& options) {
@@ -45,8 +46,11 @@ Arguments ViewerArguments(const RunOptions& options) {
 Arguments VoArguments(const RunOptions& options) {
   Settings settings("vo");
   settings.Add("features.features", options.features);
+  if (options.no_mapping) settings.Add("map.enabled", std::string("false"));
   return settings.Take();
 }
+
+Arguments NoArguments(const RunOptions&) { return {}; }
 
 Arguments PlayerArguments(const RunOptions& options) {
   Settings settings("player");
@@ -65,8 +69,10 @@ Arguments PlayerArguments(const RunOptions& options) {
 constexpr ProcessRow kTable[] = {
     {"recorder", "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
      Recorded, RecorderArguments},
-    {"viewer", "viewer_headless", "progress, trajectories and pictures", Supervisor::Ending::kRestart, false, Always,
-     ViewerArguments},
+    {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
+     false, Always, ViewerArguments},
+    {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
+     false, WithMap, NoArguments},
     {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      VoArguments},
     {"player", "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,

@@ -29,7 +29,7 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
 /// Outputs of an earlier run in the same folder, which must not be taken for those of this one.
 void RemoveOldOutputs(const std::filesystem::path& out) {
   for (const char* name : {"summary.json", "trajectory.tum", "keyframes.tum", "groundtruth.tum", "covariance.txt",
-                           "motion_covariance.txt"}) {
+                           "motion_covariance.txt", "trajectory_live.tum", "map.ply"}) {
     std::filesystem::remove(out / name);
   }
 }
@@ -58,6 +58,7 @@ int Report(const RunOptions& options, const RunSession& session) {
   RunSummary summary = session.Summary();
   summary.version = VersionText();
   summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
+  summary.live_ate_m = LiveError_m(options.out);
   const nlohmann::json json = SummaryToJson(summary);
   WriteSummary(options.out, json);
   if (options.json) {
@@ -94,6 +95,7 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--pace", o->pace, "lockstep (every frame, as fast as it goes; default), realtime, realtimexN");
   sub->add_option("--features", o->features, "points, lines or both (default)")
       ->check(CLI::IsMember({"points", "lines", "both"}));
+  sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");
   sub->add_option("--config", o->config_file, "YAML file with options of all processes (docs/configuration.md)")
       ->type_name("FILE");
   sub->add_option("--set", o->overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <utility>
 
 #include "core/io/pose_covariance.h"
 #include "core/io/trajectory.h"
@@ -10,14 +11,37 @@
 
 namespace plslam {
 
-std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
-  const auto estimate_path = out / "trajectory.tum", truth_path = out / "groundtruth.tum";
-  const auto keyframes_path = out / "keyframes.tum";
+namespace {
+
+constexpr int64_t kMaxDifference_ns = 1'000'000;  // the truth was told for the very frames
+
+/// Nothing where there are not both.
+std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::filesystem::path& out,
+                                                                  const char* estimate) {
+  const auto estimate_path = out / estimate, truth_path = out / "groundtruth.tum";
   if (!std::filesystem::exists(estimate_path) || !std::filesystem::exists(truth_path)) return std::nullopt;
-  const Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
+  Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
   if (truth.empty()) return std::nullopt;
+  return std::pair(ReadTrajectory(estimate_path, TrajectoryFormat::kTum), std::move(truth));
+}
+
+}  // namespace
+
+std::optional<double> LiveError_m(const std::filesystem::path& out) {
+  const auto both = EstimateAndTruth(out, "trajectory_live.tum");
+  if (!both) return std::nullopt;
   EvaluateOptions options;
-  options.max_difference_ns = 1'000'000;  // the truth was told for the very frames
+  options.max_difference_ns = kMaxDifference_ns;
+  const nlohmann::json accuracy = nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));
+  return accuracy.value("ate_m", 0.0);
+}
+
+std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
+  const auto both = EstimateAndTruth(out, "trajectory.tum");
+  if (!both) return std::nullopt;
+  const auto keyframes_path = out / "keyframes.tum";
+  EvaluateOptions options;
+  options.max_difference_ns = kMaxDifference_ns;
   options.n_frames = n_frames;
   if (std::filesystem::exists(keyframes_path)) {
     for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
@@ -30,8 +54,7 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   if (std::filesystem::exists(out / "motion_covariance.txt")) {
     options.motion_covariances = ReadPoseCovariances(out / "motion_covariance.txt");
   }
-  const Trajectory estimate = ReadTrajectory(estimate_path, TrajectoryFormat::kTum);
-  return nlohmann::json(ToJson(EvaluateTrajectory(estimate, truth, options)));
+  return nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {

@@ -14,6 +14,7 @@ struct RunOptions {
   std::filesystem::path out;
   std::string pace;
   std::string features;
+  bool no_mapping = false;
   std::string config_file;
   std::vector<std::string> overrides;
   int64_t start = -1;  ///< -1: not said, as with the next three

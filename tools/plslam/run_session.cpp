@@ -116,9 +116,7 @@ void RunSession::CheckPlayed(Clock::time_point now) {
 }
 
 void RunSession::CheckSettled(Clock::time_point now) {
-  const RunStatistics& s = monitor_.statistics();
-  const bool has_all = monitor_.stream_ended() && s.frames() + s.skipped_frames() >= monitor_.total_frames();
-  if (!has_all && now - phase_began_ < kSettleLimit) return;
+  if (!monitor_.has_all() && now - phase_began_ < kSettleLimit) return;
   completed_ = true;
   BeginStop("");
 }
@@ -148,6 +146,7 @@ RunSummary RunSession::Summary() const {
   summary.wall_s = wall_s_;
   summary.bad_frames = monitor_.bad_frames();
   summary.statistics = &monitor_.statistics();
+  summary.map = &monitor_.map();
   summary.messages = monitor_.messages();
   summary.processes = supervisor_.reports();
   for (const auto& [pid, status] : monitor_.processes())

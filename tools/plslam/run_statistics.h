@@ -41,6 +41,8 @@ class RunStatistics {
   int64_t landmark_points() const { return static_cast<int64_t>(points_.size()); }
   int64_t landmark_lines() const { return static_cast<int64_t>(lines_.size()); }
   const FrameReport& last() const { return last_; }
+  /// Session and number there of the newest keyframe; -1: none.
+  std::pair<int64_t, int64_t> last_keyframe() const { return last_keyframe_; }
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
 
  private:
@@ -50,6 +52,7 @@ class RunStatistics {
   int64_t skipped_frames_ = 0;
   int64_t newest_frame_id_ = -1;
   FrameReport last_;
+  std::pair<int64_t, int64_t> last_keyframe_{0, -1};
   std::map<std::string, QuantileSketch> stage_ms_;
   std::set<std::pair<int64_t, int64_t>> points_;
   std::set<std::pair<int64_t, int64_t>> lines_;

@@ -14,12 +14,58 @@ using nlohmann::json;
 /// Fewer digits than a double has: for people who open the file.
 double Rounded(double value, double step) { return std::round(value / step) * step; }
 
+json QuantilesToJson(const QuantileSketch& samples) {
+  return {{"median", Rounded(samples.Quantile(0.5), 1e-4)}, {"p95", Rounded(samples.Quantile(0.95), 1e-4)}};
+}
+
 json StagesToJson(const RunStatistics& statistics) {
   json stages = json::object();
   for (const auto& [name, samples] : statistics.stage_ms()) {
-    stages[name] = {{"median", Rounded(samples.Quantile(0.5), 1e-4)}, {"p95", Rounded(samples.Quantile(0.95), 1e-4)}};
+    stages[name] = QuantilesToJson(samples);
   }
   return stages;
+}
+
+bool HasMap(const RunSummary& summary) { return summary.map != nullptr && summary.map->version() > 0; }
+
+json LandmarksToJson(const RunSummary& summary) {
+  if (HasMap(summary)) {
+    return {{"points", summary.map->totals().points}, {"lines", summary.map->totals().lines}};
+  }
+  return {{"points", summary.statistics->landmark_points()}, {"lines", summary.statistics->landmark_lines()}};
+}
+
+json MapToJson(const RunSummary& summary) {
+  if (!HasMap(summary)) return nullptr;
+  const MapStatistics& map = *summary.map;
+  json result = {{"keyframes", map.totals().keyframes},
+                 {"observations_per_point", Rounded(map.ObservationsPerPoint(), 1e-3)},
+                 {"observations_per_line", Rounded(map.ObservationsPerLine(), 1e-3)},
+                 {"reprojection_before_px", Rounded(map.ReprojectionBefore_px(), 1e-4)},
+                 {"reprojection_after_px", Rounded(map.ReprojectionAfter_px(), 1e-4)}};
+  for (const auto& [stage, samples] : map.stage_ms()) {
+    result[stage == "adjust" ? "adjustment_ms" : stage + "_ms"] = QuantilesToJson(samples);
+  }
+  return result;
+}
+
+std::string MapToText(const json& map) {
+  return fmt::format(
+      "  map        {} keyframes, {:.1f} observations a point, {:.1f} a line, reprojection {:.3f} -> {:.3f} px\n",
+      map["keyframes"].get<int64_t>(), map["observations_per_point"].get<double>(),
+      map["observations_per_line"].get<double>(), map["reprojection_before_px"].get<double>(),
+      map["reprojection_after_px"].get<double>());
+}
+
+/// A row for each member that has quantiles.
+std::string QuantilesToText(const json& members) {
+  std::string text;
+  for (const auto& [name, ms] : members.items()) {
+    if (!ms.is_object() || !ms.contains("p95")) continue;
+    const std::string stage = name.ends_with("_ms") ? name.substr(0, name.size() - 3) : name;
+    text += fmt::format("  {:<24} {:>9.3f} {:>9.3f}\n", stage, ms["median"].get<double>(), ms["p95"].get<double>());
+  }
+  return text;
 }
 
 json ProcessesToJson(const RunSummary& summary, int64_t frames) {
@@ -66,9 +112,11 @@ json SummaryToJson(const RunSummary& summary) {
           {"skipped_frames", s.skipped_frames()},
           {"bad_frames", summary.bad_frames},
           {"keyframes", s.keyframes()},
-          {"landmarks", {{"points", s.landmark_points()}, {"lines", s.landmark_lines()}}},
+          {"landmarks", LandmarksToJson(summary)},
+          {"map", MapToJson(summary)},
           {"loops", 0},
           {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
+          {"accuracy_live_ate_m", summary.live_ate_m ? json(Rounded(*summary.live_ate_m, 1e-6)) : json(nullptr)},
           {"stage_ms", StagesToJson(s)},
           {"messages",
            {{"lost", summary.messages.lost},
@@ -89,13 +137,20 @@ std::string SummaryToText(const json& s) {
   if (s["bad_frames"] > 0) text += fmt::format(", {} unreadable", s["bad_frames"].get<int64_t>());
   text += fmt::format("\n  keyframes  {}, landmarks {} points and {} lines\n", s["keyframes"].get<int64_t>(),
                       s["landmarks"]["points"].get<int64_t>(), s["landmarks"]["lines"].get<int64_t>());
-  text += fmt::format("  accuracy   {}\n",
+  if (s["map"].is_object()) text += MapToText(s["map"]);
+  text += fmt::format("  accuracy   {}",
                       s["accuracy"].is_object() ? AccuracyToText(s["accuracy"]) : std::string("no ground truth"));
+  if (s["accuracy_live_ate_m"].is_number()) {
+    text += fmt::format(", live ATE {:.4f} m", s["accuracy_live_ate_m"].get<double>());
+  }
+  text += "\n";
   text += fmt::format("  messages   {} lost, {} repaired, {} rejected\n", s["messages"]["lost"].get<int64_t>(),
                       s["messages"]["repaired"].get<int64_t>(), s["messages"]["rejected"].get<int64_t>());
   text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "stage, ms a frame", "median", "95 %");
-  for (const auto& [name, ms] : s["stage_ms"].items()) {
-    text += fmt::format("  {:<24} {:>9.3f} {:>9.3f}\n", name, ms["median"].get<double>(), ms["p95"].get<double>());
+  text += QuantilesToText(s["stage_ms"]);
+  if (s["map"].is_object()) {
+    text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "map, ms a keyframe", "median", "95 %");
+    text += QuantilesToText(s["map"]);
   }
   text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB", "restarts");
   for (const auto& [name, p] : s["processes"].items()) {

@@ -50,6 +50,79 @@ TEST(RunSummary, JsonHasTheKeysThatUsersReadByName) {
   EXPECT_EQ(result["configuration"]["vo"]["vo"], (json{{"enabled", true}, {"name", "7"}, {"list", {1, 2.5}}}));
 }
 
+MapStatistics TwoVersions() {
+  MapUpdate head;
+  head.source = 5;
+  head.version = 1;
+  head.totals = {2, 100, 20, 250, 50};
+  head.adjustment.n_points = 100;
+  head.adjustment.reprojection_before_px = 1.0;
+  head.adjustment.reprojection_after_px = 0.5;
+  head.stage_ms = {{"adjust", 10.0}, {"update", 20.0}};
+  MapStatistics map;
+  map.Add(head);
+  head.version = 2;
+  head.totals = {3, 110, 20, 330, 50};
+  head.adjustment.reprojection_before_px = 2.0;
+  head.stage_ms = {{"adjust", 20.0}, {"update", 30.0}};
+  map.Add(head);
+  return map;
+}
+
+TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
+  const RunStatistics statistics = TwoFrames();
+  const MapStatistics map = TwoVersions();
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.map = &map;
+  summary.live_ate_m = 0.25;
+  const json result = SummaryToJson(summary);
+  EXPECT_EQ(result["landmarks"], (json{{"points", 110}, {"lines", 20}}));
+  EXPECT_EQ(result["map"]["keyframes"], 3);
+  EXPECT_EQ(result["map"]["observations_per_point"], 3.0);
+  EXPECT_EQ(result["map"]["observations_per_line"], 2.5);
+  EXPECT_EQ(result["map"]["reprojection_before_px"], 1.5);
+  EXPECT_EQ(result["map"]["reprojection_after_px"], 0.5);
+  EXPECT_NEAR(result["map"]["adjustment_ms"]["median"].get<double>(), 10.0, 0.06);
+  EXPECT_NEAR(result["map"]["adjustment_ms"]["p95"].get<double>(), 20.0, 0.11);
+  EXPECT_NEAR(result["map"]["update_ms"]["p95"].get<double>(), 30.0, 0.16);
+  EXPECT_NEAR(result["accuracy_live_ate_m"].get<double>(), 0.25, 1e-9);
+  const std::string text = SummaryToText(result);
+  EXPECT_THAT(text,
+              testing::HasSubstr("3 keyframes, 3.0 observations a point, 2.5 a line, reprojection 1.500 -> 0.500"));
+  EXPECT_THAT(text, testing::HasSubstr("live ATE 0.2500 m"));
+  EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
+}
+
+TEST(RunSummary, WithoutAMapItIsNull) {
+  const RunStatistics statistics = TwoFrames();
+  const MapStatistics map;
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.map = &map;
+  const json result = SummaryToJson(summary);
+  EXPECT_TRUE(result["map"].is_null());
+  EXPECT_TRUE(result["accuracy_live_ate_m"].is_null());
+  EXPECT_EQ(result["landmarks"], (json{{"points", 0}, {"lines", 1}}));
+}
+
+TEST(MapStatistics, TheWholeMapAgainChangesNothing) {
+  MapStatistics map = TwoVersions();
+  MapUpdate again;
+  again.source = 5;
+  again.version = 2;
+  map.Add(again);
+  EXPECT_EQ(map.totals().points, 110);
+  EXPECT_EQ(map.ReprojectionBefore_px(), 1.5);
+  again.source = 6;
+  again.version = 1;
+  again.totals = {1, 7, 0, 7, 0};
+  map.Add(again);
+  EXPECT_EQ(map.totals().points, 7) << "mapping was started again";
+  EXPECT_EQ(map.ReprojectionBefore_px(), 1.5);
+  EXPECT_EQ(map.ObservationsPerLine(), 0.0);
+}
+
 TEST(RunSummary, RunWithoutAFrame) {
   const RunStatistics statistics;
   RunSummary summary;

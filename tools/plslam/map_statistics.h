@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/map/map_update.h"
+#include "tools/plslam/quantile_sketch.h"
+
+namespace plslam {
+
+/// Counts the updates of the map by their heads; content is not looked at.
+class MapStatistics {
+ public:
+  /// A version that has been counted changes nothing: the whole map may come again.
+  void Add(const MapUpdate& head);
+
+  /// 0: there is no map.
+  int64_t version() const { return version_; }
+  /// Of the newest version.
+  const MapTotals& totals() const { return totals_; }
+  int64_t session() const { return session_; }
+  int64_t session_keyframe_id() const { return session_keyframe_id_; }
+
+  /// Keyframes that see a landmark, on average; 0 without landmarks.
+  double ObservationsPerPoint() const;
+  double ObservationsPerLine() const;
+
+  /// By stage, ms; of all updates, also those of a process that was killed.
+  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
+  /// Means over the adjustments that had points, of their root mean squares.
+  double ReprojectionBefore_px() const { return Mean(before_px_); }
+  double ReprojectionAfter_px() const { return Mean(after_px_); }
+
+ private:
+  double Mean(double sum) const { return n_adjustments_ > 0 ? sum / static_cast<double>(n_adjustments_) : 0.0; }
+
+  int64_t source_ = 0;
+  int64_t version_ = 0;
+  int64_t session_ = 0;
+  int64_t session_keyframe_id_ = -1;
+  MapTotals totals_;
+  std::map<std::string, QuantileSketch> stage_ms_;
+  int64_t n_adjustments_ = 0;
+  double before_px_ = 0.0;
+  double after_px_ = 0.0;
+};
+
+}  // namespace plslam

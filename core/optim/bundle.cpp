@@ -14,6 +14,9 @@
 namespace plslam {
 namespace {
 
+// Share of sights below which a change of outliers is not worth another pass.
+constexpr double kFewChanges = 0.005;
+
 template <class Sight>
 std::string IndexFault(const char* kind, const std::vector<Sight>& sights, size_t poses, size_t landmarks) {
   const auto is_place = [](int i, size_t size) { return i >= 0 && static_cast<size_t>(i) < size; };
@@ -82,9 +85,10 @@ class Adjustment {
       : given_(problem),
         options_(options),
         gates_(MakeGates(options.gate_sigmas)),
+        context_{options.huber_delta, false},
         poses_(MakePoses(problem)),
-        points_(problem.points, problem.point_sights, poses_, problem.camera),
-        lines_(problem.lines, problem.line_sights, poses_, problem.camera) {}
+        points_(problem.points, problem.point_sights, context_, poses_, problem.camera),
+        lines_(problem.lines, problem.line_sights, context_, poses_, problem.camera) {}
 
   BundleResult Run(const std::atomic<bool>* stop) {
     BundleResult result = AsGiven(given_);
@@ -102,9 +106,16 @@ class Adjustment {
   static bool IsAdjusted(const AdjustedPose& pose) { return pose.IsFree() && pose.sights > 0; }
 
   bool Solve(const std::atomic<bool>* stop, BundleResult& result) {
-    ViewUpdater views(poses_);
+    SightActions actions;
+    actions.loss = [this] { return points_.Loss() + lines_.Loss(); };
+    actions.trim = [this] {
+      points_.Trim(gates_);
+      lines_.Trim(gates_);
+    };
+    actions.finish = [this] { context_.finished = true; };
+    BundleMonitor monitor(poses_, actions, options_, stop);
     ceres::SoftLOneLoss pseudo_huber(options_.huber_delta);
-    ceres::Problem ceres_problem(BundleProblemOptions(views));
+    ceres::Problem ceres_problem(BundleProblemOptions(monitor));
     ceres::ParameterBlockOrdering order;
     points_.AddTo(ceres_problem, order, &pseudo_huber);
     lines_.AddTo(ceres_problem, order, &pseudo_huber);
@@ -112,9 +123,9 @@ class Adjustment {
       if (IsAdjusted(pose)) order.AddElementToGroup(pose.x.data(), 1);
     }
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
-      points_.AddPriorsTo(ceres_problem);
-      lines_.AddPriorsTo(ceres_problem);
-      const BundlePass pass = SolveBundle(ceres_problem, order, options_, stop);
+      context_.finished = false;
+      monitor.Start(refinement == 0 && options_.max_refinements > 0);
+      const BundlePass pass = SolveBundle(ceres_problem, order, monitor, options_);
       for (AdjustedPose& pose : poses_) pose.Update();
       result.stopped = pass.stopped;
       result.iterations += pass.iterations;
@@ -123,7 +134,7 @@ class Adjustment {
         return false;
       }
       const int changed = points_.Gate(gates_) + lines_.Gate(gates_);
-      if (changed == 0) break;
+      if (changed <= kFewChanges * (points_.sight_count() + lines_.sight_count())) break;
     }
     points_.RestoreLost();
     lines_.RestoreLost();
@@ -176,6 +187,7 @@ class Adjustment {
   const BundleProblem& given_;
   const BundleOptions& options_;
   Gates gates_;
+  SightContext context_;
   std::vector<AdjustedPose> poses_;
   SightGroup<PointCost> points_;
   SightGroup<Line> lines_;

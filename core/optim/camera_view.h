@@ -24,12 +24,7 @@ class AdjustedPose {
  public:
   AdjustedPose() = default;
   /// `column_in`: number among the free poses, or -1.
-  AdjustedPose(const SE3& T_w_c, int column_in) : start_(T_w_c), column(column_in) {
-    Update();
-    start_view_ = view;
-  }
-
-  const CameraView& start_view() const { return start_view_; }
+  AdjustedPose(const SE3& T_w_c, int column_in) : start_(T_w_c), column(column_in) { Update(); }
 
   /// Follows `x`.
   void Update();
@@ -39,7 +34,6 @@ class AdjustedPose {
 
  private:
   SE3 start_;
-  CameraView start_view_;
 
  public:
   bool IsFree() const { return column >= 0; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -28,8 +29,22 @@ struct SightSums {
   double sights = 0.0;
 };
 
-/// Where sights are looked at: as the adjustment was given, or as it is.
+/// Where sights are looked at: as the adjustment was given, or as it was evaluated last.
 enum class State { kStart, kNow };
+
+/// How a sight fits: squared norms of its residuals, whitened and in pixels.
+struct Fit {
+  double squared = 0.0;
+  double squared_px = 0.0;
+  bool in_front = false;
+};
+
+/// What all sights share.
+struct SightContext {
+  double huber_delta = 1.0;
+  /// The solver is to stop: nothing more is evaluated.
+  bool finished = false;
+};
 
 /// One sight as Ceres sees it. What it has of a pose comes from the pose's view, which the solver keeps up to date. Sights
 /// that do not take part cost nothing; those that a step brings behind the camera cost a constant, so that
@@ -39,35 +54,44 @@ class SightCostFunction final : public ceres::CostFunction {
  public:
   using Landmark = typename Cost::Landmark;
 
-  void Bind(const Cost& cost_in, AdjustedPose& pose_in, Landmark& landmark_in, int sight_in) {
+  void Bind(const Cost& cost_in, const SightContext& context, AdjustedPose& pose_in, Landmark& landmark_in,
+            int sight_in) {
     cost = cost_in;
+    context_ = &context;
     pose = &pose_in;
     landmark = &landmark_in;
     sight = sight_in;
     set_num_residuals(cost.rows());
     if (landmark->free) mutable_parameter_block_sizes()->push_back(Landmark::kSize);
     if (pose->IsFree()) mutable_parameter_block_sizes()->push_back(6);
+    Refit();
+    at_start = now;
+    active = now.in_front;
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     const double* x = landmark->free ? parameters[0] : landmark->x.data();
     double* by_landmark = jacobians && landmark->free ? jacobians[0] : nullptr;
     double* by_pose = jacobians && pose->IsFree() ? jacobians[landmark->free ? 1 : 0] : nullptr;
-    if (active && cost.Evaluate(pose->view, x, residuals, by_pose, by_landmark)) return true;
+    const bool takes_part = active && !context_->finished;
+    if (takes_part && Measure(cost.Evaluate(pose->view, x, residuals, by_pose, by_landmark), residuals)) return true;
     std::fill_n(residuals, cost.rows(), 0.0);
-    if (active) residuals[0] = kBehind;
+    if (takes_part) residuals[0] = kBehind;
     if (by_landmark) std::fill_n(by_landmark, cost.rows() * Landmark::kSize, 0.0);
     if (by_pose) std::fill_n(by_pose, cost.rows() * 6, 0.0);
     return true;
   }
 
-  /// Whether the sight agrees with the state: squared norm below the gate, and in front.
-  bool Agrees(const Gates& gates) const {
+  /// Evaluates the fit at the state as it is.
+  void Refit() const {
     double r[Cost::kMaxRows];
-    if (!cost.Evaluate(pose->view, landmark->x.data(), r, nullptr, nullptr)) return false;
-    double squared = 0.0;
-    for (int i = 0; i < cost.rows(); ++i) squared += r[i] * r[i];
-    return squared <= gates[cost.rows()];
+    Measure(cost.Evaluate(pose->view, landmark->x.data(), r, nullptr, nullptr), r);
+  }
+
+  /// Of the fit as it was evaluated last.
+  bool Agrees(const Gates& gates) const { return now.in_front && now.squared <= gates[cost.rows()]; }
+  double Loss() const {
+    return PseudoHuberLoss(now.in_front ? now.squared : kBehind * kBehind, context_->huber_delta);
   }
 
   Cost cost;
@@ -75,10 +99,23 @@ class SightCostFunction final : public ceres::CostFunction {
   Landmark* landmark = nullptr;
   int sight = -1;
   bool active = false;
+  Fit at_start;
+  mutable Fit now;
 
  private:
   /// In standard deviations.
   static constexpr double kBehind = 30.0;
+
+  bool Measure(bool in_front, const double* residuals) const {
+    now.in_front = in_front;
+    if (!in_front) return false;
+    now.squared = 0.0;
+    for (int i = 0; i < cost.rows(); ++i) now.squared += residuals[i] * residuals[i];
+    now.squared_px = cost.SquaredPixels(residuals);
+    return true;
+  }
+
+  const SightContext* context_ = nullptr;
 };
 
 /// Holds a landmark near its start where sights alone do not: at infinity, seen once without disparity, along a line.
@@ -89,19 +126,18 @@ class WeakPrior final : public ceres::CostFunction {
   using Information = Eigen::Matrix<double, Landmark::kSize, Landmark::kSize>;
 
   /// The deviation is the distance to the landmark; along a line a hundredth of the length.
-  WeakPrior(const Landmark& landmark, double distance_m)
-      : start_(landmark.start), weight_(landmark.PriorWeight(distance_m)) {
+  WeakPrior(const Landmark& landmark, double distance_m, const SightContext& context)
+      : start_(landmark.start), weight_(landmark.PriorWeight(distance_m)), context_(context) {
     set_num_residuals(Landmark::kSize);
     mutable_parameter_block_sizes()->push_back(Landmark::kSize);
   }
 
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
     using Parameters = typename Landmark::Parameters;
-    Eigen::Map<Parameters>{residuals} = weight_ * (Eigen::Map<const Parameters>(parameters[0]) - start_);
-    if (jacobians && jacobians[0]) {
-      // Symmetric, so rows or columns first are the same.
-      Eigen::Map<Information>{jacobians[0]} = weight_;
-    }
+    const double on = context_.finished ? 0.0 : 1.0;
+    Eigen::Map<Parameters>{residuals} = on * weight_ * (Eigen::Map<const Parameters>(parameters[0]) - start_);
+    // Symmetric, so rows or columns first are the same.
+    if (jacobians && jacobians[0]) Eigen::Map<Information>{jacobians[0]} = on * weight_;
     return true;
   }
 
@@ -110,6 +146,7 @@ class WeakPrior final : public ceres::CostFunction {
  private:
   typename Landmark::Parameters start_;
   Information weight_;
+  const SightContext& context_;
 };
 
 /// All landmarks of one kind and their sights, in the order of the landmarks. Points and lines are two of these.
@@ -124,14 +161,18 @@ class SightGroup {
   /// landmark is behind of take none until a gate lets them in.
   template <class GivenLandmark, class Sight>
   SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
-             std::vector<AdjustedPose>& poses, const StereoCamera& camera);
+             const SightContext& context, std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
+  /// Residuals, weak priors, and the landmarks into group 0.
   void AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss);
 
-  /// To be called before each pass: holds what the sights that now take part do not.
-  void AddPriorsTo(ceres::Problem& problem);
+  /// Twice the cost of the sights that take part, as they were evaluated last.
+  double Loss() const;
 
-  /// Lets those take part that agree; returns how many changed.
+  /// Takes away those that do not agree as they were evaluated last; returns how many.
+  int Trim(const Gates& gates);
+
+  /// Lets those take part that agree with the state as it is; returns how many changed.
   int Gate(const Gates& gates);
 
   /// Puts back where they were the landmarks that no sight agrees with.
@@ -161,7 +202,11 @@ class SightGroup {
   int Count(size_t landmark) const { return first_[landmark + 1] - first_[landmark]; }
   double DistanceTo(size_t landmark) const;
   Information InformationOf(size_t landmark) const;
+  bool IsDetermined(size_t landmark, double distance_m) const;
+  /// After a change: a landmark that its sights do not determine any more, and no prior holds, takes no part.
+  void DropUndetermined(size_t landmark);
 
+  const SightContext& context_;
   std::vector<Landmark> landmarks_;
   /// Sights of landmark i are first_[i] to first_[i + 1].
   std::vector<int> first_;
@@ -169,8 +214,6 @@ class SightGroup {
   size_t given_sights_;
   /// By landmark; null where sights suffice.
   std::vector<std::unique_ptr<WeakPrior<Landmark>>> priors_;
-  /// By landmark: whether its sights have changed since priors were added.
-  std::vector<char> changed_;
   bool has_free_ = false;
 };
 

@@ -11,12 +11,13 @@ namespace plslam {
 template <class Cost>
 template <class GivenLandmark, class Sight>
 SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
-                             std::vector<AdjustedPose>& poses, const StereoCamera& camera)
-    : landmarks_(landmarks.begin(), landmarks.end()),
+                             const SightContext& context, std::vector<AdjustedPose>& poses,
+                             const StereoCamera& camera)
+    : context_(context),
+      landmarks_(landmarks.begin(), landmarks.end()),
       first_(landmarks.size() + 1, 0),
       given_sights_(sights.size()),
-      priors_(landmarks.size()),
-      changed_(landmarks.size(), 1) {
+      priors_(landmarks.size()) {
   std::vector<char> usable(sights.size());
   for (size_t i = 0; i < sights.size(); ++i) {
     const int landmark = LandmarkOf(sights[i]);
@@ -30,11 +31,9 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
     if (!usable[i]) continue;
     Landmark& landmark = landmarks_[LandmarkOf(sights[i])];
     AdjustedPose& pose = poses[sights[i].pose];
-    SightCostFunction<Cost>& bound = sights_[next[LandmarkOf(sights[i])]++];
-    bound.Bind(Cost(sights[i], landmark, pose.view, camera), pose, landmark, static_cast<int>(i));
     ++pose.sights;
-    double r[Cost::kMaxRows];
-    bound.active = bound.cost.Evaluate(pose.view, landmark.x.data(), r, nullptr, nullptr);
+    sights_[next[LandmarkOf(sights[i])]++].Bind(Cost(sights[i], landmark, pose.view, camera), context, pose, landmark,
+                                                static_cast<int>(i));
   }
   for (size_t i = 0; i < landmarks_.size(); ++i) has_free_ |= landmarks_[i].free && Count(i) > 0;
 }
@@ -66,20 +65,12 @@ double SightGroup<Cost>::DistanceTo(size_t landmark) const {
 }
 
 template <class Cost>
-void SightGroup<Cost>::AddPriorsTo(ceres::Problem& problem) {
+bool SightGroup<Cost>::IsDetermined(size_t landmark, double distance_m) const {
   constexpr double kMaxRelativeSigma = 0.3;
-  for (size_t i = 0; i < landmarks_.size(); ++i) {
-    if (!std::exchange(changed_[i], 0) || priors_[i] || !landmarks_[i].free || Count(i) == 0) continue;
-    const double distance_m = DistanceTo(i);
-    if (!Landmark::kAlwaysPrior) {
-      // What is left above the information of a deviation that is too large.
-      Information excess = InformationOf(i);
-      excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
-      if (excess.llt().info() == Eigen::Success) continue;
-    }
-    priors_[i] = std::make_unique<WeakPrior<Landmark>>(landmarks_[i], distance_m);
-    problem.AddResidualBlock(priors_[i].get(), nullptr, landmarks_[i].x.data());
-  }
+  // What is left above the information of a deviation that is too large.
+  Information excess = InformationOf(landmark);
+  excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
+  return excess.llt().info() == Eigen::Success;
 }
 
 template <class Cost>
@@ -95,25 +86,62 @@ void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrder
       if (sight.pose->IsFree()) blocks[count++] = sight.pose->x.data();
       if (count > 0) problem.AddResidualBlock(&sight, loss, blocks, count);
     }
-    if (landmark.free && Count(i) > 0) order.AddElementToGroup(landmark.x.data(), 0);
+    if (!landmark.free || Count(i) == 0) continue;
+    order.AddElementToGroup(landmark.x.data(), 0);
+    const double distance_m = DistanceTo(i);
+    if (!Landmark::kAlwaysPrior && IsDetermined(i, distance_m)) continue;
+    priors_[i] = std::make_unique<WeakPrior<Landmark>>(landmark, distance_m, context_);
+    problem.AddResidualBlock(priors_[i].get(), nullptr, landmark.x.data());
   }
+}
+
+template <class Cost>
+double SightGroup<Cost>::Loss() const {
+  double sum = 0.0;
+  for (int i = 0; i < first_.back(); ++i) {
+    if (sights_[i].active) sum += sights_[i].Loss();
+  }
+  return sum;
+}
+
+template <class Cost>
+int SightGroup<Cost>::Trim(const Gates& gates) {
+  int changed = 0;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    const int changed_before = changed;
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      SightCostFunction<Cost>& sight = sights_[k];
+      if (!sight.active || sight.Agrees(gates)) continue;
+      sight.active = false;
+      ++changed;
+    }
+    if (changed != changed_before) DropUndetermined(i);
+  }
+  return changed;
 }
 
 template <class Cost>
 int SightGroup<Cost>::Gate(const Gates& gates) {
   int changed = 0;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
+    const int changed_before = changed;
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
       SightCostFunction<Cost>& sight = sights_[k];
       sight.cost.Anchor(sight.pose->view, landmarks_[i]);
+      sight.Refit();
       const bool agrees = sight.Agrees(gates);
-      if (agrees == sight.active) continue;
+      changed += agrees != sight.active;
       sight.active = agrees;
-      changed_[i] = 1;
-      ++changed;
     }
+    if (changed != changed_before) DropUndetermined(i);
   }
   return changed;
+}
+
+template <class Cost>
+void SightGroup<Cost>::DropUndetermined(size_t landmark) {
+  if (!landmarks_[landmark].free || priors_[landmark] || IsDetermined(landmark, DistanceTo(landmark))) return;
+  for (int k = first_[landmark]; k < first_[landmark + 1]; ++k) sights_[k].active = false;
 }
 
 template <class Cost>
@@ -129,17 +157,13 @@ void SightGroup<Cost>::RestoreLost() {
 template <class Cost>
 SightSums SightGroup<Cost>::Sum(State state) const {
   SightSums sums;
-  double r[Cost::kMaxRows];
   for (int i = 0; i < first_.back(); ++i) {
     const SightCostFunction<Cost>& sight = sights_[i];
-    if (!sight.active) continue;
-    const bool start = state == State::kStart;
-    const CameraView& view = start ? sight.pose->start_view() : sight.pose->view;
-    const auto& x = start ? sight.landmark->start : sight.landmark->x;
-    if (!sight.cost.Evaluate(view, x.data(), r, nullptr, nullptr)) continue;
-    for (int row = 0; row < sight.cost.rows(); ++row) sums.squares += r[row] * r[row];
+    const Fit& fit = state == State::kStart ? sight.at_start : sight.now;
+    if (!sight.active || !fit.in_front) continue;
+    sums.squares += fit.squared;
     sums.rows += sight.cost.rows();
-    sums.squares_px += sight.cost.SquaredPixels(r);
+    sums.squares_px += fit.squared_px;
     sums.sights += 1.0;
   }
   return sums;

@@ -47,12 +47,6 @@ class RowIndex {
   std::vector<int> indices_;
 };
 
-struct Candidate {
-  int index = -1;
-  int distance = kNone;
-  int second = kNone;
-};
-
 bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoOptions& options) {
   if (std::abs(left.octave - right.octave) > kMaxOctavesApart) return false;
   const double scale = std::max(left.scale, right.scale);
@@ -60,38 +54,6 @@ bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoO
   // Corners are placed to a pixel or so of their octave; the gates on the disparity itself come after alignment.
   const double disparity_px = left.px.x() - right.px.x();
   return disparity_px >= options.min_disparity_px - scale && disparity_px <= options.max_disparity_px + scale;
-}
-
-/// For each left point its nearest right descriptor and the distance of the second.
-std::vector<Candidate> FindCandidates(const std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                                      const StereoOptions& options) {
-  const RowIndex rows(right);
-  std::vector<Candidate> candidates(left.size());
-  std::vector<Candidate> of_right(right.size());
-  for (size_t i = 0; i < left.size(); ++i) {
-    const PointFeature& feature = left[i].left;
-    Candidate& best = candidates[i];
-    // The right point may be an octave coarser than the left.
-    const double reach_px = options.point_row_tolerance_px * feature.scale * 2.0;
-    rows.ForEachNear(feature.px.y(), reach_px, [&](int j) {
-      if (!MayMatch(feature, right[j], options)) return;
-      const int distance = HammingDistance(feature.descriptor, right[j].descriptor);
-      if (distance < of_right[j].distance) of_right[j] = {static_cast<int>(i), distance, kNone};
-      if (distance < best.distance) {
-        best = {j, distance, best.distance};
-      } else {
-        best.second = std::min(best.second, distance);
-      }
-    });
-  }
-  for (size_t i = 0; i < left.size(); ++i) {
-    Candidate& c = candidates[i];
-    const bool accepted = c.index >= 0 && of_right[c.index].index == static_cast<int>(i) &&
-                          c.distance <= options.point_max_descriptor_distance &&
-                          (c.second == kNone || c.distance < options.point_max_ratio * c.second);
-    if (!accepted) c.index = -1;
-  }
-  return candidates;
 }
 
 bool Accepted(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
@@ -114,7 +76,7 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
 }
 
 void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                      const std::vector<Candidate>& candidates, const HalvedPair& pair,
+                      const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
                       const StereoOptions& options) {
   const PatchAligner aligner(pair, options.row_sigma_px);
   RowSearch search(pair);
@@ -144,12 +106,43 @@ std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const St
   return without;
 }
 
+std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
+                                                const std::vector<PointFeature>& right,
+                                                const StereoOptions& options) {
+  if (left.empty()) return {};
+  const RowIndex rows(right);
+  const PointCandidate none{-1, kNone, kNone};
+  std::vector<PointCandidate> candidates(left.size(), none);
+  std::vector<PointCandidate> of_right(right.size(), none);
+  for (size_t i = 0; i < left.size(); ++i) {
+    const PointFeature& feature = left[i].left;
+    PointCandidate& best = candidates[i];
+    // The right point may be an octave coarser than the left.
+    const double reach_px = options.point_row_tolerance_px * feature.scale * 2.0;
+    rows.ForEachNear(feature.px.y(), reach_px, [&](int j) {
+      if (!MayMatch(feature, right[j], options)) return;
+      const int distance = HammingDistance(feature.descriptor, right[j].descriptor);
+      if (distance < of_right[j].distance) of_right[j] = {static_cast<int>(i), distance, kNone};
+      if (distance < best.distance) {
+        best = {j, distance, best.distance};
+      } else {
+        best.second_distance = std::min(best.second_distance, distance);
+      }
+    });
+  }
+  for (size_t i = 0; i < left.size(); ++i) {
+    PointCandidate& c = candidates[i];
+    const bool accepted = c.index >= 0 && of_right[c.index].index == static_cast<int>(i) &&
+                          c.distance <= options.point_max_descriptor_distance &&
+                          (c.second_distance == kNone || c.distance < options.point_max_ratio * c.second_distance);
+    if (!accepted) c.index = -1;
+  }
+  return candidates;
+}
+
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options,
-                       const RunBoth& run_both) {
-  if (left.empty()) return;
-  const std::vector<Candidate> candidates = FindCandidates(left, right, options);
-  const HalvedPair pair(left_image, right_image);
+                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
+                       const StereoOptions& options, const RunBoth& run_both) {
   // Points are matched independently of each other; odd and even ones share near and far, easy and hard alike.
   run_both([&] { MatchEverySecond(0, left, right, candidates, pair, options); },
            [&] { MatchEverySecond(1, left, right, candidates, pair, options); });

@@ -2,9 +2,8 @@
 
 #include <vector>
 
-#include <opencv2/core/mat.hpp>
-
 #include "core/features/features.h"
+#include "core/features/halved_pair.h"
 #include "core/features/options.h"
 #include "core/features/run_both.h"
 
@@ -13,14 +12,24 @@ namespace plslam {
 /// `points` as stereo points without depth, with `sigma_px` set from their scales.
 std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options);
 
-/// Finds the right point of each left one and sets its disparity and standard deviation (PL-SLAM §IV.A).
-///
-/// Candidates lie on the same row within `point_row_tolerance_px` times the scale of their octave, at most one octave
-/// apart, with a disparity in range; the nearest descriptor must be near enough, clearly nearer than the second, and
-/// mutually best. The disparity is then measured by aligning the patches of the two images (`PatchAligner`) and
-/// dropped where they do not correlate. Points without a match keep a negative disparity.
+/// The right point that a left one looks most like; `index` is negative for none.
+struct PointCandidate {
+  int index = -1;
+  int distance = 0;
+  int second_distance = 0;
+};
+
+/// For each left point its candidate (PL-SLAM §IV.A): on the same row within `point_row_tolerance_px` times the scale of
+/// the octave, at most one octave apart, with a disparity in range; its descriptor must be near enough, clearly nearer
+/// than the second, and mutually best.
+std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
+                                                const std::vector<PointFeature>& right, const StereoOptions& options);
+
+/// Sets the disparities of left points and their standard deviations by aligning patches of the two images
+/// (`PatchAligner`) at the candidates, or where a search along the row finds the patch. Points whose patches do not
+/// correlate keep a negative disparity.
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const cv::Mat& left_image, const cv::Mat& right_image, const StereoOptions& options,
-                       const RunBoth& run_both = RunInTurn);
+                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
+                       const StereoOptions& options, const RunBoth& run_both = RunInTurn);
 
 }  // namespace plslam

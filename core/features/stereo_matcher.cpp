@@ -1,5 +1,6 @@
 #include "core/features/stereo_matcher.h"
 
+#include <optional>
 #include <utility>
 
 #include "core/features/depth_points.h"
@@ -14,8 +15,14 @@ StereoFeatures MatchStereo(ImageFeatures left, const ImageFeatures& right, const
   StereoFeatures features;
   features.points = WithoutDepth(std::move(left.points), options);
   features.lines = WithoutDepth(std::move(left.lines));
-  MatchPointsStereo(features.points, right.points, left_image, right_image, options, run_both);
-  MatchLinesStereo(features.lines, right.lines, left_image, right_image, camera, options);
+  std::vector<PointCandidate> candidates;
+  std::optional<HalvedPair> pair;
+  run_both([&] { candidates = FindPointCandidates(features.points, right.points, options); },
+           [&] {
+             if (!features.points.empty()) pair.emplace(left_image, right_image);
+             MatchLinesStereo(features.lines, right.lines, left_image, right_image, camera, options);
+           });
+  if (pair) MatchPointsStereo(features.points, right.points, candidates, *pair, options, run_both);
   return features;
 }
 

@@ -14,10 +14,16 @@
 namespace plslam {
 namespace {
 
+void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
+           const cv::Mat& right, const StereoOptions& options) {
+  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, options), HalvedPair(left, right),
+                    options);
+}
+
 std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options = {}) {
   OrbExtractor extractor{OrbOptions{}};
   std::vector<StereoPoint> points = WithoutDepth(extractor.Extract(left), options);
-  MatchPointsStereo(points, extractor.Extract(right), left, right, options);
+  Match(points, extractor.Extract(right), left, right, options);
   return points;
 }
 
@@ -80,12 +86,12 @@ TEST(MatchPointsStereo, ZeroAndOneFeature) {
   const cv::Mat right = test::RenderTexture(200, 120, {.shift_x_px = 9.0});
   const StereoOptions options;
   std::vector<StereoPoint> none;
-  MatchPointsStereo(none, OrbExtractor{OrbOptions{}}.Extract(right), left, right, options);
+  Match(none, OrbExtractor{OrbOptions{}}.Extract(right), left, right, options);
   EXPECT_TRUE(none.empty());
   PointFeature feature;
   feature.px = {100.0, 60.0};
   std::vector<StereoPoint> one = WithoutDepth({feature}, options);
-  MatchPointsStereo(one, {}, left, right, options);
+  Match(one, {}, left, right, options);
   ASSERT_TRUE(one[0].HasDepth());
   EXPECT_NEAR(one[0].disparity_px, 9.0, 0.1);
 }

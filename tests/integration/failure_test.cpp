@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
 
 namespace plslam {
@@ -48,6 +49,32 @@ TEST(RunFailure, KilledTrackerIsStartedAgain) {
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["processes"]["vo"]["restarts"], 1);
   EXPECT_GE(summary["frames"], 398) << summary.dump(1);
+}
+
+TEST(RunFailure, KilledMapperBuildsTheSameMapAgain) {
+  const std::string world = "synthetic:room?frames=200&size=376x240";
+  WholeRun undisturbed, run;
+  ASSERT_EQ(undisturbed.Run({"run", world, "--record", undisturbed.log()}), 0) << undisturbed.Logs();
+  run.Start({"run", world, "--record", run.log()});
+  const auto half_way = [&] {
+    return std::filesystem::exists(run.log()) && std::filesystem::file_size(run.log()) > 18'000'000;
+  };
+  ASSERT_TRUE(WholeRun::WaitFor(half_way)) << run.Logs();
+  const pid_t mapper = run.PidOf("mapping_process");
+  ASSERT_GT(mapper, 0);
+  ASSERT_EQ(kill(mapper, SIGKILL), 0);
+  ASSERT_EQ(run.Wait(), 0) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["tracked_frames"], 200) << summary.dump(1);
+  EXPECT_EQ(summary["processes"]["mapping"]["restarts"], 1);
+  EXPECT_EQ(summary["processes"]["vo"]["restarts"], 0);
+  const auto expected = test::ReadRecordedRun(undisturbed.log()), log = test::ReadRecordedRun(run.log());
+  EXPECT_GE(expected.map_totals.keyframes, 5);
+  EXPECT_EQ(log.map_totals.keyframes, expected.map_totals.keyframes);
+  EXPECT_TRUE(log.map_bytes == expected.map_bytes) << "lockstep: the map does not depend on the crash";
+  EXPECT_EQ(run.Read("trajectory.tum"), undisturbed.Read("trajectory.tum"));
+  EXPECT_TRUE(run.Read("map.ply") == undisturbed.Read("map.ply"));
 }
 
 TEST(RunFailure, KilledViewerIsStartedAgainAndStillHasTheWholePath) {

@@ -1,7 +1,9 @@
 #include "tests/integration/recorded_run.h"
 
 #include "core/bus/log_reader.h"
+#include "core/bus/map_pages.h"
 #include "plslam/keyframe_t.hpp"
+#include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 
 namespace plslam::test {
@@ -25,8 +27,31 @@ void Anonymise(Message* message) {
   message->header.session = 0;
 }
 
+/// Follows the map as it was published.
+class MapFollower {
+ public:
+  void Add(const map_update_t& page) {
+    if (assembler_.Add(page) == bus::MapUpdateAssembler::Outcome::kComplete) replica_.Apply(assembler_.Take());
+  }
+
+  void Finish(RecordedRun* run) const {
+    run->map_totals = replica_.map().Totals();
+    MapUpdate whole = WholeMap(replica_.map());
+    whole.version = 1;
+    for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
+    for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
+      const auto bytes = Encode(page);
+      run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());
+    }
+  }
+
+ private:
+  bus::MapUpdateAssembler assembler_;
+  MapReplica replica_;
+};
+
 /// Adds one message; false where it cannot be decoded.
-bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run) {
+bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run, MapFollower* map) {
   const auto number = [&](const header_t& header) {
     run->sequence_numbers[{channel, header.source}].push_back(header.seq);
   };
@@ -44,6 +69,11 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
     number(keyframe.header);
     Anonymise(&keyframe);
     run->keyframes.push_back(Encode(keyframe));
+  } else if (channel == "MAP_UPDATE") {
+    map_update_t page;
+    if (!Decode(bytes, &page)) return false;
+    number(page.header);
+    map->Add(page);
   } else if (channel == "STREAM") {
     run->streams.emplace_back();
     if (!Decode(bytes, &run->streams.back())) return false;
@@ -74,11 +104,13 @@ int RecordedRun::Gaps(const std::string& channel) const {
 RecordedRun ReadRecordedRun(const std::string& log) {
   bus::LogReader reader(log);
   RecordedRun run;
+  MapFollower map;
   while (const auto event = reader.Next()) {
     const auto bytes = reader.Data(event->data_offset, event->data_bytes);
     ++run.counts[event->channel];
-    if (!bytes || !Add(event->channel, *bytes, &run)) ++run.undecodable;
+    if (!bytes || !Add(event->channel, *bytes, &run, &map)) ++run.undecodable;
   }
+  map.Finish(&run);
   return run;
 }
 

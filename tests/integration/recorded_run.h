@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/map/map.h"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
@@ -22,6 +23,10 @@ struct RecordedRun {
   /// poses the stage times.
   std::vector<std::vector<uint8_t>> poses;
   std::vector<std::vector<uint8_t>> keyframes;
+  /// The map at the end of the log, as a listener that follows MAP_UPDATE has it; `map_bytes` are its messages without
+  /// the random names.
+  MapTotals map_totals;
+  std::vector<uint8_t> map_bytes;
   std::vector<stream_t> streams;
   std::vector<status_t> statuses;
   int undecodable = 0;

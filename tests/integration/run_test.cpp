@@ -3,6 +3,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <filesystem>
 
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
@@ -41,10 +42,24 @@ void ExpectWholeLog(const RecordedRun& log, int frames) {
   EXPECT_EQ(log.undecodable, 0);
 }
 
+/// The summary, the files and the log tell of the same map.
+void ExpectMap(const WholeRun& run, const RecordedRun& log, const nlohmann::json& summary) {
+  EXPECT_GE(log.map_totals.keyframes, 2);
+  EXPECT_EQ(summary["map"]["keyframes"], log.map_totals.keyframes);
+  EXPECT_EQ(summary["landmarks"]["points"], log.map_totals.points);
+  EXPECT_EQ(summary["landmarks"]["lines"], log.map_totals.lines);
+  EXPECT_GE(summary["map"]["observations_per_point"], 1.0);
+  EXPECT_GT(summary["map"]["adjustment_ms"]["median"], 0.0) << summary["map"].dump(1);
+  EXPECT_EQ(Lines(run.Read("keyframes.tum")), log.map_totals.keyframes);
+  const std::string n = std::to_string(log.map_totals.points + 2 * log.map_totals.lines);
+  EXPECT_NE(run.Read("map.ply").find("\nelement vertex " + n + "\n"), std::string::npos);
+}
+
 TEST(Run, LockstepOnASyntheticWorld) {
   WholeRun run;
   ASSERT_EQ(run.Run({"run", kWorld, "--record", run.log()}), 0) << run.Logs();
-  ExpectWholeLog(ReadRecordedRun(run.log()), kFrames);
+  const RecordedRun log = ReadRecordedRun(run.log());
+  ExpectWholeLog(log, kFrames);
 
   const nlohmann::json summary = run.Summary();
   EXPECT_EQ(summary["completed"], true);
@@ -59,6 +74,21 @@ TEST(Run, LockstepOnASyntheticWorld) {
   EXPECT_TRUE(summary["configuration"]["vo"]["vo"].is_object()) << summary["configuration"].dump(1);
   ExpectAllExitedCleanly(summary);
   EXPECT_EQ(Lines(run.Read("trajectory.tum")), kFrames);
+  EXPECT_EQ(Lines(run.Read("trajectory_live.tum")), kFrames);
+  ExpectMap(run, log, summary);
+}
+
+TEST(Run, WithoutMapping) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", kWorld, "--no-mapping", "--record", run.log()}), 0) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["tracked_frames"], kFrames);
+  EXPECT_FALSE(summary["processes"].contains("mapping"));
+  EXPECT_TRUE(summary["map"].is_null());
+  EXPECT_GT(summary["landmarks"]["points"], 20);
+  EXPECT_EQ(ReadRecordedRun(run.log()).Count("MAP_UPDATE"), 0);
+  EXPECT_FALSE(std::filesystem::exists(run.out() / "map.ply"));
+  EXPECT_EQ(run.Read("trajectory.tum"), run.Read("trajectory_live.tum"));
   EXPECT_EQ(Lines(run.Read("keyframes.tum")), summary["keyframes"]);
 }
 
@@ -71,7 +101,10 @@ TEST(Run, SameInputTwiceGivesTheSameBits) {
   EXPECT_EQ(a.poses, b.poses);
   EXPECT_EQ(a.keyframes, b.keyframes);
   EXPECT_EQ(first.Read("trajectory.tum"), second.Read("trajectory.tum"));
+  EXPECT_EQ(first.Read("trajectory_live.tum"), second.Read("trajectory_live.tum"));
   EXPECT_EQ(first.Read("keyframes.tum"), second.Read("keyframes.tum"));
+  EXPECT_TRUE(first.Read("map.ply") == second.Read("map.ply"));
+  EXPECT_TRUE(a.map_bytes == b.map_bytes);
 }
 
 TEST(Run, ReplayOfTheRecordedLogGivesTheSameBits) {
@@ -82,6 +115,7 @@ TEST(Run, ReplayOfTheRecordedLogGivesTheSameBits) {
   EXPECT_EQ(Lines(live.Read("trajectory.tum")), kFrames);
   EXPECT_EQ(live.Read("trajectory.tum"), replay.Read("trajectory.tum"));
   EXPECT_EQ(live.Read("keyframes.tum"), replay.Read("keyframes.tum"));
+  EXPECT_TRUE(live.Read("map.ply") == replay.Read("map.ply"));
   EXPECT_EQ(live.Summary()["accuracy"]["ate_m"], replay.Summary()["accuracy"]["ate_m"]);
 }
 
@@ -96,6 +130,7 @@ TEST(Run, FivePercentLossIsRepaired) {
   EXPECT_GT(summary["messages"]["repaired"], 0);
   EXPECT_EQ(summary["tracked_frames"], kFrames);
   EXPECT_EQ(whole.Read("trajectory.tum"), lossy.Read("trajectory.tum"));
+  EXPECT_TRUE(whole.Read("map.ply") == lossy.Read("map.ply"));
 }
 
 TEST(Run, RelayInPlaceOfMulticast) {

@@ -1,29 +1,19 @@
 #include <deque>
-#include <filesystem>
 #include <random>
 
 #include <gtest/gtest.h>
 
 #include "core/bus/ordered_reader.h"
 #include "core/bus/ordered_writer.h"
-#include "tests/unit/bus/bus_fixture.h"
+#include "tests/unit/bus/numbered_messages.h"
 
 namespace plslam::bus {
 namespace {
 
+using test::MessageOf;
+using test::NumberOf;
+
 constexpr int64_t kMs = 1'000'000;
-
-Bytes MessageOf(int64_t n, size_t size = 100) {
-  std::vector<uint8_t> bytes(size, static_cast<uint8_t>(n));
-  for (int i = 0; i < 8; ++i) bytes[static_cast<size_t>(i)] = static_cast<uint8_t>(n >> (8 * i));
-  return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
-}
-
-int64_t NumberOf(const Bytes& message) {
-  int64_t n = 0;
-  for (int i = 7; i >= 0; --i) n = n << 8 | (*message)[static_cast<size_t>(i)];
-  return n;
-}
 
 OrderedWriter WriterOf(Retention retention = Retention::kAll) {
   return OrderedWriter(retention, 100'000'000, "CHANNEL", "", false);
@@ -362,46 +352,6 @@ TEST_P(OrderedChannel, EveryMessageArrivesOnceAndInOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Loss, OrderedChannel, testing::Values(0.0, 0.05, 0.2, 0.5));
-
-TEST(History, SpillsToALogAndReadsItBack) {
-  const test::TemporaryFolder folder;
-  const std::string path = folder / "deep/CHANNEL.lcmlog";
-  {
-    History history(Retention::kAll, 10'000, "CHANNEL", path, false);
-    for (int64_t n = 0; n < 1000; ++n) history.Append(MessageOf(n, 100 + static_cast<size_t>(n % 50)));
-    EXPECT_LE(history.memory_bytes(), 10'000);
-    EXPECT_GT(history.spilled(), 900);
-    EXPECT_EQ(history.first_seq(), 0);
-    EXPECT_EQ(history.next_seq(), 1000);
-    for (const int64_t n : {0, 1, 500, 7, 950, 999}) {
-      const Bytes message = history.Get(n);
-      ASSERT_NE(message, nullptr) << n;
-      EXPECT_EQ(*message, *MessageOf(n, 100 + static_cast<size_t>(n % 50)));
-    }
-    history.Append(MessageOf(1000));
-    EXPECT_EQ(NumberOf(history.Get(920)), 920);
-    EXPECT_EQ(history.Get(1001), nullptr);
-    EXPECT_EQ(history.Get(-1), nullptr);
-  }
-  EXPECT_FALSE(std::filesystem::exists(path));
-}
-
-TEST(History, BeginsLaterWhereTheDiskDoesNotTakeIt) {
-  History history(Retention::kAll, 1000, "CHANNEL", "/proc/nowhere/CHANNEL.lcmlog", false);
-  for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
-  EXPECT_EQ(history.first_seq(), 90);
-  EXPECT_EQ(history.Get(5), nullptr);
-  EXPECT_EQ(NumberOf(history.Get(95)), 95);
-}
-
-TEST(History, OfUnacknowledgedMessagesStaysInMemoryAndBounded) {
-  History history(Retention::kUnacknowledged, 1000, "CHANNEL", "", false);
-  for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
-  EXPECT_EQ(history.first_seq(), 90);
-  history.Forget(95);
-  EXPECT_EQ(history.first_seq(), 95);
-  EXPECT_EQ(history.Get(94), nullptr);
-}
 
 }  // namespace
 }  // namespace plslam::bus

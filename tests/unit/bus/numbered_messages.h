@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/bus/wire.h"
+
+namespace plslam::bus::test {
+
+/// `size` bytes that carry a number.
+inline Bytes MessageOf(int64_t n, size_t size = 100) {
+  std::vector<uint8_t> bytes(size, static_cast<uint8_t>(n));
+  for (int i = 0; i < 8; ++i) bytes[static_cast<size_t>(i)] = static_cast<uint8_t>(n >> (8 * i));
+  return std::make_shared<const std::vector<uint8_t>>(std::move(bytes));
+}
+
+inline int64_t NumberOf(const Bytes& message) {
+  int64_t n = 0;
+  for (int i = 7; i >= 0; --i) n = n << 8 | (*message)[static_cast<size_t>(i)];
+  return n;
+}
+
+}  // namespace plslam::bus::test

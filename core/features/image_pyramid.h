@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
+
+#include "core/features/linear_shrink.h"
 
 namespace plslam {
 
@@ -29,8 +32,12 @@ class ImagePyramid {
   }
 
  private:
+  void Shrink(const cv::Mat& image, cv::Size size, int level, cv::Mat& out);
+
   std::vector<cv::Mat> images_;
   std::vector<Eigen::Vector2d> scales_;
+  // By level, of the sizes of the last image.
+  std::vector<std::optional<LinearShrink>> shrinks_;
 };
 
 }  // namespace plslam

@@ -1,6 +1,7 @@
 #include "core/optim/bundle.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -109,6 +110,8 @@ class Adjustment {
     SightActions actions;
     actions.loss = [this] { return points_.Loss() + lines_.Loss(); };
     actions.trim = [this] {
+      points_.Update();
+      lines_.Update();
       points_.Trim(gates_);
       lines_.Trim(gates_);
     };
@@ -117,8 +120,14 @@ class Adjustment {
     ceres::SoftLOneLoss pseudo_huber(options_.huber_delta);
     ceres::Problem ceres_problem(BundleProblemOptions(monitor));
     ceres::ParameterBlockOrdering order;
-    points_.AddTo(ceres_problem, order, &pseudo_huber);
-    lines_.AddTo(ceres_problem, order, &pseudo_huber);
+    // A later pass lets them in again.
+    if (options_.max_refinements > 0) {
+      points_.TrimGross();
+      lines_.TrimGross();
+    }
+    std::vector<double> parameters(points_.ParameterCount() + lines_.ParameterCount());
+    points_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data());
+    lines_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data() + points_.ParameterCount());
     for (AdjustedPose& pose : poses_) {
       if (IsAdjusted(pose)) order.AddElementToGroup(pose.x.data(), 1);
     }
@@ -127,6 +136,8 @@ class Adjustment {
       monitor.Start(refinement == 0 && options_.max_refinements > 0);
       const BundlePass pass = SolveBundle(ceres_problem, order, monitor, options_);
       for (AdjustedPose& pose : poses_) pose.Update();
+      points_.Update();
+      lines_.Update();
       result.stopped = pass.stopped;
       result.iterations += pass.iterations;
       if (!pass.ok || !IsFinite()) {
@@ -168,7 +179,9 @@ class Adjustment {
     result.pose_covariances = covariance.OfPoses(poses_);
     for (const Eigen::Matrix3d& of_point : of_points) result.point_covariances.push_back(excess * of_point);
     for (size_t i = 0; i < of_lines.size(); ++i) {
-      const auto ends = lines_.landmarks()[i].EndCovariances(excess * of_lines[i]);
+      // Those that nobody saw may have no direction.
+      std::array<Eigen::Matrix3d, 2> ends{Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
+      if (!of_lines[i].isZero(0.0)) ends = lines_.landmarks()[i].EndCovariances(excess * of_lines[i]);
       result.line_p_covariances.push_back(ends[0]);
       result.line_q_covariances.push_back(ends[1]);
     }

@@ -163,14 +163,26 @@ class SightGroup {
   SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
              const SightContext& context, std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
-  /// Residuals, weak priors, and the landmarks into group 0.
-  void AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss);
+  /// Numbers of all landmarks.
+  size_t ParameterCount() const { return landmarks_.size() * kSize; }
+
+  /// Residuals, weak priors, and the landmarks into group 0. Ceres works on `ParameterCount()` numbers at `parameters`; as it
+  /// sorts by address, those of points and lines must be in one piece for equal input to give equal output.
+  void AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss,
+             double* parameters);
+
+  /// Follows Ceres' numbers.
+  void Update();
 
   /// Twice the cost of the sights that take part, as they were evaluated last.
   double Loss() const;
 
-  /// Takes away those that do not agree as they were evaluated last; returns how many.
-  int Trim(const Gates& gates);
+  /// Takes away what stands out far from the landmark's other sights: it would pull the first step astray.
+  void TrimGross();
+
+  /// Takes away those that do not agree as they were evaluated last, where most of the landmark's sights do: others are
+  /// not yet where that can be told.
+  void Trim(const Gates& gates);
 
   /// Lets those take part that agree with the state as it is; returns how many changed.
   int Gate(const Gates& gates);
@@ -206,7 +218,10 @@ class SightGroup {
   /// After a change: a landmark that its sights do not determine any more, and no prior holds, takes no part.
   void DropUndetermined(size_t landmark);
 
+  double* ParametersOf(size_t landmark) const { return parameters_ + kSize * landmark; }
+
   const SightContext& context_;
+  double* parameters_ = nullptr;
   std::vector<Landmark> landmarks_;
   /// Sights of landmark i are first_[i] to first_[i + 1].
   std::vector<int> first_;

@@ -39,6 +39,22 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
 }
 
 template <class Cost>
+void SightGroup<Cost>::TrimGross() {
+  // Squared norms: five medians of the norms, and never below ten standard deviations.
+  constexpr double kMedians = 25.0;
+  constexpr double kFloor = 100.0;
+  std::vector<double> squares;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    squares.clear();
+    for (int k = first_[i]; k < first_[i + 1]; ++k) {
+      if (sights_[k].active) squares.push_back(sights_[k].now.squared);
+    }
+    const double largest = std::max(kFloor, kMedians * Median(squares));
+    for (int k = first_[i]; k < first_[i + 1]; ++k) sights_[k].active &= sights_[k].now.squared <= largest;
+  }
+}
+
+template <class Cost>
 typename SightGroup<Cost>::Information SightGroup<Cost>::InformationOf(size_t landmark) const {
   Information sum = Information::Zero();
   double r[Cost::kMaxRows];
@@ -74,25 +90,32 @@ bool SightGroup<Cost>::IsDetermined(size_t landmark, double distance_m) const {
 }
 
 template <class Cost>
-void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order,
-                             ceres::LossFunction* loss) {
+void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss,
+                             double* parameters) {
+  parameters_ = parameters;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    Landmark& landmark = landmarks_[i];
+    const Landmark& landmark = landmarks_[i];
+    std::copy_n(landmark.x.data(), kSize, ParametersOf(i));
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
       SightCostFunction<Cost>& sight = sights_[k];
       double* blocks[2];
       int count = 0;
-      if (landmark.free) blocks[count++] = landmark.x.data();
+      if (landmark.free) blocks[count++] = ParametersOf(i);
       if (sight.pose->IsFree()) blocks[count++] = sight.pose->x.data();
       if (count > 0) problem.AddResidualBlock(&sight, loss, blocks, count);
     }
     if (!landmark.free || Count(i) == 0) continue;
-    order.AddElementToGroup(landmark.x.data(), 0);
+    order.AddElementToGroup(ParametersOf(i), 0);
     const double distance_m = DistanceTo(i);
     if (!Landmark::kAlwaysPrior && IsDetermined(i, distance_m)) continue;
     priors_[i] = std::make_unique<WeakPrior<Landmark>>(landmark, distance_m, context_);
-    problem.AddResidualBlock(priors_[i].get(), nullptr, landmark.x.data());
+    problem.AddResidualBlock(priors_[i].get(), nullptr, ParametersOf(i));
   }
+}
+
+template <class Cost>
+void SightGroup<Cost>::Update() {
+  for (size_t i = 0; i < landmarks_.size(); ++i) std::copy_n(ParametersOf(i), kSize, landmarks_[i].x.data());
 }
 
 template <class Cost>
@@ -105,19 +128,16 @@ double SightGroup<Cost>::Loss() const {
 }
 
 template <class Cost>
-int SightGroup<Cost>::Trim(const Gates& gates) {
-  int changed = 0;
+void SightGroup<Cost>::Trim(const Gates& gates) {
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    const int changed_before = changed;
-    for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      SightCostFunction<Cost>& sight = sights_[k];
-      if (!sight.active || sight.Agrees(gates)) continue;
-      sight.active = false;
-      ++changed;
-    }
-    if (changed != changed_before) DropUndetermined(i);
+    SightCostFunction<Cost>* begin = sights_.get() + first_[i];
+    SightCostFunction<Cost>* end = begin + Count(i);
+    const auto taken = std::count_if(begin, end, [](const auto& sight) { return sight.active; });
+    const auto good = std::count_if(begin, end, [&](const auto& s) { return s.active && s.Agrees(gates); });
+    if (good == taken || 2 * good <= taken) continue;
+    for (auto* sight = begin; sight != end; ++sight) sight->active = sight->active && sight->Agrees(gates);
+    DropUndetermined(i);
   }
-  return changed;
 }
 
 template <class Cost>

@@ -8,6 +8,8 @@ namespace plslam::test {
 namespace {
 
 constexpr double kStep_m = 0.15;
+// Stated for measurements without noise.
+constexpr double kExactSigma_px = 0.1;
 
 double RootMean(double squares, double count) { return std::sqrt(squares / std::max(1.0, count)); }
 
@@ -79,8 +81,8 @@ void BundleWorldMaker::MakePoint(BundleWorld& world) {
     const bool wrong = Uniform(0.0, 1.0) < spec_.outliers;
     PointSight sight{first + i, index, Measure(world, first + i, p_w, wrong), 0.0, 0.0};
     if (Uniform(0.0, 1.0) < spec_.without_disparity) sight.uvd.z() = -1.0;
-    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : 1.0;
-    sight.sigma_disparity_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : 1.0;
+    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
+    sight.sigma_disparity_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
     world.problem.point_sights.push_back(sight);
     world.point_outliers.push_back(wrong);
   }
@@ -90,7 +92,9 @@ void BundleWorldMaker::MakeLine(BundleWorld& world) {
   const int first = FirstPose(world);
   const SE3& T_w_c = world.true_T_w_c[first];
   const Eigen::Vector3d p_w = PointInView(T_w_c);
-  const Eigen::Vector3d step = Uniform(0.5, 1.5) * GaussVector().normalized();
+  Eigen::Vector3d step = GaussVector();
+  if (spec_.upright) step.y() = std::copysign(2.0 + std::abs(step.y()), step.y());
+  step *= Uniform(0.5, 1.5) / step.norm();
   const Segment3 segment_w{p_w, p_w + Eigen::Vector3d(step.x(), step.y(), 0.5 * step.z())};
   const int index = static_cast<int>(world.true_lines.size());
   world.true_lines.push_back(segment_w);
@@ -104,8 +108,8 @@ void BundleWorldMaker::MakeLine(BundleWorld& world) {
     const Segment3 seen_w{segment_w.p + Uniform(0.0, 0.3) * along, segment_w.p + Uniform(0.7, 1.0) * along};
     Measure(world, seen_w, wrong, sight);
     if (Uniform(0.0, 1.0) < spec_.without_disparity) sight.disparity_p_px = -1.0;
-    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : 1.0;
-    sight.sigma_disparity_p_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : 1.0;
+    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
+    sight.sigma_disparity_p_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
     sight.sigma_disparity_q_px = sight.sigma_disparity_p_px;
     world.problem.line_sights.push_back(sight);
     world.line_outliers.push_back(wrong);

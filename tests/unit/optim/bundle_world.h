@@ -22,6 +22,8 @@ struct BundleWorldSpec {
   /// Shares of all sights.
   double without_disparity = 0.0;
   double outliers = 0.0;
+  /// Lines that stand upright: along the camera's way they have no depth.
+  bool upright = false;
 };
 
 /// A camera that walks sideways past points and segments, with measurements whose noise is as stated. Segments are cut

@@ -32,23 +32,32 @@ struct Projected {
 
 Projected ProjectEndpoint(const PreparedLine& line, const Eigen::Matrix3d& covariance, const PoseView& view,
                           const Eigen::Vector3d& p_c, int i, Residual<4>& residual) {
-  const Eigen::Vector3d uvd = view.camera.ProjectStereo(p_c);
-  const Eigen::Matrix3d J = view.camera.ProjectStereoJacobian(p_c);
-  const Eigen::Vector2d from_left = uvd.head<2>() - line.left.start;
-  const Eigen::Vector2d from_right = Eigen::Vector2d(uvd.x() - uvd.z(), uvd.y()) - line.right.start;
-  Eigen::Matrix<double, 2, 3> g;
-  g.row(0) = line.left.normal.transpose() * J.topRows<2>();
-  g.row(1) = line.right.normal.x() * (J.row(0) - J.row(2)) + line.right.normal.y() * J.row(1);
-  residual.r(i) = line.left.normal.dot(from_left);
-  residual.r(i + 2) = line.right.normal.dot(from_right);
-  residual.J.row(i) = PoseRow(g.row(0), p_c);
-  residual.J.row(i + 2) = PoseRow(g.row(1), p_c);
-  const Eigen::Matrix<double, 2, 3> g_ref = g * view.R;
-  const Eigen::Matrix2d landmark = g_ref * covariance * g_ref.transpose();
-  residual.S(i, i) += landmark(0, 0);
-  residual.S(i + 2, i) += landmark(1, 0);
-  residual.S(i, i + 2) += landmark(0, 1);
-  residual.S(i + 2, i + 2) += landmark(1, 1);
+  const double inverse_z = 1.0 / p_c.z();
+  const double x = p_c.x() * inverse_z;
+  const double y = p_c.y() * inverse_z;
+  const double k = view.camera.f_px * inverse_z;
+  const double u = view.camera.f_px * x + view.camera.cx_px;
+  const double v = view.camera.f_px * y + view.camera.cy_px;
+  const Eigen::Vector2d from_left = Eigen::Vector2d(u, v) - line.left.start;
+  const Eigen::Vector2d from_right = Eigen::Vector2d(u - view.camera.baseline_m * k, v) - line.right.start;
+  // Derivatives of the two distances by the point: the normals times those of the pixels, most of which are 0.
+  const Eigen::Vector2d& left = line.left.normal;
+  const Eigen::Vector2d& right = line.right.normal;
+  const double x_right = x - view.camera.baseline_m * inverse_z;
+  const Eigen::Vector3d g_left = k * Eigen::Vector3d(left.x(), left.y(), -(left.x() * x + left.y() * y));
+  const Eigen::Vector3d g_right = k * Eigen::Vector3d(right.x(), right.y(), -(right.x() * x_right + right.y() * y));
+  residual.r(i) = left.dot(from_left);
+  residual.r(i + 2) = right.dot(from_right);
+  residual.J.row(i) = PoseRow(g_left, p_c);
+  residual.J.row(i + 2) = PoseRow(g_right, p_c);
+  const Eigen::Vector3d ref_left = view.R.transpose() * g_left;
+  const Eigen::Vector3d ref_right = view.R.transpose() * g_right;
+  const Eigen::Vector3d covariance_left = covariance * ref_left;
+  const double both = ref_right.dot(covariance_left);
+  residual.S(i, i) += ref_left.dot(covariance_left);
+  residual.S(i + 2, i) += both;
+  residual.S(i, i + 2) += both;
+  residual.S(i + 2, i + 2) += ref_right.dot(covariance * ref_right);
   return {line.left.direction.dot(from_left) / line.left.length_px,
           line.right.direction.dot(from_right) / std::max(line.right.length_px, kMinLength_px)};
 }

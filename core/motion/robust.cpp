@@ -35,14 +35,6 @@ RobustExpectation Integrate(int dimension, double delta, double gate) {
 
 }  // namespace
 
-double PseudoHuberLoss(double squared, double delta) {
-  const double d2 = delta * delta;
-  // The quotient form of sqrt(1 + x) - 1 keeps its digits near zero.
-  return 2.0 * squared / (std::sqrt(1.0 + squared / d2) + 1.0);
-}
-
-double PseudoHuberWeight(double squared, double delta) { return 1.0 / std::sqrt(1.0 + squared / (delta * delta)); }
-
 double ChiSquareQuantile(int dimension, double z) {
   const double spread = 2.0 / (9.0 * dimension);
   const double root = std::max(0.0, 1.0 - spread + z * std::sqrt(spread));

@@ -1,15 +1,21 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace plslam {
 
 /// Pseudo-Huber loss 2 d^2 (sqrt(1 + s^2 / d^2) - 1) of the squared norm s^2 of a whitened residual vector.
-double PseudoHuberLoss(double squared, double delta);
+inline double PseudoHuberLoss(double squared, double delta) {
+  // The quotient form of sqrt(1 + x) - 1 keeps its digits near zero.
+  return 2.0 * squared / (std::sqrt(1.0 + squared / (delta * delta)) + 1.0);
+}
 
 /// Its derivative by s^2: the weight of iteratively reweighted least squares, 1 at zero.
-double PseudoHuberWeight(double squared, double delta);
+inline double PseudoHuberWeight(double squared, double delta) {
+  return 1.0 / std::sqrt(1.0 + squared / (delta * delta));
+}
 
 /// Quantile of the chi-square distribution at the normal quantile `z` (0: the median; 2.33: 99 %), by Wilson and
 /// Hilferty's cube; good to 1 % for 2 and more degrees of freedom.

@@ -108,7 +108,11 @@ class Adjustment {
 
   bool Solve(const std::atomic<bool>* stop, BundleResult& result) {
     SightActions actions;
-    actions.loss = [this] { return points_.Loss() + lines_.Loss(); };
+    actions.loss = [this] {
+      const LossSum points = points_.Loss();
+      const LossSum lines = lines_.Loss();
+      return LossSum{points.loss + lines.loss, points.rows + lines.rows};
+    };
     actions.trim = [this] {
       points_.Update();
       lines_.Update();

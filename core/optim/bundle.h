@@ -77,7 +77,8 @@ struct BundleResult {
   std::vector<Eigen::Vector3d> points;
   std::vector<Segment3> lines;
   /// Of the right perturbation of each pose, given the fixed poses (zero for those); of positions and endpoints given
-  /// all poses (conditional), across the line only for endpoints. Empty where `ok` is false.
+  /// all poses (conditional), across the line only for endpoints. Zero for landmarks that are fixed or have no inlier,
+  /// which are as given. Empty where `ok` is false.
   std::vector<Matrix6d> pose_covariances;
   std::vector<Eigen::Matrix3d> point_covariances;
   std::vector<Eigen::Matrix3d> line_p_covariances;
@@ -94,6 +95,10 @@ struct BundleResult {
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks
 /// eliminated first (Schur complement), outliers removed between passes. Residuals are whitened vectors in both images;
 /// points and lines stand side by side. One thread, so equal input gives equal output.
+///
+/// What cannot be measured (not finite, sigmas that are not positive, segments without length) is never an inlier. A
+/// landmark whose sights leave a direction open (one view without disparity, infinity) stays near where it was given
+/// in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is held.
 ///
 /// `stop`, if given, is looked at between iterations: when it is set, the best state so far is returned.
 BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options,

@@ -8,8 +8,10 @@ namespace {
 
 // Above it the reduced system is mostly zeros.
 constexpr int kMaxDensePoses = 60;
-// Gain of a step, as share of the cost, below which outliers can be told.
+// Outliers can be told once a step gains less than this share of the cost, or what is left is less than this for a
+// row; inliers alone leave 0.6.
 constexpr double kNearGain = 0.5;
+constexpr double kNearLoss = 1.5;
 
 ceres::LinearSolverType ChooseSolver(const ceres::ParameterBlockOrdering& order) {
   const bool few = order.GroupSize(1) <= kMaxDensePoses;
@@ -28,7 +30,7 @@ void BundleMonitor::PrepareForEvaluation(bool evaluate_jacobians, bool new_evalu
   if (!evaluate_jacobians) return;
   // Jacobians at a point that was evaluated already: the step to it was accepted.
   if (new_evaluation_point) {
-    loss_ = sights_.loss();
+    loss_ = sights_.loss().loss;
   } else {
     StepTaken();
   }
@@ -36,26 +38,28 @@ void BundleMonitor::PrepareForEvaluation(bool evaluate_jacobians, bool new_evalu
 
 void BundleMonitor::Start(bool trim) {
   trim_ = trim;
+  finished_ = false;
   stopped_ = stop_ && *stop_;
 }
 
 void BundleMonitor::StepTaken() {
-  const double loss = sights_.loss();
-  const double gain = loss_ - loss;
-  if (trim_ && gain <= kNearGain * loss_) {
+  const LossSum now = sights_.loss();
+  const double gain = loss_ - now.loss;
+  if (trim_ && (gain <= kNearGain * loss_ || now.loss <= kNearLoss * now.rows)) {
     trim_ = false;
     sights_.trim();
-    loss_ = sights_.loss();
+    loss_ = sights_.loss().loss;
     return;
   }
-  if (gain <= options_.function_tolerance * loss_) sights_.finish();
-  loss_ = loss;
+  finished_ = gain <= options_.function_tolerance * loss_;
+  if (finished_) sights_.finish();
+  loss_ = now.loss;
 }
 
 ceres::CallbackReturnType BundleMonitor::operator()(const ceres::IterationSummary& summary) {
   iterations_ = summary.iteration;
   stopped_ = stop_ && *stop_;
-  return stopped_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+  return stopped_ || finished_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }
 
 ceres::Problem::Options BundleProblemOptions(BundleMonitor& monitor) {

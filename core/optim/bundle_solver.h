@@ -8,13 +8,14 @@
 
 #include "core/optim/camera_view.h"
 #include "core/optim/options.h"
+#include "core/optim/sight_group.h"
 
 namespace plslam {
 
 /// What the solver asks of the sights.
 struct SightActions {
-  /// Twice the cost, as sights were evaluated last.
-  std::function<double()> loss;
+  /// As sights were evaluated last.
+  std::function<LossSum()> loss;
   /// Takes outliers away, as sights were evaluated last.
   std::function<void()> trim;
   /// From here on sights are zero: there is nothing more to do.
@@ -58,6 +59,7 @@ class BundleMonitor : public ceres::EvaluationCallback, public ceres::IterationC
   double loss_ = 0.0;
   int iterations_ = 0;
   bool trim_ = false;
+  bool finished_ = false;
   bool stopped_ = false;
 };
 

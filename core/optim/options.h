@@ -13,7 +13,7 @@ struct BundleOptions {
   int max_refinements = 2;
   double huber_delta = 1.5;
   double gate_sigmas = 2.33;
-  double function_tolerance = 1e-3;
+  double function_tolerance = 3e-2;
 };
 
 template <class Visitor>
@@ -27,7 +27,8 @@ void VisitFields(Visitor& visit, BundleOptions& o) {
   visit("huber_delta", o.huber_delta, Bounds{0.1, 100}, "where the loss turns linear, in standard deviations");
   visit("gate_sigmas", o.gate_sigmas, Bounds{0.5, 10},
         "chi-square gate of inliers, as quantile of the normal distribution (2.33 keeps 99 %)");
-  visit("function_tolerance", o.function_tolerance, Bounds{0, 1}, "relative decrease of the cost that ends a pass");
+  visit("function_tolerance", o.function_tolerance, Bounds{0, 1},
+        "share of the cost that a step must gain for another one to follow");
 }
 
 }  // namespace plslam

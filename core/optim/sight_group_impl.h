@@ -17,6 +17,7 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
       landmarks_(landmarks.begin(), landmarks.end()),
       first_(landmarks.size() + 1, 0),
       given_sights_(sights.size()),
+      fixed_views_(landmarks.size()),
       priors_(landmarks.size()) {
   std::vector<char> usable(sights.size());
   for (size_t i = 0; i < sights.size(); ++i) {
@@ -96,15 +97,24 @@ void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrder
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];
     std::copy_n(landmark.x.data(), kSize, ParametersOf(i));
+    bool fixed_views = false;
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
       SightCostFunction<Cost>& sight = sights_[k];
-      double* blocks[2];
-      int count = 0;
-      if (landmark.free) blocks[count++] = ParametersOf(i);
-      if (sight.pose->IsFree()) blocks[count++] = sight.pose->x.data();
-      if (count > 0) problem.AddResidualBlock(&sight, loss, blocks, count);
+      double* pose = sight.pose->x.data();
+      if (!sight.pose->IsFree()) {
+        fixed_views = true;
+      } else if (landmark.free) {
+        problem.AddResidualBlock(&sight, loss, ParametersOf(i), pose);
+      } else {
+        problem.AddResidualBlock(&sight, loss, pose);
+      }
     }
     if (!landmark.free || Count(i) == 0) continue;
+    if (fixed_views) {
+      const SightCostFunction<Cost>* begin = &sights_[first_[i]];
+      fixed_views_[i] = std::make_unique<FixedViewsCost<Cost>>(begin, begin + Count(i), context_);
+      problem.AddResidualBlock(fixed_views_[i].get(), nullptr, ParametersOf(i));
+    }
     order.AddElementToGroup(ParametersOf(i), 0);
     const double distance_m = DistanceTo(i);
     if (!Landmark::kAlwaysPrior && IsDetermined(i, distance_m)) continue;
@@ -119,10 +129,12 @@ void SightGroup<Cost>::Update() {
 }
 
 template <class Cost>
-double SightGroup<Cost>::Loss() const {
-  double sum = 0.0;
+LossSum SightGroup<Cost>::Loss() const {
+  LossSum sum;
   for (int i = 0; i < first_.back(); ++i) {
-    if (sights_[i].active) sum += sights_[i].Loss();
+    if (!sights_[i].active) continue;
+    sum.loss += sights_[i].Loss();
+    sum.rows += sights_[i].cost.rows();
   }
   return sum;
 }

@@ -30,6 +30,7 @@ void Adjust(benchmark::State& state, const test::BundleWorldSpec& spec, const ch
   }
   const test::BundleErrors errors = test::ErrorsOf(world, result);
   state.counters["iterations"] = result.iterations;
+  state.counters["rms_before"] = result.before.normalised;
   state.counters["pose_mm"] = 1e3 * errors.translation_m;
 }
 

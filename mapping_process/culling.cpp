@@ -35,6 +35,20 @@ bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, con
   return share.landmarks > 0 && share.redundant >= options.redundant_share * share.landmarks;
 }
 
+// The keyframe after one that goes is tied to the one before it.
+void BridgeOver(int64_t id, Map& map) {
+  const MapKeyframe gone = *map.FindKeyframe(id);
+  for (const auto& [next_id, keyframe] : map.keyframes()) {
+    if (keyframe.previous_id != id) continue;
+    MapKeyframe next = keyframe;
+    next.previous_id = gone.previous_id;
+    next.relative_covariance =
+        ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
+    next.T_prevkf_kf = gone.T_prevkf_kf * next.T_prevkf_kf;
+    return map.Put(next);
+  }
+}
+
 }  // namespace
 
 void Trial::Begin(const NewLandmarks& landmarks, int64_t inserted) { by_keyframe_[inserted] = landmarks; }
@@ -54,6 +68,7 @@ std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candid
   for (const int64_t id : candidates) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || !IsRedundant(*keyframe, options, map)) continue;
+    BridgeOver(id, map);
     map.RemoveKeyframe(id);
     features.erase(id);
     removed.push_back(id);

@@ -88,6 +88,20 @@ void AddPoses(size_t n_free, const Map& map, LocalWindow& window) {
   }
 }
 
+// What tracking says of the motion from keyframe to keyframe: it has seen the frames between.
+void AddRelativePoses(const Map& map, double relative_sigma, LocalWindow& window) {
+  std::map<int64_t, int> places;
+  for (int i = 0; i < static_cast<int>(window.keyframes.size()); ++i)
+    places[window.keyframes[static_cast<size_t>(i)]] = i;
+  for (const auto& [id, place] : places) {
+    const MapKeyframe& keyframe = *map.FindKeyframe(id);
+    const auto previous = places.find(keyframe.previous_id);
+    if (previous == places.end()) continue;
+    window.problem.relative_poses.push_back({previous->second, place, keyframe.T_prevkf_kf,
+                                             relative_sigma * relative_sigma * keyframe.relative_covariance});
+  }
+}
+
 void AddLandmarks(const Map& map, const KeyframeFeatures& features, LocalWindow& window) {
   BundleProblem& problem = window.problem;
   for (const int64_t id : window.points) problem.points.push_back({map.FindPoint(id)->p_w});
@@ -167,6 +181,7 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);
   AddLandmarks(map, features, window);
+  AddRelativePoses(map, options.relative_sigma, window);
   return window;
 }
 

@@ -24,6 +24,7 @@ struct WindowOptions {
   int keyframes = 8;
   int fixed_keyframes = 10;
   int min_shared = 15;
+  double relative_sigma = 0.5;
 };
 
 /// What is taken out of the map again.
@@ -65,6 +66,8 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
   visit("keyframes", o.keyframes, Bounds{2, 1000}, "keyframes that are adjusted: the new one and its neighbours");
   visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
   visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
+  visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
+        "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");
 }
 
 template <class Visitor>

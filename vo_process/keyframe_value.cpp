@@ -27,11 +27,12 @@ Keyframe ToKeyframe(const OdometryResult& result) {
   keyframe.covariance = result.keyframe->covariance;
   keyframe.T_odom_kf = result.T_odom_c;
   keyframe.state = static_cast<int>(result.state);
-  keyframe.features = result.features;
-  keyframe.point_landmark_ids = LandmarkIds(result.point_tracks);
-  keyframe.line_landmark_ids = LandmarkIds(result.line_tracks);
-  keyframe.point_map_ids = MapIds(result.point_tracks);
-  keyframe.line_map_ids = MapIds(result.line_tracks);
+  const KeyframeContent& content = result.keyframe->content;
+  keyframe.features = content.features;
+  keyframe.point_landmark_ids = LandmarkIds(content.point_tracks);
+  keyframe.line_landmark_ids = LandmarkIds(content.line_tracks);
+  keyframe.point_map_ids = MapIds(content.point_tracks);
+  keyframe.line_map_ids = MapIds(content.line_tracks);
   return keyframe;
 }
 

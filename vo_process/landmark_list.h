@@ -67,6 +67,7 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
       Landmark& landmark = landmarks.emplace_back();
       landmark.id = next_id++;
       landmark.map_id = entry.landmark->id;
+      landmark.from_map = true;
       landmark.unseen_frames = kAdoptedUnseenFrames;
       set(*entry.landmark, true, landmark);
     } else {

@@ -24,6 +24,8 @@ struct LineLandmark {
 
   /// The same landmark in the map, or -1.
   int64_t map_id = -1;
+  /// Founded by the map, not by a frame.
+  bool from_map = false;
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
@@ -53,8 +55,8 @@ class LineLandmarks {
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
 
   /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the same
-  /// the oldest stays), and all of those that are not.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, int64_t& next_id);
+  /// the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
 
   /// Founds a landmark for each segment with depth that has none, and names it in the frame's tracks.
   void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);

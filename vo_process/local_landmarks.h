@@ -30,10 +30,10 @@ struct LocalLandmarks {
     points.Update(T_odom_c, matches.points, frame);
     lines.Update(T_odom_c, matches.lines, frame);
   }
-  void Adopt(const MapPatch& patch) {
+  void Adopt(const MapPatch& patch, bool keep_own) {
     const SE3 T_odom_w = patch.T_w_odom.Inverse();
-    points.Adopt(T_odom_w, patch.points, next_point_id);
-    lines.Adopt(T_odom_w, patch.lines, next_line_id);
+    points.Adopt(T_odom_w, patch.points, keep_own, next_point_id);
+    lines.Adopt(T_odom_w, patch.lines, keep_own, next_line_id);
   }
   void Found(const SE3& T_odom_c, TrackedFrame& frame) {
     points.Found(T_odom_c, frame, next_point_id);

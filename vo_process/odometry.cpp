@@ -54,7 +54,8 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       motion_model_(options.tracking),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
-      landmarks_(camera, options) {}
+      landmarks_(camera, options),
+      keyframe_measurements_(camera) {}
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
@@ -79,8 +80,15 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   }
   result.T_odom_c = T_odom_c_;
   result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
+  if (result.state != TrackingState::kInitialising && result.state != TrackingState::kLost) {
+    keyframe_measurements_.Add(T_odom_c_, frame);
+  }
   if (result.keyframe) {
-    keyframe_log_.Add(result.keyframe->id, LandmarkIds(frame.point_tracks), LandmarkIds(frame.line_tracks));
+    KeyframeContent& content = result.keyframe->content;
+    content = {frame.features, frame.point_tracks, frame.line_tracks};
+    if (options_.keyframes.measurements == "mean")
+      content = keyframe_measurements_.Take(landmarks_, std::move(content));
+    keyframe_log_.Add(result.keyframe->id, LandmarkIds(content.point_tracks), LandmarkIds(content.line_tracks));
   }
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
@@ -92,15 +100,16 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   const auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
   if (!patch) return false;
   T_w_odom_ = patch->T_w_odom;
+  const bool keep_own = options_.map.landmarks == "unknown";
   if (!dormant_) {
-    landmarks_.Adopt(*patch);
+    landmarks_.Adopt(*patch, keep_own);
     return true;
   }
   // While lost, the map is about the landmarks from before; names are drawn from one source.
   LocalLandmarks& before = dormant_->landmarks;
   before.next_point_id = landmarks_.next_point_id;
   before.next_line_id = landmarks_.next_line_id;
-  before.Adopt(*patch);
+  before.Adopt(*patch, keep_own);
   landmarks_.next_point_id = before.next_point_id;
   landmarks_.next_line_id = before.next_line_id;
   return true;

@@ -7,6 +7,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/disparity_calibration.h"
 #include "vo_process/frame_aligner.h"
+#include "vo_process/keyframe_measurements.h"
 #include "vo_process/keyframe_policy.h"
 #include "vo_process/local_landmarks.h"
 #include "vo_process/motion_model.h"
@@ -24,6 +25,8 @@ struct KeyframeStep {
   int64_t previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d covariance = Matrix6d::Zero();
+  /// What the frames since the last keyframe saw, as seen from this one, and the landmarks it belongs to.
+  KeyframeContent content;
 };
 
 /// What odometry says of a frame.
@@ -92,6 +95,7 @@ class Odometry {
   DisparityCalibration calibration_;
   LocalLandmarks landmarks_;
   KeyframeLog keyframe_log_;
+  KeyframeMeasurements keyframe_measurements_;
   SE3 T_w_odom_;
 
   bool initialised_ = false;

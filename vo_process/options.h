@@ -41,6 +41,7 @@ struct TrackingOptions {
 /// Use of the map that mapping_process makes.
 struct MapUseOptions {
   bool enabled = true;
+  std::string landmarks = "unknown";
   int local_keyframes = 20;
   double wait_s = 5.0;
 };
@@ -54,6 +55,7 @@ struct KeyframeOptions {
   double min_rotation_deg = 2.0;
   double max_rotation_deg = 15.0;
   int max_frames = 40;
+  std::string measurements = "mean";
 };
 
 /// Everything of vo_process.
@@ -109,6 +111,8 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("enabled", o.enabled, "whether frames are tracked against the map, where there is one");
+  visit("landmarks", o.landmarks, OneOf{"unknown", "all"},
+        "which landmarks are taken from the map: those that tracking does not have itself, or all");
   visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes whose landmarks are looked for");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
         "how long a lockstep stream waits for the map where no mapping_process is heard of");
@@ -124,6 +128,8 @@ void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("min_rotation_deg", o.min_rotation_deg, Bounds{0, 180}, "rotation that counts");
   visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "rotation at which");
   visit("max_frames", o.max_frames, Bounds{1, 100000}, "frames after which, if the camera has moved");
+  visit("measurements", o.measurements, OneOf{"mean", "frame"},
+        "what a keyframe says of its landmarks: mean of the frames since the last one, or its own frame's");
 }
 
 template <class Visitor>

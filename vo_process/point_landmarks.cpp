@@ -106,9 +106,11 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
-void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, int64_t& next_id) {
+void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, bool keep_own,
+                           int64_t& next_id) {
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {
+    if (!is_new && keep_own && !landmark.from_map) return;
     landmark.p_odom = T_odom_w * known.p_w;
     landmark.covariance = R * known.covariance * R.transpose();
     if (!is_new) return;

@@ -5,13 +5,12 @@
 
 #include <Eigen/LU>
 
+#include "core/features/patch.h"
+#include "core/features/slant_refiner.h"
+
 namespace plslam {
 namespace {
 
-constexpr int kHalf = 5;
-constexpr int kSide = 2 * kHalf + 1;
-constexpr int kRow = 12;  // a row of the patch and one column of weight 0, for whole vector registers
-constexpr int kPixels = kSide * kSide;
 constexpr int kMaxIterations = 8;
 constexpr double kConverged = 0.01;
 constexpr double kMaxTravel = 2.5;
@@ -19,13 +18,6 @@ constexpr double kMaxTravel = 2.5;
 constexpr double kMaxInflation = 3.0;
 /// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
 constexpr double kModelError = 0.05;
-/// Grey levels; quantisation and sensor noise hardly go below this.
-constexpr double kMinNoise = 1.0;
-
-/// Column-major, so one image row is one column here.
-using Patch = Eigen::Array<float, kRow, kSide>;
-
-float Dot(const Patch& a, const Patch& b) { return (a * b).sum(); }
 
 /// The left patch, ready for Gauss-Newton: its pixels and gradients, orthogonal to a constant, the gradients also to
 /// the pixels. So offset and gain of brightness drop out of the equations for the shift.
@@ -36,11 +28,6 @@ struct Template {
   double energy = 0.0;
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
 };
-
-void RemoveMean(Patch& p) {
-  const float mean = p.sum() / kPixels;
-  p.topRows<kSide>() -= mean;
-}
 
 Template MakeTemplate(const cv::Mat& image, int u, int v) {
   Template t;
@@ -160,10 +147,17 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     if (step.cwiseAbs().maxCoeff() > kConverged) continue;
     const double inflation = NoiseInflation(hessian(0, 0), c.noise);
     if (!(inflation < kMaxInflation)) return std::nullopt;
-    const double variance =
-        c.noise * c.noise * hessian(1, 1) / determinant * inflation * inflation + kModelError * kModelError;
-    return PatchAlignment{-shift.x() * size_px, std::sqrt(variance) * size_px, shift.y() * size_px, c.correlation,
-                          c.gain};
+    PatchAlignment found{-shift.x(), 0.0, shift.y() * size_px, c.correlation, c.gain};
+    double variance = c.noise * c.noise * hessian(1, 1) / determinant;
+    const Eigen::Vector2d off_centre = left - Eigen::Vector2d(u, v);
+    if (const auto slanted = RefineSlanted(level, {u, v}, off_centre, shift, row_information)) {
+      found.disparity_px = -slanted->shift_u_px;
+      found.correlation = slanted->correlation;
+      variance = slanted->variance;
+    }
+    found.disparity_px *= size_px;
+    found.sigma_disparity_px = std::sqrt(variance * inflation * inflation + kModelError * kModelError) * size_px;
+    return found;
   }
   return std::nullopt;
 }

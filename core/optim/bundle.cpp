@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "core/optim/bundle_covariance.h"
@@ -10,6 +11,7 @@
 #include "core/optim/line_cost.h"
 #include "core/optim/line_endpoint_cost.h"
 #include "core/optim/point_cost.h"
+#include "core/optim/relative_pose_cost.h"
 #include "core/optim/sight_group.h"
 
 namespace plslam {
@@ -17,6 +19,8 @@ namespace {
 
 // Share of sights below which a change of outliers is not worth another pass.
 constexpr double kFewChanges = 0.005;
+// Where the loss of relative poses turns linear, in standard deviations.
+constexpr double kRelativeDelta = 3.0;
 
 template <class Sight>
 std::string IndexFault(const char* kind, const std::vector<Sight>& sights, size_t poses, size_t landmarks) {
@@ -40,6 +44,12 @@ std::string Fault(const BundleProblem& problem) {
   }
   for (size_t i = 0; i < problem.poses.size(); ++i) {
     if (!problem.poses[i].T_w_c.IsFinite()) return "pose " + std::to_string(i) + " is not finite";
+  }
+  const auto is_pose = [&problem](int i) { return i >= 0 && static_cast<size_t>(i) < problem.poses.size(); };
+  for (const RelativePose& relative : problem.relative_poses) {
+    if (is_pose(relative.a) && is_pose(relative.b)) continue;
+    return "a relative pose is between poses " + std::to_string(relative.a) + " and " + std::to_string(relative.b) +
+           " of " + std::to_string(problem.poses.size());
   }
   const std::string fault = IndexFault("point", problem.point_sights, problem.poses.size(), problem.points.size());
   if (!fault.empty()) return fault;
@@ -132,6 +142,8 @@ class Adjustment {
     std::vector<double> parameters(points_.ParameterCount() + lines_.ParameterCount());
     points_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data());
     lines_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data() + points_.ParameterCount());
+    ceres::SoftLOneLoss relative_loss(kRelativeDelta);
+    AddRelativePoses(ceres_problem, &relative_loss);
     for (AdjustedPose& pose : poses_) {
       if (IsAdjusted(pose)) order.AddElementToGroup(pose.x.data(), 1);
     }
@@ -154,6 +166,23 @@ class Adjustment {
     points_.RestoreLost();
     lines_.RestoreLost();
     return true;
+  }
+
+  void AddRelativePoses(ceres::Problem& ceres_problem, ceres::LossFunction* loss) {
+    relative_costs_.reserve(given_.relative_poses.size());
+    for (const RelativePose& relative : given_.relative_poses) {
+      AdjustedPose& a = poses_[static_cast<size_t>(relative.a)];
+      AdjustedPose& b = poses_[static_cast<size_t>(relative.b)];
+      if (a.sights == 0 || b.sights == 0) continue;
+      auto cost = std::make_unique<RelativePoseCost>(relative, a, b);
+      if (!cost->IsUsable()) continue;
+      std::vector<double*> blocks;
+      for (AdjustedPose* pose : {&a, &b}) {
+        if (pose->IsFree()) blocks.push_back(pose->x.data());
+      }
+      ceres_problem.AddResidualBlock(cost.get(), loss, blocks);
+      relative_costs_.push_back(std::move(cost));
+    }
   }
 
   bool IsFinite() const {
@@ -208,6 +237,7 @@ class Adjustment {
   std::vector<AdjustedPose> poses_;
   SightGroup<PointCost> points_;
   SightGroup<Line> lines_;
+  std::vector<std::unique_ptr<RelativePoseCost>> relative_costs_;
 };
 
 }  // namespace

@@ -50,6 +50,14 @@ struct LineSight {
   double sigma_disparity_q_px = 1.0;
 };
 
+/// What is known of the motion between two poses, T_a_b, with the covariance of its right perturbation.
+struct RelativePose {
+  int a = -1;
+  int b = -1;
+  SE3 T_a_b;
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
 /// Poses and landmarks with everything that ties them together. Indices are places in the vectors.
 struct BundleProblem {
   StereoCamera camera;
@@ -58,6 +66,9 @@ struct BundleProblem {
   std::vector<BundleLine> lines;
   std::vector<PointSight> point_sights;
   std::vector<LineSight> line_sights;
+  /// Only between poses that see something; those whose covariance is not positive definite do not count. The
+  /// covariances of the result leave them out.
+  std::vector<RelativePose> relative_poses;
 };
 
 /// Normalised (standard deviations) and in pixels of the left image, over the sights that are inliers in the end: of

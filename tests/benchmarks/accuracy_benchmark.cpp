@@ -80,6 +80,15 @@ void PrintSlam(const std::string& name, const plslam::test::SlamRun& run) {
       MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_after_px));
 }
 
+// Frame, keyframe or not, then live, final and true place.
+void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
+  const Eigen::Vector3d live = run.live[i].T_odom_l.translation();
+  const Eigen::Vector3d final = run.final[i].T_odom_l.translation();
+  const Eigen::Vector3d truth = run.live[i].T_w_l ? run.live[i].T_w_l->translation() : Eigen::Vector3d::Zero();
+  std::printf("  %4zu %d  %.6f %.6f %.6f  %.6f %.6f %.6f  %.6f %.6f %.6f\n", i, run.live[i].keyframe ? 1 : 0, live.x(),
+              live.y(), live.z(), final.x(), final.y(), final.z(), truth.x(), truth.y(), truth.z());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -110,8 +119,9 @@ int main(int argc, char** argv) {
   for (const std::string& location : datasets) {
     const auto dataset = plslam::OpenDataset(location, "");
     if (with_mapping) {
-      PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0),
-                plslam::test::RunSlam(*dataset, options, mapping, stride, frames_wanted));
+      const auto run = plslam::test::RunSlam(*dataset, options, mapping, stride, frames_wanted);
+      PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0), run);
+      for (size_t i = 0; verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
       continue;
     }
     const auto frames = plslam::test::RunOdometry(*dataset, options, stride, frames_wanted);

@@ -1,0 +1,220 @@
+#include "vo_process/keyframe_measurements.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/features/segment_projection.h"
+
+namespace plslam {
+namespace {
+
+// Share of a measurement's variance that neighbouring frames have in common (place of a corner in its patch, say).
+constexpr double kCommonShare = 0.3;
+constexpr double kMinDepth_m = 0.1;
+constexpr int kMinSights = 2;
+// Right lines flatter than this (sine of the angle to the rows) give no disparity where rows meet them.
+constexpr double kMinTilt = 0.1;
+
+double ShrinkFactor(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
+
+/// Weighted mean of one number.
+class Mean {
+ public:
+  void Add(double value, double variance) {
+    sum_ += value / variance;
+    weight_ += 1.0 / variance;
+    ++n_;
+  }
+  int n() const { return n_; }
+  double value() const { return sum_ / weight_; }
+
+ private:
+  double sum_ = 0.0;
+  double weight_ = 0.0;
+  int n_ = 0;
+};
+
+/// Mean distances of a segment's projected ends from the observed lines of one image.
+struct EndMeans {
+  Mean p;
+  Mean q;
+
+  void Add(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, const Segment2& observed, double sigma_px) {
+    const Eigen::Vector3d line = LineThrough(observed);
+    p.Add(line.dot(p_px.homogeneous()), VarianceAcross(observed, p_px, sigma_px));
+    q.Add(line.dot(q_px.homogeneous()), VarianceAcross(observed, q_px, sigma_px));
+  }
+
+  /// The line that `observed` would be, had it been at the mean distances.
+  Segment2 Line(const Eigen::Vector2d& p_px, const Eigen::Vector2d& q_px, const Segment2& observed) const {
+    const Eigen::Vector2d normal = LineThrough(observed).head<2>();
+    return {p_px - p.value() * normal, q_px - q.value() * normal};
+  }
+};
+
+/// Ends of a segment in both images.
+struct ProjectedSegment {
+  Eigen::Vector3d p_uvd;
+  Eigen::Vector3d q_uvd;
+
+  Segment2 Left() const { return {p_uvd.head<2>(), q_uvd.head<2>()}; }
+  Segment2 Right() const { return {{p_uvd.x() - p_uvd.z(), p_uvd.y()}, {q_uvd.x() - q_uvd.z(), q_uvd.y()}}; }
+};
+
+std::optional<ProjectedSegment> Project(const SE3& T_c_odom, const Segment3& segment, const StereoCamera& camera) {
+  const Eigen::Vector3d p_c = T_c_odom * segment.p;
+  const Eigen::Vector3d q_c = T_c_odom * segment.q;
+  if (p_c.z() < kMinDepth_m || q_c.z() < kMinDepth_m) return std::nullopt;
+  return ProjectedSegment{camera.ProjectStereo(p_c), camera.ProjectStereo(q_c)};
+}
+
+Eigen::Vector2d OntoLine(const Eigen::Vector2d& px, const Segment2& line) {
+  const Eigen::Vector2d along = (line.q - line.p).normalized();
+  return line.p + along.dot(px - line.p) * along;
+}
+
+// Disparity where the row of a left pixel meets the right line; nullopt where that is too flat.
+std::optional<double> DisparityOn(const Eigen::Vector2d& left_px, const Segment2& right) {
+  const Eigen::Vector3d line = LineThrough(right);
+  if (std::abs(line.x()) < kMinTilt) return std::nullopt;
+  const double u_right = -(line.y() * left_px.y() + line.z()) / line.x();
+  return left_px.x() - u_right;
+}
+
+}  // namespace
+
+void KeyframeMeasurements::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
+  const int index = static_cast<int>(T_c_odom_.size());
+  T_c_odom_.push_back(T_odom_c.Inverse());
+  for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
+    const int64_t id = frame.point_tracks[i].landmark_id;
+    if (id >= 0) points_[id].push_back({index, frame.features.points[i]});
+  }
+  for (size_t i = 0; i < frame.line_tracks.size(); ++i) {
+    const int64_t id = frame.line_tracks[i].landmark_id;
+    if (id >= 0) lines_[id].push_back({index, frame.features.lines[i]});
+  }
+}
+
+KeyframeContent KeyframeMeasurements::Take(const LocalLandmarks& landmarks, KeyframeContent content) {
+  ImproveAll(landmarks.points.landmarks(), points_, content.features.points, content.point_tracks);
+  ImproveAll(landmarks.lines.landmarks(), lines_, content.features.lines, content.line_tracks);
+  T_c_odom_.clear();
+  points_.clear();
+  lines_.clear();
+  return content;
+}
+
+template <class Landmark, class Seen, class Feature>
+void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
+                                      const std::map<int64_t, std::vector<Seen>>& collected,
+                                      std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
+  std::map<int64_t, size_t> feature_of;
+  for (size_t i = 0; i < tracks.size(); ++i) {
+    if (tracks[i].landmark_id >= 0) feature_of[tracks[i].landmark_id] = i;
+  }
+  for (const Landmark& landmark : landmarks) {
+    const auto seen = collected.find(landmark.id);
+    if (seen == collected.end() || seen->second.size() < kMinSights) continue;
+    const auto found = feature_of.find(landmark.id);
+    if (found != feature_of.end()) {
+      Improve(landmark, seen->second, features[found->second]);
+      continue;
+    }
+    Feature feature = seen->second.back().feature;
+    if (!Expect(landmark, feature) || !Improve(landmark, seen->second, feature)) continue;
+    features.push_back(feature);
+    tracks.push_back({landmark.id, landmark.seen, landmark.map_id});
+  }
+}
+
+bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vector<PointSeen>& seen,
+                                   StereoPoint& feature) const {
+  const auto project = [&](int frame) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector3d p_c = T_c_odom_[static_cast<size_t>(frame)] * landmark.p_odom;
+    if (p_c.z() < kMinDepth_m) return std::nullopt;
+    return camera_.ProjectStereo(p_c);
+  };
+  const auto here = project(static_cast<int>(T_c_odom_.size()) - 1);
+  if (!here) return false;
+  Mean u, v, d;
+  for (const PointSeen& sight : seen) {
+    const auto expected = project(sight.frame);
+    if (!expected) continue;
+    const StereoPoint& measured = sight.feature;
+    u.Add(measured.left.px.x() - expected->x(), measured.sigma_px * measured.sigma_px);
+    v.Add(measured.left.px.y() - expected->y(), measured.sigma_px * measured.sigma_px);
+    if (measured.HasDepth()) {
+      d.Add(measured.disparity_px - expected->z(), measured.sigma_disparity_px * measured.sigma_disparity_px);
+    }
+  }
+  if (u.n() < kMinSights) return false;
+  const Eigen::Vector2d px = here->head<2>() + Eigen::Vector2d(u.value(), v.value());
+  if (!camera_.InImage(px, 0.0)) return false;
+  feature.left.px = px;
+  feature.sigma_px *= ShrinkFactor(u.n());
+  if (!feature.HasDepth()) return true;
+  feature.disparity_px = d.n() > 0 ? here->z() + d.value() : -1.0;
+  feature.sigma_disparity_px *= ShrinkFactor(std::max(1, d.n()));
+  return true;
+}
+
+bool KeyframeMeasurements::Improve(const LineLandmark& landmark, const std::vector<LineSeen>& seen,
+                                   StereoLine& feature) const {
+  const auto here = Project(T_c_odom_.back(), landmark.segment_odom, camera_);
+  if (!here) return false;
+  EndMeans left, right;
+  for (const LineSeen& sight : seen) {
+    const auto expected = Project(T_c_odom_[static_cast<size_t>(sight.frame)], landmark.segment_odom, camera_);
+    if (!expected) continue;
+    const StereoLine& measured = sight.feature;
+    left.Add(expected->p_uvd.head<2>(), expected->q_uvd.head<2>(), measured.left.segment, measured.sigma_px);
+    if (!measured.HasDepth()) continue;
+    const Segment2 projected = expected->Right();
+    const double sigma =
+        std::hypot(measured.sigma_px, std::max(measured.sigma_disparity_p_px, measured.sigma_disparity_q_px));
+    right.Add(projected.p, projected.q, RightSegment(measured), sigma);
+  }
+  const Segment2 projected = here->Left();
+  // A mean taken at ends that are close together says nothing of the direction far from them.
+  if (left.p.n() < kMinSights || projected.Length() < 0.5 * feature.left.segment.Length()) return false;
+  const Segment2 mean_left = left.Line(projected.p, projected.q, feature.left.segment);
+  StereoLine improved = feature;
+  improved.left.segment = {OntoLine(feature.left.segment.p, mean_left), OntoLine(feature.left.segment.q, mean_left)};
+  improved.sigma_px *= ShrinkFactor(left.p.n());
+  if (feature.HasDepth() && right.p.n() >= 2) {
+    const Segment2 mean_right = right.Line(here->Right().p, here->Right().q, RightSegment(feature));
+    const auto d_p = DisparityOn(improved.left.segment.p, mean_right);
+    const auto d_q = DisparityOn(improved.left.segment.q, mean_right);
+    if (!d_p || !d_q || *d_p <= 0.0 || *d_q <= 0.0) return false;
+    improved.disparity_p_px = *d_p;
+    improved.disparity_q_px = *d_q;
+    improved.sigma_disparity_p_px *= ShrinkFactor(right.p.n());
+    improved.sigma_disparity_q_px *= ShrinkFactor(right.q.n());
+  }
+  feature = improved;
+  return true;
+}
+
+bool KeyframeMeasurements::Expect(const PointLandmark&, StereoPoint&) const { return true; }
+
+bool KeyframeMeasurements::Expect(const LineLandmark& landmark, StereoLine& feature) const {
+  const SE3& T_c_odom = T_c_odom_.back();
+  const Segment3 in_camera{T_c_odom * landmark.segment_odom.p, T_c_odom * landmark.segment_odom.q};
+  const auto visible = ProjectSegment(in_camera, camera_, 0.0);
+  if (!visible) return false;
+  const auto s_p = AlongLine(in_camera, visible->p, camera_);
+  const auto s_q = AlongLine(in_camera, visible->q, camera_);
+  if (!s_p || !s_q) return false;
+  const Eigen::Vector3d along = in_camera.q - in_camera.p;
+  feature.left.segment = *visible;
+  if (!feature.HasDepth()) return true;
+  feature.disparity_p_px = camera_.FocalBaseline() / (in_camera.p + *s_p * along).z();
+  feature.disparity_q_px = camera_.FocalBaseline() / (in_camera.p + *s_q * along).z();
+  return feature.HasDepth();
+}
+
+}  // namespace plslam

@@ -9,16 +9,23 @@
 namespace plslam {
 namespace {
 
-// Landmarks that at least two keyframes see, one of them free.
+// Landmarks that at least two keyframes see, one of them free; where there are too many, those that most see.
 template <class Kind>
-std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map) {
+std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, int max_count) {
   std::set<int64_t> ids;
   for (const int64_t keyframe_id : free) {
     for (const int64_t id : Kind::Of(map, keyframe_id)) {
       if (id >= 0 && Kind::Find(map, id)->sights.size() >= 2) ids.insert(id);
     }
   }
-  return {ids.begin(), ids.end()};
+  std::vector<int64_t> chosen(ids.begin(), ids.end());
+  if (static_cast<int>(chosen.size()) <= max_count) return chosen;
+  std::stable_sort(chosen.begin(), chosen.end(), [&map](int64_t a, int64_t b) {
+    return Kind::Find(map, a)->sights.size() > Kind::Find(map, b)->sights.size();
+  });
+  chosen.resize(static_cast<size_t>(max_count));
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
 }
 
 template <class Kind>
@@ -120,17 +127,23 @@ Eigen::Matrix3d Rotate(const SE3& T, const Eigen::Matrix3d& covariance) {
   return T.R() * covariance * T.R().transpose();
 }
 
-// What nobody else sees keeps its place relative to its keyframe.
-void MoveLonelyLandmarks(int64_t keyframe_id, const SE3& T_new_old, Map& map) {
+// Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
+template <class Landmark>
+bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<int64_t>& adjusted) {
+  return landmark.sights.back().keyframe_id == keyframe_id &&
+         !std::binary_search(adjusted.begin(), adjusted.end(), landmark.id);
+}
+
+// What is not adjusted itself keeps its place relative to its keyframe.
+void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const LocalWindow& window, Map& map) {
   for (const int64_t id : PointKind::Of(map, keyframe_id)) {
-    if (id < 0) continue;
+    if (id < 0 || !GoesWith(*map.FindPoint(id), keyframe_id, window.points)) continue;
     const MapPoint& point = *map.FindPoint(id);
-    if (point.sights.size() == 1) map.SetPosition(id, T_new_old * point.p_w, Rotate(T_new_old, point.covariance));
+    map.SetPosition(id, T_new_old * point.p_w, Rotate(T_new_old, point.covariance));
   }
   for (const int64_t id : LineKind::Of(map, keyframe_id)) {
-    if (id < 0) continue;
+    if (id < 0 || !GoesWith(*map.FindLine(id), keyframe_id, window.lines)) continue;
     const MapLine& line = *map.FindLine(id);
-    if (line.sights.size() != 1) continue;
     map.SetSegment(id, {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q},
                    Rotate(T_new_old, line.covariance_p), Rotate(T_new_old, line.covariance_q));
   }
@@ -157,7 +170,7 @@ void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& m
     if (window.problem.poses[i].fixed) continue;
     const int64_t id = window.keyframes[i];
     const SE3 T_new_old = result.T_w_c[i] * window.problem.poses[i].T_w_c.Inverse();
-    MoveLonelyLandmarks(id, T_new_old, map);
+    MoveOthers(id, T_new_old, window, map);
     const SE3 T_anchor_kf = anchor.T_w_kf.Inverse() * result.T_w_c[i];
     map.SetPose(id, result.T_w_c[i], ComposeCovariance(anchor.covariance, T_anchor_kf, result.pose_covariances[i]));
   }
@@ -175,8 +188,8 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
     window.keyframes.push_back(neighbour.keyframe_id);
   }
   const size_t n_free = window.keyframes.size();
-  window.points = SeenTwice<PointKind>(window.keyframes, map);
-  window.lines = SeenTwice<LineKind>(window.keyframes, map);
+  window.points = SeenTwice<PointKind>(window.keyframes, map, options.max_points);
+  window.lines = SeenTwice<LineKind>(window.keyframes, map, options.max_lines);
   const std::vector<int64_t> fixed = FixedKeyframes(window, map, options.fixed_keyframes);
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);

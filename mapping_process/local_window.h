@@ -23,7 +23,7 @@ struct LocalWindow {
 LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
                             const StereoCamera& camera, const WindowOptions& options);
 
-/// Takes the result over into the map: poses, landmarks (those that only one of the keyframes sees move with it), and
+/// Takes the result over into the map: poses, landmarks (those that were not adjusted move with the newest keyframe that sees them), and
 /// sights that turned out wrong are dropped. Nothing where the adjustment failed.
 AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult& result,
                                   const KeyframeFeatures& features, Map& map);

@@ -21,10 +21,12 @@ struct InsertionOptions {
 
 /// Which part of the map is adjusted (PL-SLAM §V.B).
 struct WindowOptions {
-  int keyframes = 8;
-  int fixed_keyframes = 10;
+  int keyframes = 5;
+  int fixed_keyframes = 6;
+  int max_points = 600;
+  int max_lines = 200;
   int min_shared = 15;
-  double relative_sigma = 0.5;
+  double relative_sigma = 1.0;
 };
 
 /// What is taken out of the map again.
@@ -65,6 +67,8 @@ template <class Visitor>
 void VisitFields(Visitor& visit, WindowOptions& o) {
   visit("keyframes", o.keyframes, Bounds{2, 1000}, "keyframes that are adjusted: the new one and its neighbours");
   visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
+  visit("max_points", o.max_points, Bounds{0, 1000000}, "points that are adjusted: those that most keyframes see");
+  visit("max_lines", o.max_lines, Bounds{0, 1000000}, "the same of lines");
   visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
   visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
         "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");

@@ -41,7 +41,7 @@ struct TrackingOptions {
 /// Use of the map that mapping_process makes.
 struct MapUseOptions {
   bool enabled = true;
-  std::string landmarks = "unknown";
+  std::string landmarks = "all";
   int local_keyframes = 20;
   double wait_s = 5.0;
 };

@@ -10,7 +10,7 @@ namespace plslam {
 struct BundleOptions {
   std::string lines = "minimal";
   int max_iterations = 6;
-  int max_refinements = 2;
+  int max_refinements = 1;
   double huber_delta = 1.5;
   double gate_sigmas = 2.33;
   double function_tolerance = 3e-2;

@@ -18,6 +18,8 @@ constexpr double kMaxTravel = 2.5;
 constexpr double kMaxInflation = 3.0;
 /// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
 constexpr double kModelError = 0.05;
+/// Slant makes errors in proportion to the disparity; below this, other errors are larger.
+constexpr double kMinSlantDisparity_px = 10.0;
 
 /// The left patch, ready for Gauss-Newton: its pixels and gradients, orthogonal to a constant, the gradients also to
 /// the pixels. So offset and gain of brightness drop out of the equations for the shift.
@@ -149,8 +151,12 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     if (!(inflation < kMaxInflation)) return std::nullopt;
     PatchAlignment found{-shift.x(), 0.0, shift.y() * size_px, c.correlation, c.gain};
     double variance = c.noise * c.noise * hessian(1, 1) / determinant;
-    const Eigen::Vector2d off_centre = left - Eigen::Vector2d(u, v);
-    if (const auto slanted = RefineSlanted(level, {u, v}, off_centre, shift, row_information)) {
+    const Eigen::Vector2d off_center = left - Eigen::Vector2d(u, v);
+    std::optional<SlantedAlignment> slanted;
+    if (found.disparity_px * size_px >= kMinSlantDisparity_px) {
+      slanted = RefineSlanted(level, {u, v}, off_center, shift, row_information);
+    }
+    if (slanted) {
       found.disparity_px = -slanted->shift_u_px;
       found.correlation = slanted->correlation;
       variance = slanted->variance;

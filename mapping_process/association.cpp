@@ -95,10 +95,11 @@ void TrackerLandmarks::Learn(const std::vector<int64_t>& tracker_ids, const std:
   });
 }
 
-LocalMap LocalMapOf(const Association& association, const Map& map, int max_keyframes) {
+LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointKind>(association.points, map, counts);
   CountKeyframes<LineKind>(association.lines, map, counts);
+  if (counts.empty() && map.FindKeyframe(previous_id) != nullptr) counts[previous_id] = 1;
   std::vector<Map::Neighbour> best;
   for (const auto& [id, shared] : counts) best.push_back({id, shared});
   std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });

@@ -88,7 +88,7 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
   // First with what the tracker says, then with what can be found around it.
   for (const bool searching : {false, true}) {
     if (searching) {
-      const LocalMap local = LocalMapOf(association, map_, options_.insertion.local_keyframes);
+      const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
       SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_, association);
     }
     if (association.Weight() < kMinWeight) continue;

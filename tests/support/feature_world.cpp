@@ -1,5 +1,9 @@
 #include "tests/support/feature_world.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace plslam::test {
 namespace {
 
@@ -45,6 +49,9 @@ FeatureWorld::FeatureWorld(const Counts& counts, uint64_t seed) {
   }
 }
 
+FeatureWorld::FeatureWorld(std::vector<Point> points, std::vector<Line> lines, double max_depth_m)
+    : points_(std::move(points)), lines_(std::move(lines)), max_depth_m_(max_depth_m) {}
+
 StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const {
   const StereoCamera camera = Camera();
   const SE3 T_c_w = T_w_c.Inverse();
@@ -53,7 +60,8 @@ StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t
   StereoFeatures features;
   for (const Point& point : points_) {
     const Eigen::Vector3d p_c = T_c_w * point.p_w;
-    if (p_c.z() < kMinDepth_m || !camera.InImage(camera.Project(p_c), 5.0)) continue;
+    if (p_c.z() < kMinDepth_m || p_c.z() > max_depth_m_) continue;
+    if (!camera.InImage(camera.Project(p_c), 5.0)) continue;
     const Eigen::Vector3d uvd = camera.ProjectStereo(p_c) + Eigen::Vector3d(noise(), noise(), noise());
     StereoPoint seen;
     seen.left.px = uvd.head<2>();
@@ -66,6 +74,7 @@ StereoFeatures FeatureWorld::Observe(const SE3& T_w_c, double noise_px, uint64_t
     const Eigen::Vector3d p_c = T_c_w * line.segment_w.p;
     const Eigen::Vector3d q_c = T_c_w * line.segment_w.q;
     if (p_c.z() < kMinDepth_m || q_c.z() < kMinDepth_m) continue;
+    if (p_c.z() > max_depth_m_ || q_c.z() > max_depth_m_) continue;
     if (!camera.InImage(camera.Project(p_c), 5.0) || !camera.InImage(camera.Project(q_c), 5.0)) continue;
     const Eigen::Vector3d p = camera.ProjectStereo(p_c) + Eigen::Vector3d(noise(), noise(), noise());
     const Eigen::Vector3d q = camera.ProjectStereo(q_c) + Eigen::Vector3d(noise(), noise(), noise());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -18,16 +19,6 @@ class FeatureWorld {
     int points = 400;
     int lines = 80;
   };
-
-  /// A shell of landmarks between 2 and 8 m around the origin.
-  FeatureWorld(const Counts& counts, uint64_t seed);
-
-  /// What the camera at `T_w_c` sees. `noise_px` is the deviation of each coordinate; 0 gives the exact projections.
-  StereoFeatures Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const;
-
-  static StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.12, 640, 480}; }
-
- private:
   struct Point {
     Eigen::Vector3d p_w;
     Descriptor descriptor;
@@ -37,8 +28,24 @@ class FeatureWorld {
     Descriptor descriptor;
   };
 
+  /// A shell of landmarks between 2 and 8 m around the origin.
+  FeatureWorld(const Counts& counts, uint64_t seed);
+
+  /// These landmarks, seen up to `max_depth_m` from the camera.
+  FeatureWorld(std::vector<Point> points, std::vector<Line> lines, double max_depth_m);
+
+  const std::vector<Point>& points() const { return points_; }
+  const std::vector<Line>& lines() const { return lines_; }
+
+  /// What the camera at `T_w_c` sees. `noise_px` is the deviation of each coordinate; 0 gives the exact projections.
+  StereoFeatures Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const;
+
+  static StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.12, 640, 480}; }
+
+ private:
   std::vector<Point> points_;
   std::vector<Line> lines_;
+  double max_depth_m_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace plslam::test

@@ -1,0 +1,163 @@
+#include "mapping_process/mapper.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "core/bus/map_pages.h"
+#include "plslam/map_update_t.hpp"
+#include "tests/unit/mapping/mapping_world.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+using test::MapAll;
+using test::MapOne;
+using test::Walk;
+using test::WalkOptions;
+
+/// As it goes over the wire; refuses what no reader would take.
+std::vector<uint8_t> Encoded(const MapUpdate& update) {
+  std::vector<uint8_t> all;
+  for (const map_update_t& page : bus::CutIntoPages(update, 60'000)) {
+    const size_t begin = all.size();
+    all.resize(begin + static_cast<size_t>(page.getEncodedSize()));
+    page.encode(all.data(), static_cast<int>(begin), page.getEncodedSize());
+  }
+  return all;
+}
+
+/// All of a map, whatever led to it.
+std::vector<uint8_t> Encoded(const Map& map) {
+  MapUpdate update = WholeMap(map);
+  update.version = 1;
+  return Encoded(update);
+}
+
+double MeanSights(const Map& map) {
+  const MapTotals totals = map.Totals();
+  return static_cast<double>(totals.point_sights + totals.line_sights) /
+         static_cast<double>(totals.points + totals.lines);
+}
+
+double Median(const std::vector<double>& ascending) { return ascending[ascending.size() / 2]; }
+
+struct Situation {
+  std::string name;
+  FeatureWorld::Counts counts;
+  bool with_ids = true;
+};
+
+void PrintTo(const Situation& situation, std::ostream* stream) { *stream << situation.name; }
+
+class MapperWalk : public testing::TestWithParam<Situation> {
+ protected:
+  MapperWalk() : world_(GetParam().counts, 7) {
+    WalkOptions options;
+    options.with_ids = GetParam().with_ids;
+    walk_ = test::MakeWalk(world_, test::TurningPath(20), options);
+  }
+
+  FeatureWorld world_;
+  Walk walk_;
+};
+
+TEST_P(MapperWalk, PosesErrMuchLessThanTheChainedOdometry) {
+  const Mapper mapper = MapAll(walk_.keyframes);
+  ASSERT_EQ(test::WrongWith(mapper.map()), "");
+  const double before_m = test::OdometryError_m(walk_);
+  const double after_m = test::PositionError_m(mapper.map(), walk_.T_w_c);
+  ASSERT_GT(before_m, 0.02);
+  EXPECT_LT(after_m, 0.3 * before_m);
+  EXPECT_LT(after_m, 0.01);
+}
+
+TEST_P(MapperWalk, LandmarksAreNearTheTruth) {
+  const Mapper mapper = MapAll(walk_.keyframes);
+  // One pair of images places a point at 5 m to about 0.2 m; the ends of a segment are less sure than its middle.
+  const auto check = [](const std::vector<double>& errors_m, int in_world, double median_m, double most_m) {
+    if (in_world == 0) {
+      EXPECT_TRUE(errors_m.empty());
+      return;
+    }
+    ASSERT_GT(errors_m.size(), static_cast<size_t>(in_world) / 2);
+    EXPECT_LT(Median(errors_m), median_m) << "of " << errors_m.size() << ", largest " << errors_m.back();
+    EXPECT_LT(errors_m[errors_m.size() * 9 / 10], most_m);
+  };
+  check(test::PointErrors_m(mapper.map(), world_), GetParam().counts.points, 0.05, 0.2);
+  check(test::LineErrors_m(mapper.map(), world_), GetParam().counts.lines, 0.1, 0.5);
+}
+
+TEST_P(MapperWalk, SightsGrowAndEverythingIsConnected) {
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (const Keyframe& keyframe : walk_.keyframes) {
+    ASSERT_TRUE(MapOne(keyframe, mapper));
+    const int64_t id = mapper.map().keyframes().rbegin()->first;
+    if (id == 5) {
+      EXPECT_GT(MeanSights(mapper.map()), 2.0);
+    }
+    if (id == 0) continue;
+    const auto neighbours = mapper.map().Neighbours(id, 1);
+    ASSERT_FALSE(neighbours.empty()) << id;
+    EXPECT_GE(neighbours.front().shared, 15) << id;
+    EXPECT_GE(mapper.map().FindKeyframe(id)->parent_id, 0) << id;
+  }
+  EXPECT_GT(MeanSights(mapper.map()), 3.0);
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    EXPECT_EQ(keyframe.parent_id < 0, id == 0) << id << " has parent " << keyframe.parent_id;
+  }
+}
+
+TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
+  const WindowOptions window;
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (const Keyframe& keyframe : walk_.keyframes) {
+    ASSERT_TRUE(MapOne(keyframe, mapper));
+    const AdjustmentFigures& figures = mapper.figures();
+    EXPECT_LE(figures.rms_after, figures.rms_before + 1e-9) << keyframe.keyframe_id;
+    EXPECT_LE(figures.n_keyframes, window.keyframes);
+    EXPECT_LE(figures.n_fixed_keyframes, window.fixed_keyframes + 1);
+    EXPECT_LE(figures.n_points, window.max_points);
+    EXPECT_LE(figures.n_lines, window.max_lines);
+    if (keyframe.keyframe_id < 4) continue;
+    EXPECT_LT(figures.rms_after, 1.5) << keyframe.keyframe_id;
+  }
+}
+
+TEST_P(MapperWalk, EqualInputGivesEqualBytes) {
+  Mapper a(FeatureWorld::Camera(), MappingOptions());
+  Mapper b(FeatureWorld::Camera(), MappingOptions());
+  for (const Keyframe& keyframe : walk_.keyframes) {
+    ASSERT_TRUE(MapOne(keyframe, a));
+    ASSERT_TRUE(MapOne(keyframe, b));
+    ASSERT_EQ(Encoded(a.TakeUpdate()), Encoded(b.TakeUpdate())) << "keyframe " << keyframe.keyframe_id;
+  }
+}
+
+TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  MapReplica replica;
+  for (const Keyframe& keyframe : walk_.keyframes) {
+    ASSERT_TRUE(MapOne(keyframe, mapper));
+    ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapReplica::Outcome::kApplied);
+    ASSERT_EQ(replica.version(), mapper.version());
+    ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.keyframe_id;
+  }
+  MapReplica late;
+  ASSERT_EQ(late.Apply(mapper.Whole()), MapReplica::Outcome::kApplied);
+  EXPECT_EQ(Encoded(late.map()), Encoded(replica.map()));
+  EXPECT_EQ(mapper.Whole().session_keyframe_id, 19);
+}
+
+std::string Name(const testing::TestParamInfo<Situation>& situation) { return situation.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Kinds, MapperWalk,
+                         testing::Values(Situation{"Points", {200, 0}}, Situation{"Lines", {0, 100}},
+                                         Situation{"Both", {150, 50}}, Situation{"PointsWithoutIds", {200, 0}, false},
+                                         Situation{"LinesWithoutIds", {0, 100}, false},
+                                         Situation{"BothWithoutIds", {150, 50}, false}),
+                         Name);
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/map/keyframe.h"
+#include "core/map/map.h"
+#include "mapping_process/mapper.h"
+#include "tests/support/feature_world.h"
+
+namespace plslam::test {
+
+/// How a walk is seen: noise of the features and of the tracker's motion from keyframe to keyframe.
+struct WalkOptions {
+  double noise_px = 0.4;
+  double motion_sigma_m = 0.01;
+  double motion_sigma_rad = 0.004;
+  /// Whether features come with the tracker's ids (those of the world), or without any.
+  bool with_ids = true;
+  int64_t session = 7;
+  uint64_t seed = 1;
+};
+
+/// Keyframes along a path and where they truly are. The first one's odometry is the truth, so the map's frame is the world's.
+struct Walk {
+  std::vector<Keyframe> keyframes;
+  std::vector<SE3> T_w_c;
+};
+
+Walk MakeWalk(const FeatureWorld& world, const std::vector<SE3>& path, const WalkOptions& options);
+
+/// A keyframe with these features and no ids, after `previous` of its session (nullptr: the first, at `T_odom_kf`).
+Keyframe MakeKeyframe(const Keyframe* previous, const SE3& T_odom_kf, StereoFeatures features);
+
+/// A curve through the middle of the default world, turning.
+std::vector<SE3> TurningPath(int n);
+
+/// A corridor of points and edges on its walls, 8 m of it in view, along z; and a path down its middle.
+FeatureWorld MakeCorridor(double length_m, double points_per_m, double lines_per_m, uint64_t seed);
+std::vector<SE3> CorridorPath(int n, double step_m);
+
+/// Insert, adjust, cull, as mapping_process does for each keyframe of a lockstep stream.
+bool MapOne(const Keyframe& keyframe, Mapper& mapper, std::string* reason = nullptr);
+Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& options = {});
+
+/// What is wrong with a map, in words, empty where nothing is: numbers that are not finite, covariances that cannot be, sights of
+/// keyframes or features that do not exist or show another landmark, a tree that is none.
+std::string WrongWith(const Map& map);
+
+/// Root mean square of the distances between the keyframes and the truth, m. By the keyframe's number in its session.
+double PositionError_m(const Map& map, const std::vector<SE3>& T_w_c);
+/// The same of the tracker's own poses.
+double OdometryError_m(const Walk& walk);
+
+/// Distances of the map's landmarks from those of the world with the same descriptor; of lines the larger of the distances
+/// of its ends to the infinite line. Ascending.
+std::vector<double> PointErrors_m(const Map& map, const FeatureWorld& world);
+std::vector<double> LineErrors_m(const Map& map, const FeatureWorld& world);
+
+Descriptor DescriptorOf(uint64_t seed);
+
+}  // namespace plslam::test

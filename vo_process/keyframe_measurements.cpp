@@ -1,7 +1,6 @@
 #include "vo_process/keyframe_measurements.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -87,30 +86,41 @@ std::optional<double> DisparityOn(const Eigen::Vector2d& left_px, const Segment2
 }  // namespace
 
 void KeyframeMeasurements::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
-  const int index = static_cast<int>(T_c_odom_.size());
-  T_c_odom_.push_back(T_odom_c.Inverse());
+  Frame& added = frames_.emplace_back();
+  added.T_c_odom = T_odom_c.Inverse();
   for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
     const int64_t id = frame.point_tracks[i].landmark_id;
-    if (id >= 0) points_[id].push_back({index, frame.features.points[i]});
+    if (id >= 0) added.points.push_back({id, frame.features.points[i]});
   }
   for (size_t i = 0; i < frame.line_tracks.size(); ++i) {
     const int64_t id = frame.line_tracks[i].landmark_id;
-    if (id >= 0) lines_[id].push_back({index, frame.features.lines[i]});
+    if (id >= 0) added.lines.push_back({id, frame.features.lines[i]});
   }
+  if (frames_.size() > kMaxFrames) frames_.pop_front();
 }
 
 KeyframeContent KeyframeMeasurements::Take(const LocalLandmarks& landmarks, KeyframeContent content) {
-  ImproveAll(landmarks.points.landmarks(), points_, content.features.points, content.point_tracks);
-  ImproveAll(landmarks.lines.landmarks(), lines_, content.features.lines, content.line_tracks);
-  T_c_odom_.clear();
-  points_.clear();
-  lines_.clear();
+  ImproveAll(landmarks.points.landmarks(), Collect(&Frame::points), content.features.points, content.point_tracks);
+  ImproveAll(landmarks.lines.landmarks(), Collect(&Frame::lines), content.features.lines, content.line_tracks);
+  frames_.clear();
   return content;
 }
 
-template <class Landmark, class Seen, class Feature>
+template <class Feature>
+std::map<int64_t, std::vector<KeyframeMeasurements::Seen<Feature>>> KeyframeMeasurements::Collect(
+    std::vector<Named<Feature>> Frame::*of) const {
+  std::map<int64_t, std::vector<Seen<Feature>>> collected;
+  for (const Frame& frame : frames_) {
+    for (const Named<Feature>& named : frame.*of) {
+      collected[named.landmark_id].push_back({&frame.T_c_odom, &named.feature});
+    }
+  }
+  return collected;
+}
+
+template <class Landmark, class Feature>
 void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
-                                      const std::map<int64_t, std::vector<Seen>>& collected,
+                                      const std::map<int64_t, std::vector<Seen<Feature>>>& collected,
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
   std::map<int64_t, size_t> feature_of;
   for (size_t i = 0; i < tracks.size(); ++i) {
@@ -124,27 +134,27 @@ void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
       Improve(landmark, seen->second, features[found->second]);
       continue;
     }
-    Feature feature = seen->second.back().feature;
+    Feature feature = *seen->second.back().feature;
     if (!Expect(landmark, feature) || !Improve(landmark, seen->second, feature)) continue;
     features.push_back(feature);
     tracks.push_back({landmark.id, landmark.seen, landmark.map_id});
   }
 }
 
-bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vector<PointSeen>& seen,
+bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vector<Seen<StereoPoint>>& seen,
                                    StereoPoint& feature) const {
-  const auto project = [&](int frame) -> std::optional<Eigen::Vector3d> {
-    const Eigen::Vector3d p_c = T_c_odom_[static_cast<size_t>(frame)] * landmark.p_odom;
+  const auto project = [&](const SE3& T_c_odom) -> std::optional<Eigen::Vector3d> {
+    const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
     if (p_c.z() < kMinDepth_m) return std::nullopt;
     return camera_.ProjectStereo(p_c);
   };
-  const auto here = project(static_cast<int>(T_c_odom_.size()) - 1);
+  const auto here = project(frames_.back().T_c_odom);
   if (!here) return false;
   Mean u, v, d;
-  for (const PointSeen& sight : seen) {
-    const auto expected = project(sight.frame);
+  for (const Seen<StereoPoint>& sight : seen) {
+    const auto expected = project(*sight.T_c_odom);
     if (!expected) continue;
-    const StereoPoint& measured = sight.feature;
+    const StereoPoint& measured = *sight.feature;
     u.Add(measured.left.px.x() - expected->x(), measured.sigma_px * measured.sigma_px);
     v.Add(measured.left.px.y() - expected->y(), measured.sigma_px * measured.sigma_px);
     if (measured.HasDepth()) {
@@ -162,47 +172,61 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vec
   return true;
 }
 
-bool KeyframeMeasurements::Improve(const LineLandmark& landmark, const std::vector<LineSeen>& seen,
+bool KeyframeMeasurements::Improve(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
                                    StereoLine& feature) const {
-  const auto here = Project(T_c_odom_.back(), landmark.segment_odom, camera_);
+  const auto here = Project(frames_.back().T_c_odom, landmark.segment_odom, camera_);
   if (!here) return false;
-  EndMeans left, right;
-  for (const LineSeen& sight : seen) {
-    const auto expected = Project(T_c_odom_[static_cast<size_t>(sight.frame)], landmark.segment_odom, camera_);
+  EndMeans left;
+  for (const Seen<StereoLine>& sight : seen) {
+    const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
     if (!expected) continue;
-    const StereoLine& measured = sight.feature;
-    left.Add(expected->p_uvd.head<2>(), expected->q_uvd.head<2>(), measured.left.segment, measured.sigma_px);
-    if (!measured.HasDepth()) continue;
-    const Segment2 projected = expected->Right();
-    const double sigma =
-        std::hypot(measured.sigma_px, std::max(measured.sigma_disparity_p_px, measured.sigma_disparity_q_px));
-    right.Add(projected.p, projected.q, RightSegment(measured), sigma);
+    const Segment2 projected = expected->Left();
+    left.Add(projected.p, projected.q, sight.feature->left.segment, sight.feature->sigma_px);
   }
   const Segment2 projected = here->Left();
   // A mean taken at ends that are close together says nothing of the direction far from them.
   if (left.p.n() < kMinSights || projected.Length() < 0.5 * feature.left.segment.Length()) return false;
-  const Segment2 mean_left = left.Line(projected.p, projected.q, feature.left.segment);
+  const Segment2 mean = left.Line(projected.p, projected.q, feature.left.segment);
+  const Segment2 moved{OntoLine(feature.left.segment.p, mean), OntoLine(feature.left.segment.q, mean)};
+  const auto visible = ClipToImage(moved, camera_, 0.0);
+  if (!visible) return false;
   StereoLine improved = feature;
-  improved.left.segment = {OntoLine(feature.left.segment.p, mean_left), OntoLine(feature.left.segment.q, mean_left)};
+  improved.left.segment = *visible;
   improved.sigma_px *= ShrinkFactor(left.p.n());
-  if (feature.HasDepth() && right.p.n() >= 2) {
-    const Segment2 mean_right = right.Line(here->Right().p, here->Right().q, RightSegment(feature));
-    const auto d_p = DisparityOn(improved.left.segment.p, mean_right);
-    const auto d_q = DisparityOn(improved.left.segment.q, mean_right);
-    if (!d_p || !d_q || *d_p <= 0.0 || *d_q <= 0.0) return false;
-    improved.disparity_p_px = *d_p;
-    improved.disparity_q_px = *d_q;
-    improved.sigma_disparity_p_px *= ShrinkFactor(right.p.n());
-    improved.sigma_disparity_q_px *= ShrinkFactor(right.q.n());
-  }
+  if (feature.HasDepth() && !ImproveDisparities(landmark, seen, RightSegment(feature), improved)) return false;
   feature = improved;
+  return true;
+}
+
+bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
+                                              const Segment2& right, StereoLine& feature) const {
+  EndMeans means;
+  for (const Seen<StereoLine>& sight : seen) {
+    const StereoLine& measured = *sight.feature;
+    const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
+    if (!expected || !measured.HasDepth()) continue;
+    const Segment2 projected = expected->Right();
+    const double sigma =
+        std::hypot(measured.sigma_px, std::max(measured.sigma_disparity_p_px, measured.sigma_disparity_q_px));
+    means.Add(projected.p, projected.q, RightSegment(measured), sigma);
+  }
+  const auto here = Project(frames_.back().T_c_odom, landmark.segment_odom, camera_);
+  if (!here || means.p.n() == 0) return false;
+  const Segment2 mean = means.Line(here->Right().p, here->Right().q, right);
+  const auto d_p = DisparityOn(feature.left.segment.p, mean);
+  const auto d_q = DisparityOn(feature.left.segment.q, mean);
+  if (!d_p || !d_q || *d_p <= 0.0 || *d_q <= 0.0) return false;
+  feature.disparity_p_px = *d_p;
+  feature.disparity_q_px = *d_q;
+  feature.sigma_disparity_p_px *= ShrinkFactor(means.p.n());
+  feature.sigma_disparity_q_px *= ShrinkFactor(means.q.n());
   return true;
 }
 
 bool KeyframeMeasurements::Expect(const PointLandmark&, StereoPoint&) const { return true; }
 
 bool KeyframeMeasurements::Expect(const LineLandmark& landmark, StereoLine& feature) const {
-  const SE3& T_c_odom = T_c_odom_.back();
+  const SE3& T_c_odom = frames_.back().T_c_odom;
   const Segment3 in_camera{T_c_odom * landmark.segment_odom.p, T_c_odom * landmark.segment_odom.q};
   const auto visible = ProjectSegment(in_camera, camera_, 0.0);
   if (!visible) return false;

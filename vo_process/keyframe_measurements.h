@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <vector>
 
@@ -26,6 +28,9 @@ struct KeyframeContent {
 /// saw, are added as features: a detector finds a corner again in two of three frames only.
 class KeyframeMeasurements {
  public:
+  /// Of a camera that stands no frames before these are kept: a mean over more is no better, and there is no end to them.
+  static constexpr size_t kMaxFrames = 100;
+
   explicit KeyframeMeasurements(const StereoCamera& camera) : camera_(camera) {}
 
   /// A frame at `T_odom_c` whose tracks name their landmarks.
@@ -35,29 +40,41 @@ class KeyframeMeasurements {
   KeyframeContent Take(const LocalLandmarks& landmarks, KeyframeContent content);
 
  private:
-  struct PointSeen {
-    int frame = 0;
-    StereoPoint feature;
+  template <class Feature>
+  struct Named {
+    int64_t landmark_id = -1;
+    Feature feature;
   };
-  struct LineSeen {
-    int frame = 0;
-    StereoLine feature;
+  struct Frame {
+    SE3 T_c_odom;
+    std::vector<Named<StereoPoint>> points;
+    std::vector<Named<StereoLine>> lines;
+  };
+  /// A feature that a landmark was seen as, and from where.
+  template <class Feature>
+  struct Seen {
+    const SE3* T_c_odom = nullptr;
+    const Feature* feature = nullptr;
   };
   /// Means over `seen` as a feature of the last frame; `feature` says what it looks like. False, and nothing done, where
   /// they say nothing.
-  bool Improve(const PointLandmark& landmark, const std::vector<PointSeen>& seen, StereoPoint& feature) const;
-  bool Improve(const LineLandmark& landmark, const std::vector<LineSeen>& seen, StereoLine& feature) const;
+  bool Improve(const PointLandmark& landmark, const std::vector<Seen<StereoPoint>>& seen, StereoPoint& feature) const;
+  bool Improve(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen, StereoLine& feature) const;
+  bool ImproveDisparities(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
+                          const Segment2& right, StereoLine& feature) const;
   /// The feature as it should be in the last frame where that did not find it.
   bool Expect(const PointLandmark& landmark, StereoPoint& feature) const;
   bool Expect(const LineLandmark& landmark, StereoLine& feature) const;
-  template <class Landmark, class Seen, class Feature>
-  void ImproveAll(const std::vector<Landmark>& landmarks, const std::map<int64_t, std::vector<Seen>>& collected,
-                  std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const;
+  /// By landmark, in the order of the frames.
+  template <class Feature>
+  std::map<int64_t, std::vector<Seen<Feature>>> Collect(std::vector<Named<Feature>> Frame::*of) const;
+  template <class Landmark, class Feature>
+  void ImproveAll(const std::vector<Landmark>& landmarks,
+                  const std::map<int64_t, std::vector<Seen<Feature>>>& collected, std::vector<Feature>& features,
+                  std::vector<FeatureTrack>& tracks) const;
 
   StereoCamera camera_;
-  std::vector<SE3> T_c_odom_;
-  std::map<int64_t, std::vector<PointSeen>> points_;
-  std::map<int64_t, std::vector<LineSeen>> lines_;
+  std::deque<Frame> frames_;
 };
 
 }  // namespace plslam

@@ -80,14 +80,13 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   }
   result.T_odom_c = T_odom_c_;
   result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
-  if (result.state != TrackingState::kInitialising && result.state != TrackingState::kLost) {
-    keyframe_measurements_.Add(T_odom_c_, frame);
-  }
+  const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
+  const bool means = options_.keyframes.measurements == "mean";
+  if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
   if (result.keyframe) {
     KeyframeContent& content = result.keyframe->content;
     content = {frame.features, frame.point_tracks, frame.line_tracks};
-    if (options_.keyframes.measurements == "mean")
-      content = keyframe_measurements_.Take(landmarks_, std::move(content));
+    if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
     keyframe_log_.Add(result.keyframe->id, LandmarkIds(content.point_tracks), LandmarkIds(content.line_tracks));
   }
   result.features = std::move(frame.features);

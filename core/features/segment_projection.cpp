@@ -22,28 +22,33 @@ std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_
   return clipped;
 }
 
-std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px) {
-  const auto visible = ClipInFront(segment_c, kMinDepth_m);
-  if (!visible) return std::nullopt;
-  const Segment2 full{camera.Project(visible->p), camera.Project(visible->q)};
+std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera& camera, double margin_px) {
   // Liang-Barsky against the image grown by the margin.
   const Eigen::Vector2d low = Eigen::Vector2d::Constant(-margin_px);
-  const Eigen::Vector2d high(camera.width_px + margin_px, camera.height_px + margin_px);
-  const Eigen::Vector2d along = full.q - full.p;
+  const Eigen::Vector2d high(camera.width_px - 1 + margin_px, camera.height_px - 1 + margin_px);
+  const Eigen::Vector2d along = segment.q - segment.p;
   double from = 0.0;
   double to = 1.0;
   for (int k = 0; k < 2; ++k) {
     if (std::abs(along[k]) < 1e-9) {
-      if (full.p[k] < low[k] || full.p[k] > high[k]) return std::nullopt;
+      if (segment.p[k] < low[k] || segment.p[k] > high[k]) return std::nullopt;
       continue;
     }
-    const double a = (low[k] - full.p[k]) / along[k];
-    const double b = (high[k] - full.p[k]) / along[k];
+    const double a = (low[k] - segment.p[k]) / along[k];
+    const double b = (high[k] - segment.p[k]) / along[k];
     from = std::max(from, std::min(a, b));
     to = std::min(to, std::max(a, b));
   }
   if (!((to - from) * along.norm() >= kMinLength_px)) return std::nullopt;
-  return Segment2{full.p + from * along, full.p + to * along};
+  // Rounding must not put an end outside again.
+  const auto at = [&](double s) -> Eigen::Vector2d { return (segment.p + s * along).cwiseMax(low).cwiseMin(high); };
+  return Segment2{from > 0.0 ? at(from) : segment.p, to < 1.0 ? at(to) : segment.q};
+}
+
+std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px) {
+  const auto visible = ClipInFront(segment_c, kMinDepth_m);
+  if (!visible) return std::nullopt;
+  return ClipToImage({camera.Project(visible->p), camera.Project(visible->q)}, camera, margin_px);
 }
 
 double VarianceAcross(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px) {

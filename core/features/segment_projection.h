@@ -11,6 +11,10 @@ namespace plslam {
 /// The part of a segment (camera frame) at least `min_depth_m` in front of the camera; nullopt where there is none.
 std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_m);
 
+/// The part of a segment inside the image grown by `margin_px` (as `StereoCamera::InImage` has it); nullopt where less than
+/// a few pixels are. Ends inside stay as they are.
+std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera& camera, double margin_px);
+
 /// A segment (camera frame) as it should appear in the left image, cut to the image grown by `margin_px`; nullopt where
 /// less than a few pixels would be seen.
 std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px);

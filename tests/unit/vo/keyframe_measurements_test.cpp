@@ -1,0 +1,460 @@
+#include "vo_process/keyframe_measurements.h"
+
+#include <cmath>
+#include <optional>
+#include <random>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+const StereoCamera kCamera{400.0, 320.0, 240.0, 0.12, 640, 480};
+constexpr double kSigma_px = 0.3;
+/// Share of the variance that all frames have in common, as the keyframe states it.
+constexpr double kCommonShare = 0.3;
+
+double Shrink(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
+
+/// Forwards, sideways, and turning about all axes.
+SE3 PoseAt(int frame) {
+  return SE3(ExpSO3(0.01 * frame * Eigen::Vector3d(0.3, -0.2, 1.0)), 0.02 * frame * Eigen::Vector3d(1.0, -0.5, 1.5));
+}
+
+struct Scene {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Segment3> lines;
+};
+
+Scene MakeScene() {
+  Scene scene;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (int i = 0; i < 40; ++i) scene.points.emplace_back(any(random), any(random), 4.0 + any(random));
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d p(any(random), -0.8 + 0.2 * any(random), 4.0 + any(random));
+    scene.lines.push_back({p, p + Eigen::Vector3d(any(random), 1.5, 0.5 * any(random))});
+  }
+  return scene;
+}
+
+/// How a frame sees the scene; landmark i is number i of its kind.
+struct View {
+  double noise_px = 0.0;
+  uint32_t seed = 1;
+  bool depth = true;
+  /// Lines are found cut at other places in each frame.
+  bool cut = false;
+  std::set<int64_t> missed_points = {};
+  std::set<int64_t> missed_lines = {};
+};
+
+StereoLine SeeLine(const Eigen::Vector3d& p, const Eigen::Vector3d& q, bool depth) {
+  StereoLine seen;
+  seen.left.segment = {p.head<2>(), q.head<2>()};
+  seen.sigma_px = seen.sigma_disparity_p_px = seen.sigma_disparity_q_px = kSigma_px;
+  if (!depth) return seen;
+  seen.disparity_p_px = p.z();
+  seen.disparity_q_px = q.z();
+  return seen;
+}
+
+StereoPoint SeePoint(const Eigen::Vector3d& uvd, bool depth) {
+  StereoPoint seen;
+  seen.left.px = uvd.head<2>();
+  seen.sigma_px = seen.sigma_disparity_px = kSigma_px;
+  if (depth) seen.disparity_px = uvd.z();
+  return seen;
+}
+
+TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view = {}) {
+  std::mt19937 random(view.seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> share(0.0, 0.2);
+  const SE3 T_c_odom = T_odom_c.Inverse();
+  const auto measure = [&](const Eigen::Vector3d& p_odom) -> Eigen::Vector3d {
+    const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+    return kCamera.ProjectStereo(T_c_odom * p_odom) + view.noise_px * noise;
+  };
+  StereoFeatures features;
+  std::vector<FeatureTrack> point_tracks, line_tracks;
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    const auto id = static_cast<int64_t>(i);
+    const StereoPoint seen = SeePoint(measure(scene.points[i]), view.depth);
+    if (view.missed_points.contains(id)) continue;
+    features.points.push_back(seen);
+    point_tracks.push_back({id, 1, 100 + id});
+  }
+  for (size_t i = 0; i < scene.lines.size(); ++i) {
+    const auto id = static_cast<int64_t>(i);
+    const Segment3& line = scene.lines[i];
+    const double from = view.cut ? share(random) : 0.0;
+    const double to = view.cut ? 1.0 - share(random) : 1.0;
+    const StereoLine seen =
+        SeeLine(measure(line.p + from * (line.q - line.p)), measure(line.p + to * (line.q - line.p)), view.depth);
+    if (view.missed_lines.contains(id)) continue;
+    features.lines.push_back(seen);
+    line_tracks.push_back({id, 1, 100 + id});
+  }
+  TrackedFrame frame(std::move(features));
+  frame.point_tracks = std::move(point_tracks);
+  frame.line_tracks = std::move(line_tracks);
+  return frame;
+}
+
+/// Landmarks where the scene has them, but for `offset`, in its order.
+LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero()) {
+  for (Eigen::Vector3d& p : scene.points) p += offset;
+  for (Segment3& line : scene.lines) line = {line.p + offset, line.q + offset};
+  VoOptions options;
+  options.landmarks.max_relative_depth_sigma = 1.0;
+  LocalLandmarks landmarks(kCamera, options);
+  TrackedFrame frame = See(scene, SE3());
+  for (auto* tracks : {&frame.point_tracks, &frame.line_tracks}) tracks->assign(tracks->size(), {});
+  landmarks.Found(SE3(), frame);
+  EXPECT_EQ(landmarks.points.landmarks().size(), scene.points.size());
+  EXPECT_EQ(landmarks.lines.landmarks().size(), scene.lines.size());
+  return landmarks;
+}
+
+KeyframeContent ContentOf(const TrackedFrame& frame) {
+  return {frame.features, frame.point_tracks, frame.line_tracks};
+}
+
+/// Distances of a feature's ends from where the line is in the left image, and errors of the disparities there.
+Eigen::Vector4d LineError(const StereoLine& seen, const Segment3& truth_odom, const SE3& T_odom_c) {
+  const SE3 T_c_odom = T_odom_c.Inverse();
+  const Eigen::Vector3d p = kCamera.ProjectStereo(T_c_odom * truth_odom.p);
+  const Eigen::Vector3d q = kCamera.ProjectStereo(T_c_odom * truth_odom.q);
+  const Eigen::Vector3d left = LineThrough({p.head<2>(), q.head<2>()});
+  const auto disparity_at = [&](const Eigen::Vector2d& px) {
+    return p.z() + (q.z() - p.z()) * (px.y() - p.y()) / (q.y() - p.y());
+  };
+  const Segment2& segment = seen.left.segment;
+  return {left.dot(segment.p.homogeneous()), left.dot(segment.q.homogeneous()),
+          seen.disparity_p_px - disparity_at(segment.p), seen.disparity_q_px - disparity_at(segment.q)};
+}
+
+Eigen::Vector3d PointError(const StereoPoint& seen, const Eigen::Vector3d& truth_odom, const SE3& T_odom_c) {
+  const Eigen::Vector3d uvd = kCamera.ProjectStereo(T_odom_c.Inverse() * truth_odom);
+  return Eigen::Vector3d(seen.left.px.x(), seen.left.px.y(), seen.disparity_px) - uvd;
+}
+
+class KeyframeMeasurementsByDepth : public testing::TestWithParam<bool> {};
+
+TEST_P(KeyframeMeasurementsByDepth, ExactMeasurementsStayExact) {
+  const bool depth = GetParam();
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  constexpr int kFrames = 6;
+  std::optional<TrackedFrame> last;
+  for (int k = 1; k <= kFrames; ++k) {
+    last = See(scene, PoseAt(k), {.seed = static_cast<uint32_t>(k), .depth = depth, .cut = true});
+    measurements.Add(PoseAt(k), *last);
+  }
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
+  ASSERT_EQ(content.features.points.size(), scene.points.size());
+  ASSERT_EQ(content.features.lines.size(), scene.lines.size());
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    const StereoPoint& seen = content.features.points[i];
+    EXPECT_LT(PointError(seen, scene.points[i], PoseAt(kFrames)).head(depth ? 3 : 2).norm(), 1e-9) << "point " << i;
+    EXPECT_EQ(seen.HasDepth(), depth);
+    EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(kFrames), 1e-12);
+    EXPECT_NEAR(seen.sigma_disparity_px, kSigma_px * (depth ? Shrink(kFrames) : 1.0), 1e-12);
+  }
+  for (size_t i = 0; i < scene.lines.size(); ++i) {
+    const StereoLine& seen = content.features.lines[i];
+    const Segment2& own = last->features.lines[i].left.segment;
+    EXPECT_LT(LineError(seen, scene.lines[i], PoseAt(kFrames)).head(depth ? 4 : 2).norm(), 1e-8) << "line " << i;
+    EXPECT_LT((seen.left.segment.p - own.p).norm() + (seen.left.segment.q - own.q).norm(), 1e-9) << "line " << i;
+    EXPECT_EQ(seen.HasDepth(), depth);
+    EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(kFrames), 1e-12);
+    EXPECT_NEAR(seen.sigma_disparity_q_px, kSigma_px * (depth ? Shrink(kFrames) : 1.0), 1e-12);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Depth, KeyframeMeasurementsByDepth, testing::Bool(),
+                         [](const auto& kind) { return kind.param ? "WithDisparity" : "WithoutDisparity"; });
+
+TEST(KeyframeMeasurements, PointsAreTheAverageOfTheErrorsOfAllFrames) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  constexpr int kFrames = 9;
+  std::vector<Eigen::Vector3d> average(scene.points.size(), Eigen::Vector3d::Zero());
+  std::optional<TrackedFrame> last;
+  for (int k = 1; k <= kFrames; ++k) {
+    last = See(scene, PoseAt(k), {.noise_px = kSigma_px, .seed = static_cast<uint32_t>(k)});
+    measurements.Add(PoseAt(k), *last);
+    for (size_t i = 0; i < average.size(); ++i) {
+      average[i] += PointError(last->features.points[i], scene.points[i], PoseAt(k)) / kFrames;
+    }
+  }
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
+  for (size_t i = 0; i < average.size(); ++i) {
+    const Eigen::Vector3d error = PointError(content.features.points[i], scene.points[i], PoseAt(kFrames));
+    EXPECT_LT((error - average[i]).norm(), 1e-9) << error.transpose() << " instead of " << average[i].transpose();
+  }
+}
+
+TEST(KeyframeMeasurements, SurerMeasurementsCountMore) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  TrackedFrame off = See(scene, PoseAt(1));
+  for (StereoPoint& point : off.features.points) {
+    point.left.px.x() += 1.0;
+    point.sigma_px *= 3.0;
+  }
+  measurements.Add(PoseAt(1), off);
+  const TrackedFrame last = See(scene, PoseAt(2));
+  measurements.Add(PoseAt(2), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_NEAR(PointError(content.features.points[i], scene.points[i], PoseAt(2)).x(), 0.1, 1e-9);
+  }
+}
+
+TEST(KeyframeMeasurements, NoiseOfLinesFallsWithTheNumberOfFrames) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  constexpr int kFrames = 9;
+  Eigen::Array4d one_frame = Eigen::Array4d::Zero();
+  Eigen::Array4d mean = Eigen::Array4d::Zero();
+  for (uint32_t run = 0; run < 40; ++run) {
+    KeyframeMeasurements measurements(kCamera);
+    std::optional<TrackedFrame> last;
+    for (int k = 1; k <= kFrames; ++k) {
+      last = See(scene, PoseAt(k), {.noise_px = kSigma_px, .seed = 100 * run + static_cast<uint32_t>(k)});
+      measurements.Add(PoseAt(k), *last);
+    }
+    const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
+    for (size_t i = 0; i < scene.lines.size(); ++i) {
+      one_frame += LineError(last->features.lines[i], scene.lines[i], PoseAt(kFrames)).array().square();
+      mean += LineError(content.features.lines[i], scene.lines[i], PoseAt(kFrames)).array().square();
+    }
+  }
+  const Eigen::Array4d ratio = (mean / one_frame).sqrt();
+  EXPECT_LT((ratio - 1.0 / std::sqrt(1.0 * kFrames)).abs().maxCoeff(), 0.08) << ratio.transpose();
+}
+
+TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  // Point 5 and line 5 are seen once only, which is not enough.
+  measurements.Add(PoseAt(1), See(scene, PoseAt(1)));
+  for (int k = 2; k <= 3; ++k) {
+    measurements.Add(PoseAt(k), See(scene, PoseAt(k), {.cut = true, .missed_points = {5}, .missed_lines = {5}}));
+  }
+  const TrackedFrame last = See(scene, PoseAt(4), {.missed_points = {3, 5, 7}, .missed_lines = {2, 5}});
+  measurements.Add(PoseAt(4), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  ASSERT_EQ(content.features.points.size(), last.features.points.size() + 2);
+  ASSERT_EQ(content.features.lines.size(), last.features.lines.size() + 1);
+  ASSERT_EQ(content.point_tracks.size(), content.features.points.size());
+  ASSERT_EQ(content.line_tracks.size(), content.features.lines.size());
+  for (const size_t added : {0u, 1u}) {
+    const size_t place = last.features.points.size() + added;
+    const int64_t id = added == 0 ? 3 : 7;
+    EXPECT_EQ(content.point_tracks[place].landmark_id, id);
+    const StereoPoint& seen = content.features.points[place];
+    EXPECT_LT(PointError(seen, scene.points[static_cast<size_t>(id)], PoseAt(4)).norm(), 1e-9) << "point " << id;
+    EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(3), 1e-12);
+  }
+  EXPECT_EQ(content.line_tracks.back().landmark_id, 2);
+  const StereoLine& seen = content.features.lines.back();
+  EXPECT_LT(LineError(seen, scene.lines[2], PoseAt(4)).norm(), 1e-8) << LineError(seen, scene.lines[2], PoseAt(4));
+  EXPECT_TRUE(seen.HasDepth());
+  EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(3), 1e-12);
+  const Eigen::Vector2d p = kCamera.Project(PoseAt(4).Inverse() * scene.lines[2].p);
+  EXPECT_LT((seen.left.segment.p - p).norm(), 1e-9) << "directed and cut as the landmark is";
+}
+
+// Disparities of an added line are measured, not those of the landmark, even where one frame alone had them.
+TEST(KeyframeMeasurements, DisparityOfAnAddedLineIsTheOneThatWasSeen) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.depth = false}));
+  TrackedFrame near = See(scene, PoseAt(2));
+  for (StereoLine& line : near.features.lines) {
+    line.disparity_p_px += 0.5;
+    line.disparity_q_px += 0.5;
+  }
+  measurements.Add(PoseAt(2), near);
+  const TrackedFrame last = See(scene, PoseAt(3), {.missed_lines = {4}});
+  measurements.Add(PoseAt(3), last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  ASSERT_EQ(content.line_tracks.back().landmark_id, 4);
+  const Eigen::Vector4d error = LineError(content.features.lines.back(), scene.lines[4], PoseAt(3));
+  EXPECT_LT((error - Eigen::Vector4d(0.0, 0.0, 0.5, 0.5)).norm(), 0.02) << error.transpose();
+  EXPECT_NEAR(content.features.lines.back().sigma_disparity_p_px, kSigma_px, 1e-12);
+}
+
+TEST(KeyframeMeasurements, FeaturesOfNoLandmarkStayAsTheyAre) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  std::optional<TrackedFrame> last;
+  for (int k = 1; k <= 4; ++k) {
+    last = See(scene, PoseAt(k), {.noise_px = 1.0, .seed = static_cast<uint32_t>(k)});
+    // Without a landmark, or of one that has been dropped since.
+    for (FeatureTrack& track : last->point_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
+    for (FeatureTrack& track : last->line_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
+    measurements.Add(PoseAt(k), *last);
+  }
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
+  ASSERT_EQ(content.features.points.size(), scene.points.size());
+  ASSERT_EQ(content.features.lines.size(), scene.lines.size());
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_EQ(content.features.points[i].left.px, last->features.points[i].left.px);
+    EXPECT_EQ(content.features.points[i].disparity_px, last->features.points[i].disparity_px);
+    EXPECT_EQ(content.features.points[i].sigma_px, kSigma_px);
+  }
+  for (size_t i = 0; i < scene.lines.size(); ++i) {
+    EXPECT_EQ(content.features.lines[i].left.segment.p, last->features.lines[i].left.segment.p);
+    EXPECT_EQ(content.features.lines[i].disparity_q_px, last->features.lines[i].disparity_q_px);
+    EXPECT_EQ(content.features.lines[i].sigma_px, kSigma_px);
+  }
+}
+
+// Where the landmark is cancels out for a camera that stands: what was measured stays, wherever the landmark is.
+TEST(KeyframeMeasurements, StandingCameraDoesNotNeedTheLandmarksPlace) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene, {0.02, -0.01, 0.05});
+  KeyframeMeasurements measurements(kCamera);
+  const TrackedFrame frame = See(scene, PoseAt(1));
+  for (int k = 0; k < 5; ++k) measurements.Add(PoseAt(1), frame);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(frame));
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_LT(PointError(content.features.points[i], scene.points[i], PoseAt(1)).norm(), 1e-9) << "point " << i;
+  }
+  for (size_t i = 0; i < scene.lines.size(); ++i) {
+    EXPECT_LT(LineError(content.features.lines[i], scene.lines[i], PoseAt(1)).norm(), 1e-8) << "line " << i;
+  }
+}
+
+TEST(KeyframeMeasurements, FramesOfACameraThatStandsForLongAreForgotten) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  for (uint32_t k = 0; k < 50; ++k) {
+    measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.noise_px = 5.0, .seed = k}));
+  }
+  const TrackedFrame exact = See(scene, PoseAt(1));
+  for (size_t k = 0; k < KeyframeMeasurements::kMaxFrames; ++k) measurements.Add(PoseAt(1), exact);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(exact));
+  for (size_t i = 0; i < scene.points.size(); ++i) {
+    EXPECT_LT(PointError(content.features.points[i], scene.points[i], PoseAt(1)).norm(), 1e-9) << "point " << i;
+  }
+}
+
+TEST(KeyframeMeasurements, LandmarksBehindTheCameraOrOutOfViewAreNotAdded) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  const SE3 behind(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 20.0));
+  const SE3 aside(ExpSO3(Eigen::Vector3d(0.0, 1.4, 0.0)), Eigen::Vector3d::Zero());
+  for (const SE3& T_odom_c : {behind, aside}) {
+    KeyframeMeasurements measurements(kCamera);
+    for (int k = 1; k <= 3; ++k) measurements.Add(PoseAt(k), See(scene, PoseAt(k)));
+    // A feature that was taken for landmark 0 stays as it is.
+    StereoFeatures wrong;
+    wrong.points.push_back(SeePoint({100.0, 50.0, 7.0}, true));
+    wrong.lines.push_back(SeeLine({100.0, 50.0, 7.0}, {150.0, 90.0, 7.0}, true));
+    TrackedFrame last(wrong);
+    last.point_tracks[0].landmark_id = last.line_tracks[0].landmark_id = 0;
+    measurements.Add(T_odom_c, last);
+    const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+    ASSERT_EQ(content.features.points.size(), 1u);
+    ASSERT_EQ(content.features.lines.size(), 1u);
+    EXPECT_TRUE(kCamera.InImage(content.features.points[0].left.px, 0.0));
+    EXPECT_TRUE(kCamera.InImage(content.features.lines[0].left.segment.p, 0.0));
+    if (T_odom_c.translation().z() < 1.0) continue;
+    EXPECT_EQ(content.features.points[0].left.px, wrong.points[0].left.px);
+    EXPECT_EQ(content.features.lines[0].left.segment.q, wrong.lines[0].left.segment.q);
+  }
+}
+
+TEST(KeyframeMeasurements, EndsOfAddedLinesStayInTheImageAndOnTheLine) {
+  // Turned so far that the lines cross the right border.
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  int cut = 0;
+  for (const double turn : {-0.55, -0.6, -0.65}) {
+    const SE3 T_odom_c(ExpSO3(Eigen::Vector3d(0.25, turn, 0.3)), Eigen::Vector3d::Zero());
+    KeyframeMeasurements measurements(kCamera);
+    for (int k = 1; k <= 3; ++k) measurements.Add(PoseAt(k), See(scene, PoseAt(k)));
+    const TrackedFrame last{StereoFeatures{}};
+    measurements.Add(T_odom_c, last);
+    const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+    for (size_t i = 0; i < content.features.lines.size(); ++i) {
+      const StereoLine& seen = content.features.lines[i];
+      const Segment3& truth = scene.lines[static_cast<size_t>(content.line_tracks[i].landmark_id)];
+      EXPECT_TRUE(kCamera.InImage(seen.left.segment.p, 0.0)) << seen.left.segment.p.transpose();
+      EXPECT_TRUE(kCamera.InImage(seen.left.segment.q, 0.0)) << seen.left.segment.q.transpose();
+      EXPECT_LT(LineError(seen, truth, T_odom_c).head<2>().norm(), 1e-8) << "turn " << turn << " line " << i;
+      const SE3 T_c_odom = T_odom_c.Inverse();
+      cut += kCamera.InImage(kCamera.Project(T_c_odom * truth.p), 0.0) &&
+                     kCamera.InImage(kCamera.Project(T_c_odom * truth.q), 0.0)
+                 ? 0
+                 : 1;
+    }
+  }
+  EXPECT_GT(cut, 5);
+}
+
+TEST(KeyframeMeasurements, EndsOfItsOwnLinesStayInTheImage) {
+  // A tilted line that was seen too far to the right so far ends at the image's left border.
+  const SE3 T_odom_c;
+  Scene scene;
+  scene.lines.push_back({kCamera.Backproject({0.2, 100.0, 10.0}), kCamera.Backproject({60.0, 250.0, 10.0})});
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  const TrackedFrame exact = See(scene, T_odom_c);
+  measurements.Add(T_odom_c, exact);
+  TrackedFrame last = exact;
+  for (Eigen::Vector2d* end : {&last.features.lines[0].left.segment.p, &last.features.lines[0].left.segment.q}) {
+    *end += Eigen::Vector2d(0.0, -3.0);
+  }
+  measurements.Add(T_odom_c, last);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
+  const Segment2& segment = content.features.lines[0].left.segment;
+  EXPECT_TRUE(kCamera.InImage(segment.p, 0.0)) << segment.p.transpose();
+  EXPECT_NE(segment.p, last.features.lines[0].left.segment.p);
+}
+
+TEST(KeyframeMeasurements, WhatWasCollectedIsForgottenAfterTake) {
+  const Scene scene = MakeScene();
+  const LocalLandmarks landmarks = LandmarksOf(scene);
+  KeyframeMeasurements measurements(kCamera);
+  for (uint32_t k = 1; k <= 3; ++k) {
+    measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.noise_px = 3.0, .seed = k}));
+  }
+  measurements.Take(landmarks, ContentOf(See(scene, PoseAt(1))));
+  const TrackedFrame next = See(scene, PoseAt(2), {.missed_points = {1}, .missed_lines = {1}});
+  measurements.Add(PoseAt(2), next);
+  const KeyframeContent content = measurements.Take(landmarks, ContentOf(next));
+  ASSERT_EQ(content.features.points.size(), scene.points.size() - 1);
+  ASSERT_EQ(content.features.lines.size(), scene.lines.size() - 1);
+  for (size_t i = 0; i < content.features.points.size(); ++i) {
+    EXPECT_EQ(content.features.points[i].left.px, next.features.points[i].left.px);
+    EXPECT_EQ(content.features.points[i].sigma_px, kSigma_px);
+  }
+  EXPECT_EQ(content.features.lines[3].left.segment.p, next.features.lines[3].left.segment.p);
+}
+
+TEST(KeyframeMeasurements, NothingCollectedChangesNothing) {
+  const Scene scene = MakeScene();
+  KeyframeMeasurements measurements(kCamera);
+  const TrackedFrame frame = See(scene, PoseAt(1));
+  const KeyframeContent content = measurements.Take(LandmarksOf(scene), ContentOf(frame));
+  ASSERT_EQ(content.features.points.size(), frame.features.points.size());
+  EXPECT_EQ(content.features.points[0].left.px, frame.features.points[0].left.px);
+}
+
+}  // namespace
+}  // namespace plslam

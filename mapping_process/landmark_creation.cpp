@@ -5,6 +5,9 @@
 namespace plslam {
 namespace {
 
+// Shorter ones have no direction, and no matcher takes them.
+constexpr double kMinLength_px = 1.0;
+
 bool IsSure(double disparity_px, double sigma_disparity_px, const InsertionOptions& options) {
   return disparity_px > 0.0 && sigma_disparity_px <= options.max_relative_depth_sigma * disparity_px;
 }
@@ -30,6 +33,7 @@ std::optional<MapPoint> MakePoint(const StereoPoint& seen, const SE3& T_w_kf, co
 
 std::optional<MapLine> MakeLine(const StereoLine& seen, const SE3& T_w_kf, const StereoCamera& camera,
                                 const InsertionOptions& options) {
+  if (!(seen.left.segment.Length() >= kMinLength_px)) return std::nullopt;
   if (!IsSure(seen.disparity_p_px, seen.sigma_disparity_p_px, options)) return std::nullopt;
   if (!IsSure(seen.disparity_q_px, seen.sigma_disparity_q_px, options)) return std::nullopt;
   const Segment2& segment = seen.left.segment;

@@ -21,7 +21,8 @@ struct NewLandmarks {
   std::vector<int64_t> lines;
 };
 
-/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty.
+/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty. Segments
+/// without length make none.
 NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 

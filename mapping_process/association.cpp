@@ -48,6 +48,17 @@ std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const s
   return {ids.begin(), ids.end()};
 }
 
+// A keyframe and those before it in its session, each counted once.
+std::map<int64_t, int> Before(int64_t keyframe_id, const Map& map, int max_keyframes) {
+  std::map<int64_t, int> counts;
+  const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
+  while (keyframe != nullptr && static_cast<int>(counts.size()) < max_keyframes) {
+    counts[keyframe->id] = 1;
+    keyframe = map.FindKeyframe(keyframe->previous_id);
+  }
+  return counts;
+}
+
 std::vector<char> WithoutLandmark(const std::vector<int64_t>& association) {
   std::vector<char> eligible(association.size());
   std::transform(association.begin(), association.end(), eligible.begin(), [](int64_t id) { return id < 0 ? 1 : 0; });
@@ -99,7 +110,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
   std::map<int64_t, int> counts;
   CountKeyframes<PointKind>(association.points, map, counts);
   CountKeyframes<LineKind>(association.lines, map, counts);
-  if (counts.empty() && map.FindKeyframe(previous_id) != nullptr) counts[previous_id] = 1;
+  if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
   std::vector<Map::Neighbour> best;
   for (const auto& [id, shared] : counts) best.push_back({id, shared});
   std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });

@@ -49,8 +49,8 @@ struct LocalMap {
 };
 
 /// What the best-connected keyframes of the associated landmarks see (PL-SLAM §V.A), without those already associated.
-/// Where nothing is associated (the tracker was lost, or gives no ids): what `previous_id` (-1: none) and its neighbours
-/// see.
+/// Where nothing is associated (the tracker was lost, or gives no ids): what `previous_id` (-1: none) and those before it
+/// in its session see.
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes);
 
 /// Searches the landmarks among the features that show none yet, by projecting them with the pose, and adds what is

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <utility>
 
@@ -30,6 +31,13 @@ void AddSights(int64_t keyframe_id, const std::vector<int64_t>& association, con
   }
 }
 
+// What the tracker says of a motion's covariance; where that is none (not finite, not positive), the motion is hardly
+// known: a metre and a radian.
+Matrix6d UsableCovariance(const Matrix6d& covariance) {
+  const bool usable = covariance.allFinite() && covariance.llt().info() == Eigen::Success;
+  return usable ? covariance : Matrix6d(Matrix6d::Identity());
+}
+
 void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
@@ -49,9 +57,9 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
     entry.previous_id = previous.id;
     entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
-    entry.relative_covariance = keyframe.covariance;
+    entry.relative_covariance = UsableCovariance(keyframe.covariance);
     entry.T_w_kf = previous.T_w_kf * entry.T_prevkf_kf;
-    entry.covariance = ComposeCovariance(previous.covariance, entry.T_prevkf_kf, keyframe.covariance);
+    entry.covariance = ComposeCovariance(previous.covariance, entry.T_prevkf_kf, entry.relative_covariance);
   } else if (!map_.keyframes().empty()) {
     entry.T_w_kf = map_.keyframes().rbegin()->second.T_w_kf;
     entry.covariance = map_.keyframes().rbegin()->second.covariance + Matrix6d::Identity();

@@ -2,17 +2,26 @@
 
 #include <cmath>
 #include <optional>
-#include <random>
-#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/vo/small_scene.h"
+
 namespace plslam {
 namespace {
 
-const StereoCamera kCamera{400.0, 320.0, 240.0, 0.12, 640, 480};
-constexpr double kSigma_px = 0.3;
+using test::kCamera;
+using test::kSigma_px;
+using test::LandmarksOf;
+using test::LineError;
+using test::MakeScene;
+using test::PointError;
+using test::Scene;
+using test::See;
+using test::SeeLine;
+using test::SeePoint;
+
 /// Share of the variance that all frames have in common, as the keyframe states it.
 constexpr double kCommonShare = 0.3;
 
@@ -23,123 +32,8 @@ SE3 PoseAt(int frame) {
   return SE3(ExpSO3(0.01 * frame * Eigen::Vector3d(0.3, -0.2, 1.0)), 0.02 * frame * Eigen::Vector3d(1.0, -0.5, 1.5));
 }
 
-struct Scene {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Segment3> lines;
-};
-
-Scene MakeScene() {
-  Scene scene;
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> any(-1.0, 1.0);
-  for (int i = 0; i < 40; ++i) scene.points.emplace_back(any(random), any(random), 4.0 + any(random));
-  for (int i = 0; i < 20; ++i) {
-    const Eigen::Vector3d p(any(random), -0.8 + 0.2 * any(random), 4.0 + any(random));
-    scene.lines.push_back({p, p + Eigen::Vector3d(any(random), 1.5, 0.5 * any(random))});
-  }
-  return scene;
-}
-
-/// How a frame sees the scene; landmark i is number i of its kind.
-struct View {
-  double noise_px = 0.0;
-  uint32_t seed = 1;
-  bool depth = true;
-  /// Lines are found cut at other places in each frame.
-  bool cut = false;
-  std::set<int64_t> missed_points = {};
-  std::set<int64_t> missed_lines = {};
-};
-
-StereoLine SeeLine(const Eigen::Vector3d& p, const Eigen::Vector3d& q, bool depth) {
-  StereoLine seen;
-  seen.left.segment = {p.head<2>(), q.head<2>()};
-  seen.sigma_px = seen.sigma_disparity_p_px = seen.sigma_disparity_q_px = kSigma_px;
-  if (!depth) return seen;
-  seen.disparity_p_px = p.z();
-  seen.disparity_q_px = q.z();
-  return seen;
-}
-
-StereoPoint SeePoint(const Eigen::Vector3d& uvd, bool depth) {
-  StereoPoint seen;
-  seen.left.px = uvd.head<2>();
-  seen.sigma_px = seen.sigma_disparity_px = kSigma_px;
-  if (depth) seen.disparity_px = uvd.z();
-  return seen;
-}
-
-TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view = {}) {
-  std::mt19937 random(view.seed);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> share(0.0, 0.2);
-  const SE3 T_c_odom = T_odom_c.Inverse();
-  const auto measure = [&](const Eigen::Vector3d& p_odom) -> Eigen::Vector3d {
-    const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
-    return kCamera.ProjectStereo(T_c_odom * p_odom) + view.noise_px * noise;
-  };
-  StereoFeatures features;
-  std::vector<FeatureTrack> point_tracks, line_tracks;
-  for (size_t i = 0; i < scene.points.size(); ++i) {
-    const auto id = static_cast<int64_t>(i);
-    const StereoPoint seen = SeePoint(measure(scene.points[i]), view.depth);
-    if (view.missed_points.contains(id)) continue;
-    features.points.push_back(seen);
-    point_tracks.push_back({id, 1, 100 + id});
-  }
-  for (size_t i = 0; i < scene.lines.size(); ++i) {
-    const auto id = static_cast<int64_t>(i);
-    const Segment3& line = scene.lines[i];
-    const double from = view.cut ? share(random) : 0.0;
-    const double to = view.cut ? 1.0 - share(random) : 1.0;
-    const StereoLine seen =
-        SeeLine(measure(line.p + from * (line.q - line.p)), measure(line.p + to * (line.q - line.p)), view.depth);
-    if (view.missed_lines.contains(id)) continue;
-    features.lines.push_back(seen);
-    line_tracks.push_back({id, 1, 100 + id});
-  }
-  TrackedFrame frame(std::move(features));
-  frame.point_tracks = std::move(point_tracks);
-  frame.line_tracks = std::move(line_tracks);
-  return frame;
-}
-
-/// Landmarks where the scene has them, but for `offset`, in its order.
-LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero()) {
-  for (Eigen::Vector3d& p : scene.points) p += offset;
-  for (Segment3& line : scene.lines) line = {line.p + offset, line.q + offset};
-  VoOptions options;
-  options.landmarks.max_relative_depth_sigma = 1.0;
-  LocalLandmarks landmarks(kCamera, options);
-  TrackedFrame frame = See(scene, SE3());
-  for (auto* tracks : {&frame.point_tracks, &frame.line_tracks}) tracks->assign(tracks->size(), {});
-  landmarks.Found(SE3(), frame);
-  EXPECT_EQ(landmarks.points.landmarks().size(), scene.points.size());
-  EXPECT_EQ(landmarks.lines.landmarks().size(), scene.lines.size());
-  return landmarks;
-}
-
 KeyframeContent ContentOf(const TrackedFrame& frame) {
   return {frame.features, frame.point_tracks, frame.line_tracks};
-}
-
-/// Distances of a feature's ends from where the line is in the left image, and errors of the disparities there.
-Eigen::Vector4d LineError(const StereoLine& seen, const Segment3& truth_odom, const SE3& T_odom_c) {
-  const SE3 T_c_odom = T_odom_c.Inverse();
-  const Eigen::Vector3d p = kCamera.ProjectStereo(T_c_odom * truth_odom.p);
-  const Eigen::Vector3d q = kCamera.ProjectStereo(T_c_odom * truth_odom.q);
-  const Eigen::Vector3d left = LineThrough({p.head<2>(), q.head<2>()});
-  const auto disparity_at = [&](const Eigen::Vector2d& px) {
-    return p.z() + (q.z() - p.z()) * (px.y() - p.y()) / (q.y() - p.y());
-  };
-  const Segment2& segment = seen.left.segment;
-  return {left.dot(segment.p.homogeneous()), left.dot(segment.q.homogeneous()),
-          seen.disparity_p_px - disparity_at(segment.p), seen.disparity_q_px - disparity_at(segment.q)};
-}
-
-Eigen::Vector3d PointError(const StereoPoint& seen, const Eigen::Vector3d& truth_odom, const SE3& T_odom_c) {
-  const Eigen::Vector3d uvd = kCamera.ProjectStereo(T_odom_c.Inverse() * truth_odom);
-  return Eigen::Vector3d(seen.left.px.x(), seen.left.px.y(), seen.disparity_px) - uvd;
 }
 
 class KeyframeMeasurementsByDepth : public testing::TestWithParam<bool> {};

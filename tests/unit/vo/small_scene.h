@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <set>
+#include <vector>
+
+#include "vo_process/local_landmarks.h"
+
+namespace plslam::test {
+
+inline const StereoCamera kCamera{400.0, 320.0, 240.0, 0.12, 640, 480};
+inline constexpr double kSigma_px = 0.3;
+
+/// Points and upright segments 3 to 5 m in front of the origin, in the odometry frame.
+struct Scene {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Segment3> lines;
+};
+
+Scene MakeScene();
+
+/// How a frame sees the scene; landmark i is number i of its kind.
+struct View {
+  double noise_px = 0.0;
+  uint32_t seed = 1;
+  bool depth = true;
+  /// Lines are found cut at other places in each frame.
+  bool cut = false;
+  std::set<int64_t> missed_points = {};
+  std::set<int64_t> missed_lines = {};
+};
+
+StereoLine SeeLine(const Eigen::Vector3d& p, const Eigen::Vector3d& q, bool depth);
+StereoPoint SeePoint(const Eigen::Vector3d& uvd, bool depth);
+TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view = {});
+
+/// Landmarks where the scene has them, but for `offset`, in its order.
+LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
+
+/// Distances of a feature's ends from where the line is in the left image, and errors of the disparities there.
+Eigen::Vector4d LineError(const StereoLine& seen, const Segment3& truth_odom, const SE3& T_odom_c);
+
+Eigen::Vector3d PointError(const StereoPoint& seen, const Eigen::Vector3d& truth_odom, const SE3& T_odom_c);
+
+}  // namespace plslam::test

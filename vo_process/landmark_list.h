@@ -43,7 +43,8 @@ std::vector<Descriptor> SeenDescriptors(const std::vector<Feature>& features) {
 }
 
 /// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here (as not
-/// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same.
+/// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same. What
+/// two of the map claim goes to the first.
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
@@ -53,16 +54,20 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
     by_id[landmarks[i].id] = i;
     if (landmarks[i].map_id >= 0) by_map_id[landmarks[i].map_id] = i;
   }
+  std::vector<char> taken(landmarks.size(), 0);
   std::vector<char> drop(landmarks.size(), 0);
   for (const Adopted<Known>& entry : adopted) {
     std::set<size_t> same;
     for (const int64_t id : entry.tracker_ids) {
       const auto found = by_id.find(id);
-      if (found != by_id.end()) same.insert(found->second);
+      if (found != by_id.end() && !taken[found->second]) same.insert(found->second);
     }
     const auto found = by_map_id.find(entry.landmark->id);
-    if (found != by_map_id.end()) same.insert(found->second);
-    for (auto it = same.begin(); it != same.end(); ++it) drop[*it] = it == same.begin() ? 0 : 1;
+    if (found != by_map_id.end() && !taken[found->second]) same.insert(found->second);
+    for (const size_t i : same) {
+      taken[i] = 1;
+      drop[i] = i == *same.begin() ? 0 : 1;
+    }
     if (same.empty()) {
       Landmark& landmark = landmarks.emplace_back();
       landmark.id = next_id++;

@@ -1,0 +1,207 @@
+#include <deque>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/vo/small_scene.h"
+
+namespace plslam {
+namespace {
+
+using test::LandmarksOf;
+using test::MakeScene;
+using test::Scene;
+
+const SE3 kT_w_odom(ExpSO3(Eigen::Vector3d(0.3, -0.5, 0.2)), Eigen::Vector3d(3.0, -1.0, 2.0));
+const Eigen::Vector3d kOffset(0.05, -0.02, 0.03);
+const Eigen::Matrix3d kCovariance_w = Eigen::Vector3d(1e-4, 4e-4, 9e-4).asDiagonal();
+constexpr int64_t kFirstMapId = 500;
+
+/// A map that has landmarks of the scene `kOffset` from where the tracker has them.
+struct Patch {
+  std::deque<MapPoint> map_points;
+  std::deque<MapLine> map_lines;
+  MapPatch patch{kT_w_odom, {}, {}};
+
+  void Add(const Eigen::Vector3d& p_odom, std::vector<int64_t> tracker_ids) {
+    MapPoint& point = map_points.emplace_back();
+    point.id = kFirstMapId + static_cast<int64_t>(map_points.size()) - 1;
+    point.p_w = kT_w_odom * (p_odom + kOffset);
+    point.covariance = kCovariance_w;
+    point.descriptor = {1, 2, 3, 4};
+    point.octave = 2;
+    point.depth_m = 3.5;
+    patch.points.push_back({&point, std::move(tracker_ids)});
+  }
+  void Add(const Segment3& segment_odom, std::vector<int64_t> tracker_ids) {
+    MapLine& line = map_lines.emplace_back();
+    line.id = kFirstMapId + static_cast<int64_t>(map_lines.size()) - 1;
+    line.segment_w = {kT_w_odom * (segment_odom.p + kOffset), kT_w_odom * (segment_odom.q + kOffset)};
+    line.covariance_p = kCovariance_w;
+    line.covariance_q = 4.0 * kCovariance_w;
+    line.descriptor = {1, 2, 3, 4};
+    patch.lines.push_back({&line, std::move(tracker_ids)});
+  }
+};
+
+// What both kinds have, so that one test serves both.
+struct Points {
+  using Landmark = PointLandmark;
+  static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.points.landmarks(); }
+  static const auto& In(const Scene& scene) { return scene.points; }
+  static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_point_id; }
+  static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.p_odom; }
+  static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance; }
+};
+struct Lines {
+  using Landmark = LineLandmark;
+  static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.lines.landmarks(); }
+  static const auto& In(const Scene& scene) { return scene.lines; }
+  static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_line_id; }
+  static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.segment_odom.p; }
+  static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance_p; }
+};
+
+template <class Kind>
+class LandmarkAdoption : public testing::Test {
+ protected:
+  const Scene scene_ = MakeScene();
+  LocalLandmarks landmarks_ = LandmarksOf(scene_);
+  Patch map_;
+
+  const std::vector<typename Kind::Landmark>& Now() const { return Kind::Of(landmarks_); }
+  const typename Kind::Landmark* Find(int64_t id) const {
+    for (const auto& landmark : Now()) {
+      if (landmark.id == id) return &landmark;
+    }
+    return nullptr;
+  }
+  const typename Kind::Landmark* FindByMapId(int64_t map_id) const {
+    const typename Kind::Landmark* found = nullptr;
+    for (const auto& landmark : Now()) {
+      if (landmark.map_id != map_id) continue;
+      EXPECT_EQ(found, nullptr) << "two landmarks of map id " << map_id;
+      found = &landmark;
+    }
+    return found;
+  }
+};
+
+using Kinds = testing::Types<Points, Lines>;
+TYPED_TEST_SUITE(LandmarkAdoption, Kinds);
+
+TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePlaceOfTheMap) {
+  const auto before = this->Now();
+  this->map_.Add(TypeParam::In(this->scene_)[4], {4});
+  this->landmarks_.Adopt(this->map_.patch, false);
+  ASSERT_EQ(this->Now().size(), before.size());
+  for (size_t i = 0; i < before.size(); ++i) {
+    const auto& now = this->Now()[i];
+    const Eigen::Vector3d moved = TypeParam::Place(now) - TypeParam::Place(before[i]);
+    EXPECT_LT((moved - (i == 4 ? kOffset : Eigen::Vector3d(0.0, 0.0, 0.0))).norm(), 1e-9) << i;
+    EXPECT_EQ(now.map_id, i == 4 ? kFirstMapId : -1);
+    EXPECT_EQ(now.id, before[i].id);
+    EXPECT_EQ(now.seen, before[i].seen);
+    EXPECT_EQ(now.unseen_frames, before[i].unseen_frames);
+    EXPECT_EQ(now.descriptor, before[i].descriptor) << "as last seen, which the map cannot know better";
+    EXPECT_FALSE(now.from_map);
+  }
+  const Eigen::Matrix3d R = kT_w_odom.R();
+  EXPECT_LT((TypeParam::Covariance(this->Now()[4]) - R.transpose() * kCovariance_w * R).norm(), 1e-12);
+}
+
+TYPED_TEST(LandmarkAdoption, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
+  const auto before = this->Now();
+  this->map_.Add(TypeParam::In(this->scene_)[4], {4});
+  this->map_.Add(TypeParam::In(this->scene_)[5], {});
+  this->landmarks_.Adopt(this->map_.patch, true);
+  ASSERT_EQ(this->Now().size(), before.size() + 1);
+  EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
+  EXPECT_EQ(TypeParam::Covariance(this->Now()[4]), TypeParam::Covariance(before[4]));
+  EXPECT_EQ(this->Now()[4].map_id, kFirstMapId) << "it is known by name all the same";
+  // What came from the map follows the map.
+  const Eigen::Vector3d place = TypeParam::Place(this->Now().back());
+  this->map_.patch.T_w_odom = SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 1.0}) * kT_w_odom;
+  this->landmarks_.Adopt(this->map_.patch, true);
+  EXPECT_NEAR((TypeParam::Place(this->Now().back()) - place).norm(), 1.0, 1e-9);
+  EXPECT_EQ(TypeParam::Place(this->Now()[4]), TypeParam::Place(before[4]));
+}
+
+TYPED_TEST(LandmarkAdoption, UnknownOnesAreAddedAsNotSeenLately) {
+  const size_t before = this->Now().size();
+  const int64_t next_id = TypeParam::NextId(this->landmarks_);
+  this->map_.Add(TypeParam::In(this->scene_)[5], {});
+  this->map_.Add(TypeParam::In(this->scene_)[6], {777});  // dropped by the tracker since
+  this->landmarks_.Adopt(this->map_.patch, false);
+  ASSERT_EQ(this->Now().size(), before + 2);
+  EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
+  const auto& added = this->Now()[before];
+  EXPECT_EQ(added.id, next_id);
+  EXPECT_EQ(added.map_id, kFirstMapId);
+  EXPECT_TRUE(added.from_map);
+  EXPECT_GT(added.unseen_frames, 1);
+  EXPECT_EQ(added.descriptor, (Descriptor{1, 2, 3, 4}));
+  const auto& own = *this->Find(5);
+  EXPECT_LT((TypeParam::Place(added) - TypeParam::Place(own) - kOffset).norm(), 1e-9);
+  // A second time they are here already.
+  this->landmarks_.Adopt(this->map_.patch, false);
+  EXPECT_EQ(this->Now().size(), before + 2);
+  EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
+}
+
+TYPED_TEST(LandmarkAdoption, OfThoseThatAreTheSameTheOldestStays) {
+  const size_t before = this->Now().size();
+  this->map_.Add(TypeParam::In(this->scene_)[4], {9, 4, 7});
+  this->landmarks_.Adopt(this->map_.patch, false);
+  ASSERT_EQ(this->Now().size(), before - 2);
+  EXPECT_EQ(this->Find(9), nullptr);
+  EXPECT_EQ(this->Find(7), nullptr);
+  ASSERT_NE(this->Find(4), nullptr);
+  EXPECT_EQ(this->Find(4)->map_id, kFirstMapId);
+  // Others are untouched and in their order.
+  for (size_t i = 1; i < this->Now().size(); ++i) EXPECT_LT(this->Now()[i - 1].id, this->Now()[i].id);
+}
+
+TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
+  const size_t before = this->Now().size();
+  this->map_.Add(TypeParam::In(this->scene_)[5], {});
+  this->landmarks_.Adopt(this->map_.patch, false);
+  ASSERT_EQ(this->Now().size(), before + 1);
+  // A keyframe has shown since that the tracker's number 5 is the same.
+  this->map_.patch.points.clear();
+  this->map_.patch.lines.clear();
+  Patch later;
+  later.Add(TypeParam::In(this->scene_)[5], {5});
+  this->landmarks_.Adopt(later.patch, false);
+  EXPECT_EQ(this->Now().size(), before);
+  ASSERT_NE(this->Find(5), nullptr);
+  EXPECT_EQ(this->FindByMapId(kFirstMapId), this->Find(5));
+}
+
+// Keyframes may show one of the tracker's as two of the map (a wrong match, mended since): each has one of its own then.
+TYPED_TEST(LandmarkAdoption, WhatTwoOfTheMapClaimGoesToTheFirst) {
+  const auto& places = TypeParam::In(this->scene_);
+  this->map_.Add(places[1], {1, 2});
+  this->map_.Add(places[0], {0, 1});
+  this->map_.Add(places[2], {2});
+  this->landmarks_.Adopt(this->map_.patch, false);
+  const auto* first = this->FindByMapId(kFirstMapId);
+  const auto* second = this->FindByMapId(kFirstMapId + 1);
+  const auto* third = this->FindByMapId(kFirstMapId + 2);
+  ASSERT_TRUE(first != nullptr && second != nullptr && third != nullptr);
+  EXPECT_EQ(first->id, 1);
+  EXPECT_EQ(second->id, 0);
+  EXPECT_TRUE(third->from_map);
+  EXPECT_EQ(this->Find(2), nullptr);
+}
+
+TYPED_TEST(LandmarkAdoption, AnEmptyPatchChangesNothing) {
+  const auto before = this->Now();
+  this->landmarks_.Adopt(this->map_.patch, false);
+  ASSERT_EQ(this->Now().size(), before.size());
+  EXPECT_EQ(TypeParam::Place(this->Now()[3]), TypeParam::Place(before[3]));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/feature_world.h"
+#include "vo_process/odometry.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+
+constexpr int64_t kFrame_ns = 50'000'000;
+/// The frame of the map in these tests.
+const SE3 kT_w_world(ExpSO3(Eigen::Vector3d(0.2, 0.1, -0.4)), Eigen::Vector3d(5.0, -2.0, 1.0));
+
+SE3 PoseAt(int frame) {
+  const double s = 0.02 * frame;
+  return SE3(ExpSO3(Eigen::Vector3d(0.05 * std::sin(s), 0.6 * s, 0.0)),
+             Eigen::Vector3d(0.5 * std::sin(s), 0.1 * s, 0.8 * (1.0 - std::cos(s))));
+}
+
+StereoFeatures See(const FeatureWorld& world, int frame, double noise_px) {
+  return world.Observe(PoseAt(frame), noise_px, static_cast<uint64_t>(frame));
+}
+
+/// The map that a perfect mapping_process makes: it knows landmarks by their descriptors, and where everything is.
+class PerfectMap {
+ public:
+  /// `world`: what the keyframe's frame shows. `shift_w` moves all landmarks that are new.
+  explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
+      : world_(world), shift_w_(shift_w) {}
+
+  void Add(int64_t session, int frame, const OdometryResult& result) {
+    MapKeyframe keyframe;
+    keyframe.id = next_id_++;
+    keyframe.session = session;
+    keyframe.session_keyframe_id = result.keyframe->id;
+    keyframe.T_w_kf = kT_w_world * PoseAt(frame);
+    keyframe.T_odom_kf = result.T_odom_c;
+    map_.Put(keyframe);
+    const StereoFeatures truth = See(world_, frame, 0.0);
+    const StereoFeatures& features = result.keyframe->content.features;
+    for (size_t i = 0; i < features.points.size(); ++i) {
+      for (const StereoPoint& exact : truth.points) {
+        if (exact.left.descriptor == features.points[i].left.descriptor) Sighted(keyframe, i, exact);
+      }
+    }
+    for (size_t i = 0; i < features.lines.size(); ++i) {
+      for (const StereoLine& exact : truth.lines) {
+        if (exact.left.descriptor == features.lines[i].left.descriptor) Sighted(keyframe, i, exact);
+      }
+    }
+  }
+
+  const Map& map() const { return map_; }
+
+ private:
+  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoPoint& exact) {
+    const auto [known, is_new] = points_.try_emplace(exact.left.descriptor);
+    MapPoint& point = known->second;
+    if (is_new) {
+      point.id = static_cast<int64_t>(points_.size()) - 1;
+      point.p_w = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.px, exact.disparity_px);
+      point.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+      point.descriptor = exact.left.descriptor;
+      point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
+    }
+    point.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    map_.Put(point);
+  }
+  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoLine& exact) {
+    if (!exact.HasDepth()) return;
+    const auto [known, is_new] = lines_.try_emplace(exact.left.descriptor);
+    MapLine& line = known->second;
+    if (is_new) {
+      line.id = static_cast<int64_t>(lines_.size()) - 1;
+      line.segment_w.p = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.p, exact.disparity_p_px);
+      line.segment_w.q = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.q, exact.disparity_q_px);
+      line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
+      line.descriptor = exact.left.descriptor;
+    }
+    line.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    map_.Put(line);
+  }
+  static Eigen::Vector3d Backproject(const Eigen::Vector2d& px, double disparity_px) {
+    return FeatureWorld::Camera().Backproject({px.x(), px.y(), disparity_px});
+  }
+
+  const FeatureWorld& world_;
+  Eigen::Vector3d shift_w_;
+  Map map_;
+  std::map<Descriptor, MapPoint> points_;
+  std::map<Descriptor, MapLine> lines_;
+  int64_t next_id_ = 0;
+};
+
+double DistanceTo(const SE3& T, const SE3& expected) { return (T.translation() - expected.translation()).norm(); }
+
+SE3 Expected(int frame) { return PoseAt(0).Inverse() * PoseAt(frame); }
+
+VoOptions OptionsWith(const std::string& landmarks) {
+  VoOptions options;
+  options.map.landmarks = landmarks;
+  return options;
+}
+
+TEST(OdometryAndMap, KeyframeThatTheMapDoesNotHaveChangesNothing) {
+  const FeatureWorld world({300, 60}, 4);
+  Odometry with(FeatureWorld::Camera(), VoOptions());
+  Odometry without(FeatureWorld::Camera(), VoOptions());
+  PerfectMap map(world);
+  for (int i = 0; i < 20; ++i) {
+    const OdometryResult a = with.Track(i * kFrame_ns, See(world, i, 0.3));
+    const OdometryResult b = without.Track(i * kFrame_ns, See(world, i, 0.3));
+    const Eigen::Matrix4d A = a.T_odom_c.matrix();
+    const Eigen::Matrix4d B = b.T_odom_c.matrix();
+    ASSERT_EQ(std::memcmp(A.data(), B.data(), 16 * sizeof(double)), 0) << "frame " << i;
+    if (a.keyframe) map.Add(1, i, a);
+    EXPECT_FALSE(with.Adopt(map.map(), 2, 0));
+    EXPECT_FALSE(with.Adopt(map.map(), 1, 1000));
+    EXPECT_LT(with.T_w_odom().Log().norm(), 1e-15);
+  }
+}
+
+class OdometryAndMapBy : public testing::TestWithParam<const char*> {};
+
+TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
+  const FeatureWorld world({300, 60}, 4);
+  Odometry with(FeatureWorld::Camera(), OptionsWith(GetParam()));
+  Odometry without(FeatureWorld::Camera(), VoOptions());
+  PerfectMap map(world);
+  int adopted = 0;
+  double worst_with = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const OdometryResult result = with.Track(i * kFrame_ns, See(world, i, 0.3));
+    EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    const OdometryResult alone = without.Track(i * kFrame_ns, See(world, i, 0.3));
+    EXPECT_LT(DistanceTo(result.T_odom_c, alone.T_odom_c), 0.01) << "frame " << i;
+    worst_with = std::max(worst_with, DistanceTo(result.T_odom_c, Expected(i)));
+    if (!result.keyframe) continue;
+    map.Add(1, i, result);
+    ASSERT_TRUE(with.Adopt(map.map(), 1, result.keyframe->id));
+    ++adopted;
+    EXPECT_LT((with.T_w_odom() * result.T_odom_c * (kT_w_world * PoseAt(i)).Inverse()).Log().norm(), 1e-9);
+  }
+  EXPECT_GE(adopted, 3);
+  EXPECT_LT(worst_with, 0.015);
+}
+
+INSTANTIATE_TEST_SUITE_P(Landmarks, OdometryAndMapBy, testing::Values("all", "unknown"),
+                         [](const auto& landmarks) { return std::string(landmarks.param); });
+
+// A map that is 3 cm off: tracking goes there with all of its landmarks, and not with those alone that it does not know.
+TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
+  const FeatureWorld world({300, 60}, 4);
+  const Eigen::Vector3d shift_w(0.03, 0.0, 0.0);
+  for (const std::string kind : {"all", "unknown"}) {
+    Odometry odometry(FeatureWorld::Camera(), OptionsWith(kind));
+    PerfectMap map(world, shift_w);
+    const OdometryResult first = odometry.Track(0, See(world, 0, 0.0));
+    ASSERT_TRUE(first.keyframe);
+    map.Add(1, 0, first);
+    ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
+    const OdometryResult next = odometry.Track(kFrame_ns, See(world, 1, 0.0));
+    const SE3 T_w_c = odometry.T_w_odom() * next.T_odom_c;
+    const Eigen::Vector3d off = T_w_c.translation() - (kT_w_world * PoseAt(1)).translation();
+    const Eigen::Vector3d expected = kind == "all" ? shift_w : Eigen::Vector3d(0.0, 0.0, 0.0);
+    EXPECT_LT((off - expected).norm(), 0.002) << kind << " " << off.transpose();
+  }
+}
+
+// Session 1 has been along the way; session 2 begins at its middle and goes back, where it has not been.
+TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
+  const FeatureWorld world({300, 60}, 4);
+  PerfectMap map(world);
+  Odometry before(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i <= 40; ++i) {
+    const OdometryResult result = before.Track(i * kFrame_ns, See(world, i, 0.3));
+    if (result.keyframe) map.Add(1, i, result);
+  }
+  const int64_t known_points = static_cast<int64_t>(map.map().points().size());
+  ASSERT_GT(known_points, 100);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  const OdometryResult first = odometry.Track(0, See(world, 40, 0.3));
+  ASSERT_TRUE(first.keyframe);
+  map.Add(2, 40, first);
+  ASSERT_TRUE(odometry.Adopt(map.map(), 2, 0));
+  EXPECT_LT((odometry.T_w_odom().Inverse() * kT_w_world * PoseAt(40)).Log().norm(), 1e-9);
+  std::set<Descriptor> own;
+  for (const StereoPoint& point : first.features.points) own.insert(point.left.descriptor);
+  int from_map = 0;
+  for (int i = 1; i <= 25; ++i) {
+    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, 40 - i, 0.3));
+    EXPECT_EQ(result.state, TrackingState::kTracking);
+    from_map = 0;
+    for (size_t k = 0; k < result.point_tracks.size(); ++k) {
+      const FeatureTrack& track = result.point_tracks[k];
+      if (track.map_id < 0) continue;
+      const MapPoint* point = map.map().FindPoint(track.map_id);
+      ASSERT_NE(point, nullptr);
+      EXPECT_EQ(point->descriptor, result.features.points[k].left.descriptor) << "frame " << i << " feature " << k;
+      from_map += own.contains(point->descriptor) ? 0 : 1;
+    }
+    const SE3 T_w_c = odometry.T_w_odom() * result.T_odom_c;
+    EXPECT_LT(DistanceTo(T_w_c, kT_w_world * PoseAt(40 - i)), 0.01) << "frame " << i;
+  }
+  EXPECT_GT(from_map, 30) << "points that session 2 never founded";
+}
+
+void ExpectNamesAreUnique(const OdometryResult& result, int frame) {
+  for (const auto* tracks : {&result.point_tracks, &result.line_tracks}) {
+    std::set<int64_t> ids;
+    for (const FeatureTrack& track : *tracks) {
+      if (track.landmark_id >= 0) {
+        EXPECT_TRUE(ids.insert(track.landmark_id).second) << "frame " << frame << " id " << track.landmark_id;
+      }
+    }
+  }
+}
+
+// Lost in the dark, or among things never seen: the map is about the place from before, and tracking goes on there.
+TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
+  const FeatureWorld world({300, 60}, 4);
+  const FeatureWorld strange({300, 60}, 5);
+  for (const bool dark : {true, false}) {
+    Odometry odometry(FeatureWorld::Camera(), VoOptions());
+    PerfectMap map(world);
+    std::optional<int64_t> last_keyframe;
+    int64_t largest_id = 0;
+    for (int i = 0; i < 20; ++i) {
+      const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, i, 0.3));
+      for (const FeatureTrack& track : result.point_tracks) largest_id = std::max(largest_id, track.landmark_id);
+      if (!result.keyframe) continue;
+      map.Add(1, i, result);
+      last_keyframe = result.keyframe->id;
+    }
+    ASSERT_TRUE(last_keyframe);
+    const OdometryResult lost = odometry.Track(20 * kFrame_ns, dark ? StereoFeatures() : See(strange, 20, 0.3));
+    ASSERT_EQ(lost.state, TrackingState::kLost);
+    EXPECT_TRUE(odometry.Adopt(map.map(), 1, *last_keyframe));
+    for (int i = 21; i < 30; ++i) {
+      const OdometryResult back = odometry.Track(i * kFrame_ns, See(world, i, 0.3));
+      EXPECT_EQ(back.state, i == 21 ? TrackingState::kRecovered : TrackingState::kTracking) << "frame " << i;
+      EXPECT_LT(DistanceTo(back.T_odom_c, Expected(i)), 0.015) << "frame " << i;
+      ExpectNamesAreUnique(back, i);
+      int known_to_the_map = 0;
+      for (const FeatureTrack& track : back.point_tracks) known_to_the_map += track.map_id >= 0 ? 1 : 0;
+      EXPECT_GT(known_to_the_map, 50) << "frame " << i;
+    }
+  }
+}
+
+// Names given to landmarks founded while lost and to those of the map come from one source.
+TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
+  const FeatureWorld world({300, 60}, 4);
+  const FeatureWorld strange({300, 60}, 5);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  PerfectMap map(world);
+  const OdometryResult first = odometry.Track(0, See(world, 0, 0.3));
+  map.Add(1, 0, first);
+  std::set<int64_t> before;
+  for (const FeatureTrack& track : first.point_tracks) before.insert(track.landmark_id);
+  ASSERT_EQ(odometry.Track(kFrame_ns, See(strange, 1, 0.3)).state, TrackingState::kLost);
+  ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
+  const OdometryResult entered = odometry.Track(2 * kFrame_ns, See(strange, 2, 0.3));
+  ASSERT_EQ(entered.state, TrackingState::kRecovered);
+  ExpectNamesAreUnique(entered, 2);
+  for (const FeatureTrack& track : entered.point_tracks) EXPECT_FALSE(before.contains(track.landmark_id));
+}
+
+}  // namespace
+}  // namespace plslam

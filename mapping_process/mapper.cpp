@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/motion/pose_ransac.h"
 #include "mapping_process/duplicates.h"
 #include "mapping_process/line_extent.h"
 #include "mapping_process/line_triangulation.h"
@@ -19,6 +18,8 @@ namespace {
 
 // Associations below which a pose from the tracker is not corrected by them.
 constexpr int kMinWeight = 20;
+// Associations from which the first keyframe of a session is recognised.
+constexpr int kRecognisedWeight = 40;
 // Newest keyframes that are never redundant: the tracker's next steps lean on them.
 constexpr int64_t kNewestKept = 3;
 
@@ -93,6 +94,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
 }
 
 void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+  const bool begins = entry.previous_id < 0 && !map_.keyframes().empty();
+  if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
   // First with what the tracker says, then with what can be found around it.
   for (const bool searching : {false, true}) {
     if (searching) {
@@ -104,6 +107,15 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
       entry.T_w_kf = pose->T_w_kf;
     }
   }
+}
+
+void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+  const MapKeyframe& newest = map_.keyframes().rbegin()->second;
+  const LocalMap local = LocalMapOf({}, newest.id, map_, options_.insertion.local_keyframes);
+  const auto pose = RecognisePose(map_, local, keyframe.features, camera_, options_, kRecognisedWeight, association);
+  if (!pose) return;
+  entry.T_w_kf = pose->T_w_kf;
+  entry.covariance = ComposeCovariance(newest.covariance, newest.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
 }
 
 void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {

@@ -53,6 +53,7 @@ class Mapper {
   };
 
   MapKeyframe Prepare(const Keyframe& keyframe) const;
+  void Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
 

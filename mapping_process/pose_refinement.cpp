@@ -1,6 +1,9 @@
 #include "mapping_process/pose_refinement.h"
 
+#include "core/features/descriptor_matcher.h"
+#include "core/features/line_matcher.h"
 #include "core/motion/motion_estimator.h"
+#include "core/motion/pose_ransac.h"
 
 namespace plslam {
 namespace {
@@ -54,14 +57,42 @@ void ObserveLines(const Map& map, const std::vector<StereoLine>& features, const
   }
 }
 
+Observed Observe(const Map& map, const StereoFeatures& features, const SE3& T_ref_w, const Association& association) {
+  Observed observed;
+  ObservePoints(map, features.points, T_ref_w, association.points, observed);
+  ObserveLines(map, features.lines, T_ref_w, association.lines, observed);
+  return observed;
+}
+
+// Largest error in the image with which a match by descriptors alone supports a pose; refining narrows it.
+constexpr double kRecognised_px = 4.0;
+constexpr uint64_t kSeed = 1;
+
+template <class Kind>
+std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>& ids) {
+  std::vector<Descriptor> descriptors;
+  for (const int64_t id : ids) descriptors.push_back(Kind::Find(map, id)->descriptor);
+  return descriptors;
+}
+
+template <class Feature>
+std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
+  std::vector<Descriptor> descriptors;
+  for (const Feature& feature : features) descriptors.push_back(feature.left.descriptor);
+  return descriptors;
+}
+
+std::vector<int64_t> Named(const std::vector<int>& match, const std::vector<int64_t>& ids) {
+  std::vector<int64_t> named;
+  for (const int place : match) named.push_back(place < 0 ? -1 : ids[static_cast<size_t>(place)]);
+  return named;
+}
+
 }  // namespace
 
 std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association) {
-  Observed observed;
-  const SE3 T_ref_w = T_w_kf.Inverse();
-  ObservePoints(map, features.points, T_ref_w, association.points, observed);
-  ObserveLines(map, features.lines, T_ref_w, association.lines, observed);
+  const Observed observed = Observe(map, features, T_w_kf.Inverse(), association);
   const auto estimate = EstimateMotion(observed.points, observed.lines, camera, SE3(), std::nullopt, options);
   if (!estimate) return std::nullopt;
   for (size_t i = 0; i < observed.points.size(); ++i) {
@@ -71,6 +102,25 @@ std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& fea
     if (!estimate->line_inliers[i]) association.lines[observed.line_features[i]] = -1;
   }
   return KeyframePose{T_w_kf * estimate->T_cur_ref.Inverse(), estimate->covariance};
+}
+
+std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
+                                          const StereoCamera& camera, const MappingOptions& options, int min_weight,
+                                          Association& association) {
+  Association found;
+  found.points = Named(MatchBruteForce(DescriptorsOf(features.points), DescriptorsOf<PointKind>(map, local.points),
+                                       options.point_matching),
+                       local.points);
+  found.lines = Named(MatchLinesBruteForce(DescriptorsOf(features.lines), DescriptorsOf<LineKind>(map, local.lines),
+                                           options.line_matching),
+                      local.lines);
+  const Observed observed = Observe(map, features, SE3(), found);
+  const auto T_kf_w = EstimatePoseRansac(observed.points, observed.lines, camera, min_weight, kRecognised_px, kSeed);
+  if (!T_kf_w) return std::nullopt;
+  const auto pose = RefinePose(map, features, camera, T_kf_w->Inverse(), options.motion, found);
+  if (!pose || found.Weight() < min_weight) return std::nullopt;
+  association = found;
+  return pose;
 }
 
 }  // namespace plslam

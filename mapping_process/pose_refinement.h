@@ -18,4 +18,11 @@ struct KeyframePose {
 std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association);
 
+/// Where a keyframe is of which nothing is known: its features matched by descriptors alone with the landmarks of `local`,
+/// the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines) agree; else the
+/// association is what agrees.
+std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
+                                          const StereoCamera& camera, const MappingOptions& options, int min_weight,
+                                          Association& association);
+
 }  // namespace plslam

@@ -4,36 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include "core/bus/map_pages.h"
-#include "plslam/map_update_t.hpp"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam {
 namespace {
 
+using test::Encoded;
 using test::FeatureWorld;
 using test::MapAll;
 using test::MapOne;
 using test::Walk;
 using test::WalkOptions;
-
-/// As it goes over the wire; refuses what no reader would take.
-std::vector<uint8_t> Encoded(const MapUpdate& update) {
-  std::vector<uint8_t> all;
-  for (const map_update_t& page : bus::CutIntoPages(update, 60'000)) {
-    const size_t begin = all.size();
-    all.resize(begin + static_cast<size_t>(page.getEncodedSize()));
-    page.encode(all.data(), static_cast<int>(begin), page.getEncodedSize());
-  }
-  return all;
-}
-
-/// All of a map, whatever led to it.
-std::vector<uint8_t> Encoded(const Map& map) {
-  MapUpdate update = WholeMap(map);
-  update.version = 1;
-  return Encoded(update);
-}
 
 double MeanSights(const Map& map) {
   const MapTotals totals = map.Totals();

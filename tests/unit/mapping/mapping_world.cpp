@@ -7,6 +7,9 @@
 #include <random>
 #include <utility>
 
+#include "core/bus/map_pages.h"
+#include "plslam/map_update_t.hpp"
+
 namespace plslam::test {
 namespace {
 
@@ -208,6 +211,22 @@ std::string WrongWith(const Map& map) {
   }
   const std::string points = WrongLandmarks<PointKind>("point", map);
   return points.empty() ? WrongLandmarks<LineKind>("line", map) : points;
+}
+
+std::vector<uint8_t> Encoded(const MapUpdate& update) {
+  std::vector<uint8_t> all;
+  for (const map_update_t& page : bus::CutIntoPages(update, 60'000)) {
+    const size_t begin = all.size();
+    all.resize(begin + static_cast<size_t>(page.getEncodedSize()));
+    page.encode(all.data(), static_cast<int>(begin), page.getEncodedSize());
+  }
+  return all;
+}
+
+std::vector<uint8_t> Encoded(const Map& map) {
+  MapUpdate update = WholeMap(map);
+  update.version = 1;
+  return Encoded(update);
 }
 
 double PositionError_m(const Map& map, const std::vector<SE3>& T_w_c) {

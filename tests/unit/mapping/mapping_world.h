@@ -49,6 +49,11 @@ Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& opti
 /// keyframes or features that do not exist or show another landmark, a tree that is none.
 std::string WrongWith(const Map& map);
 
+/// As it goes over the wire. Throws std::invalid_argument for what no reader would take.
+std::vector<uint8_t> Encoded(const MapUpdate& update);
+/// All of a map, whatever led to it.
+std::vector<uint8_t> Encoded(const Map& map);
+
 /// Root mean square of the distances between the keyframes and the truth, m. By the keyframe's number in its session.
 double PositionError_m(const Map& map, const std::vector<SE3>& T_w_c);
 /// The same of the tracker's own poses.

@@ -15,6 +15,7 @@ constexpr double kMinDepth_m = 0.1;
 constexpr double kMinOverlap = 0.3;
 constexpr double kMaxAcross_px = 2.0;
 constexpr int kNeighbours = 4;
+constexpr size_t kMinSights = 3;
 
 Eigen::Vector3d Ray(const Eigen::Vector2d& px, const SegmentView& view, const StereoCamera& camera) {
   return view.T_w_kf.rotation() *
@@ -85,6 +86,51 @@ std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
   return ids;
 }
 
+/// Two segments that look alike, of the new keyframe and of a neighbour.
+struct LikePair {
+  Sight own;
+  Sight other;
+};
+
+std::vector<LikePair> FindLikePairs(int64_t keyframe_id, int64_t neighbour_id, const KeyframeFeatures& features,
+                                    const LineMatchOptions& options, const Map& map) {
+  const std::vector<int> own = Places(WithoutDepth(keyframe_id, features.at(keyframe_id), map));
+  const std::vector<int> theirs = Places(WithoutDepth(neighbour_id, features.at(neighbour_id), map));
+  const std::vector<int> match = MatchLinesBruteForce(Descriptors(own, features.at(keyframe_id).lines),
+                                                      Descriptors(theirs, features.at(neighbour_id).lines), options);
+  std::vector<LikePair> pairs;
+  for (size_t i = 0; i < match.size(); ++i) {
+    if (match[i] < 0) continue;
+    pairs.push_back({{keyframe_id, own[i]}, {neighbour_id, theirs[static_cast<size_t>(match[i])]}});
+  }
+  return pairs;
+}
+
+MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Sight& sight,
+                     const KeyframeFeatures& features) {
+  MapLine line;
+  line.id = id;
+  line.segment_w = triangulated.segment_w;
+  line.covariance_p = triangulated.covariance_p;
+  line.covariance_q = triangulated.covariance_q;
+  line.descriptor = features.at(sight.keyframe_id).lines[static_cast<size_t>(sight.feature)].left.descriptor;
+  line.sights = {sight};
+  return line;
+}
+
+// Other keyframes that see the line where it should be, as a segment that shows nothing else.
+void AddSightsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, const KeyframeFeatures& features,
+                       const StereoCamera& camera, const MappingOptions& options, Map& map) {
+  for (const int64_t id : keyframes) {
+    if (IsSeenBy(*map.FindLine(line_id), id)) continue;
+    const StereoFeatures& seen = features.at(id);
+    for (const LandmarkFeature& found : SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines,
+                                                    WithoutDepth(id, seen, map), kMaxAcross_px, camera, options)) {
+      AddSight<LineKind>(line_id, {id, found.feature}, features, map);
+    }
+  }
+}
+
 }  // namespace
 
 std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const SegmentView& second,
@@ -113,45 +159,22 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
                                       const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
                                       Map& map) {
   std::vector<int64_t> created;
-  const std::vector<StereoLine>& lines = features.at(keyframe_id).lines;
   const std::vector<int64_t> neighbours = NeighbourIds(keyframe_id, map);
   const double min_angle_rad = options.insertion.min_plane_angle_deg * std::numbers::pi / 180.0;
   for (const int64_t neighbour_id : neighbours) {
-    const std::vector<int> own = Places(WithoutDepth(keyframe_id, features.at(keyframe_id), map));
-    const std::vector<int> theirs = Places(WithoutDepth(neighbour_id, features.at(neighbour_id), map));
-    const std::vector<StereoLine>& other_lines = features.at(neighbour_id).lines;
-    const std::vector<int> match =
-        MatchLinesBruteForce(Descriptors(own, lines), Descriptors(theirs, other_lines), options.line_matching);
-    for (size_t i = 0; i < match.size(); ++i) {
-      if (match[i] < 0) continue;
-      const Sight sight{keyframe_id, own[i]};
-      const Sight other{neighbour_id, theirs[static_cast<size_t>(match[i])]};
+    for (const LikePair& pair : FindLikePairs(keyframe_id, neighbour_id, features, options.line_matching, map)) {
       const auto triangulated =
-          TriangulateLine(ViewOf(sight, features, map), ViewOf(other, features, map), camera, min_angle_rad);
+          TriangulateLine(ViewOf(pair.own, features, map), ViewOf(pair.other, features, map), camera, min_angle_rad);
       if (!triangulated) continue;
-      MapLine line;
-      line.id = ids.next_line++;
-      line.segment_w = triangulated->segment_w;
-      line.covariance_p = triangulated->covariance_p;
-      line.covariance_q = triangulated->covariance_q;
-      line.descriptor = lines[static_cast<size_t>(sight.feature)].left.descriptor;
-      line.sights = {sight};
-      map.Put(line);
-      AddSight<LineKind>(line.id, other, features, map);
+      const int64_t id = ids.next_line++;
+      map.Put(MakeLandmark(id, *triangulated, pair.own, features));
+      AddSight<LineKind>(id, pair.other, features, map);
+      AddSightsOfOthers(id, neighbours, features, camera, options, map);
       // Two views agree on any line whose planes meet: a third one tells.
-      for (const int64_t third_id : neighbours) {
-        if (third_id == neighbour_id) continue;
-        const StereoFeatures& seen = features.at(third_id);
-        for (const LandmarkFeature& found :
-             SearchLines(map, {line.id}, map.FindKeyframe(third_id)->T_w_kf, seen.lines,
-                         WithoutDepth(third_id, seen, map), kMaxAcross_px, camera, options)) {
-          AddSight<LineKind>(line.id, {third_id, found.feature}, features, map);
-        }
-      }
-      if (map.FindLine(line.id)->sights.size() >= 3) {
-        created.push_back(line.id);
+      if (map.FindLine(id)->sights.size() >= kMinSights) {
+        created.push_back(id);
       } else {
-        map.RemoveLine(line.id);
+        map.RemoveLine(id);
       }
     }
   }

@@ -1,0 +1,155 @@
+#include "mapping_process/culling.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/mapping/handmade_map.h"
+#include "tests/unit/mapping/mapping_world.h"
+
+namespace plslam {
+namespace {
+
+using test::DescriptorOf;
+using test::HandmadeMap;
+
+constexpr double kNever = 1.01;
+
+SE3 Pose(int i) {
+  return {ExpSO3(Eigen::Vector3d(0.01 * i, 0.02 * i, -0.01 * i)), Eigen::Vector3d(0.1 * i, -0.02 * i, 0.05 * i)};
+}
+
+std::vector<Descriptor> SomeDescriptors(size_t n) {
+  std::vector<Descriptor> descriptors;
+  for (size_t i = 0; i < n; ++i) descriptors.push_back(DescriptorOf(i));
+  return descriptors;
+}
+
+class Culling : public testing::Test {
+ protected:
+  Culling() {
+    for (int i = 0; i < 8; ++i) m_.AddKeyframe(Pose(i));
+  }
+
+  const std::vector<Descriptor> descriptors_ = SomeDescriptors(200);
+  const CullingOptions options_;  // 3 keyframes of trial, 3 sights; share 0.9 of landmarks that 3 others see
+  HandmadeMap m_;
+};
+
+TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
+  m_.Tie({1, 2}, 1, 0, descriptors_);
+  m_.Tie({1, 2, 3}, 1, 1, descriptors_);
+  const Segment3 segment_w{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
+  m_.PutLine(0, segment_w, descriptors_[0], {m_.SeeLine(1, segment_w, descriptors_[0])});
+  Trial trial;
+  trial.Begin({{0, 1}, {0}}, 1);
+  trial.Judge(3, options_, m_.map);
+  EXPECT_EQ(m_.map.points().size(), 2U) << "two keyframes after: still on trial";
+  EXPECT_EQ(m_.map.lines().size(), 1U);
+  trial.Judge(4, options_, m_.map);
+  EXPECT_EQ(m_.map.FindPoint(0), nullptr);
+  EXPECT_NE(m_.map.FindPoint(1), nullptr);
+  EXPECT_TRUE(m_.map.lines().empty());
+}
+
+TEST_F(Culling, TrialsThatAreOverAreNotJudgedAgain) {
+  m_.Tie({1, 2, 3}, 1, 0, descriptors_);
+  Trial trial;
+  trial.Begin({{0}, {}}, 1);
+  trial.Judge(4, options_, m_.map);
+  m_.map.RemoveKeyframe(3);
+  trial.Judge(20, options_, m_.map);
+  EXPECT_NE(m_.map.FindPoint(0), nullptr);
+}
+
+TEST_F(Culling, LandmarksThatWentDuringTheirTrialDoNoHarm) {
+  m_.Tie({1}, 2, 0, descriptors_);
+  Trial trial;
+  trial.Begin({{0, 1}, {5}}, 1);
+  m_.map.RemovePoint(0);
+  trial.Judge(100, options_, m_.map);
+  EXPECT_TRUE(m_.map.points().empty());
+}
+
+TEST_F(Culling, KeyframeGoesWhenOthersSeeItAll) {
+  m_.Tie({2, 3, 4, 5}, 30, 0, descriptors_);
+  EXPECT_EQ(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map), (std::vector<int64_t>{2}));
+  EXPECT_EQ(m_.map.FindKeyframe(2), nullptr);
+  EXPECT_FALSE(m_.features.contains(2));
+  EXPECT_EQ(m_.map.points().size(), 30U);
+  EXPECT_EQ(test::WrongWith(m_.map), "");
+}
+
+TEST_F(Culling, KeyframeStaysWhenItAloneSeesASixthOfIt) {
+  m_.Tie({2, 3, 4, 5}, 25, 0, descriptors_);
+  m_.Tie({2, 3, 4}, 5, 25, descriptors_);
+  EXPECT_TRUE(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map).empty());
+  EXPECT_NE(m_.map.FindKeyframe(2), nullptr);
+}
+
+TEST_F(Culling, KeyframeWithoutLandmarksAndTheFirstStay) {
+  m_.Tie({0, 3, 4, 5}, 30, 0, descriptors_);
+  EXPECT_TRUE(RemoveRedundantKeyframes({0, 1}, options_, m_.features, m_.map).empty());
+  EXPECT_EQ(m_.map.keyframes().size(), 8U);
+}
+
+TEST_F(Culling, FirstOfALaterSessionStays) {
+  m_.Tie({2, 3, 4, 5}, 30, 0, descriptors_);
+  MapKeyframe first = *m_.map.FindKeyframe(2);
+  first.previous_id = -1;
+  m_.map.Put(first);
+  EXPECT_TRUE(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map).empty());
+}
+
+// Five see it all: after two have gone, the rest are three others no more.
+TEST_F(Culling, WhatIsLeftIsJudgedByWhatIsLeft) {
+  m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
+  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3, 4, 5}, options_, m_.features, m_.map), (std::vector<int64_t>{1, 2}));
+}
+
+TEST_F(Culling, ShareAboveOneKeepsAll) {
+  m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
+  CullingOptions never = options_;
+  never.redundant_share = kNever;
+  EXPECT_TRUE(RemoveRedundantKeyframes({1, 2, 3}, never, m_.features, m_.map).empty());
+}
+
+TEST_F(Culling, TheTieToThePreviousKeyframeIsBridged) {
+  m_.Tie({2, 3, 4, 5, 6}, 30, 0, descriptors_);
+  // Motions as measured, with their own covariances; not what the poses say.
+  std::vector<SE3> motion;
+  std::vector<Matrix6d> covariance;
+  for (const int64_t id : {2, 3, 4}) {
+    MapKeyframe keyframe = *m_.map.FindKeyframe(id);
+    keyframe.T_prevkf_kf = Pose(static_cast<int>(id)) * SE3(ExpSO3(Eigen::Vector3d(0.3, 0.2, 0.1)), {1.0, 2.0, 3.0});
+    Matrix6d A = Matrix6d::Random();
+    keyframe.relative_covariance = 1e-3 * (A * A.transpose() + Matrix6d::Identity());
+    m_.map.Put(keyframe);
+    motion.push_back(keyframe.T_prevkf_kf);
+    covariance.push_back(keyframe.relative_covariance);
+  }
+  ASSERT_EQ(RemoveRedundantKeyframes({2, 3}, options_, m_.features, m_.map), (std::vector<int64_t>{2, 3}));
+  const MapKeyframe& after = *m_.map.FindKeyframe(4);
+  EXPECT_EQ(after.previous_id, 1);
+  EXPECT_LT((after.T_prevkf_kf.Inverse() * motion[0] * motion[1] * motion[2]).Log().norm(), 1e-12);
+  // The slow way: the derivatives of the whole by each part, numerically.
+  Matrix6d expected = Matrix6d::Zero();
+  const SE3 whole = motion[0] * motion[1] * motion[2];
+  for (size_t part = 0; part < 3; ++part) {
+    Matrix6d J;
+    constexpr double kStep = 1e-6;
+    for (int k = 0; k < 6; ++k) {
+      SE3 moved;
+      for (size_t i = 0; i < 3; ++i) {
+        moved = moved * motion[i];
+        if (i == part) moved = moved * SE3::Exp(kStep * Vector6d::Unit(k));
+      }
+      J.col(k) = (whole.Inverse() * moved).Log() / kStep;
+    }
+    expected += J * covariance[part] * J.transpose();
+  }
+  EXPECT_LT((after.relative_covariance - expected).norm(), 1e-4 * expected.norm())
+      << after.relative_covariance << "\n\n"
+      << expected;
+}
+
+}  // namespace
+}  // namespace plslam

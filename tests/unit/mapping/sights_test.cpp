@@ -1,0 +1,174 @@
+#include "mapping_process/sights.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/mapping/handmade_map.h"
+#include "tests/unit/mapping/mapping_world.h"
+
+namespace plslam {
+namespace {
+
+using test::DescriptorOf;
+using test::HandmadeMap;
+
+SE3 At(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
+
+// Where keyframes, points and lines stand does not matter here.
+const Eigen::Vector3d kPoint(0.2, 0.1, 4.0);
+const Segment3 kSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
+
+/// The kinds side by side.
+struct Points {
+  using Kind = PointKind;
+  static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+    return m.SeePoint(keyframe_id, kPoint, d);
+  }
+  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
+    m.PutPoint(id, kPoint, d, std::move(sights));
+  }
+};
+struct Lines {
+  using Kind = LineKind;
+  static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+    return m.SeeLine(keyframe_id, kSegment, d);
+  }
+  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
+    m.PutLine(id, kSegment, d, std::move(sights));
+  }
+};
+
+template <class Of>
+class Sights : public testing::Test {
+ protected:
+  Sights() {
+    for (int i = 0; i < 6; ++i) m_.AddKeyframe(At(0.1 * i));
+  }
+  // A landmark seen by these keyframes with descriptors of their own.
+  void Put(int64_t id, const std::vector<int64_t>& keyframes) {
+    std::vector<Sight> sights;
+    for (const int64_t k : keyframes) sights.push_back(Of::See(m_, k, DescriptorOf(100 * k + id)));
+    Of::Put(m_, id, DescriptorOf(100 * keyframes.front() + id), sights);
+  }
+  std::vector<int64_t> SeenBy(int64_t id) const {
+    std::vector<int64_t> keyframes;
+    for (const Sight& sight : Of::Kind::Find(m_.map, id)->sights) keyframes.push_back(sight.keyframe_id);
+    return keyframes;
+  }
+
+  HandmadeMap m_;
+};
+
+using Kinds = testing::Types<Points, Lines>;
+TYPED_TEST_SUITE(Sights, Kinds);
+
+TYPED_TEST(Sights, AddedInOrderOfKeyframes) {
+  using Kind = typename TypeParam::Kind;
+  this->Put(0, {0, 4});
+  EXPECT_TRUE(AddSight<Kind>(0, TypeParam::See(this->m_, 2, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_TRUE(AddSight<Kind>(0, TypeParam::See(this->m_, 5, DescriptorOf(2)), this->m_.features, this->m_.map));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 2, 4, 5}));
+}
+
+TYPED_TEST(Sights, RefusedWhereTheKeyframeSeesItOrTheFeatureShowsAnother) {
+  using Kind = typename TypeParam::Kind;
+  this->Put(0, {0, 1});
+  this->Put(1, {2});
+  EXPECT_FALSE(AddSight<Kind>(0, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_FALSE(AddSight<Kind>(0, Kind::Find(this->m_.map, 1)->sights[0], this->m_.features, this->m_.map));
+  EXPECT_FALSE(AddSight<Kind>(77, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 1}));
+  EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{2}));
+}
+
+TYPED_TEST(Sights, DroppedOneAfterTheOtherAndTheLandmarkGoesWithTheLast) {
+  using Kind = typename TypeParam::Kind;
+  this->Put(0, {0, 1, 3});
+  DropSight<Kind>(0, 1, this->m_.features, this->m_.map);
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3}));
+  DropSight<Kind>(0, 1, this->m_.features, this->m_.map);
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3})) << "a sight that is not there";
+  DropSight<Kind>(0, 0, this->m_.features, this->m_.map);
+  EXPECT_EQ(Kind::Find(this->m_.map, 0)->descriptor, DescriptorOf(300)) << "of the sight that is left";
+  DropSight<Kind>(0, 3, this->m_.features, this->m_.map);
+  EXPECT_EQ(Kind::Find(this->m_.map, 0), nullptr);
+  DropSight<Kind>(0, 3, this->m_.features, this->m_.map);
+}
+
+TYPED_TEST(Sights, FusedUnderTheSmallerId) {
+  using Kind = typename TypeParam::Kind;
+  for (const bool swapped : {false, true}) {
+    this->Put(10, {0, 3});
+    this->Put(11, {1, 2, 4});
+    ASSERT_TRUE(Fuse<Kind>(swapped ? 11 : 10, swapped ? 10 : 11, this->m_.features, this->m_.map));
+    EXPECT_EQ(this->SeenBy(10), (std::vector<int64_t>{0, 1, 2, 3, 4}));
+    EXPECT_EQ(Kind::Find(this->m_.map, 11), nullptr);
+    EXPECT_EQ(test::WrongWith(this->m_.map), "");
+  }
+}
+
+TYPED_TEST(Sights, NotFusedWhereAKeyframeSeesBoth) {
+  using Kind = typename TypeParam::Kind;
+  this->Put(0, {0, 1});
+  this->Put(1, {1, 2});
+  EXPECT_FALSE(Fuse<Kind>(0, 1, this->m_.features, this->m_.map));
+  EXPECT_FALSE(Fuse<Kind>(0, 0, this->m_.features, this->m_.map));
+  EXPECT_FALSE(Fuse<Kind>(0, 5, this->m_.features, this->m_.map));
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 1}));
+  EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{1, 2}));
+}
+
+// All sums of distances, the smallest, and of equal ones the newest.
+TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
+  using Kind = typename TypeParam::Kind;
+  std::mt19937_64 generator(5);
+  for (int round = 0; round < 50; ++round) {
+    HandmadeMap m;
+    std::vector<Descriptor> seen;
+    const Descriptor base = DescriptorOf(static_cast<uint64_t>(round));
+    const int n = 2 + static_cast<int>(generator() % 6);
+    for (int k = 0; k < n; ++k) {
+      m.AddKeyframe(At(0.1 * k));
+      Descriptor d = base;
+      const int flips = static_cast<int>(generator() % 40);
+      for (int f = 0; f < flips; ++f) d[generator() % 4] ^= 1ULL << (generator() % 64);
+      const Sight sight = TypeParam::See(m, k, d);
+      if (k == 0) {
+        TypeParam::Put(m, 0, d, {sight});
+      } else {
+        ASSERT_TRUE(AddSight<Kind>(0, sight, m.features, m.map));
+      }
+      seen.push_back(d);
+      std::vector<int> sums;
+      for (const Descriptor& a : seen) {
+        int sum = 0;
+        for (const Descriptor& b : seen) sum += HammingDistance(a, b);
+        sums.push_back(sum);
+      }
+      size_t best = 0;
+      for (size_t i = 0; i < sums.size(); ++i) best = sums[i] <= sums[best] ? i : best;
+      ASSERT_EQ(Kind::Find(m.map, 0)->descriptor, seen[best])
+          << "round " << round << ", " << seen.size() << " sights";
+    }
+  }
+}
+
+TEST(SightsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
+  HandmadeMap m;
+  m.AddKeyframe(At(0.0));
+  m.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 1.0)});
+  const Descriptor d = DescriptorOf(1);
+  m.PutPoint(0, kPoint, d, {m.SeePoint(0, kPoint, d)});
+  const Sight nearer = m.SeePoint(1, kPoint, d);
+  m.features[1].points[0].left.octave = 2;
+  m.features[1].points[0].left.angle_rad = 0.5F;
+  ASSERT_TRUE(AddSight<PointKind>(0, nearer, m.features, m.map));
+  const MapPoint& point = *m.map.FindPoint(0);
+  EXPECT_EQ(point.octave, 2) << "the newer of two equals";
+  EXPECT_EQ(point.angle_rad, 0.5F);
+  EXPECT_NEAR(point.depth_m, 3.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -38,14 +38,21 @@ bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCam
   return shared >= kMinOverlap * std::min(1.0, *s_q - *s_p);
 }
 
-// Across the ray the pixel's deviation, along it what the angle of the planes makes of both deviations.
-Eigen::Matrix3d EndpointCovariance(const Eigen::Vector3d& ray, double depth_m, double sigma_px, double sine,
-                                   const StereoCamera& camera) {
-  const double across = depth_m * sigma_px / camera.f_px;
-  const double along = std::numbers::sqrt2 * across / sine;
-  const Eigen::Vector3d direction = ray.normalized();
-  const Eigen::Matrix3d dd = direction * direction.transpose();
-  return across * across * (Eigen::Matrix3d::Identity() - dd) + along * along * dd;
+// Where the plane of `second` cuts the ray of a pixel of `first`, at a depth of `depth_m`: the pixel's error slides the
+// place along that plane, the plane's error moves it along the ray.
+Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, const SegmentView& first,
+                                   const SegmentView& second, const StereoCamera& camera) {
+  const Eigen::Vector3d ray = Ray(px, first, camera);
+  const Eigen::Vector3d normal = PlaneNormal(second, camera);
+  const Eigen::Matrix3d slide = Eigen::Matrix3d::Identity() - ray * normal.transpose() / normal.dot(ray);
+  const Eigen::Matrix<double, 3, 2> by_pixel =
+      depth_m * first.sigma_px / camera.f_px * slide * first.T_w_kf.R().leftCols<2>();
+  const SE3 T_second_w = second.T_w_kf.Inverse();
+  const Eigen::Vector3d in_second = T_second_w * (first.T_w_kf.translation() + depth_m * ray);
+  const double distance_px = std::sqrt(VarianceAcross(second.segment, camera.Project(in_second), second.sigma_px));
+  const double per_px = in_second.z() / camera.f_px * (T_second_w.rotation() * normal).head<2>().norm();
+  const Eigen::Vector3d by_plane = distance_px * per_px / normal.dot(ray) * ray;
+  return by_pixel * by_pixel.transpose() + by_plane * by_plane.transpose();
 }
 
 // Lines of a keyframe that show no landmark and have no depth of their own.
@@ -137,8 +144,7 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
                                                 const StereoCamera& camera, double min_angle_rad) {
   const Eigen::Vector3d n_first = PlaneNormal(first, camera);
   const Eigen::Vector3d n_second = PlaneNormal(second, camera);
-  const double sine = n_first.cross(n_second).norm();
-  if (!(sine >= std::sin(min_angle_rad))) return std::nullopt;
+  if (!(n_first.cross(n_second).norm() >= std::sin(min_angle_rad))) return std::nullopt;
   const Eigen::Vector3d between = second.T_w_kf.translation() - first.T_w_kf.translation();
   TriangulatedLine line;
   const auto place = [&](const Eigen::Vector2d& px, Eigen::Vector3d& end, Eigen::Matrix3d& covariance) {
@@ -146,7 +152,7 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
     const double depth_m = n_second.dot(between) / n_second.dot(ray);
     if (!(depth_m > kMinDepth_m) || !std::isfinite(depth_m)) return false;
     end = first.T_w_kf.translation() + depth_m * ray;
-    covariance = EndpointCovariance(ray, depth_m, std::max(first.sigma_px, second.sigma_px), sine, camera);
+    covariance = EndpointCovariance(px, depth_m, first, second, camera);
     return covariance.allFinite();
   };
   if (!place(first.segment.p, line.segment_w.p, line.covariance_p)) return std::nullopt;

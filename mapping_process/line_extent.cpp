@@ -46,11 +46,13 @@ std::optional<double> Outermost(std::vector<double> reached) {
   return reached[std::min<size_t>(1, reached.size() - 1)];
 }
 
-// Ends that were seen, and ends that are further out than those though the image ended there.
-std::optional<double> EndOf(std::vector<double> seen, const std::vector<double>& beyond) {
+// Ends that were seen, and ends that are further out than those though the image ended there. Where the image ended
+// every time, the segment goes at least as far as it does now.
+std::optional<double> EndOf(std::vector<double> seen, const std::vector<double>& beyond, double now) {
   const auto end = Outermost(seen);
+  if (!end && !beyond.empty()) return std::max(now, *Outermost(beyond));
   for (const double s : beyond) {
-    if (!end || s > *end) seen.push_back(s);
+    if (s > *end) seen.push_back(s);
   }
   return Outermost(std::move(seen));
 }
@@ -73,8 +75,8 @@ void ExtendAndTrim(const std::vector<int64_t>& line_ids, const KeyframeFeatures&
     if (found == nullptr || found->sights.size() < 2) continue;
     const MapLine line = *found;
     const Ends ends = CollectEnds(line, features, camera, map);
-    const auto minus_from = EndOf(Negated(ends.at_p), Negated(ends.beyond_p));
-    const auto to = EndOf(ends.at_q, ends.beyond_q);
+    const auto minus_from = EndOf(Negated(ends.at_p), Negated(ends.beyond_p), 0.0);
+    const auto to = EndOf(ends.at_q, ends.beyond_q, 1.0);
     if (!minus_from || !to) continue;
     const double s_p = std::clamp(-*minus_from, -kMaxStep, kMaxStep);
     const double s_q = std::clamp(*to, 1.0 - kMaxStep, 1.0 + kMaxStep);

@@ -11,12 +11,13 @@ namespace plslam {
 /// Where a place in a left patch lies in the right image, all in pixels of the level.
 struct SlantedAlignment {
   double shift_u_px = 0.0;
+  /// Of the shift, from the residuals; noise in the left patch's own gradients makes it look smaller than it is.
   double variance = 0.0;
   double correlation = 0.0;
 };
 
 /// Aligns a patch once more with a disparity that changes over it, as on surfaces that are not parallel to the images:
-/// on a road it changes by baseline over camera height, a third of a pixel a pixel with a car's rig. One disparity for
+/// on a road it changes by baseline over camera height, a third of a pixel each row with a car's rig. One disparity for
 /// the whole patch is then that of some place of strong gradient in it, an error that grows with the disparity.
 ///
 /// `center` is the pixel that the patch is around, `off_center` where in it the disparity is wanted, `shift` the

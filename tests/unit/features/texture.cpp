@@ -29,6 +29,11 @@ std::vector<Wave> MakeWaves(uint64_t seed, double softness) {
 }  // namespace
 
 cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed, double softness) {
+  return RenderTexture(width_px, height_px, view, seed, softness, [](double x, double) { return x; });
+}
+
+cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed, double softness,
+                      const std::function<double(double, double)>& column) {
   const std::vector<Wave> waves = MakeWaves(seed, softness);
   std::mt19937_64 random(view.noise_seed);
   std::normal_distribution<double> normal(0.0, 1.0);
@@ -36,8 +41,9 @@ cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t se
   for (int y = 0; y < height_px; ++y) {
     for (int x = 0; x < width_px; ++x) {
       double value = 100.0;
+      const double shown = column(x, y) + view.shift_x_px;
       for (const Wave& w : waves) {
-        value += w.amplitude * std::sin(w.fx * (x + view.shift_x_px) + w.fy * (y + view.shift_y_px) + w.phase);
+        value += w.amplitude * std::sin(w.fx * shown + w.fy * (y + view.shift_y_px) + w.phase);
       }
       value = view.gain * value + view.offset + view.noise * normal(random);
       image.at<uint8_t>(y, x) = static_cast<uint8_t>(std::clamp(std::lround(value), 0L, 255L));

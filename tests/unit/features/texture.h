@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <random>
 
 #include <opencv2/core/mat.hpp>
@@ -21,6 +22,10 @@ struct View {
 /// A smooth random texture without period (waves of many directions and lengths from 5 pixels up), defined on the plane,
 /// so that views with any sub-pixel shift are exact. `softness` lengthens the shortest wave.
 cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed = 1, double softness = 1.0);
+
+/// The same where pixel (x, y) shows the texture at (`column`(x, y), y): a slanted surface.
+cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed, double softness,
+                      const std::function<double(double, double)>& column);
 
 /// Independent random pixels.
 cv::Mat RandomImage(int width_px, int height_px, uint64_t seed);

@@ -146,7 +146,7 @@ bool LineGrower::StraightSoFar() {
 
 bool LineGrower::TakeNear(int major, double place, double tolerance, std::vector<Sample>& out) {
   // Rounds what lies in the image; what is cut off towards zero from below is outside as well.
-  const int nearest = static_cast<int>(place + 0.5);
+  const int nearest = static_cast<int>(place + 0.5);  // NOLINT(bugprone-incorrect-roundings)
   if (nearest < 3 || nearest >= minor_size_ - 3) return false;
   // The nearest pixel first, then the neighbours on the nearer side.
   const int side = place >= nearest ? 1 : -1;

@@ -29,6 +29,7 @@ class Degenerate : public testing::TestWithParam<bool> {
     std::string reason;
     ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason)) << reason;
     ASSERT_EQ(test::WrongWith(mapper_.map()), "") << "after keyframe " << keyframe.keyframe_id;
+    ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0) << "after keyframe " << keyframe.keyframe_id;
     ASSERT_NO_THROW(test::Encoded(mapper_.TakeUpdate())) << "keyframe " << keyframe.keyframe_id;
   }
   void MapFrom(size_t from, size_t to) {

@@ -31,6 +31,7 @@ class Sessions : public testing::Test {
       ASSERT_TRUE(test::MapOne(keyframe, mapper_, &reason)) << reason;
       ASSERT_EQ(test::WrongWith(mapper_.map()), "") << keyframe.session << ", keyframe " << keyframe.keyframe_id;
       ASSERT_NO_THROW(test::Encoded(mapper_.TakeUpdate()));
+      ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0) << keyframe.session << ", keyframe " << keyframe.keyframe_id;
     }
   }
   double Error_m(int64_t keyframe_id, const SE3& truth) const {

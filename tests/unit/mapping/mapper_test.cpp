@@ -1,5 +1,6 @@
 #include "mapping_process/mapper.h"
 
+#include <atomic>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -47,6 +48,7 @@ class MapperWalk : public testing::TestWithParam<Situation> {
 TEST_P(MapperWalk, PosesErrMuchLessThanTheChainedOdometry) {
   const Mapper mapper = MapAll(walk_.keyframes);
   ASSERT_EQ(test::WrongWith(mapper.map()), "");
+  ASSERT_EQ(test::ExactlyKnown(mapper.map()), 0);
   const double before_m = test::OdometryError_m(walk_);
   const double after_m = test::PositionError_m(mapper.map(), walk_.T_w_c);
   ASSERT_GT(before_m, 0.02);
@@ -104,6 +106,33 @@ TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
     if (keyframe.keyframe_id < 4) continue;
     EXPECT_LT(figures.rms_after, 1.5) << keyframe.keyframe_id;
   }
+}
+
+// As of a live stream: keyframes queue while a solve runs.
+TEST_P(MapperWalk, SeveralInsertedBeforeOneAdjustment) {
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  std::string reason;
+  for (size_t i = 0; i < walk_.keyframes.size(); ++i) {
+    ASSERT_TRUE(mapper.Insert(walk_.keyframes[i], &reason)) << reason;
+    if (i % 4 != 3) continue;
+    mapper.Adjust(nullptr);
+    mapper.Cull();
+    ASSERT_EQ(test::WrongWith(mapper.map()), "") << i;
+  }
+  EXPECT_LT(test::PositionError_m(mapper.map(), walk_.T_w_c), 0.3 * test::OdometryError_m(walk_));
+}
+
+TEST_P(MapperWalk, AdjustmentThatIsStoppedAtOnceLeavesAMap) {
+  const std::atomic<bool> stop{true};
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  std::string reason;
+  for (const Keyframe& keyframe : walk_.keyframes) {
+    ASSERT_TRUE(mapper.Insert(keyframe, &reason)) << reason;
+    mapper.Adjust(&stop);
+    mapper.Cull();
+    ASSERT_EQ(test::WrongWith(mapper.map()), "") << keyframe.keyframe_id;
+  }
+  EXPECT_LT(test::PositionError_m(mapper.map(), walk_.T_w_c), test::OdometryError_m(walk_));
 }
 
 TEST_P(MapperWalk, EqualInputGivesEqualBytes) {

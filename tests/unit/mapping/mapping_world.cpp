@@ -39,7 +39,6 @@ Matrix6d MotionCovariance(const WalkOptions& options) {
 std::string WrongCovariance(const Eigen::Matrix3d& covariance) {
   if (!covariance.allFinite()) return "covariance is not finite";
   if (covariance.diagonal().minCoeff() < 0.0) return "covariance has a negative variance";
-  if (!(covariance.trace() > 0.0)) return "covariance is zero: nothing is known exactly";
   return {};
 }
 
@@ -211,6 +210,15 @@ std::string WrongWith(const Map& map) {
   }
   const std::string points = WrongLandmarks<PointKind>("point", map);
   return points.empty() ? WrongLandmarks<LineKind>("line", map) : points;
+}
+
+int ExactlyKnown(const Map& map) {
+  const auto point = [](const auto& item) { return !(item.second.covariance.trace() > 0.0); };
+  const auto line = [](const auto& item) {
+    return !(item.second.covariance_p.trace() > 0.0 && item.second.covariance_q.trace() > 0.0);
+  };
+  return static_cast<int>(std::count_if(map.points().begin(), map.points().end(), point) +
+                          std::count_if(map.lines().begin(), map.lines().end(), line));
 }
 
 std::vector<uint8_t> Encoded(const MapUpdate& update) {

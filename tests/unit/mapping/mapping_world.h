@@ -49,6 +49,9 @@ Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& opti
 /// keyframes or features that do not exist or show another landmark, a tree that is none.
 std::string WrongWith(const Map& map);
 
+/// Landmarks whose covariance is zero: nothing that was measured is known exactly.
+int ExactlyKnown(const Map& map);
+
 /// As it goes over the wire. Throws std::invalid_argument for what no reader would take.
 std::vector<uint8_t> Encoded(const MapUpdate& update);
 /// All of a map, whatever led to it.

@@ -213,10 +213,13 @@ AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult&
   figures.reprojection_before_px = result.before.point_px;
   figures.reprojection_after_px = result.after.point_px;
   MoveKeyframes(window, result, map);
+  // Zero says that no sight agreed: those stay as they were, with the uncertainty they had.
   for (size_t i = 0; i < window.points.size(); ++i) {
+    if (result.point_covariances[i].isZero(0.0)) continue;
     map.SetPosition(window.points[i], result.points[i], result.point_covariances[i]);
   }
   for (size_t i = 0; i < window.lines.size(); ++i) {
+    if (result.line_p_covariances[i].isZero(0.0)) continue;
     map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
   }
   figures.n_outliers = DropOutliers<PointKind>(window, window.points, result.point_inliers, features, map) +

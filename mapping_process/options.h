@@ -34,7 +34,7 @@ struct CullingOptions {
   int trial_keyframes = 3;
   int min_sights = 3;
   double redundant_share = 0.9;
-  int redundant_sights = 3;
+  int redundant_sights = 5;
 };
 
 /// Everything of mapping_process.

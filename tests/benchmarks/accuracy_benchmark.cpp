@@ -85,8 +85,8 @@ void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
   const Eigen::Vector3d live = run.live[i].T_odom_l.translation();
   const Eigen::Vector3d final = run.final[i].T_odom_l.translation();
   const Eigen::Vector3d truth = run.live[i].T_w_l ? run.live[i].T_w_l->translation() : Eigen::Vector3d::Zero();
-  std::printf("  %4zu %d  %.6f %.6f %.6f  %.6f %.6f %.6f  %.6f %.6f %.6f\n", i, run.live[i].keyframe ? 1 : 0, live.x(),
-              live.y(), live.z(), final.x(), final.y(), final.z(), truth.x(), truth.y(), truth.z());
+  std::printf("  %4zu %d  %.6f %.6f %.6f  %.6f %.6f %.6f  %.6f %.6f %.6f\n", i, run.live[i].keyframe ? 1 : 0,
+              live.x(), live.y(), live.z(), final.x(), final.y(), final.z(), truth.x(), truth.y(), truth.z());
 }
 
 }  // namespace

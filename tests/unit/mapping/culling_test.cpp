@@ -30,7 +30,8 @@ class Culling : public testing::Test {
   }
 
   const std::vector<Descriptor> descriptors_ = SomeDescriptors(200);
-  const CullingOptions options_;  // 3 keyframes of trial, 3 sights; share 0.9 of landmarks that 3 others see
+  // 3 keyframes of trial, 3 sights; share 0.9 of landmarks that 3 others see.
+  const CullingOptions options_{3, 3, 0.9, 3};
   HandmadeMap m_;
 };
 

@@ -80,6 +80,7 @@ TEST_P(MapperLong, CorridorIsMappedWithinBounds) {
   }
   cost.bytes = ResidentBytes();
   ASSERT_EQ(test::WrongWith(mapper.map()), "");
+  EXPECT_EQ(test::ExactlyKnown(mapper.map()), 0);
 
   const MapTotals totals = mapper.map().Totals();
   const double in_view = static_cast<double>(cost.features_in_view) / n;

@@ -131,6 +131,7 @@ TEST_P(MapperWalk, AdjustmentThatIsStoppedAtOnceLeavesAMap) {
     mapper.Adjust(&stop);
     mapper.Cull();
     ASSERT_EQ(test::WrongWith(mapper.map()), "") << keyframe.keyframe_id;
+    ASSERT_EQ(test::ExactlyKnown(mapper.map()), 0) << keyframe.keyframe_id;
   }
   EXPECT_LT(test::PositionError_m(mapper.map(), walk_.T_w_c), test::OdometryError_m(walk_));
 }

@@ -112,6 +112,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
   CountKeyframes<LineKind>(association.lines, map, counts);
   if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
   std::vector<Map::Neighbour> best;
+  best.reserve(counts.size());
   for (const auto& [id, shared] : counts) best.push_back({id, shared});
   std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });
   std::vector<int64_t> keyframes;

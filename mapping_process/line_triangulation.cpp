@@ -75,6 +75,7 @@ std::vector<int> Places(const std::vector<char>& eligible) {
 
 std::vector<Descriptor> Descriptors(const std::vector<int>& places, const std::vector<StereoLine>& lines) {
   std::vector<Descriptor> descriptors;
+  descriptors.reserve(places.size());
   for (const int place : places) descriptors.push_back(lines[static_cast<size_t>(place)].left.descriptor);
   return descriptors;
 }

@@ -41,6 +41,7 @@ std::vector<int64_t> FixedKeyframes(const LocalWindow& window, const Map& map, i
   CountKeyframes<LineKind>(window.lines, map, counts);
   for (const int64_t id : window.keyframes) counts.erase(id);
   std::vector<Map::Neighbour> others;
+  others.reserve(counts.size());
   for (const auto& [id, shared] : counts) others.push_back({id, shared});
   std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });
   std::vector<int64_t> fixed;

@@ -71,6 +71,7 @@ constexpr uint64_t kSeed = 1;
 template <class Kind>
 std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>& ids) {
   std::vector<Descriptor> descriptors;
+  descriptors.reserve(ids.size());
   for (const int64_t id : ids) descriptors.push_back(Kind::Find(map, id)->descriptor);
   return descriptors;
 }
@@ -78,12 +79,14 @@ std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>
 template <class Feature>
 std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
   std::vector<Descriptor> descriptors;
+  descriptors.reserve(features.size());
   for (const Feature& feature : features) descriptors.push_back(feature.left.descriptor);
   return descriptors;
 }
 
 std::vector<int64_t> Named(const std::vector<int>& match, const std::vector<int64_t>& ids) {
   std::vector<int64_t> named;
+  named.reserve(match.size());
   for (const int place : match) named.push_back(place < 0 ? -1 : ids[static_cast<size_t>(place)]);
   return named;
 }
@@ -117,7 +120,7 @@ std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local,
   const Observed observed = Observe(map, features, SE3(), found);
   const auto T_kf_w = EstimatePoseRansac(observed.points, observed.lines, camera, min_weight, kRecognised_px, kSeed);
   if (!T_kf_w) return std::nullopt;
-  const auto pose = RefinePose(map, features, camera, T_kf_w->Inverse(), options.motion, found);
+  auto pose = RefinePose(map, features, camera, T_kf_w->Inverse(), options.motion, found);
   if (!pose || found.Weight() < min_weight) return std::nullopt;
   association = found;
   return pose;

@@ -22,7 +22,7 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
     return after->second * frame.T_odom_c;
   }
   const auto before = std::prev(after);
-  const SE3 T_before = before->second * frame.T_odom_c;
+  SE3 T_before = before->second * frame.T_odom_c;
   if (after == corrections.end()) return T_before;
   const SE3 T_after = after->second * frame.T_odom_c;
   const double share =

@@ -75,8 +75,10 @@ std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session
     collect(neighbour.keyframe_id);
   }
   std::vector<const MapPoint*> points;
+  points.reserve(point_ids.size());
   for (const int64_t id : point_ids) points.push_back(map.FindPoint(id));
   std::vector<const MapLine*> lines;
+  lines.reserve(line_ids.size());
   for (const int64_t id : line_ids) lines.push_back(map.FindLine(id));
   MapPatch patch;
   patch.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();

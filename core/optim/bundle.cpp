@@ -51,7 +51,7 @@ std::string Fault(const BundleProblem& problem) {
     return "a relative pose is between poses " + std::to_string(relative.a) + " and " + std::to_string(relative.b) +
            " of " + std::to_string(problem.poses.size());
   }
-  const std::string fault = IndexFault("point", problem.point_sights, problem.poses.size(), problem.points.size());
+  std::string fault = IndexFault("point", problem.point_sights, problem.poses.size(), problem.points.size());
   if (!fault.empty()) return fault;
   return IndexFault("line", problem.line_sights, problem.poses.size(), problem.lines.size());
 }

@@ -71,6 +71,7 @@ Bus::Impl::~Impl() {
   static constexpr std::chrono::milliseconds kFarewell{300};
   Flush(kFarewell);
   stopping_ = true;
+  MayReceive();
   transport.Wake();
   receiver_.join();
   outboxes.clear();
@@ -92,7 +93,10 @@ void Bus::Post(std::function<void()> f) { impl_->loop.Post(std::move(f)); }
 void Bus::Every(std::chrono::milliseconds period, std::function<void()> f) {
   impl_->loop.Every(period, std::move(f));
 }
-void Bus::Run() { impl_->loop.Run(); }
+void Bus::Run() {
+  impl_->MayReceive();
+  impl_->loop.Run();
+}
 void Bus::Stop() { impl_->loop.Stop(); }
 
 void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver) {

@@ -89,6 +89,7 @@ struct Bus::Impl {
   // receive.cpp
   void Subscribe(const Channel& channel, const char* type, std::shared_ptr<Subscription> subscription);
   void OnDatagram(std::string_view wire_name, ByteView bytes);
+  void MayReceive();
   void ReceiveLoop();
 
   static int64_t Now();
@@ -154,6 +155,8 @@ struct Bus::Impl {
   int64_t next_poll_ = 0;
   std::atomic<int64_t> wake_time_ = 0;
   std::atomic<bool> stopping_ = false;
+  /// A log that is read does not wait for subscriptions: it is begun when they have been made, with `Run`.
+  std::atomic<bool> may_receive{false};
   std::thread receiver_;
 
   friend class Bus;

@@ -55,7 +55,13 @@ void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_
   transport.Wake();
 }
 
+void Bus::Impl::MayReceive() {
+  may_receive = true;
+  may_receive.notify_all();
+}
+
 void Bus::Impl::ReceiveLoop() {
+  if (transport.kind() == Transport::Kind::kFileRead) may_receive.wait(false);
   while (!stopping_) {
     const int64_t now = Now();
     int64_t next = now + 100 * kMs;

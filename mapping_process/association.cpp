@@ -28,14 +28,6 @@ std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const
 }
 
 template <class Kind>
-void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {
-  for (const int64_t id : landmarks) {
-    if (id < 0) continue;
-    for (const Sight& sight : Kind::Find(map, id)->sights) ++counts[sight.keyframe_id];
-  }
-}
-
-template <class Kind>
 std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& associated,
                                   const Map& map) {
   std::set<int64_t> ids;
@@ -111,15 +103,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
   CountKeyframes<PointKind>(association.points, map, counts);
   CountKeyframes<LineKind>(association.lines, map, counts);
   if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
-  std::vector<Map::Neighbour> best;
-  best.reserve(counts.size());
-  for (const auto& [id, shared] : counts) best.push_back({id, shared});
-  std::stable_sort(best.begin(), best.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });
-  std::vector<int64_t> keyframes;
-  for (const Map::Neighbour& neighbour : best) {
-    if (static_cast<int>(keyframes.size()) == max_keyframes) break;
-    keyframes.push_back(neighbour.keyframe_id);
-  }
+  std::vector<int64_t> keyframes = MostCounted(counts, max_keyframes);
   // Their neighbours, as far as there is room: places that the tracker has not shown to the map yet.
   const size_t n_direct = keyframes.size();
   for (size_t i = 0; i < n_direct; ++i) {

@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "core/geometry/rotate_covariance.h"
+
 namespace plslam {
 namespace {
 
@@ -12,10 +14,6 @@ bool IsSure(double disparity_px, double sigma_disparity_px, const InsertionOptio
   return disparity_px > 0.0 && sigma_disparity_px <= options.max_relative_depth_sigma * disparity_px;
 }
 
-Eigen::Matrix3d Rotate(const Eigen::Matrix3d& R, const Eigen::Matrix3d& covariance) {
-  return R * covariance * R.transpose();
-}
-
 std::optional<MapPoint> MakePoint(const StereoPoint& seen, const SE3& T_w_kf, const StereoCamera& camera,
                                   const InsertionOptions& options) {
   if (!IsSure(seen.disparity_px, seen.sigma_disparity_px, options)) return std::nullopt;
@@ -23,7 +21,8 @@ std::optional<MapPoint> MakePoint(const StereoPoint& seen, const SE3& T_w_kf, co
   const Eigen::Vector3d p_c = camera.Backproject(uvd);
   MapPoint point;
   point.p_w = T_w_kf * p_c;
-  point.covariance = Rotate(T_w_kf.R(), camera.BackprojectCovariance(uvd, seen.sigma_px, seen.sigma_disparity_px));
+  point.covariance =
+      RotateCovariance(T_w_kf.R(), camera.BackprojectCovariance(uvd, seen.sigma_px, seen.sigma_disparity_px));
   point.descriptor = seen.left.descriptor;
   point.angle_rad = seen.left.angle_rad;
   point.octave = seen.left.octave;
@@ -42,8 +41,8 @@ std::optional<MapLine> MakeLine(const StereoLine& seen, const SE3& T_w_kf, const
   const Eigen::Matrix3d R = T_w_kf.R();
   MapLine line;
   line.segment_w = {T_w_kf * camera.Backproject(p), T_w_kf * camera.Backproject(q)};
-  line.covariance_p = Rotate(R, camera.BackprojectCovariance(p, seen.sigma_px, seen.sigma_disparity_p_px));
-  line.covariance_q = Rotate(R, camera.BackprojectCovariance(q, seen.sigma_px, seen.sigma_disparity_q_px));
+  line.covariance_p = RotateCovariance(R, camera.BackprojectCovariance(p, seen.sigma_px, seen.sigma_disparity_p_px));
+  line.covariance_q = RotateCovariance(R, camera.BackprojectCovariance(q, seen.sigma_px, seen.sigma_disparity_q_px));
   line.descriptor = seen.left.descriptor;
   return line;
 }

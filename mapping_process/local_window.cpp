@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/geometry/rotate_covariance.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -28,28 +29,12 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
   return chosen;
 }
 
-template <class Kind>
-void CountKeyframes(const std::vector<int64_t>& ids, const Map& map, std::map<int64_t, int>& counts) {
-  for (const int64_t id : ids) {
-    for (const Sight& sight : Kind::Find(map, id)->sights) ++counts[sight.keyframe_id];
-  }
-}
-
 std::vector<int64_t> FixedKeyframes(const LocalWindow& window, const Map& map, int max_count) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointKind>(window.points, map, counts);
   CountKeyframes<LineKind>(window.lines, map, counts);
   for (const int64_t id : window.keyframes) counts.erase(id);
-  std::vector<Map::Neighbour> others;
-  others.reserve(counts.size());
-  for (const auto& [id, shared] : counts) others.push_back({id, shared});
-  std::stable_sort(others.begin(), others.end(), [](const auto& a, const auto& b) { return a.shared > b.shared; });
-  std::vector<int64_t> fixed;
-  for (const Map::Neighbour& other : others) {
-    if (static_cast<int>(fixed.size()) == max_count) break;
-    fixed.push_back(other.keyframe_id);
-  }
-  return fixed;
+  return MostCounted(counts, max_count);
 }
 
 PointSight Seen(int pose, int point, const StereoPoint& seen) {
@@ -124,10 +109,6 @@ void AddLandmarks(const Map& map, const KeyframeFeatures& features, LocalWindow&
   });
 }
 
-Eigen::Matrix3d Rotate(const SE3& T, const Eigen::Matrix3d& covariance) {
-  return T.R() * covariance * T.R().transpose();
-}
-
 // Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
 template <class Landmark>
 bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<int64_t>& adjusted) {
@@ -137,16 +118,17 @@ bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<i
 
 // What is not adjusted itself keeps its place relative to its keyframe.
 void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const LocalWindow& window, Map& map) {
+  const Eigen::Matrix3d R = T_new_old.R();
   for (const int64_t id : PointKind::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindPoint(id), keyframe_id, window.points)) continue;
     const MapPoint& point = *map.FindPoint(id);
-    map.SetPosition(id, T_new_old * point.p_w, Rotate(T_new_old, point.covariance));
+    map.SetPosition(id, T_new_old * point.p_w, RotateCovariance(R, point.covariance));
   }
   for (const int64_t id : LineKind::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindLine(id), keyframe_id, window.lines)) continue;
     const MapLine& line = *map.FindLine(id);
     map.SetSegment(id, {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q},
-                   Rotate(T_new_old, line.covariance_p), Rotate(T_new_old, line.covariance_q));
+                   RotateCovariance(R, line.covariance_p), RotateCovariance(R, line.covariance_q));
   }
 }
 

@@ -2,15 +2,12 @@
 
 #include "core/features/descriptor_matcher.h"
 #include "core/features/line_matcher.h"
+#include "core/geometry/rotate_covariance.h"
 #include "core/motion/motion_estimator.h"
 #include "core/motion/pose_ransac.h"
 
 namespace plslam {
 namespace {
-
-Eigen::Matrix3d Rotate(const Eigen::Matrix3d& R, const Eigen::Matrix3d& covariance) {
-  return R * covariance * R.transpose();
-}
 
 // Observations of the landmarks relative to where the keyframe should be, and the features they belong to.
 struct Observed {
@@ -28,7 +25,7 @@ void ObservePoints(const Map& map, const std::vector<StereoPoint>& features, con
     const MapPoint& point = *map.FindPoint(association[i]);
     const StereoPoint& seen = features[i];
     observed.points.push_back({T_ref_w * point.p_w,
-                               Rotate(R, point.covariance),
+                               RotateCovariance(R, point.covariance),
                                {seen.left.px.x(), seen.left.px.y(), seen.disparity_px},
                                seen.sigma_px,
                                seen.sigma_disparity_px});
@@ -44,8 +41,8 @@ void ObserveLines(const Map& map, const std::vector<StereoLine>& features, const
     const MapLine& line = *map.FindLine(association[i]);
     const StereoLine& seen = features[i];
     LineObservation observation{{T_ref_w * line.segment_w.p, T_ref_w * line.segment_w.q},
-                                Rotate(R, line.covariance_p),
-                                Rotate(R, line.covariance_q),
+                                RotateCovariance(R, line.covariance_p),
+                                RotateCovariance(R, line.covariance_q),
                                 seen.left.segment};
     observation.disparity_p_px = seen.disparity_p_px;
     observation.disparity_q_px = seen.disparity_q_px;

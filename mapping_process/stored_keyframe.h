@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <vector>
 
 #include "core/features/features.h"
 #include "core/map/map.h"
@@ -45,6 +46,18 @@ int64_t LandmarkAt(const Map& map, const Sight& sight) {
   const auto place = static_cast<size_t>(sight.feature);
   return place < of.size() ? of[place] : -1;
 }
+
+/// Adds to `counts`, by keyframe, how many of the landmarks it sees; ids below zero do not count.
+template <class Kind>
+void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {
+  for (const int64_t id : landmarks) {
+    if (id < 0) continue;
+    for (const Sight& sight : Kind::Find(map, id)->sights) ++counts[sight.keyframe_id];
+  }
+}
+
+/// At most `max_count` of the keyframes counted: those with most first, then by id.
+std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_count);
 
 template <class Landmark>
 bool IsSeenBy(const Landmark& landmark, int64_t keyframe_id) {

@@ -3,13 +3,6 @@
 namespace plslam {
 namespace {
 
-std::vector<int64_t> LandmarkIds(const std::vector<FeatureTrack>& tracks) {
-  std::vector<int64_t> ids;
-  ids.reserve(tracks.size());
-  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
-  return ids;
-}
-
 std::vector<int64_t> MapIds(const std::vector<FeatureTrack>& tracks) {
   std::vector<int64_t> ids;
   ids.reserve(tracks.size());
@@ -29,8 +22,8 @@ Keyframe ToKeyframe(const OdometryResult& result) {
   keyframe.state = static_cast<int>(result.state);
   const KeyframeContent& content = result.keyframe->content;
   keyframe.features = content.features;
-  keyframe.point_landmark_ids = LandmarkIds(content.point_tracks);
-  keyframe.line_landmark_ids = LandmarkIds(content.line_tracks);
+  keyframe.point_landmark_ids = TrackedLandmarkIds(content.point_tracks);
+  keyframe.line_landmark_ids = TrackedLandmarkIds(content.line_tracks);
   keyframe.point_map_ids = MapIds(content.point_tracks);
   keyframe.line_map_ids = MapIds(content.line_tracks);
   return keyframe;

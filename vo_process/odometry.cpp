@@ -24,13 +24,6 @@ std::vector<double> PointDisparities(const StereoFeatures& features) {
   return disparities;
 }
 
-std::vector<int64_t> LandmarkIds(const std::vector<FeatureTrack>& tracks) {
-  std::vector<int64_t> ids;
-  ids.reserve(tracks.size());
-  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
-  return ids;
-}
-
 double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   std::vector<double> disparities;
   for (const StereoPoint& point : frame.features.points) {
@@ -87,7 +80,8 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     KeyframeContent& content = result.keyframe->content;
     content = {frame.features, frame.point_tracks, frame.line_tracks};
     if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
-    keyframe_log_.Add(result.keyframe->id, LandmarkIds(content.point_tracks), LandmarkIds(content.line_tracks));
+    keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
+                      TrackedLandmarkIds(content.line_tracks));
   }
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);

@@ -18,6 +18,14 @@ struct FeatureTrack {
   int64_t map_id = -1;
 };
 
+/// Landmarks of features, in their order.
+inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<int64_t> ids;
+  ids.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
+  return ids;
+}
+
 /// The features of the frame being tracked, ready for queries by place, and their landmarks.
 struct TrackedFrame {
   explicit TrackedFrame(StereoFeatures stereo)

@@ -1,0 +1,16 @@
+#include "mapping_process/stored_keyframe.h"
+
+#include <algorithm>
+
+namespace plslam {
+
+std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_count) {
+  std::vector<int64_t> ids;
+  ids.reserve(counts.size());
+  for (const auto& [id, count] : counts) ids.push_back(id);
+  std::stable_sort(ids.begin(), ids.end(), [&counts](int64_t a, int64_t b) { return counts.at(a) > counts.at(b); });
+  if (static_cast<int>(ids.size()) > max_count) ids.resize(static_cast<size_t>(std::max(0, max_count)));
+  return ids;
+}
+
+}  // namespace plslam

@@ -4,9 +4,9 @@
 #include <map>
 #include <vector>
 
+#include "core/localisation/landmark_kinds.h"
 #include "mapping_process/landmark_creation.h"
 #include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
 
 namespace plslam {
 

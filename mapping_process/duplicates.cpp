@@ -1,6 +1,6 @@
 #include "mapping_process/duplicates.h"
 
-#include "mapping_process/projection_search.h"
+#include "core/localisation/projection_search.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -59,10 +59,10 @@ void MergeInto(int64_t to, int64_t from, const KeyframeFeatures& features, const
   const SE3 T_w_kf = map.FindKeyframe(to)->T_w_kf;
   const double radius_px = options.insertion.fuse_radius_px;
   Merge<PointKind>(SearchPoints(map, UnseenBy<PointKind>(to, from, map), T_w_kf, seen.points,
-                                std::vector<char>(seen.points.size(), 1), radius_px, camera, options),
+                                std::vector<char>(seen.points.size(), 1), radius_px, camera, options.localisation),
                    to, features, map);
   Merge<LineKind>(SearchLines(map, UnseenBy<LineKind>(to, from, map), T_w_kf, seen.lines,
-                              std::vector<char>(seen.lines.size(), 1), radius_px, camera, options),
+                              std::vector<char>(seen.lines.size(), 1), radius_px, camera, options.localisation),
                   to, features, map);
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
 #include "core/geometry/stereo_camera.h"
-#include "mapping_process/association.h"
+#include "core/localisation/local_map.h"
+#include "mapping_process/options.h"
 
 namespace plslam {
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/localisation/landmark_kinds.h"
 #include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
 
 namespace plslam {
 

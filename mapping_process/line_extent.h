@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "mapping_process/stored_keyframe.h"
+#include "core/localisation/landmark_kinds.h"
 
 namespace plslam {
 

@@ -5,7 +5,7 @@
 
 #include "core/features/line_matcher.h"
 #include "core/features/segment_projection.h"
-#include "mapping_process/projection_search.h"
+#include "core/localisation/projection_search.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -133,7 +133,7 @@ void AddSightsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, c
     if (IsSeenBy(*map.FindLine(line_id), id)) continue;
     const StereoFeatures& seen = features.at(id);
     for (const LandmarkFeature& found : SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines,
-                                                    WithoutDepth(id, seen, map), kMaxAcross_px, camera, options)) {
+                                                    WithoutDepth(id, seen, map), kMaxAcross_px, camera, options.localisation)) {
       AddSight<LineKind>(line_id, {id, found.feature}, features, map);
     }
   }
@@ -169,7 +169,8 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
   const std::vector<int64_t> neighbours = NeighbourIds(keyframe_id, map);
   const double min_angle_rad = options.insertion.min_plane_angle_deg * std::numbers::pi / 180.0;
   for (const int64_t neighbour_id : neighbours) {
-    for (const LikePair& pair : FindLikePairs(keyframe_id, neighbour_id, features, options.line_matching, map)) {
+    for (const LikePair& pair :
+         FindLikePairs(keyframe_id, neighbour_id, features, options.localisation.line_matching, map)) {
       const auto triangulated =
           TriangulateLine(ViewOf(pair.own, features, map), ViewOf(pair.other, features, map), camera, min_angle_rad);
       if (!triangulated) continue;

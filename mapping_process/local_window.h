@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/localisation/landmark_kinds.h"
 #include "core/map/map_update.h"
 #include "core/optim/bundle.h"
 #include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
 
 namespace plslam {
 

@@ -6,11 +6,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/localisation/pose_refinement.h"
 #include "mapping_process/duplicates.h"
 #include "mapping_process/line_extent.h"
 #include "mapping_process/line_triangulation.h"
 #include "mapping_process/local_window.h"
-#include "mapping_process/pose_refinement.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -100,10 +100,11 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
   for (const bool searching : {false, true}) {
     if (searching) {
       const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
-      SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_, association);
+      SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
     }
     if (association.Weight() < kMinWeight) continue;
-    if (const auto pose = RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.motion, association)) {
+    if (const auto pose =
+            RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.localisation.motion, association)) {
       entry.T_w_kf = pose->T_w_kf;
     }
   }
@@ -112,7 +113,8 @@ void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& ass
 void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
   const MapKeyframe& newest = map_.keyframes().rbegin()->second;
   const LocalMap local = LocalMapOf({}, newest.id, map_, options_.insertion.local_keyframes);
-  const auto pose = RecognisePose(map_, local, keyframe.features, camera_, options_, kRecognisedWeight, association);
+  const auto pose =
+      RecognisePose(map_, local, keyframe.features, camera_, options_.localisation, kRecognisedWeight, association);
   if (!pose) return;
   entry.T_w_kf = pose->T_w_kf;
   entry.covariance = ComposeCovariance(newest.covariance, newest.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);

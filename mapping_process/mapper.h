@@ -7,13 +7,13 @@
 #include <string>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
 #include "core/map/map_update.h"
-#include "mapping_process/association.h"
 #include "mapping_process/culling.h"
 #include "mapping_process/landmark_creation.h"
 #include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
+#include "mapping_process/tracker_landmarks.h"
 
 namespace plslam {
 

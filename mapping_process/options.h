@@ -1,22 +1,18 @@
 #pragma once
 
 #include "core/config/fields.h"
-#include "core/features/options.h"
-#include "core/motion/options.h"
+#include "core/localisation/options.h"
 #include "core/optim/options.h"
 
 namespace plslam {
 
 /// How a keyframe is joined to the map (PL-SLAM §V.A).
 struct InsertionOptions {
-  double search_radius_px = 8.0;
   double fuse_radius_px = 4.0;
   int local_keyframes = 15;
   int fuse_keyframes = 5;
   double max_relative_depth_sigma = 0.3;
   double min_plane_angle_deg = 2.0;
-  int orb_levels = 8;
-  double orb_scale_factor = 1.2;
 };
 
 /// Which part of the map is adjusted (PL-SLAM §V.B).
@@ -40,9 +36,7 @@ struct CullingOptions {
 /// Everything of mapping_process.
 struct MappingOptions {
   InsertionOptions insertion;
-  MatchOptions point_matching;
-  LineMatchOptions line_matching;
-  MotionOptions motion;
+  LocalisationOptions localisation;
   WindowOptions window;
   BundleOptions bundle;
   CullingOptions culling;
@@ -50,7 +44,6 @@ struct MappingOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, InsertionOptions& o) {
-  visit("search_radius_px", o.search_radius_px, Bounds{0.5, 1000}, "window in which local landmarks are searched");
   visit("fuse_radius_px", o.fuse_radius_px, Bounds{0.5, 100},
         "window in which neighbours are searched for duplicates");
   visit("local_keyframes", o.local_keyframes, Bounds{1, 1000}, "keyframes whose landmarks are the local map");
@@ -59,8 +52,6 @@ void VisitFields(Visitor& visit, InsertionOptions& o) {
         "largest deviation of a disparity, relative, with which a landmark is made");
   visit("min_plane_angle_deg", o.min_plane_angle_deg, Bounds{0.1, 90},
         "least angle of the planes of two views at which a segment is triangulated");
-  visit("orb_levels", o.orb_levels, Bounds{1, 12}, "as vo.features.orb.levels");
-  visit("orb_scale_factor", o.orb_scale_factor, Bounds{1.05, 2.0}, "as vo.features.orb.scale_factor");
 }
 
 template <class Visitor>
@@ -86,9 +77,7 @@ void VisitFields(Visitor& visit, CullingOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("insertion", o.insertion, "how keyframes join the map");
-  visit("point_matching", o.point_matching, "matching of points");
-  visit("line_matching", o.line_matching, "matching of lines");
-  visit("motion", o.motion, "pose of a new keyframe");
+  visit("localisation", o.localisation, "pose of a new keyframe among the landmarks");
   visit("window", o.window, "which part of the map is adjusted");
   visit("bundle", o.bundle, "bundle adjustment");
   visit("culling", o.culling, "what is taken out again");

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "mapping_process/stored_keyframe.h"
+#include "core/localisation/landmark_kinds.h"
 
 namespace plslam {
 

@@ -1,4 +1,4 @@
-#include "mapping_process/stored_keyframe.h"
+#include "core/localisation/landmark_kinds.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
+#include "core/localisation/landmark_kinds.h"
+#include "core/localisation/options.h"
 
 namespace plslam {
 
@@ -20,10 +20,11 @@ struct LandmarkFeature {
 std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                           const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
-                                          const MappingOptions& options);
+                                          const LocalisationOptions& options);
 /// Sibling of `SearchPoints`.
 std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                          const std::vector<StereoLine>& features, const std::vector<char>& eligible,
-                                         double radius_px, const StereoCamera& camera, const MappingOptions& options);
+                                         double radius_px, const StereoCamera& camera,
+                                         const LocalisationOptions& options);
 
 }  // namespace plslam

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapping_process/stored_keyframe.h"
+#include "core/localisation/landmark_kinds.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::test {

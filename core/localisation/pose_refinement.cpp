@@ -1,4 +1,4 @@
-#include "mapping_process/pose_refinement.h"
+#include "core/localisation/pose_refinement.h"
 
 #include "core/features/descriptor_matcher.h"
 #include "core/features/line_matcher.h"
@@ -105,8 +105,8 @@ std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& fea
 }
 
 std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
-                                          const StereoCamera& camera, const MappingOptions& options, int min_weight,
-                                          Association& association) {
+                                          const StereoCamera& camera, const LocalisationOptions& options,
+                                          int min_weight, Association& association) {
   Association found;
   found.points = Named(MatchBruteForce(DescriptorsOf(features.points), DescriptorsOf<PointKind>(map, local.points),
                                        options.point_matching),

@@ -1,4 +1,4 @@
-#include "mapping_process/pose_refinement.h"
+#include "core/localisation/pose_refinement.h"
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
     return RefinePose(map_, features_, FeatureWorld::Camera(), T_w_kf, MotionOptions(), association);
   }
   std::optional<KeyframePose> Recognise(Association& association) const {
-    return RecognisePose(map_, local_, features_, FeatureWorld::Camera(), MappingOptions(), 40, association);
+    return RecognisePose(map_, local_, features_, FeatureWorld::Camera(), LocalisationOptions(), 40, association);
   }
   double Error(const KeyframePose& pose) const { return (T_w_c_.Inverse() * pose.T_w_kf).Log().norm(); }
 

@@ -1,31 +1,12 @@
-#include "mapping_process/association.h"
+#include "core/localisation/local_map.h"
 
 #include <algorithm>
 #include <set>
 
-#include "mapping_process/projection_search.h"
+#include "core/localisation/projection_search.h"
 
 namespace plslam {
 namespace {
-
-// Keyframes after which a landmark of the tracker that no longer comes is forgotten; it drops them much sooner.
-constexpr int64_t kRememberedKeyframes = 60;
-
-template <class Kind, class Table>
-std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const std::vector<int64_t>& tracker_ids,
-                              const Table& table, const Map& map) {
-  std::vector<int64_t> claims(n, -1);
-  std::set<int64_t> taken;
-  const auto claim = [&](size_t i, int64_t id) {
-    if (claims[i] < 0 && Kind::Find(map, id) != nullptr && taken.insert(id).second) claims[i] = id;
-  };
-  for (size_t i = 0; i < tracker_ids.size(); ++i) {
-    const auto known = table.find(tracker_ids[i]);
-    if (known != table.end()) claim(i, known->second.map_id);
-  }
-  for (size_t i = 0; i < given.size(); ++i) claim(i, given[i]);
-  return claims;
-}
 
 template <class Kind>
 std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& associated,
@@ -69,35 +50,6 @@ int Association::Weight() const {
                           2 * std::count_if(lines.begin(), lines.end(), has));
 }
 
-Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
-  static const Table kNone;
-  const bool known = keyframe.session == session_;
-  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, keyframe.point_landmark_ids,
-                              known ? points_ : kNone, map),
-          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,
-                             known ? lines_ : kNone, map)};
-}
-
-void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
-  if (keyframe.session != session_) {
-    session_ = keyframe.session;
-    points_.clear();
-    lines_.clear();
-  }
-  Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id, points_);
-  Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id, lines_);
-}
-
-void TrackerLandmarks::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,
-                             int64_t keyframe_id, Table& table) {
-  for (size_t i = 0; i < std::min(tracker_ids.size(), shown.size()); ++i) {
-    if (tracker_ids[i] >= 0 && shown[i] >= 0) table[tracker_ids[i]] = {shown[i], keyframe_id};
-  }
-  std::erase_if(table, [keyframe_id](const auto& item) {
-    return item.second.keyframe_id + kRememberedKeyframes < keyframe_id;
-  });
-}
-
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointKind>(association.points, map, counts);
@@ -119,8 +71,8 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 }
 
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,
-                        const StereoCamera& camera, const MappingOptions& options, Association& association) {
-  const double radius_px = options.insertion.search_radius_px;
+                        const StereoCamera& camera, const LocalisationOptions& options, Association& association) {
+  const double radius_px = options.search_radius_px;
   Add(SearchPoints(map, local.points, T_w_kf, features.points, WithoutLandmark(association.points), radius_px, camera,
                    options),
       association.points);

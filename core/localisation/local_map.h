@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/localisation/landmark_kinds.h"
+#include "core/localisation/options.h"
 #include "core/map/keyframe.h"
-#include "mapping_process/options.h"
-#include "mapping_process/stored_keyframe.h"
 
 namespace plslam {
 
@@ -17,29 +17,6 @@ struct Association {
 
   /// Lines count twice: each has two endpoints.
   int Weight() const;
-};
-
-/// Landmarks of the tracker (by session and its ids) and the landmarks of the map they became.
-class TrackerLandmarks {
- public:
-  /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes brought.
-  Association Claims(const Keyframe& keyframe, const Map& map) const;
-
-  /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
-  void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
-
- private:
-  struct Entry {
-    int64_t map_id = -1;
-    int64_t keyframe_id = -1;
-  };
-  using Table = std::map<int64_t, Entry>;
-  static void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id,
-                    Table& table);
-
-  int64_t session_ = 0;
-  Table points_;
-  Table lines_;
 };
 
 /// Landmarks to look for, by id.
@@ -56,6 +33,6 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 /// Searches the landmarks among the features that show none yet, by projecting them with the pose, and adds what is
 /// found.
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,
-                        const StereoCamera& camera, const MappingOptions& options, Association& association);
+                        const StereoCamera& camera, const LocalisationOptions& options, Association& association);
 
 }  // namespace plslam

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/geometry/stereo_camera.h"
-#include "mapping_process/association.h"
+#include "core/localisation/local_map.h"
 
 namespace plslam {
 
@@ -22,7 +22,7 @@ std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& fea
 /// the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines) agree; else the
 /// association is what agrees.
 std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
-                                          const StereoCamera& camera, const MappingOptions& options, int min_weight,
-                                          Association& association);
+                                          const StereoCamera& camera, const LocalisationOptions& options,
+                                          int min_weight, Association& association);
 
 }  // namespace plslam

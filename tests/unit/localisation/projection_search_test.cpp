@@ -1,8 +1,8 @@
-#include "mapping_process/projection_search.h"
+#include "core/localisation/projection_search.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/mapping/handmade_map.h"
+#include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam {
@@ -31,11 +31,11 @@ class ProjectionSearch : public testing::Test {
   }
   std::vector<LandmarkFeature> Points(const SE3& T_w_kf, const std::vector<char>& eligible = {1, 1}) const {
     return SearchPoints(m_.map, {5}, T_w_kf, m_.features.at(1).points, eligible, kRadius_px, FeatureWorld::Camera(),
-                        MappingOptions());
+                        LocalisationOptions());
   }
   std::vector<LandmarkFeature> Lines(const SE3& T_w_kf, const std::vector<char>& eligible = {1, 1}) const {
     return SearchLines(m_.map, {6}, T_w_kf, m_.features.at(1).lines, eligible, kRadius_px, FeatureWorld::Camera(),
-                       MappingOptions());
+                       LocalisationOptions());
   }
 
   const Descriptor look_ = DescriptorOf(9);

@@ -1,8 +1,8 @@
-#include "mapping_process/association.h"
+#include "mapping_process/tracker_landmarks.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/mapping/handmade_map.h"
+#include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam {
@@ -116,7 +116,7 @@ TEST_F(AssociationTest, SearchLeavesWhatIsAssociatedAndAddsWhatIsFound) {
     m_.SeePoint(id, m_.map.FindPoint(seen)->p_w, descriptors_[static_cast<size_t>(seen)]);
   Association association{{-1, 42, -1}, {}};
   SearchByProjection(m_.map, {{0, 7, 8}, {}}, m_.map.FindKeyframe(id)->T_w_kf, m_.features[id],
-                     FeatureWorld::Camera(), MappingOptions(), association);
+                     FeatureWorld::Camera(), LocalisationOptions(), association);
   EXPECT_EQ(association.points, (Ids{0, 42, 8}));
 }
 

@@ -1,4 +1,4 @@
-#include "mapping_process/projection_search.h"
+#include "core/localisation/projection_search.h"
 
 #include "core/features/descriptor_matcher.h"
 #include "core/features/expected_octave.h"
@@ -42,7 +42,7 @@ std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const st
 std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                           const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
-                                          const MappingOptions& options) {
+                                          const LocalisationOptions& options) {
   const Subset<StereoPoint> subset = Eligible(features, eligible);
   const SE3 T_kf_w = T_w_kf.Inverse();
   std::vector<PointQuery> queries;
@@ -53,8 +53,8 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
     if (p_c.z() < kMinDepth_m) continue;
     const Eigen::Vector2d px = camera.Project(p_c);
     if (!camera.InImage(px, 0.0)) continue;
-    const int octave = ExpectedOctave(point.octave, point.depth_m, p_c.z(), options.insertion.orb_scale_factor,
-                                      options.insertion.orb_levels);
+    const int octave =
+        ExpectedOctave(point.octave, point.depth_m, p_c.z(), options.orb_scale_factor, options.orb_levels);
     queries.push_back({px, radius_px, octave, point.angle_rad, point.descriptor});
     owners.push_back(id);
   }
@@ -66,7 +66,7 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
 std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                          const std::vector<StereoLine>& features, const std::vector<char>& eligible,
                                          double radius_px, const StereoCamera& camera,
-                                         const MappingOptions& options) {
+                                         const LocalisationOptions& options) {
   const Subset<StereoLine> subset = Eligible(features, eligible);
   const SE3 T_kf_w = T_w_kf.Inverse();
   std::vector<PredictedLine> predicted;

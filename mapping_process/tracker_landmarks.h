@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "core/localisation/local_map.h"
+#include "core/map/keyframe.h"
+
+namespace plslam {
+
+/// Landmarks of the tracker (by session and its ids) and the landmarks of the map they became.
+class TrackerLandmarks {
+ public:
+  /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes brought.
+  Association Claims(const Keyframe& keyframe, const Map& map) const;
+
+  /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
+  void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
+
+ private:
+  struct Entry {
+    int64_t map_id = -1;
+    int64_t keyframe_id = -1;
+  };
+  using Table = std::map<int64_t, Entry>;
+  static void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id,
+                    Table& table);
+
+  int64_t session_ = 0;
+  Table points_;
+  Table lines_;
+};
+
+}  // namespace plslam

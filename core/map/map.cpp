@@ -46,7 +46,7 @@ std::vector<int64_t> Keyframes(const std::vector<Sight>& a, const std::vector<Si
 
 bool MapChanges::empty() const {
   return keyframes.empty() && removed_keyframes.empty() && points.empty() && removed_points.empty() &&
-         lines.empty() && removed_lines.empty();
+         lines.empty() && removed_lines.empty() && loops.empty();
 }
 
 const MapKeyframe* Map::FindKeyframe(int64_t id) const { return Find(keyframes_, id); }
@@ -181,6 +181,11 @@ void Map::RemoveKeyframe(int64_t id) {
   keyframes_.erase(found);
   changes_.keyframes.erase(id);
   changes_.removed_keyframes.insert(id);
+}
+
+void Map::Add(const LoopEdge& loop) {
+  loops_.push_back(loop);
+  changes_.loops.push_back(loop);
 }
 
 void Map::Clear() { *this = Map(); }

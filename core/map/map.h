@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/map/landmarks.h"
+#include "core/map/loop_closure.h"
 #include "core/map/map_keyframe.h"
 
 namespace plslam {
@@ -15,6 +16,7 @@ struct MapChanges {
   std::set<int64_t> keyframes, removed_keyframes;
   std::set<int64_t> points, removed_points;
   std::set<int64_t> lines, removed_lines;
+  std::vector<LoopEdge> loops;
 
   bool empty() const;
 };
@@ -63,6 +65,8 @@ class Map {
   const MapPoint* FindPoint(int64_t id) const;
   const MapLine* FindLine(int64_t id) const;
   MapTotals Totals() const;
+  /// Loops that have been closed, in that order. They stay when a keyframe of theirs is removed.
+  const std::vector<LoopEdge>& loops() const { return loops_; }
 
   /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
   void Put(const MapKeyframe& keyframe);
@@ -73,6 +77,7 @@ class Map {
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
+  void Add(const LoopEdge& loop);
   void Clear();
 
   /// Moves, without touching the sights.
@@ -121,6 +126,7 @@ class Map {
   std::map<int64_t, std::set<int64_t>> children_;
   int64_t n_point_sights_ = 0;
   int64_t n_line_sights_ = 0;
+  std::vector<LoopEdge> loops_;
   MapChanges changes_;
 };
 

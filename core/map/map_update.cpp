@@ -24,6 +24,7 @@ MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
   update.removed_keyframes.assign(changes.removed_keyframes.begin(), changes.removed_keyframes.end());
   update.removed_points.assign(changes.removed_points.begin(), changes.removed_points.end());
   update.removed_lines.assign(changes.removed_lines.begin(), changes.removed_lines.end());
+  update.loops = changes.loops;
   return update;
 }
 
@@ -33,6 +34,7 @@ MapUpdate WholeMap(const Map& map) {
   CopyAll(map.keyframes(), update.keyframes);
   CopyAll(map.points(), update.points);
   CopyAll(map.lines(), update.lines);
+  update.loops = map.loops();
   return update;
 }
 
@@ -49,6 +51,7 @@ MapReplica::Outcome MapReplica::Apply(const MapUpdate& update) {
   for (const MapKeyframe& keyframe : update.keyframes) map_.Put(keyframe);
   for (const MapPoint& point : update.points) map_.Put(point);
   for (const MapLine& line : update.lines) map_.Put(line);
+  for (const LoopEdge& loop : update.loops) map_.Add(loop);
   map_.TakeChanges();
   source_ = update.source;
   version_ = update.version;

@@ -33,12 +33,16 @@ struct MapUpdate {
   int64_t session = 0;
   int64_t session_keyframe_id = -1;
   int64_t t_ns = 0;
+  /// loop_process has said all it has to say about that keyframe, and it is in the map; or there is no loop_process.
+  bool settled = false;
   std::vector<MapKeyframe> keyframes;
   std::vector<int64_t> removed_keyframes;
   std::vector<MapPoint> points;
   std::vector<int64_t> removed_points;
   std::vector<MapLine> lines;
   std::vector<int64_t> removed_lines;
+  /// Loops closed since.
+  std::vector<LoopEdge> loops;
   /// Of the map as it then is.
   MapTotals totals;
   AdjustmentFigures adjustment;

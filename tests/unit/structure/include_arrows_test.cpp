@@ -23,6 +23,7 @@ const std::vector<Arrow> kArrows = {
     {"core/geometry/", {}},
     {"core/config/", {}},
     {"core/features/", {"core/geometry/", "core/config/fields.h"}},
+    {"core/places/", {"core/geometry/", "core/features/", "core/config/fields.h", "core/io/atomic_file.h"}},
     {"core/motion/", {"core/geometry/", "core/config/fields.h"}},
     {"core/map/", {"core/geometry/", "core/features/", "core/motion/", "core/config/fields.h"}},
     {"core/localisation/",
@@ -37,6 +38,8 @@ const std::vector<Arrow> kArrows = {
     {"loop_process/", {"core/"}},
     {"viewer_headless/", {"core/"}},
     {"tools/evaluate/", {"core/"}},
+    {"tools/evaluate/places", {"core/", "player/open_dataset.h", "tools/evaluate/", "tools/train_vocabulary/"}},
+    {"tools/train_vocabulary/", {"core/", "player/open_dataset.h"}},
     {"tools/plslam/", {"core/", "tools/evaluate/"}},
 };
 

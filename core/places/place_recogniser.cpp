@@ -1,0 +1,140 @@
+#include "core/places/place_recogniser.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <tuple>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+void CheckKind(const Vocabulary& vocabulary, WordKind kind) {
+  if (vocabulary.kind() == kind) return;
+  throw std::invalid_argument(std::string("a vocabulary of ") + WordKindName(vocabulary.kind()) +
+                              " stands where one of " + WordKindName(kind) + " is needed");
+}
+
+bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
+  return std::tuple(-a.score, a.keyframe_id) > std::tuple(-b.score, b.keyframe_id);
+}
+
+/// The best `max_results` that are not excluded, best first. A heap, so that only those looked at are sorted.
+std::vector<PlaceMatch> Best(std::vector<PlaceMatch> matches, const std::function<bool(int64_t)>& excluded,
+                             int max_results) {
+  std::vector<PlaceMatch> best;
+  std::make_heap(matches.begin(), matches.end(), Worse);
+  while (!matches.empty() && static_cast<int>(best.size()) < max_results) {
+    std::pop_heap(matches.begin(), matches.end(), Worse);
+    if (!excluded || !excluded(matches.back().keyframe_id)) best.push_back(matches.back());
+    matches.pop_back();
+  }
+  return best;
+}
+
+template <class Feature>
+std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(features.size());
+  for (const Feature& feature : features) {
+    if constexpr (requires { feature.left; }) {
+      descriptors.push_back(feature.left.descriptor);
+    } else {
+      descriptors.push_back(feature.descriptor);
+    }
+  }
+  return descriptors;
+}
+
+template <class Features>
+PlaceDescription DescribeWith(const Features& features, const Vocabulary& points, const Vocabulary& lines) {
+  PlaceDescription description = DescribeLayout(features);
+  description.points = points.Transform(DescriptorsOf(features.points));
+  description.lines = lines.Transform(DescriptorsOf(features.lines));
+  return description;
+}
+
+PlaceMatch Merge(int64_t keyframe_id, const PlaceWeights& weights, double points, double lines) {
+  return {keyframe_id, weights.points * points + weights.lines * lines, points, lines};
+}
+
+}  // namespace
+
+PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const PlaceOptions& options)
+    : points_(std::move(points)),
+      lines_(std::move(lines)),
+      merge_(PlaceMergeFromName(options.merge)),
+      point_index_(points_.words()),
+      line_index_(lines_.words()) {
+  CheckKind(points_, WordKind::kPoints);
+  CheckKind(lines_, WordKind::kLines);
+}
+
+PlaceDescription PlaceRecogniser::Describe(const StereoFeatures& features) const {
+  return DescribeWith(features, points_, lines_);
+}
+
+PlaceDescription PlaceRecogniser::Describe(const ImageFeatures& features) const {
+  return DescribeWith(features, points_, lines_);
+}
+
+int PlaceRecogniser::FreePlace() {
+  if (free_.empty()) {
+    places_.emplace_back();
+    return static_cast<int>(places_.size()) - 1;
+  }
+  const int place = free_.back();
+  free_.pop_back();
+  return place;
+}
+
+void PlaceRecogniser::Add(int64_t keyframe_id, PlaceDescription description) {
+  Remove(keyframe_id);
+  const int place = FreePlace();
+  point_index_.Add(place, description.points);
+  line_index_.Add(place, description.lines);
+  places_[place] = {keyframe_id, std::move(description)};
+  place_of_[keyframe_id] = place;
+}
+
+bool PlaceRecogniser::Remove(int64_t keyframe_id) {
+  const auto found = place_of_.find(keyframe_id);
+  if (found == place_of_.end()) return false;
+  const int place = found->second;
+  point_index_.Remove(place, places_[place].description.points);
+  line_index_.Remove(place, places_[place].description.lines);
+  places_[place] = {};
+  free_.push_back(place);
+  place_of_.erase(found);
+  return true;
+}
+
+const PlaceDescription& PlaceRecogniser::Of(int64_t keyframe_id) const {
+  return places_[place_of_.at(keyframe_id)].description;
+}
+
+std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
+                                               const std::function<bool(int64_t)>& excluded, int max_results) const {
+  std::vector<float> points(places_.size(), 0.0F);
+  std::vector<float> lines(places_.size(), 0.0F);
+  point_index_.Score(query.points, points);
+  line_index_.Score(query.lines, lines);
+  const PlaceWeights weights = WeightsFor(query, merge_);
+  std::vector<PlaceMatch> matches;
+  matches.reserve(places_.size());
+  for (size_t i = 0; i < places_.size(); ++i) {
+    const PlaceMatch match = Merge(places_[i].keyframe_id, weights, points[i], lines[i]);
+    if (match.score > 0.0) matches.push_back(match);
+  }
+  return Best(std::move(matches), excluded, max_results);
+}
+
+PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
+  return Merge(-1, WeightsFor(query, merge_), Similarity(query.points, other.points),
+               Similarity(query.lines, other.lines));
+}
+
+double PlaceRecogniser::Score(const PlaceDescription& query, const PlaceDescription& other) const {
+  return Compare(query, other).score;
+}
+
+}  // namespace plslam

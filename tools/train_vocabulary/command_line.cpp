@@ -1,0 +1,107 @@
+#include "tools/train_vocabulary/command_line.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/places/vocabulary_trainer.h"
+#include "tools/train_vocabulary/left_features.h"
+
+namespace plslam {
+namespace {
+
+struct Arguments {
+  std::string kind;
+  std::string out;
+  std::vector<std::string> sources;
+  int stride = 1;
+  TrainingOptions training;
+};
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  app.add_option("--kind", a.kind, "points (ORB) or lines (LBD)")
+      ->required()
+      ->check(CLI::IsMember({"points", "lines"}));
+  app.add_option("--out", a.out, "file to write")->required();
+  app.add_option("sources", a.sources, "folders of images, datasets, built-in worlds (synthetic:room)")->required();
+  app.add_option("--stride", a.stride, "every so many-th image of each source")->check(CLI::Range(1, 1000000));
+  app.add_option("--branching", a.training.branching, "children of a node")
+      ->check(CLI::Range(2, VocabularyLimits::kMaxBranching));
+  app.add_option("--depth", a.training.depth, "levels")->check(CLI::Range(1, VocabularyLimits::kMaxDepth));
+  app.add_option("--min-descriptors", a.training.min_descriptors, "a node with fewer is not divided")
+      ->check(CLI::Range(2, 1000000));
+  app.add_option("--seed", a.training.seed, "of the random numbers");
+  app.set_version_flag("--version", PLSLAM_VERSION);
+}
+
+/// A line that is written over, on a terminal only.
+void ShowProgress(const std::string& what, double share) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  fmt::print(stderr, "\r\033[K{} {:3.0f} %", what, 100.0 * share);
+  if (share >= 1.0) fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+}
+
+template <class Feature>
+std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
+  std::vector<Descriptor> descriptors;
+  for (const Feature& feature : features) descriptors.push_back(feature.descriptor);
+  return descriptors;
+}
+
+std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {
+  FeatureOptions options;
+  options.features = a.kind;
+  std::vector<std::vector<Descriptor>> images;
+  for (const std::string& source : a.sources) {
+    const size_t before = images.size();
+    const auto use = [&](const ImageFeatures& f) {
+      images.push_back(a.kind == "points" ? DescriptorsOf(f.points) : DescriptorsOf(f.lines));
+    };
+    ForEachImageOf(source, a.stride, options, use, [&](int i, int n) { ShowProgress(source, 1.0 * i / n); });
+    size_t descriptors = 0;
+    for (size_t i = before; i < images.size(); ++i) descriptors += images[i].size();
+    fmt::print("{:<60} {:5} images {:8} descriptors\n", source, images.size() - before, descriptors);
+    std::fflush(stdout);
+  }
+  return images;
+}
+
+int Train(const Arguments& a) {
+  const std::vector<std::vector<Descriptor>> images = ReadDescriptors(a);
+  const WordKind kind = a.kind == "points" ? WordKind::kPoints : WordKind::kLines;
+  const Vocabulary vocabulary =
+      TrainVocabulary(images, kind, a.training, [](double share) { ShowProgress("training", share); });
+  if (vocabulary.words() < 2) throw std::runtime_error("these images have too few descriptors for a vocabulary");
+  vocabulary.Save(a.out);
+  fmt::print("{}: {} words from {} images, {} bytes, checksum {}\n", a.out, vocabulary.words(),
+             vocabulary.tree().images, vocabulary.ToBytes().size(), vocabulary.checksum());
+  return 0;
+}
+
+}  // namespace
+
+int RunTrainVocabulary(int argc, char** argv) {
+  CLI::App app(
+      "Trains a visual vocabulary for place recognition. docs/places.md has the command of the default ones.",
+      "train_vocabulary");
+  Arguments arguments;
+  AddOptions(app, arguments);
+  try {
+    app.parse(argc, argv);
+    return Train(arguments);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "train_vocabulary: {}\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,3 @@
+#include "tools/train_vocabulary/command_line.h"
+
+int main(int argc, char** argv) { return plslam::RunTrainVocabulary(argc, argv); }

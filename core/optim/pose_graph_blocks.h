@@ -1,0 +1,54 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include <Eigen/SparseCore>
+
+namespace plslam {
+
+/// A sparse symmetric matrix of N x N blocks, one row and column of blocks for each pose that is not held, summed up block
+/// by block. Only its lower triangle is kept.
+template <int N>
+class PoseBlockMatrix {
+ public:
+  using Block = Eigen::Matrix<double, N, N>;
+
+  explicit PoseBlockMatrix(const std::vector<bool>& held) : column_(held.size(), -1) {
+    for (size_t i = 0; i < held.size(); ++i) {
+      if (!held[i]) column_[i] = size_++;
+    }
+  }
+
+  /// Place of the pose among the blocks; -1 where it is held.
+  int column(int pose) const { return column_[pose]; }
+  /// Rows of numbers.
+  int rows() const { return N * size_; }
+
+  /// Adds to the block of (a, b) and, by symmetry, to that of (b, a). Blocks of held poses go nowhere.
+  void Add(int a, int b, const Block& block) {
+    const int row = column_[a];
+    const int column = column_[b];
+    if (row < 0 || column < 0) return;
+    for (int j = 0; j < N; ++j) {
+      for (int i = row == column ? j : 0; i < N; ++i) {
+        const int r = N * row + i;
+        const int c = N * column + j;
+        triplets_.emplace_back(std::max(r, c), std::min(r, c), block(i, j));
+      }
+    }
+  }
+
+  Eigen::SparseMatrix<double> Build() const {
+    Eigen::SparseMatrix<double> matrix(rows(), rows());
+    matrix.setFromTriplets(triplets_.begin(), triplets_.end());
+    return matrix;
+  }
+
+ private:
+  std::vector<int> column_;
+  int size_ = 0;
+  std::vector<Eigen::Triplet<double>> triplets_;
+};
+
+}  // namespace plslam

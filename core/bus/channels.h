@@ -45,8 +45,9 @@ inline constexpr Channel kPose{
     "POSE", "pose_t", "vo", Delivery::kEvery, Retention::kAll, "a pose for every frame; acknowledges it in lockstep"};
 inline constexpr Channel kTracks{"TRACKS",          "tracks_t",       "vo",
                                  Delivery::kLatest, Retention::kNone, "features of a frame, for pictures"};
-inline constexpr Channel kKeyframe{"KEYFRAME",       "keyframe_t",    "vo",
-                                   Delivery::kEvery, Retention::kAll, "keyframes, by pages"};
+inline constexpr Channel kKeyframe{
+    "KEYFRAME",       "keyframe_t",    "vo",
+    Delivery::kEvery, Retention::kAll, "keyframes, by pages (mapping: those of a map it has loaded)"};
 inline constexpr Channel kMapUpdate{"MAP_UPDATE",
                                     "map_update_t",
                                     "mapping",
@@ -55,6 +56,18 @@ inline constexpr Channel kMapUpdate{"MAP_UPDATE",
                                     "what changed in the map, or all of it, by pages"};
 inline constexpr Channel kMapRequest{"MAP_REQUEST",     "map_request_t",  "all",
                                      Delivery::kLatest, Retention::kNone, "asks for the whole map"};
+inline constexpr Channel kLoopClosure{
+    "LOOP_CLOSURE",  "loop_closure_t",
+    "loop",          Delivery::kEvery,
+    Retention::kAll, "loops found and corrections of the map, by pages; every keyframe is answered"};
+inline constexpr Channel kWhereAmI{"WHERE_AM_I",
+                                   "keyframe_t",
+                                   "vo",
+                                   Delivery::kEvery,
+                                   Retention::kUnacknowledged,
+                                   "features of a frame whose place in the map is asked for, by pages"};
+inline constexpr Channel kRelocalisation{"RELOCALISATION", "relocalisation_t",         "loop",
+                                         Delivery::kEvery, Retention::kUnacknowledged, "answers to WHERE_AM_I"};
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz"};
 inline constexpr Channel kCommand{

@@ -35,6 +35,54 @@ bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids
 
 int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
 
+std::optional<Keyframe> Head(const keyframe_t& page) {
+  const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
+  const auto covariance = FromArray(page.covariance);
+  const auto T_odom_kf = FromMessage(page.T_odom_kf);
+  const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
+                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
+                      (page.lockstep == 0 || page.lockstep == 1);
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
+  Keyframe keyframe;
+  keyframe.source = page.header.source;
+  keyframe.session = page.header.session;
+  keyframe.t_ns = page.header.t_ns;
+  keyframe.keyframe_id = page.keyframe_id;
+  keyframe.frame_id = page.frame_id;
+  keyframe.previous_keyframe_id = page.previous_keyframe_id;
+  keyframe.T_prevkf_kf = *T_prevkf_kf;
+  keyframe.covariance = *covariance;
+  keyframe.T_odom_kf = *T_odom_kf;
+  keyframe.state = static_cast<uint8_t>(page.state);
+  keyframe.lockstep = page.lockstep != 0;
+  return keyframe;
+}
+
+bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
+  return page.keyframe_id == keyframe.keyframe_id && page.header.session == keyframe.session;
+}
+
+bool Append(const keyframe_t& page, Keyframe& keyframe) {
+  StereoFeatures& features = keyframe.features;
+  if (features.points.size() + page.points.size() > kMaxFeatures) return false;
+  if (features.lines.size() + page.lines.size() > kMaxFeatures) return false;
+  for (const point_feature_t& message : page.points) {
+    auto point = FromMessage(message);
+    if (!point) return false;
+    features.points.push_back(*point);
+    keyframe.point_landmark_ids.push_back(message.landmark_id);
+    keyframe.point_map_ids.push_back(message.map_id);
+  }
+  for (const line_feature_t& message : page.lines) {
+    auto line = FromMessage(message);
+    if (!line) return false;
+    features.lines.push_back(*line);
+    keyframe.line_landmark_ids.push_back(message.landmark_id);
+    keyframe.line_map_ids.push_back(message.map_id);
+  }
+  return true;
+}
+
 }  // namespace
 
 std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes) {
@@ -63,82 +111,15 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
   return pager.Finish();
 }
 
-std::optional<Keyframe> KeyframeAssembler::Head(const keyframe_t& page) {
-  const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
-  const auto covariance = FromArray(page.covariance);
-  const auto T_odom_kf = FromMessage(page.T_odom_kf);
-  const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
-                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
-                      (page.lockstep == 0 || page.lockstep == 1);
-  if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
-  Keyframe keyframe;
-  keyframe.source = page.header.source;
-  keyframe.session = page.header.session;
-  keyframe.t_ns = page.header.t_ns;
-  keyframe.keyframe_id = page.keyframe_id;
-  keyframe.frame_id = page.frame_id;
-  keyframe.previous_keyframe_id = page.previous_keyframe_id;
-  keyframe.T_prevkf_kf = *T_prevkf_kf;
-  keyframe.covariance = *covariance;
-  keyframe.T_odom_kf = *T_odom_kf;
-  keyframe.state = static_cast<uint8_t>(page.state);
-  keyframe.lockstep = page.lockstep != 0;
-  return keyframe;
-}
-
-bool KeyframeAssembler::Append(const keyframe_t& page, Keyframe& keyframe) {
-  StereoFeatures& features = keyframe.features;
-  if (features.points.size() + page.points.size() > kMaxFeatures) return false;
-  if (features.lines.size() + page.lines.size() > kMaxFeatures) return false;
-  for (const point_feature_t& message : page.points) {
-    auto point = FromMessage(message);
-    if (!point) return false;
-    features.points.push_back(*point);
-    keyframe.point_landmark_ids.push_back(message.landmark_id);
-    keyframe.point_map_ids.push_back(message.map_id);
-  }
-  for (const line_feature_t& message : page.lines) {
-    auto line = FromMessage(message);
-    if (!line) return false;
-    features.lines.push_back(*line);
-    keyframe.line_landmark_ids.push_back(message.landmark_id);
-    keyframe.line_map_ids.push_back(message.map_id);
-  }
-  return true;
-}
-
-KeyframeAssembler::Outcome KeyframeAssembler::Add(const keyframe_t& page) {
-  const int64_t source = page.header.source;
-  auto head = Head(page);
-  const bool pages_ok = page.n_pages >= 1 && page.n_pages <= kMaxPages && page.page >= 0 && page.page < page.n_pages;
-  if (!head || !pages_ok) {
-    partials_.erase(source);
-    return Outcome::kNonsense;
-  }
-  if (page.page == 0) {  // a page 0 in the middle of another keyframe: that one has lost pages for good
-    if (partials_.size() >= kMaxPublishers && !partials_.contains(source)) partials_.clear();
-    partials_[source] = {std::move(*head), 0, page.n_pages};
-  }
-  const auto found = partials_.find(source);
-  if (found == partials_.end()) return Outcome::kNonsense;
-  Partial& partial = found->second;
-  const bool expected = page.page == partial.next_page && page.n_pages == partial.n_pages &&
-                        page.keyframe_id == partial.keyframe.keyframe_id &&
-                        page.header.session == partial.keyframe.session;
-  if (!expected || !Append(page, partial.keyframe)) {
-    partials_.erase(found);
-    return Outcome::kNonsense;
-  }
-  if (++partial.next_page < partial.n_pages) return Outcome::kTaken;
-  complete_ = std::move(partial.keyframe);
-  partials_.erase(found);
-  return Outcome::kComplete;
-}
-
-Keyframe KeyframeAssembler::Take() { return std::move(*std::exchange(complete_, std::nullopt)); }
+KeyframeAssembler::KeyframeAssembler()
+    : PageAssembler({.head = Head,
+                     .same_head = SameHead,
+                     .append = Append,
+                     .max_pages = kMaxPages,
+                     .max_publishers = kMaxPublishers}) {}
 
 void KeyframePublisher::Publish(const Keyframe& keyframe) {
-  for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(kKeyframe, std::move(page));
+  for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(channel_, std::move(page));
 }
 
 struct KeyframeSubscriber::State {
@@ -146,15 +127,15 @@ struct KeyframeSubscriber::State {
   std::function<void(const Keyframe&)> handler;
 };
 
-KeyframeSubscriber::KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler)
+KeyframeSubscriber::KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler, const Channel& channel)
     : state_(std::make_shared<State>()) {
   state_->handler = std::move(handler);
-  bus.Subscribe<keyframe_t>(kKeyframe, [&bus, weak = std::weak_ptr<State>(state_)](const keyframe_t& page) {
+  bus.Subscribe<keyframe_t>(channel, [&bus, weak = std::weak_ptr<State>(state_)](const keyframe_t& page) {
     const auto state = weak.lock();
     if (state == nullptr) return;
     const auto outcome = state->assembler.Add(page);
-    if (outcome == KeyframeAssembler::Outcome::kNonsense) bus.CountRejected();
-    if (outcome == KeyframeAssembler::Outcome::kComplete) state->handler(state->assembler.Take());
+    if (outcome == PageOutcome::kNonsense || outcome == PageOutcome::kPassedOver) bus.CountRejected();
+    if (outcome == PageOutcome::kComplete) state->handler(state->assembler.Take());
   });
 }
 

@@ -2,17 +2,13 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/bus/bus.h"
+#include "core/bus/page_assembler.h"
 #include "core/map/keyframe.h"
-
-namespace plslam {
-class keyframe_t;
-}
+#include "plslam/keyframe_t.hpp"
 
 namespace plslam::bus {
 
@@ -20,45 +16,28 @@ namespace plslam::bus {
 /// not as many as the features (ids of the map may be left out altogether).
 std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes);
 
-/// Puts pages together again; they come in order for each publisher.
-class KeyframeAssembler {
+/// Puts keyframes together again.
+class KeyframeAssembler : public PageAssembler<keyframe_t, Keyframe> {
  public:
-  enum class Outcome { kTaken, kComplete, kNonsense };
-
-  /// kComplete: `Take` has the keyframe. kNonsense: a page that cannot be (values, order, or a head that differs from
-  /// that of the first page); what had come of the keyframe is dropped.
-  Outcome Add(const keyframe_t& page);
-  Keyframe Take();
-
- private:
-  struct Partial {
-    Keyframe keyframe;
-    int32_t next_page = 0;
-    int32_t n_pages = 0;
-  };
-
-  static std::optional<Keyframe> Head(const keyframe_t& page);
-  static bool Append(const keyframe_t& page, Keyframe& keyframe);
-
-  std::map<int64_t, Partial> partials_;  // by publisher
-  std::optional<Keyframe> complete_;
+  KeyframeAssembler();
 };
 
-/// Sends keyframes; `header_t.session` and `t_ns` are taken from the keyframe.
+/// Sends keyframes over `channel`, one of type keyframe_t; `header_t.session` and `t_ns` are taken from the keyframe.
 class KeyframePublisher {
  public:
-  explicit KeyframePublisher(Bus& bus) : bus_(bus) {}
+  explicit KeyframePublisher(Bus& bus, const Channel& channel = kKeyframe) : bus_(bus), channel_(channel) {}
   void Publish(const Keyframe& keyframe);
 
  private:
   Bus& bus_;
+  Channel channel_;
 };
 
 /// Hands every keyframe of every publisher to `handler`, in order, on the thread of `Bus::Run`. Pages that cannot be
 /// are counted in `BusCounters::rejected`.
 class KeyframeSubscriber {
  public:
-  KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler);
+  KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler, const Channel& channel = kKeyframe);
 
  private:
   struct State;

@@ -79,16 +79,15 @@ void MapSubscriber::State::OnPage(const map_update_t& page) {
   if (IsOld(page.header.source)) return;
   being_served = being_served || page.base_version == 0;
   const bool is_news = page.header.source != replica.source() || page.version > replica.version();
-  using Outcome = MapUpdateAssembler::Outcome;
   switch (assembler.Add(page)) {
-    case Outcome::kTaken:
+    case PageOutcome::kTaken:
       return;
-    case Outcome::kComplete:
+    case PageOutcome::kComplete:
       return OnUpdate(assembler.Take());
-    case Outcome::kNonsense:
+    case PageOutcome::kNonsense:
       bus.CountRejected();
       [[fallthrough]];
-    case Outcome::kPassedOver:
+    case PageOutcome::kPassedOver:
       if (is_news) Lack();
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/bus/convert.h"
+#include "plslam/loop_edge_t.hpp"
 #include "plslam/map_adjustment_t.hpp"
 #include "plslam/map_keyframe_t.hpp"
 #include "plslam/map_line_t.hpp"
@@ -229,6 +230,27 @@ std::optional<AdjustmentFigures> FromMessage(const map_adjustment_t& m) {
   return AdjustmentFigures{m.n_keyframes,          m.n_fixed_keyframes, m.n_points,  m.n_lines,
                            m.n_outliers,           m.rms_before,        m.rms_after, m.reprojection_before_px,
                            m.reprojection_after_px};
+}
+
+loop_edge_t ToMessage(const LoopEdge& loop) {
+  loop_edge_t message{};
+  message.old_keyframe_id = loop.old_keyframe_id;
+  message.keyframe_id = loop.keyframe_id;
+  message.T_old_kf = ToMessage(loop.T_old_kf);
+  TriangleToArray<6>(loop.covariance, message.covariance);
+  message.n_points = loop.n_points;
+  message.n_lines = loop.n_lines;
+  return message;
+}
+
+std::optional<LoopEdge> FromMessage(const loop_edge_t& message) {
+  const auto T_old_kf = FromMessage(message.T_old_kf);
+  const auto covariance = TriangleFromArray<6>(message.covariance);
+  const bool ids_ok = message.old_keyframe_id >= 0 && message.keyframe_id > message.old_keyframe_id;
+  const bool ok = T_old_kf && covariance && ids_ok && message.n_points >= 0 && message.n_lines >= 0;
+  if (!ok) return std::nullopt;
+  return LoopEdge{message.old_keyframe_id, message.keyframe_id, *T_old_kf, *covariance,
+                  message.n_points,        message.n_lines};
 }
 
 }  // namespace plslam::bus

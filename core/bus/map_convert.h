@@ -7,6 +7,7 @@
 #include "core/map/map_update.h"
 
 namespace plslam {
+class loop_edge_t;
 class map_adjustment_t;
 class map_keyframe_t;
 class map_line_t;
@@ -34,5 +35,8 @@ std::optional<MapTotals> FromMessage(const map_totals_t& message);
 
 map_adjustment_t ToMessage(const AdjustmentFigures& figures);
 std::optional<AdjustmentFigures> FromMessage(const map_adjustment_t& message);
+
+loop_edge_t ToMessage(const LoopEdge& loop);
+std::optional<LoopEdge> FromMessage(const loop_edge_t& message);
 
 }  // namespace plslam::bus

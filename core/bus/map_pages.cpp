@@ -1,5 +1,7 @@
 #include "core/bus/map_pages.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -8,7 +10,6 @@
 
 #include "core/bus/map_convert.h"
 #include "core/bus/pager.h"
-#include "plslam/map_update_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -25,6 +26,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.version = update.version;
   page.base_version = update.base_version;
   page.session_keyframe_id = update.session_keyframe_id;
+  page.settled = update.settled ? 1 : 0;
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
   return page;
@@ -79,12 +81,22 @@ bool AppendLandmarks(const std::vector<Message>& messages, std::vector<Landmark>
   return true;
 }
 
+bool AppendLoops(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>& to) {
+  if (to.size() + messages.size() > kMaxEntries) return false;
+  for (const loop_edge_t& message : messages) {
+    const auto loop = FromMessage(message);
+    if (!loop) return false;
+    to.push_back(*loop);
+  }
+  return true;
+}
+
 bool Append(const map_update_t& page, MapUpdate& update) {
   return AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
          AppendRemoved(page.removed_points, update.removed_points) &&
          AppendRemoved(page.removed_lines, update.removed_lines) &&
          AppendKeyframes(page.keyframes, update.keyframes) && AppendLandmarks(page.points, update.points) &&
-         AppendLandmarks(page.lines, update.lines);
+         AppendLandmarks(page.lines, update.lines) && AppendLoops(page.loops, update.loops);
 }
 
 using UpdatePager = Pager<map_update_t>;
@@ -147,11 +159,19 @@ void Check(const MapUpdate& update, const map_update_t& first_page) {
   CheckValues("keyframe", update.keyframes, AppendKeyframes);
   CheckValues("point", update.points, AppendLandmarks<map_point_t, MapPoint>);
   CheckValues("line", update.lines, AppendLandmarks<map_line_t, MapLine>);
+  for (const LoopEdge& loop : update.loops) {
+    if (FromMessage(ToMessage(loop))) continue;
+    throw std::invalid_argument(
+        fmt::format("map update: loop from keyframe {} to {} cannot be: numbers that are not "
+                    "finite, or keyframes that do not ascend",
+                    loop.old_keyframe_id, loop.keyframe_id));
+  }
 }
 
 bool SameHead(const map_update_t& page, const MapUpdate& update) {
   return page.version == update.version && page.base_version == update.base_version &&
-         page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id;
+         page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id &&
+         (page.settled != 0) == update.settled;
 }
 
 }  // namespace
@@ -160,7 +180,8 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const auto totals = FromMessage(page.totals);
   const auto adjustment = FromMessage(page.adjustment);
   const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
-                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages;
+                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
+                          (page.settled == 0 || page.settled == 1);
   if (!totals || !adjustment || !numbers_ok) return std::nullopt;
   MapUpdate update;
   update.source = page.header.source;
@@ -169,6 +190,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   update.session = page.header.session;
   update.session_keyframe_id = page.session_keyframe_id;
   update.t_ns = page.header.t_ns;
+  update.settled = page.settled != 0;
   update.totals = *totals;
   update.adjustment = *adjustment;
   for (const stage_t& stage : page.stages) {
@@ -195,36 +217,20 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
   }
   CutLandmarks(update.points, &map_update_t::n_points, &map_update_t::points, pager);
   CutLandmarks(update.lines, &map_update_t::n_lines, &map_update_t::lines, pager);
+  for (const LoopEdge& loop : update.loops) {
+    const loop_edge_t message = ToMessage(loop);
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    page.loops.push_back(message);
+    ++page.n_loops;
+  }
   return pager.Finish();
 }
 
-MapUpdateAssembler::Outcome MapUpdateAssembler::Add(const map_update_t& page) {
-  const int64_t source = page.header.source;
-  auto head = HeadOf(page);
-  const bool pages_ok = page.n_pages >= 1 && page.n_pages <= kMaxPages && page.page >= 0 && page.page < page.n_pages;
-  if (!head || !pages_ok) {
-    partials_.erase(source);
-    return Outcome::kNonsense;
-  }
-  if (page.page == 0) {  // a page 0 in the middle of another update: that one has lost pages for good
-    if (partials_.size() >= kMaxPublishers && !partials_.contains(source)) partials_.clear();
-    partials_[source] = {std::move(*head), 0, page.n_pages};
-  }
-  const auto found = partials_.find(source);
-  if (found == partials_.end()) return Outcome::kPassedOver;
-  Partial& partial = found->second;
-  const bool expected =
-      page.page == partial.next_page && page.n_pages == partial.n_pages && SameHead(page, partial.update);
-  if (!expected || !Append(page, partial.update)) {
-    partials_.erase(found);
-    return expected ? Outcome::kNonsense : Outcome::kPassedOver;
-  }
-  if (++partial.next_page < partial.n_pages) return Outcome::kTaken;
-  complete_ = std::move(partial.update);
-  partials_.erase(found);
-  return Outcome::kComplete;
-}
-
-MapUpdate MapUpdateAssembler::Take() { return std::move(*std::exchange(complete_, std::nullopt)); }
+MapUpdateAssembler::MapUpdateAssembler()
+    : PageAssembler({.head = HeadOf,
+                     .same_head = SameHead,
+                     .append = Append,
+                     .max_pages = kMaxPages,
+                     .max_publishers = kMaxPublishers}) {}
 
 }  // namespace plslam::bus

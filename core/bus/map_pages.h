@@ -1,15 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <vector>
 
+#include "core/bus/page_assembler.h"
 #include "core/map/map_update.h"
-
-namespace plslam {
-class map_update_t;
-}
+#include "plslam/map_update_t.hpp"
 
 namespace plslam::bus {
 
@@ -20,25 +17,10 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
 /// What the head of a page says, without content (stages only from page 0); nullopt where it cannot be.
 std::optional<MapUpdate> HeadOf(const map_update_t& page);
 
-/// Puts pages together again; they come in order for each publisher.
-class MapUpdateAssembler {
+/// Puts updates together again.
+class MapUpdateAssembler : public PageAssembler<map_update_t, MapUpdate> {
  public:
-  /// kPassedOver: goes on with an update whose beginning never came. kNonsense: a page that cannot be (values, order, or
-  /// a head that differs from that of the first page); what had come of the update is dropped.
-  enum class Outcome { kTaken, kComplete, kPassedOver, kNonsense };
-
-  Outcome Add(const map_update_t& page);
-  MapUpdate Take();
-
- private:
-  struct Partial {
-    MapUpdate update;
-    int32_t next_page = 0;
-    int32_t n_pages = 0;
-  };
-
-  std::map<int64_t, Partial> partials_;  // by publisher
-  std::optional<MapUpdate> complete_;
+  MapUpdateAssembler();
 };
 
 }  // namespace plslam::bus

@@ -15,6 +15,7 @@
 #include "core/bus/keyframe_channel.h"
 #include "core/bus/log_dataset.h"
 #include "core/bus/log_writer.h"
+#include "core/bus/loop_channel.h"
 #include "core/bus/map_pages.h"
 #include "core/bus/ordered_reader.h"
 #include "core/bus/wire.h"
@@ -82,6 +83,7 @@ void Mutate(ByteVector& bytes, Random& random) {
 }
 
 TEST(MessageFuzz, CheckedBytesDecodeWithinABound) {
+  test::GeneratedTypes();  // the table of decoders is made at its first use, and is not theirs
   Fuzz([](Random& random) {
     const auto layouts = MessageLayouts();
     const MessageLayout& layout = layouts[random() % layouts.size()];
@@ -189,7 +191,7 @@ TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
       ByteVector bytes = Encoded(page);
       if (random() % 4 == 0) Mutate(bytes, random);
       const auto message = Checked<keyframe_t>(bytes);
-      if (!message || assembler.Add(*message) != KeyframeAssembler::Outcome::kComplete) continue;
+      if (!message || assembler.Add(*message) != PageOutcome::kComplete) continue;
       const Keyframe whole = assembler.Take();
       ASSERT_TRUE(whole.T_odom_kf.IsFinite() && whole.T_prevkf_kf.IsFinite() && whole.covariance.allFinite());
       ASSERT_EQ(whole.features.points.size(), whole.point_landmark_ids.size());
@@ -211,7 +213,7 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
         ByteVector bytes = Encoded(page);
         if (random() % 8 == 0) Mutate(bytes, random);
         const auto message = Checked<map_update_t>(bytes);
-        if (message && assembler.Add(*message) == MapUpdateAssembler::Outcome::kComplete) {
+        if (message && assembler.Add(*message) == PageOutcome::kComplete) {
           replica.Apply(assembler.Take());
         }
       }
@@ -220,6 +222,30 @@ TEST(MessageFuzz, MapUpdatesAreRefusedOrSound) {
     for (const auto& [id, keyframe] : replica.map().keyframes()) {
       ASSERT_LT(keyframe.parent_id, id);
       ASSERT_TRUE(keyframe.T_w_kf.IsFinite());
+    }
+  });
+}
+
+TEST(MessageFuzz, LoopClosuresAreRefusedOrSound) {
+  LoopClosure closure;
+  closure.kind = LoopClosure::Kind::kLoop;
+  closure.session_keyframe_id = 40;
+  closure.edges.push_back({1, 40, SE3(), Matrix6d::Identity(), 50, 5});
+  for (int64_t i = 0; i < 60; ++i) {
+    closure.points.push_back({i, i + 1});
+    closure.poses.push_back({i, SE3()});
+  }
+  const auto pages = CutIntoPages(closure, 1500);
+  LoopClosureAssembler assembler;
+  Fuzz([&](Random& random) {
+    for (const loop_closure_t& page : pages) {
+      ByteVector bytes = Encoded(page);
+      if (random() % 4 == 0) Mutate(bytes, random);
+      const auto message = Checked<loop_closure_t>(bytes);
+      if (!message || assembler.Add(*message) != PageOutcome::kComplete) continue;
+      const LoopClosure whole = assembler.Take();
+      for (const LoopEdge& edge : whole.edges) ASSERT_LT(edge.old_keyframe_id, edge.keyframe_id);
+      for (const CorrectedPose& pose : whole.poses) ASSERT_TRUE(pose.T_w_kf.IsFinite());
     }
   });
 }

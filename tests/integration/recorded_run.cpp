@@ -31,7 +31,7 @@ void Anonymise(Message* message) {
 class MapFollower {
  public:
   void Add(const map_update_t& page) {
-    if (assembler_.Add(page) == bus::MapUpdateAssembler::Outcome::kComplete) replica_.Apply(assembler_.Take());
+    if (assembler_.Add(page) == bus::PageOutcome::kComplete) replica_.Apply(assembler_.Take());
   }
 
   void Finish(RecordedRun* run) const {

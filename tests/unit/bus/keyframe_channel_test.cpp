@@ -10,7 +10,7 @@
 namespace plslam::bus {
 namespace {
 
-using Outcome = KeyframeAssembler::Outcome;
+using Outcome = PageOutcome;
 
 Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   std::mt19937_64 random(static_cast<uint64_t>(id));
@@ -94,14 +94,14 @@ TEST(KeyframeAssembler, RefusesPagesOutOfPlace) {
   const auto pages = CutIntoPages(KeyframeOf(3, 100, 100), 1200);
   ASSERT_GT(pages.size(), 3U);
   KeyframeAssembler assembler;
-  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kNonsense) << "does not begin with page 0";
+  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kPassedOver) << "does not begin with page 0";
   EXPECT_EQ(assembler.Add(pages[0]), Outcome::kTaken);
-  EXPECT_EQ(assembler.Add(pages[2]), Outcome::kNonsense) << "page 1 is missing";
-  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kNonsense) << "what had come is dropped";
+  EXPECT_EQ(assembler.Add(pages[2]), Outcome::kPassedOver) << "page 1 is missing";
+  EXPECT_EQ(assembler.Add(pages[1]), Outcome::kPassedOver) << "what had come is dropped";
   EXPECT_EQ(assembler.Add(pages[0]), Outcome::kTaken);
   keyframe_t other = pages[1];
   other.keyframe_id = 4;
-  EXPECT_EQ(assembler.Add(other), Outcome::kNonsense);
+  EXPECT_EQ(assembler.Add(other), Outcome::kPassedOver);
 }
 
 TEST(KeyframeAssembler, RefusesHostilePages) {

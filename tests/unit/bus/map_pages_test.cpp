@@ -11,7 +11,7 @@
 namespace plslam::bus {
 namespace {
 
-using Outcome = MapUpdateAssembler::Outcome;
+using Outcome = PageOutcome;
 using test::EncodedMap;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();

@@ -6,6 +6,7 @@
 #include "plslam/announce_t.hpp"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
+#include "plslam/corrected_pose_t.hpp"
 #include "plslam/counter_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/header_t.hpp"
@@ -13,6 +14,8 @@
 #include "plslam/intrinsics_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/line_feature_t.hpp"
+#include "plslam/loop_closure_t.hpp"
+#include "plslam/loop_edge_t.hpp"
 #include "plslam/map_adjustment_t.hpp"
 #include "plslam/map_keyframe_t.hpp"
 #include "plslam/map_line_t.hpp"
@@ -24,7 +27,9 @@
 #include "plslam/pose3_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/range_t.hpp"
+#include "plslam/relocalisation_t.hpp"
 #include "plslam/repair_request_t.hpp"
+#include "plslam/same_landmarks_t.hpp"
 #include "plslam/sight_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
@@ -54,10 +59,11 @@ std::map<std::string, std::function<DecodedAgain(ByteView)>> TableOf() {
 
 const auto& Table() {
   static const auto table =
-      TableOf<announce_t, camera_t, command_t, counter_t, ground_truth_t, header_t, image_strip_t, intrinsics_t,
-              keyframe_t, line_feature_t, map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t,
-              map_totals_t, map_update_t, point_feature_t, pose3_t, pose_t, range_t, repair_request_t, sight_t,
-              stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t>();
+      TableOf<announce_t, camera_t, command_t, corrected_pose_t, counter_t, ground_truth_t, header_t, image_strip_t,
+              intrinsics_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t, map_adjustment_t, map_keyframe_t,
+              map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t, point_feature_t, pose3_t, pose_t,
+              range_t, relocalisation_t, repair_request_t, same_landmarks_t, sight_t, stage_t, status_t, stream_t,
+              track_line_t, track_point_t, tracks_t>();
   return table;
 }
 

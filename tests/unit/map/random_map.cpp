@@ -110,9 +110,16 @@ void RandomMap::Fuse(const std::map<int64_t, Landmark>& landmarks) {
   }
 }
 
+void RandomMap::CloseLoop() {
+  const int64_t newest = map_.keyframes().rbegin()->first;
+  if (newest == 0) return;
+  map_.Add({static_cast<int64_t>(Draw(static_cast<uint64_t>(newest))), newest, DrawPose(),
+            1e-4 * Matrix6d::Identity(), static_cast<int32_t>(Draw(100)), static_cast<int32_t>(Draw(20))});
+}
+
 void RandomMap::Step() {
   if (map_.keyframes().empty()) return AddKeyframe();
-  switch (Draw(45)) {
+  switch (Draw(46)) {
     case 0:
     case 1:
       return AddKeyframe();
@@ -144,6 +151,8 @@ void RandomMap::Step() {
         map_.SetSegment(DrawFrom(map_.lines()).id, segment, DrawCovariance(), DrawCovariance());
       }
       return;
+    case 10:
+      return CloseLoop();
     default:
       return Draw(2) == 0 ? Change(map_.points(), next_point_) : Change(map_.lines(), next_line_);
   }

@@ -23,6 +23,7 @@ class RandomMap {
 
  private:
   void AddKeyframe();
+  void CloseLoop();
   template <class Landmark>
   void Change(const std::map<int64_t, Landmark>& landmarks, int64_t& next_id);
   template <class Landmark>

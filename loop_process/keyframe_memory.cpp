@@ -1,0 +1,49 @@
+#include "loop_process/keyframe_memory.h"
+
+#include <utility>
+#include <vector>
+
+namespace plslam {
+
+void KeyframeMemory::Add(const Keyframe& keyframe) {
+  waiting_[{keyframe.session, keyframe.keyframe_id}] = keyframe.features;
+}
+
+void KeyframeMemory::Leave(int64_t id) {
+  places_.Remove(id);
+  waiting_[names_.at(id)] = std::move(features_.at(id));
+  features_.erase(id);
+  names_.erase(id);
+}
+
+void KeyframeMemory::Follow(const Map& map) {
+  // Both ascend by id. A map that starts anew may give an id to another keyframe.
+  std::vector<int64_t> gone;
+  auto known = names_.begin();
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    for (; known != names_.end() && known->first < id; ++known) gone.push_back(known->first);
+    if (known == names_.end() || known->first != id) continue;
+    if (known->second != Name{keyframe.session, keyframe.session_keyframe_id}) gone.push_back(id);
+    ++known;
+  }
+  for (; known != names_.end(); ++known) gone.push_back(known->first);
+  for (const int64_t id : gone) Leave(id);
+
+  std::map<int64_t, int64_t> newest;  // of each session
+  for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend() && !waiting_.empty(); ++entry) {
+    const Name name{entry->second.session, entry->second.session_keyframe_id};
+    newest.try_emplace(name.first, name.second);
+    const auto found = waiting_.find(name);
+    if (found == waiting_.end()) continue;
+    places_.Add(entry->first, places_.Describe(found->second));
+    features_[entry->first] = std::move(found->second);
+    names_[entry->first] = name;
+    waiting_.erase(found);
+  }
+  std::erase_if(waiting_, [&newest](const auto& waiting) {
+    const auto session = newest.find(waiting.first.first);
+    return session != newest.end() && waiting.first.second < session->second;
+  });
+}
+
+}  // namespace plslam

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "core/localisation/landmark_kinds.h"
+#include "core/map/keyframe.h"
+#include "core/map/map.h"
+#include "core/places/place_recogniser.h"
+
+namespace plslam {
+
+/// Features of the keyframes and the index of places, by the ids of the map. Features and map come from two senders, so
+/// either may know of a keyframe first; and a map may be replaced by one that starts anew.
+class KeyframeMemory {
+ public:
+  explicit KeyframeMemory(PlaceRecogniser places) : places_(std::move(places)) {}
+
+  /// Features of a keyframe, as its session numbers it.
+  void Add(const Keyframe& keyframe);
+
+  /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may still
+  /// take them, that is until a later keyframe of their session is in it.
+  void Follow(const Map& map);
+
+  /// Those of the map, as of the last `Follow`, that came with features.
+  const KeyframeFeatures& features() const { return features_; }
+  const PlaceRecogniser& places() const { return places_; }
+
+ private:
+  /// Session, and number there.
+  using Name = std::pair<int64_t, int64_t>;
+
+  void Leave(int64_t id);
+
+  PlaceRecogniser places_;
+  std::map<Name, StereoFeatures> waiting_;
+  KeyframeFeatures features_;
+  std::map<int64_t, Name> names_;
+};
+
+}  // namespace plslam

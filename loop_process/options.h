@@ -1,0 +1,177 @@
+#pragma once
+
+#include <string>
+
+#include "core/config/fields.h"
+#include "core/localisation/options.h"
+#include "core/optim/options.h"
+#include "core/optim/pose_graph_options.h"
+#include "core/places/options.h"
+
+namespace plslam {
+
+/// Which keyframes may show the same place (PL-SLAM §VI.A.1).
+struct CandidateOptions {
+  double min_relative_score = 0.3;
+  int min_shared = 15;
+  int recent_keyframes = 5;
+  int group_keyframes = 10;
+  int max_queried = 20;
+  int max_candidates = 3;
+};
+
+/// What a place must show to be believed (PL-SLAM §VI.A.2).
+struct VerificationOptions {
+  std::string gates = "default";
+  int local_keyframes = 8;
+  int min_matches = 16;
+  int min_inliers = 40;
+  int min_reverse_inliers = 25;
+  int min_neighbour_inliers = 25;
+  int strong_inliers = 120;
+  double min_inlier_share = 0.35;
+  int min_cells = 5;
+  int consistent_keyframes = 3;
+  double max_disagreement_m = 0.15;
+  double max_disagreement_deg = 2.0;
+  double drift_per_m = 0.005;
+  double drift_deg_per_m = 0.02;
+  double covariance_scale = 5.0;
+  double max_drift_chi2 = 25.0;
+};
+
+/// How a loop is closed in the pose graph (PL-SLAM §VI.B).
+struct CorrectionOptions {
+  double loop_sigma_m = 0.01;
+  double loop_sigma_deg = 0.1;
+  double sight_sigma_px = 1.0;
+  double drift_per_m = 0.005;
+  double drift_deg_per_m = 0.05;
+  PoseGraphOptions graph;
+};
+
+/// Adjustment of the whole map after a loop.
+struct WholeMapOptions {
+  bool enabled = true;
+  int min_sights = 3;
+  int points_per_keyframe = 100;
+  int lines_per_keyframe = 30;
+  double relative_sigma = 1.0;
+  BundleOptions bundle;
+
+  WholeMapOptions() {
+    bundle.max_iterations = 8;
+    bundle.function_tolerance = 1e-2;
+  }
+};
+
+/// When a camera of which nothing is known is found in the map.
+struct RelocalisationOptions {
+  int max_candidates = 5;
+  int min_inliers = 50;
+  double min_inlier_share = 0.4;
+  double max_rival_share = 0.6;
+};
+
+/// Everything of loop_process.
+struct LoopOptions {
+  bool enabled = true;
+  PlaceOptions places;
+  CandidateOptions candidates;
+  LocalisationOptions localisation;
+  VerificationOptions verification;
+  CorrectionOptions correction;
+  WholeMapOptions adjustment;
+  RelocalisationOptions relocalisation;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, CandidateOptions& o) {
+  visit("min_relative_score", o.min_relative_score, Bounds{0, 10},
+        "similarity to a candidate, relative to that with the keyframe before");
+  visit("min_shared", o.min_shared, Bounds{1, 10000},
+        "landmarks that make two keyframes neighbours, which are no candidates, nor are their neighbours");
+  visit("recent_keyframes", o.recent_keyframes, Bounds{1, 1000}, "newest keyframes of the session, no candidates");
+  visit("group_keyframes", o.group_keyframes, Bounds{0, 1000},
+        "best neighbours of a candidate whose similarities count with its own");
+  visit("max_queried", o.max_queried, Bounds{1, 1000}, "most similar keyframes looked at");
+  visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, VerificationOptions& o) {
+  visit("gates", o.gates, OneOf{"default", "paper"},
+        "default, or the paper's three tests: eigenvalues of the covariance below 0.01, at most 0.50 m and 3.00 deg "
+        "apart, more than half of the matches inliers");
+  visit("local_keyframes", o.local_keyframes, Bounds{1, 1000}, "keyframes whose landmarks are the place");
+  visit("min_matches", o.min_matches, Bounds{3, 10000}, "matches by descriptor (points + 2 x lines) worth a pose");
+  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the keyframe in the place");
+  visit("min_reverse_inliers", o.min_reverse_inliers, Bounds{0, 10000},
+        "inliers of the old keyframe among the landmarks of the new");
+  visit("min_neighbour_inliers", o.min_neighbour_inliers, Bounds{3, 10000},
+        "inliers with which a keyframe before the new one confirms the place");
+  visit("strong_inliers", o.strong_inliers, Bounds{3, 100000},
+        "inliers that make up for one confirming keyframe; twice as many for two");
+  visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1},
+        "inliers relative to the landmarks of the old keyframe that should be in view and features that could show "
+        "them");
+  visit("min_cells", o.min_cells, Bounds{1, 16}, "cells of a 4 x 4 grid over the image that must hold inliers");
+  visit("consistent_keyframes", o.consistent_keyframes, Bounds{1, 10},
+        "consecutive keyframes that must agree on the place, the new one included");
+  visit("max_disagreement_m", o.max_disagreement_m, Bounds{0.001, 100},
+        "difference of poses seen from both sides or by neighbours, for 1 m of depth and more in proportion");
+  visit("max_disagreement_deg", o.max_disagreement_deg, Bounds{0.01, 180}, "the same of rotations");
+  visit("drift_per_m", o.drift_per_m, Bounds{0, 1}, "deviation of drift along the shortest way through the map");
+  visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{0, 90}, "the same of rotation");
+  visit("covariance_scale", o.covariance_scale, Bounds{0, 1000},
+        "factor on the deviations of the motions along that way");
+  visit("max_drift_chi2", o.max_drift_chi2, Bounds{1, 1e12},
+        "chi-square, 6 degrees of freedom, of a correction under that drift, above which a loop is not believed");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, CorrectionOptions& o) {
+  visit("loop_sigma_m", o.loop_sigma_m, Bounds{1e-6, 10}, "least deviation of a loop, all axes");
+  visit("loop_sigma_deg", o.loop_sigma_deg, Bounds{1e-6, 90}, "the same of rotation");
+  visit("sight_sigma_px", o.sight_sigma_px, Bounds{0.01, 100},
+        "deviation of a sight, for weights by shared landmarks");
+  visit("drift_per_m", o.drift_per_m, Bounds{1e-6, 1},
+        "deviation of a motion that no landmark shows, for each metre");
+  visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{1e-6, 90}, "the same of rotation");
+  visit("graph", o.graph, "pose graph");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, WholeMapOptions& o) {
+  visit("enabled", o.enabled, "adjust the whole map after each loop");
+  visit("min_sights", o.min_sights, Bounds{2, 1000}, "keyframes that see a landmark which takes part");
+  visit("points_per_keyframe", o.points_per_keyframe, Bounds{0, 100000},
+        "points that take part, of each keyframe: those that most others see");
+  visit("lines_per_keyframe", o.lines_per_keyframe, Bounds{0, 100000}, "the same of lines");
+  visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
+        "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");
+  visit("bundle", o.bundle, "bundle adjustment");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, RelocalisationOptions& o) {
+  visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
+  visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the frame in the place");
+  visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1}, "as loop.verification.min_inlier_share");
+  visit("max_rival_share", o.max_rival_share, Bounds{0, 1},
+        "inliers of another pose elsewhere, relative to the best, above which neither is believed");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, LoopOptions& o) {
+  visit("enabled", o.enabled, "look for loops");
+  visit("places", o.places, "how similar two places look");
+  visit("candidates", o.candidates, "which keyframes may show the same place");
+  visit("localisation", o.localisation, "pose of a keyframe among the landmarks of a place");
+  visit("verification", o.verification, "what a place must show to be believed");
+  visit("correction", o.correction, "pose graph of the map with its loops");
+  visit("adjustment", o.adjustment, "adjustment of the whole map after a loop");
+  visit("relocalisation", o.relocalisation, "where a camera is of which nothing is known");
+}
+
+}  // namespace plslam

@@ -3,32 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 
+#include "core/optim/pose_graph_parts.h"
+
 namespace plslam {
 namespace {
-
-// Sets of poses, each named by its smallest (union-find).
-class Parts {
- public:
-  explicit Parts(size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  int Find(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-
-  void Join(int a, int b) {
-    a = Find(a);
-    b = Find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int> parent_;
-};
 
 template <class Pose>
 std::string EdgeObjection(const PoseGraphMotion<Pose>& edge, int n_poses) {
@@ -66,7 +47,7 @@ std::string PoseGraphObjection(const PoseGraph<Pose>& graph) {
 template <class Pose>
 std::vector<bool> HeldPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected) {
   const size_t n = graph.poses.size();
-  Parts parts(n);
+  GraphParts parts(n);
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     if (rejected.empty() || !rejected[i]) parts.Join(graph.edges[i].a, graph.edges[i].b);
   }

@@ -29,7 +29,8 @@ const std::vector<Arrow> kArrows = {
     {"core/localisation/",
      {"core/geometry/", "core/features/", "core/motion/", "core/map/", "core/config/fields.h"}},
     {"core/optim/", {"core/geometry/", "core/motion/", "core/map/", "core/config/fields.h"}},
-    {"core/io/", {"core/geometry/", "core/map/", "core/config/fields.h"}},
+    {"core/io/",
+     {"core/geometry/", "core/map/", "core/features/features.h", "core/optim/pose_graph", "core/config/fields.h"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
     {"player/", {"core/"}},
@@ -41,6 +42,7 @@ const std::vector<Arrow> kArrows = {
     {"tools/evaluate/places", {"core/", "player/open_dataset.h", "tools/evaluate/", "tools/train_vocabulary/"}},
     {"tools/train_vocabulary/", {"core/", "player/open_dataset.h"}},
     {"tools/plslam/", {"core/", "tools/evaluate/"}},
+    {"tools/pose_graph/", {"core/"}},
 };
 
 const std::vector<std::string> kProductFolders = {

@@ -1,0 +1,114 @@
+#include "tools/pose_graph/command_line.h"
+
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/io/trajectory.h"
+#include "tools/pose_graph/solve.h"
+
+namespace plslam {
+namespace {
+
+struct Arguments {
+  std::string file;
+  std::string out;
+  std::string tum;
+  bool json = false;
+  SolveOptions solve;
+};
+
+void Declare(CLI::App& app, Arguments& a) {
+  app.add_option("FILE", a.file, "pose graph in g2o format, 2D or 3D")->required();
+  app.add_option("--initial", a.solve.initial,
+                 "poses to begin with: the file's, chained odometry, chordal relaxation")
+      ->check(CLI::IsMember({"file", "odometry", "chordal"}))
+      ->capture_default_str();
+  app.add_option("--start", a.solve.graph.start,
+                 "given: from there alone; best: from there and by chordal relaxation")
+      ->check(CLI::IsMember({"given", "best"}))
+      ->capture_default_str();
+  app.add_option("--perturb", a.solve.perturb, "noise on the poses to begin with, m and rad")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--seed", a.solve.seed, "of the noise")->capture_default_str();
+  app.add_option("--max-iterations", a.solve.graph.max_iterations)
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  auto* reject = app.add_option("--reject", a.solve.graph.rejection_chi2,
+                                "take out edges, other than odometry, that the rest contradicts by this chi-square");
+  reject->check(CLI::Range(1.0, 1e12));
+  app.add_option("--out", a.out, "write the solved graph (g2o)");
+  app.add_option("--tum", a.tum, "write the poses (TUM; the number of the vertex for the time, in seconds)");
+  app.add_flag("--json", a.json, "print the report as JSON");
+  app.callback([&a, reject] { a.solve.reject = reject->count() > 0; });
+}
+
+SE3 InSpace(const SE3& pose) { return pose; }
+SE3 InSpace(const SE2& pose) {
+  return SE3(Eigen::Quaterniond(Eigen::AngleAxisd(pose.angle(), Eigen::Vector3d::UnitZ())),
+             {pose.translation().x(), pose.translation().y(), 0.0});
+}
+
+template <class Pose>
+Trajectory TrajectoryOf(const G2oGraph<Pose>& graph) {
+  Trajectory trajectory;
+  for (size_t i = 0; i < graph.ids.size(); ++i) {
+    trajectory.push_back({graph.ids[i] * 1'000'000'000, InSpace(graph.graph.poses[i].T_w_kf)});
+  }
+  return trajectory;
+}
+
+void Print(const Arguments& a, const SolveReport& report) {
+  if (a.json) {
+    const nlohmann::ordered_json json = {{"file", a.file},
+                                         {"initial", a.solve.initial},
+                                         {"poses", report.poses},
+                                         {"edges", report.edges},
+                                         {"chi2_before", report.chi2_before},
+                                         {"chi2_after", report.chi2_after},
+                                         {"rejected_edges", report.rejected},
+                                         {"iterations", report.iterations},
+                                         {"seconds", report.seconds}};
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("{}: {} poses, {} edges\n", a.file, report.poses, report.edges);
+  fmt::print("chi2 {:.9g} -> {:.9g}, {} iterations, {:.3f} s\n", report.chi2_before, report.chi2_after,
+             report.iterations, report.seconds);
+  if (a.solve.reject) fmt::print("{} edges rejected\n", report.rejected);
+}
+
+void Run(const Arguments& a) {
+  G2oFile file = ReadG2o(a.file);
+  const SolveReport report = SolveG2o(file, a.solve);
+  if (!report.ok) throw std::runtime_error(a.file + ": " + report.reason);
+  std::visit(
+      [&](const auto& graph) {
+        if (!a.out.empty()) WriteG2o(a.out, graph);
+        if (!a.tum.empty()) WriteTrajectory(a.tum, TrajectoryFormat::kTum, TrajectoryOf(graph));
+      },
+      file.content);
+  Print(a, report);
+}
+
+}  // namespace
+
+int RunPoseGraph(int argc, char** argv) {
+  CLI::App app("Least squares of pose graphs in the plane and in space.", "pose_graph");
+  Arguments arguments;
+  Declare(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    Run(arguments);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "pose_graph: {}\n", error.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace plslam

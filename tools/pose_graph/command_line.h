@@ -1,0 +1,8 @@
+#pragma once
+
+namespace plslam {
+
+/// The program `pose_graph`: 0 when a minimum was found, 1 with one sentence on the standard error output otherwise.
+int RunPoseGraph(int argc, char** argv);
+
+}  // namespace plslam

@@ -1,0 +1,65 @@
+#include "tools/pose_graph/solve.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <random>
+
+#include "core/optim/pose_graph_chain.h"
+#include "core/optim/pose_graph_check.h"
+#include "core/optim/pose_graph_group.h"
+
+namespace plslam {
+namespace {
+
+template <class Pose>
+void Perturb(PoseGraph<Pose>& graph, double sigma, uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> noise(0.0, sigma);
+  const std::vector<bool> held = HeldPoses(graph, {});
+  for (size_t i = 0; i < graph.poses.size(); ++i) {
+    if (held[i]) continue;
+    Eigen::Matrix<double, kPoseFreedom<Pose>, 1> step;
+    for (int k = 0; k < step.size(); ++k) step[k] = noise(random);
+    graph.poses[i].T_w_kf = PoseGroup<Pose>::Plus(graph.poses[i].T_w_kf, step.data());
+  }
+}
+
+template <class Pose>
+void SetStart(G2oGraph<Pose>& file, const SolveOptions& options) {
+  const std::vector<Pose> chained =
+      options.initial == "odometry" ? ChainedPoses(file.graph) : ChainedPoses(file.graph, file.given);
+  for (size_t i = 0; i < chained.size(); ++i) file.graph.poses[i].T_w_kf = chained[i];
+  file.given.assign(chained.size(), true);
+  if (options.perturb > 0.0) Perturb(file.graph, options.perturb, options.seed);
+  if (!options.reject) return;
+  for (PoseGraphMotion<Pose>& edge : file.graph.edges) edge.robust = std::abs(edge.a - edge.b) != 1;
+}
+
+template <class Pose>
+SolveReport Solve(G2oGraph<Pose>& file, const SolveOptions& options) {
+  SetStart(file, options);
+  PoseGraphOptions graph = options.graph;
+  if (options.initial == "chordal") graph.start = "chordal";
+  const auto begin = std::chrono::steady_clock::now();
+  PoseGraphSolution<Pose> solution = OptimisePoseGraph(file.graph, graph);
+  const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
+  for (size_t i = 0; i < file.graph.poses.size(); ++i) file.graph.poses[i].T_w_kf = solution.T_w_kf[i];
+  return {.ok = solution.ok,
+          .reason = solution.reason,
+          .poses = static_cast<int>(file.graph.poses.size()),
+          .edges = static_cast<int>(file.graph.edges.size()),
+          .rejected = static_cast<int>(std::count(solution.rejected.begin(), solution.rejected.end(), true)),
+          .iterations = solution.iterations,
+          .chi2_before = solution.chi2_before,
+          .chi2_after = solution.chi2_after,
+          .seconds = time.count()};
+}
+
+}  // namespace
+
+SolveReport SolveG2o(G2oFile& file, const SolveOptions& options) {
+  return std::visit([&](auto& graph) { return Solve(graph, options); }, file.content);
+}
+
+}  // namespace plslam

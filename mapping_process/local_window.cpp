@@ -181,6 +181,23 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
   return window;
 }
 
+LocalWindow MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera) {
+  LocalWindow window;
+  window.problem.camera = camera;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    window.keyframes.push_back(id);
+    window.problem.poses.push_back({keyframe.T_w_kf, true});
+  }
+  for (const auto& [id, point] : map.points()) {
+    if (point.sights.size() >= 2) window.points.push_back(id);
+  }
+  for (const auto& [id, line] : map.lines()) {
+    if (line.sights.size() >= 2) window.lines.push_back(id);
+  }
+  AddLandmarks(map, features, window);
+  return window;
+}
+
 AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult& result,
                                   const KeyframeFeatures& features, Map& map) {
   AdjustmentFigures figures;

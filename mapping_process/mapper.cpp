@@ -7,10 +7,13 @@
 #include <utility>
 
 #include "core/localisation/pose_refinement.h"
+#include "mapping_process/closure_check.h"
+#include "mapping_process/correction.h"
 #include "mapping_process/duplicates.h"
 #include "mapping_process/line_extent.h"
 #include "mapping_process/line_triangulation.h"
 #include "mapping_process/local_window.h"
+#include "mapping_process/loop_fusion.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -90,6 +93,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   newest_session_ = keyframe.session;
   newest_t_ns_ = keyframe.t_ns;
   next_keyframe_id_ = entry.id + 1;
+  settled_ = false;
   return true;
 }
 
@@ -131,12 +135,41 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
   if (with_parent.parent_id >= 0) map_.Put(with_parent);
 }
 
-void Mapper::Adjust(const std::atomic<bool>* stop) {
-  const LocalWindow window =
-      MakeLocalWindow(sessions_.at(newest_session_).keyframe_id, map_, features_, camera_, options_.window);
+void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(newest_session_).keyframe_id, stop); }
+
+void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
+  const LocalWindow window = MakeLocalWindow(keyframe_id, map_, features_, camera_, options_.window);
   const BundleResult result = AdjustBundle(window.problem, options_.bundle, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
   if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
+}
+
+bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
+  if (closure.kind == LoopClosure::Kind::kNone) return true;
+  *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_}, map_);
+  if (!reason->empty()) return false;
+  MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);
+  if (closure.kind == LoopClosure::Kind::kLoop) {
+    CloseLoop(closure);
+  } else {
+    const LocalWindow window = MakeLandmarkWindow(map_, features_, camera_);
+    figures_ = ApplyAdjustment(window, AdjustBundle(window.problem, options_.bundle), features_, map_);
+  }
+  return true;
+}
+
+void Mapper::CloseLoop(const LoopClosure& closure) {
+  std::vector<LoopSides> sides;
+  for (const LoopEdge& edge : closure.edges) {
+    map_.Add(edge);
+    sides.push_back(SidesOf(edge, map_));
+  }
+  FusePairs(closure.points, closure.lines, features_, map_);
+  for (size_t i = 0; i < sides.size(); ++i) {
+    if (sides[i].new_side.empty()) continue;
+    MergeSides(sides[i], features_, camera_, options_, map_);
+    AdjustAround(sides[i].new_side.front(), nullptr);
+  }
 }
 
 void Mapper::Cull() {
@@ -154,23 +187,24 @@ void Mapper::Cull() {
 
 MapUpdate Mapper::TakeUpdate() {
   MapUpdate update = ChangedPart(map_, map_.TakeChanges());
-  update.base_version = version_;
-  update.version = ++version_;
-  update.session = newest_session_;
-  update.session_keyframe_id = sessions_.empty() ? -1 : sessions_.at(newest_session_).session_keyframe_id;
-  update.t_ns = newest_t_ns_;
-  update.adjustment = figures_;
+  update.base_version = version_++;
+  Sign(update);
   return update;
 }
 
 MapUpdate Mapper::Whole() const {
   MapUpdate update = WholeMap(map_);
+  Sign(update);
+  return update;
+}
+
+void Mapper::Sign(MapUpdate& update) const {
   update.version = version_;
   update.session = newest_session_;
   update.session_keyframe_id = sessions_.empty() ? -1 : sessions_.at(newest_session_).session_keyframe_id;
   update.t_ns = newest_t_ns_;
+  update.settled = settled_;
   update.adjustment = figures_;
-  return update;
 }
 
 }  // namespace plslam

@@ -9,6 +9,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
+#include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
 #include "mapping_process/culling.h"
 #include "mapping_process/landmark_creation.h"
@@ -37,6 +38,16 @@ class Mapper {
   /// Takes out landmarks that did not prove themselves, and redundant keyframes.
   void Cull();
 
+  /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move with
+  /// them. Of a loop, its edges become part of the map, the landmarks of both sides that are the same become one, more
+  /// of these are searched, and the map is adjusted around it. After an adjustment of the whole map, landmarks are placed
+  /// anew as the keyframes see them. kNone does nothing. False, and nothing done, where it cannot be one of this map;
+  /// `reason` says why.
+  bool Correct(const LoopClosure& closure, std::string* reason);
+
+  /// Nothing more is to be said about the newest keyframe; until the next `Insert`, updates carry that.
+  void Settle() { settled_ = true; }
+
   /// What has changed since the last one; `version` counts up from 1.
   MapUpdate TakeUpdate();
   /// All of the map at the version of the last update.
@@ -56,6 +67,9 @@ class Mapper {
   void Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
+  void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
+  void CloseLoop(const LoopClosure& closure);
+  void Sign(MapUpdate& update) const;
 
   StereoCamera camera_;
   MappingOptions options_;
@@ -69,6 +83,7 @@ class Mapper {
   int64_t newest_session_ = 0;
   int64_t newest_t_ns_ = 0;
   int64_t version_ = 0;
+  bool settled_ = false;
   AdjustmentFigures figures_;
 };
 

@@ -1,0 +1,53 @@
+#include "mapping_process/sight_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/features/segment_projection.h"
+#include "core/motion/residual.h"
+
+namespace plslam {
+namespace {
+
+double Capped(double error) { return error < kMostSightError ? error : kMostSightError; }
+
+// Squared distance across the observed line of one image, in standard deviations.
+double Across(const Segment2& observed, const Eigen::Vector2d& px, double sigma_px) {
+  const double distance_px = LineThrough(observed).dot(px.homogeneous());
+  return distance_px * distance_px / VarianceAcross(observed, px, sigma_px);
+}
+
+}  // namespace
+
+bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera) {
+  return !((T_kf_w * point.p_w).z() > PoseView::MinDepth(camera));
+}
+
+bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera) {
+  const double least_m = PoseView::MinDepth(camera);
+  return !((T_kf_w * line.segment_w.p).z() > least_m) && !((T_kf_w * line.segment_w.q).z() > least_m);
+}
+
+double SightError(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera) {
+  if (IsBehind(point, T_kf_w, camera)) return kMostSightError;
+  const Eigen::Vector3d uvd = camera.ProjectStereo(T_kf_w * point.p_w);
+  double error = (uvd.head<2>() - seen.left.px).squaredNorm() / (seen.sigma_px * seen.sigma_px);
+  if (seen.HasDepth()) error += std::pow((uvd.z() - seen.disparity_px) / seen.sigma_disparity_px, 2);
+  return Capped(error);
+}
+
+double SightError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera) {
+  double error = 0.0;
+  for (const Eigen::Vector3d& end_w : {line.segment_w.p, line.segment_w.q}) {
+    const Eigen::Vector3d end = T_kf_w * end_w;
+    if (!(end.z() > PoseView::MinDepth(camera))) return kMostSightError;
+    const Eigen::Vector3d uvd = camera.ProjectStereo(end);
+    error += Across(seen.left.segment, uvd.head<2>(), seen.sigma_px);
+    if (!seen.HasDepth()) continue;
+    const double sigma_px = std::hypot(seen.sigma_px, std::max(seen.sigma_disparity_p_px, seen.sigma_disparity_q_px));
+    error += Across(RightSegment(seen), {uvd.x() - uvd.z(), uvd.y()}, sigma_px);
+  }
+  return Capped(error);
+}
+
+}  // namespace plslam

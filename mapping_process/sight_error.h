@@ -1,0 +1,22 @@
+#pragma once
+
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
+#include "core/map/landmarks.h"
+
+namespace plslam {
+
+/// How badly a feature agrees with the point it shows: squared distances in both images in standard deviations, at most
+/// `kMostSightError`, which is also what a point behind the camera gives. Never a NaN.
+double SightError(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera);
+/// Sibling: distances of the two ends from the infinite observed line.
+double SightError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
+
+inline constexpr double kMostSightError = 25.0;
+
+/// Nothing of the landmark is in front of the camera: the keyframe cannot have seen it.
+bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera);
+bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera);
+
+}  // namespace plslam

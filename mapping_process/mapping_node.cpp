@@ -9,34 +9,54 @@
 #include "core/bus/convert.h"
 #include "core/geometry/rectification.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
 
 namespace plslam {
 namespace {
 
+constexpr std::chrono::milliseconds kTick(200);
+
 double NowMs() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
+
+double NowS() { return 1e-3 * NowMs(); }
 
 }  // namespace
 
 MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     : process_(process),
       options_(options),
-      publisher_(process.bus(), [this] { OnAsked(); }),
+      publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
+      queue_(options.loops),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
+  process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
+  if (options_.loops.enabled) {
+    closures_ = std::make_unique<bus::LoopClosureSubscriber>(
+        process.bus(), [this](const LoopClosure& closure) { OnClosure(closure); });
+    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
+    process_.bus().Every(kTick, [this] { OnTick(); });
+  }
   process_.SetConfiguration(ToYaml("mapping", options_));
-  worker_ = std::thread([this] { Work(); });
+  worker_ = std::thread([this] { RunWorker(); });
 }
 
 MappingNode::~MappingNode() {
+  Queue([this] { stopping_ = true; });
+  stop_solve_ = true;
+  worker_.join();
+}
+
+/// Changes what the worker looks at, and wakes it.
+template <class Change>
+void MappingNode::Queue(const Change& change) {
   {
     const std::lock_guard lock(mutex_);
-    stopping_ = true;
+    change();
   }
-  stop_solve_ = true;
   changed_.notify_one();
-  worker_.join();
 }
 
 void MappingNode::OnCamera(const camera_t& message) {
@@ -55,12 +75,7 @@ void MappingNode::OnCamera(const camera_t& message) {
     return;
   }
   camera_bytes_ = std::move(bytes);
-  const StereoCamera camera = Rectify(*rig).camera;
-  {
-    const std::lock_guard lock(mutex_);
-    camera_ = camera;
-  }
-  changed_.notify_one();
+  Queue([this, camera = Rectify(*rig).camera] { camera_ = camera; });
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
@@ -69,25 +84,39 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
     return;
   }
   known_sessions_.insert(keyframe.session);
-  {
-    const std::lock_guard lock(mutex_);
-    queue_.push_back({keyframe, NowMs()});
-    process_.SetCounter("queue.keyframes", static_cast<double>(queue_.size()));
-  }
+  Queue([&] {
+    queue_.Add(keyframe, NowMs());
+    process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
+  });
   if (!keyframe.lockstep) stop_solve_ = true;
-  changed_.notify_one();
 }
 
-void MappingNode::OnAsked() {
-  {
-    const std::lock_guard lock(mutex_);
-    asked_ = true;
-  }
-  changed_.notify_one();
+void MappingNode::OnClosure(const LoopClosure& closure) {
+  Queue([&] {
+    queue_.OnSignOfLife(NowS());
+    queue_.Add(closure);
+  });
+}
+
+void MappingNode::OnStatus(const status_t& message) {
+  if (message.process != "loop") return;
+  const std::lock_guard lock(mutex_);
+  queue_.OnSignOfLife(NowS());
+}
+
+void MappingNode::OnTick() {
+  bool given_up = false;
+  Queue([&] { given_up = queue_.GiveUp(NowS()); });
+  if (given_up) spdlog::warn("no loop_process is heard of: the map goes on without loops");
+}
+
+void MappingNode::OnCommand(const command_t& message) {
+  const bool ours = message.target == process_.name() || message.target == "*";
+  if (ours && message.verb == "save") Queue([&] { queue_.Save(message.argument); });
 }
 
 // What goes wrong on the worker ends the process where the run loop sees it.
-void MappingNode::Work() {
+void MappingNode::RunWorker() {
   try {
     WorkUntilStopped();
   } catch (...) {
@@ -96,71 +125,92 @@ void MappingNode::Work() {
 }
 
 void MappingNode::WorkUntilStopped() {
-  for (;;) {
-    bool publish_whole = false;
-    std::vector<Queued> batch;
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return stopping_ || asked_ || (camera_ && !queue_.empty()); });
-      if (stopping_) return;
-      if (camera_ && !mapper_) mapper_.emplace(*camera_, options_);
-      publish_whole = mapper_ && std::exchange(asked_, false);
-      if (mapper_) batch = TakeQueued();
-      if (!mapper_) asked_ = false;  // nothing is there yet: the first update will be all there is
-    }
-    if (publish_whole && mapper_->version() > 0) publisher_.Publish(mapper_->Whole());
-    if (!batch.empty()) Map(batch);
-  }
+  while (const std::optional<Work> work = NextWork()) Do(*work);
 }
 
-std::vector<MappingNode::Queued> MappingNode::TakeQueued() {
-  std::vector<Queued> batch;
-  while (!queue_.empty()) {
-    const bool lockstep = queue_.front().keyframe.lockstep;
-    if (lockstep && !batch.empty()) break;
-    batch.push_back(std::move(queue_.front()));
-    queue_.pop_front();
-    if (lockstep) break;
-  }
+std::optional<WorkQueue::Work> MappingNode::NextWork() {
+  std::unique_lock lock(mutex_);
+  std::optional<Work> work;
+  changed_.wait(lock, [&] {
+    if (!stopping_ && camera_) work = queue_.Take(NowS());
+    return stopping_ || work;
+  });
+  if (stopping_) return std::nullopt;
+  if (!mapper_) mapper_.emplace(*camera_, options_);
   stop_solve_ = false;
-  process_.SetCounter("queue.keyframes", static_cast<double>(queue_.size()));
-  return batch;
+  process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
+  return work;
 }
 
-void MappingNode::Map(const std::vector<Queued>& batch) {
+void MappingNode::Do(const Work& work) {
+  switch (work.kind) {
+    case Work::Kind::kInsert:
+      return Insert(work.keyframes);
+    case Work::Kind::kCorrect:
+      return Correct(work);
+    case Work::Kind::kSettle:
+      mapper_->Settle();
+      return Publish({});
+    case Work::Kind::kPublishWhole:
+      // Where nothing is there yet, the first update will be all there is.
+      if (mapper_->version() > 0) publisher_.Publish(mapper_->Whole());
+      return;
+    case Work::Kind::kSave:
+      return Save(work.path);
+  }
+}
+
+void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   const double began_ms = NowMs();
-  bool inserted = false;
-  for (const Queued& queued : batch) {
+  const Keyframe* newest = nullptr;
+  for (const WorkQueue::Arrived& arrived : batch) {
     std::string reason;
-    if (mapper_->Insert(queued.keyframe, &reason)) {
-      inserted = true;
+    if (mapper_->Insert(arrived.keyframe, &reason)) {
+      newest = &arrived.keyframe;
       continue;
     }
-    spdlog::warn("left out: {}", reason);
+    if (!options_.localise_only) spdlog::warn("left out: {}", reason);
     process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
   }
-  if (!inserted) return;
+  if (newest == nullptr) return;
   const double inserted_ms = NowMs();
   mapper_->Adjust(&stop_solve_);
   const double adjusted_ms = NowMs();
   mapper_->Cull();
-  MapUpdate update = mapper_->TakeUpdate();
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.Inserted(*newest, NowS());
+  }
   const double done_ms = NowMs();
-  update.stage_ms = {{"insert", inserted_ms - began_ms},
-                     {"adjust", adjusted_ms - inserted_ms},
-                     {"cull", done_ms - adjusted_ms},
-                     {"update", done_ms - batch.front().received_ms}};
-  publisher_.Publish(update);
-  Report(update);
+  Publish({{"insert", inserted_ms - began_ms},
+           {"adjust", adjusted_ms - inserted_ms},
+           {"cull", done_ms - adjusted_ms},
+           {"update", done_ms - batch.front().received_ms}});
 }
 
-void MappingNode::Report(const MapUpdate& update) {
+void MappingNode::Correct(const Work& work) {
+  const double began_ms = NowMs();
+  std::string reason;
+  const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
+  const bool corrected = corrects && mapper_->Correct(work.closure, &reason);
+  if (corrects && !corrected) spdlog::warn("a correction of the map is left: {}", reason);
+  if (work.settles) mapper_->Settle();
+  Publish(corrected ? Stages{{"correct", NowMs() - began_ms}} : Stages{});
+}
+
+void MappingNode::Publish(Stages stage_ms) {
+  MapUpdate update = mapper_->TakeUpdate();
+  update.stage_ms = std::move(stage_ms);
+  publisher_.Publish(update);
   if (update.version == 1) process_.SetState("running");
   process_.SetCounter("map.version", static_cast<double>(update.version));
   process_.SetCounter("map.keyframes", static_cast<double>(mapper_->map().keyframes().size()));
   process_.SetCounter("map.points", static_cast<double>(mapper_->map().points().size()));
   process_.SetCounter("map.lines", static_cast<double>(mapper_->map().lines().size()));
+  process_.SetCounter("map.loops", static_cast<double>(mapper_->map().loops().size()));
 }
+
+void MappingNode::Save(const std::string& path) { spdlog::error("{}: maps cannot be saved yet", path); }
 
 bus::ProcessSpec MappingSpec() {
   bus::ProcessSpec spec;

@@ -3,30 +3,33 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/bus/keyframe_channel.h"
+#include "core/bus/loop_channel.h"
 #include "core/bus/map_channel.h"
 #include "core/bus/process.h"
 #include "mapping_process/mapper.h"
 #include "mapping_process/options.h"
+#include "mapping_process/work_queue.h"
 
 namespace plslam {
 class camera_t;
+class command_t;
+class status_t;
 
-/// mapping_process on the bus: keyframes in, updates of the map out.
+/// mapping_process on the bus: keyframes and what loop_process says of them in, updates of the map out.
 ///
-/// A worker owns the map. Keyframes queue while it solves; of a live stream all that have queued are inserted before the
-/// next solve, and a solve ends early when one comes; of a lockstep stream each is adjusted to the end. Keyframes
-/// wait for the camera. The map is of one camera: keyframes of sessions that began with another are counted and left.
+/// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
+/// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
+/// map is of one camera: keyframes of sessions that began with another are counted and left.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);
@@ -35,21 +38,27 @@ class MappingNode {
   MappingNode& operator=(const MappingNode&) = delete;
 
  private:
-  struct Queued {
-    Keyframe keyframe;
-    double received_ms = 0.0;
-  };
+  using Work = WorkQueue::Work;
+  using Stages = std::vector<std::pair<std::string, double>>;
 
   void OnCamera(const camera_t& message);
   void OnKeyframe(const Keyframe& keyframe);
-  void OnAsked();
+  void OnClosure(const LoopClosure& closure);
+  void OnStatus(const status_t& message);
+  void OnCommand(const command_t& message);
+  void OnTick();
+  template <class Change>
+  void Queue(const Change& change);
 
   // On the worker.
-  void Work();
+  void RunWorker();
   void WorkUntilStopped();
-  std::vector<Queued> TakeQueued();
-  void Map(const std::vector<Queued>& batch);
-  void Report(const MapUpdate& update);
+  std::optional<Work> NextWork();
+  void Do(const Work& work);
+  void Insert(const std::vector<WorkQueue::Arrived>& batch);
+  void Correct(const Work& work);
+  void Save(const std::string& path);
+  void Publish(Stages stage_ms);
 
   bus::Process& process_;
   MappingOptions options_;
@@ -64,9 +73,8 @@ class MappingNode {
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Queued> queue_;
+  WorkQueue queue_;
   std::optional<StereoCamera> camera_;
-  bool asked_ = false;
   bool stopping_ = false;
   std::atomic<bool> stop_solve_{false};
 
@@ -74,6 +82,7 @@ class MappingNode {
   int64_t n_ignored_ = 0;
   std::thread worker_;
   bus::KeyframeSubscriber keyframes_;
+  std::unique_ptr<bus::LoopClosureSubscriber> closures_;
 };
 
 bus::ProcessSpec MappingSpec();

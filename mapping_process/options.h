@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
 #include "core/optim/options.h"
@@ -33,6 +35,12 @@ struct CullingOptions {
   int redundant_sights = 5;
 };
 
+/// What loop_process says.
+struct LoopUseOptions {
+  bool enabled = true;
+  double wait_s = 5.0;
+};
+
 /// Everything of mapping_process.
 struct MappingOptions {
   InsertionOptions insertion;
@@ -40,6 +48,9 @@ struct MappingOptions {
   WindowOptions window;
   BundleOptions bundle;
   CullingOptions culling;
+  LoopUseOptions loops;
+  std::string map_file;
+  bool localise_only = false;
 };
 
 template <class Visitor>
@@ -75,12 +86,22 @@ void VisitFields(Visitor& visit, CullingOptions& o) {
 }
 
 template <class Visitor>
+void VisitFields(Visitor& visit, LoopUseOptions& o) {
+  visit("enabled", o.enabled, "whether corrections by loop_process are taken over");
+  visit("wait_s", o.wait_s, Bounds{0, 3600},
+        "how long a lockstep stream waits for its say where no loop_process is heard of");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("insertion", o.insertion, "how keyframes join the map");
   visit("localisation", o.localisation, "pose of a new keyframe among the landmarks");
   visit("window", o.window, "which part of the map is adjusted");
   visit("bundle", o.bundle, "bundle adjustment");
   visit("culling", o.culling, "what is taken out again");
+  visit("loops", o.loops, "corrections by loop_process");
+  visit("map_file", o.map_file, "a saved map to go on from; empty: none");
+  visit("localise_only", o.localise_only, "the map stays as it is: keyframes do not enter it");
 }
 
 }  // namespace plslam

@@ -42,6 +42,8 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   if (options_.map.enabled) {
     map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
+      // In lockstep only what loop_process has had its say about: the same at every run.
+      if (lockstep_ && !update.settled) return;
       map_session_ = update.session;
       map_keyframe_id_ = update.session_keyframe_id;
       OnMap();
@@ -83,7 +85,7 @@ void VoNode::OnCamera(const camera_t& message) {
 void VoNode::OnFrame(const Frame& frame) {
   // A player that waits too long for a pose sends its frame again; ours is then on its way.
   if (frame.source == last_source_ && frame.images.frame_id <= last_frame_id_) return Count("frames.repeated", 1);
-  if (front_end_ && !map_wait_.keyframe_id()) return Track(frame);
+  if (front_end_ && !map_wait_.awaited()) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.without_map" : "frames.without_camera", 1);
@@ -92,7 +94,7 @@ void VoNode::OnFrame(const Frame& frame) {
 }
 
 void VoNode::GoOn() {
-  while (front_end_ && !map_wait_.keyframe_id() && !waiting_.empty()) {
+  while (front_end_ && !map_wait_.awaited() && !waiting_.empty()) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     Track(frame);
@@ -104,7 +106,7 @@ void VoNode::OnStatus(const status_t& message) {
 }
 
 void VoNode::OnMap() {
-  const auto awaited = map_wait_.keyframe_id();
+  const auto awaited = map_wait_.awaited();
   if (!awaited) {
     if (!lockstep_) AdoptMap(adopted_keyframe_id_ + 1);
     return;

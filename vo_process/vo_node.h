@@ -9,8 +9,9 @@
 #include "core/bus/frame_channel.h"
 #include "core/bus/keyframe_channel.h"
 #include "core/bus/map_channel.h"
+#include "core/bus/partner_wait.h"
 #include "core/bus/process.h"
-#include "vo_process/map_wait.h"
+
 #include "vo_process/odometry.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo_front_end.h"
@@ -69,7 +70,7 @@ class VoNode {
   std::map<std::string, double> counts_;
   std::string state_;
   bus::KeyframePublisher keyframes_;
-  MapWait map_wait_;
+  bus::PartnerWait map_wait_;
   bool lockstep_ = false;
   /// The newest keyframe in the map.
   int64_t map_session_ = 0;

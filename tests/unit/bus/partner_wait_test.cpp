@@ -1,23 +1,23 @@
-#include "vo_process/map_wait.h"
+#include "core/bus/partner_wait.h"
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::bus {
 namespace {
 
-TEST(MapWait, GivesUpWhereNobodyIsHeardOf) {
-  MapWait wait(5.0);
+TEST(PartnerWait, GivesUpWhereNobodyIsHeardOf) {
+  PartnerWait wait(5.0);
   EXPECT_FALSE(wait.GiveUp(100.0)) << "nothing is waited for";
   wait.Begin(3, 100.0);
-  EXPECT_EQ(wait.keyframe_id(), 3);
+  EXPECT_EQ(wait.awaited(), 3);
   EXPECT_FALSE(wait.GiveUp(104.9));
   EXPECT_TRUE(wait.GiveUp(105.0));
-  EXPECT_EQ(wait.keyframe_id(), std::nullopt);
+  EXPECT_EQ(wait.awaited(), std::nullopt);
   EXPECT_FALSE(wait.GiveUp(110.0)) << "it is told once";
 }
 
-TEST(MapWait, WaitsAsLongAsThereAreSignsOfLifeAndSomeTimeMore) {
-  MapWait wait(5.0);
+TEST(PartnerWait, WaitsAsLongAsThereAreSignsOfLifeAndSomeTimeMore) {
+  PartnerWait wait(5.0);
   wait.Begin(3, 0.0);
   for (double now = 1.0; now < 60.0; now += 1.0) {
     wait.OnSignOfLife(now);
@@ -27,35 +27,35 @@ TEST(MapWait, WaitsAsLongAsThereAreSignsOfLifeAndSomeTimeMore) {
   EXPECT_TRUE(wait.GiveUp(64.0));
 }
 
-TEST(MapWait, EachWaitHasItsOwnTime) {
-  MapWait wait(5.0);
+TEST(PartnerWait, EachWaitHasItsOwnTime) {
+  PartnerWait wait(5.0);
   wait.OnSignOfLife(0.0);
   wait.Begin(1, 1.0);
   wait.End();
-  EXPECT_EQ(wait.keyframe_id(), std::nullopt);
+  EXPECT_EQ(wait.awaited(), std::nullopt);
   EXPECT_FALSE(wait.GiveUp(100.0));
   wait.Begin(2, 100.0);
   EXPECT_FALSE(wait.GiveUp(104.0)) << "the sign of life is old, the wait is not";
   EXPECT_TRUE(wait.GiveUp(105.0));
 }
 
-TEST(MapWait, OnceGivenUpOnlyASignOfLifeMakesItWaitAgain) {
-  MapWait wait(5.0);
+TEST(PartnerWait, OnceGivenUpOnlyASignOfLifeMakesItWaitAgain) {
+  PartnerWait wait(5.0);
   wait.Begin(1, 0.0);
   ASSERT_TRUE(wait.GiveUp(5.0));
   wait.Begin(2, 6.0);
-  EXPECT_EQ(wait.keyframe_id(), std::nullopt);
+  EXPECT_EQ(wait.awaited(), std::nullopt);
   wait.OnSignOfLife(7.0);
-  EXPECT_EQ(wait.keyframe_id(), std::nullopt) << "what was given up is past";
+  EXPECT_EQ(wait.awaited(), std::nullopt) << "what was given up is past";
   wait.Begin(3, 8.0);
-  EXPECT_EQ(wait.keyframe_id(), 3);
+  EXPECT_EQ(wait.awaited(), 3);
 }
 
-TEST(MapWait, NoTimeMeansNoWaiting) {
-  MapWait wait(0.0);
+TEST(PartnerWait, NoTimeMeansNoWaiting) {
+  PartnerWait wait(0.0);
   wait.Begin(1, 2.0);
   EXPECT_TRUE(wait.GiveUp(2.0));
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::bus

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace plslam::bus {
+
+/// How long a lockstep stream waits for what another process has to say: as long as that process shows signs of life, and
+/// some time more, so that one that is started again is waited for too. Times in s, of any steady clock.
+class PartnerWait {
+ public:
+  explicit PartnerWait(double wait_s) : wait_s_(wait_s) {}
+
+  /// The partner lives, or says that it ends.
+  void OnSignOfLife(double now_s) {
+    last_sign_s_ = now_s;
+    given_up_ = false;
+  }
+
+  /// What the partner has to say about this number is needed to go on, unless it was given up before.
+  void Begin(int64_t number, double now_s) {
+    if (given_up_) return;
+    awaited_ = number;
+    began_s_ = now_s;
+  }
+  void End() { awaited_.reset(); }
+
+  /// Ends a wait that has lasted too long without a sign of life; true if so.
+  bool GiveUp(double now_s) {
+    if (!awaited_ || now_s - began_s_ < wait_s_ || (last_sign_s_ && now_s - *last_sign_s_ < wait_s_)) return false;
+    given_up_ = true;
+    awaited_.reset();
+    return true;
+  }
+
+  /// The number that is waited for.
+  std::optional<int64_t> awaited() const { return awaited_; }
+
+ private:
+  double wait_s_;
+  std::optional<double> last_sign_s_;
+  std::optional<int64_t> awaited_;
+  double began_s_ = 0.0;
+  bool given_up_ = false;
+};
+
+}  // namespace plslam::bus

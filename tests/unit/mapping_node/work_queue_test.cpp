@@ -1,0 +1,151 @@
+#include "mapping_process/work_queue.h"
+
+#include <gtest/gtest.h>
+
+namespace plslam {
+namespace {
+
+using Kind = WorkQueue::Work::Kind;
+
+constexpr int64_t kSession = 7;
+
+Keyframe KeyframeOf(int64_t id, bool lockstep) {
+  Keyframe keyframe;
+  keyframe.session = kSession;
+  keyframe.keyframe_id = id;
+  keyframe.lockstep = lockstep;
+  return keyframe;
+}
+
+LoopClosure ClosureOf(int64_t keyframe_id, LoopClosure::Kind kind = LoopClosure::Kind::kNone, bool more = false) {
+  LoopClosure closure;
+  closure.kind = kind;
+  closure.session = kSession;
+  closure.session_keyframe_id = keyframe_id;
+  closure.more = more;
+  return closure;
+}
+
+class WorkQueueTest : public testing::Test {
+ protected:
+  /// Does what is next, which must be of this kind.
+  WorkQueue::Work Take(Kind kind) {
+    const auto work = queue_.Take(now_s_);
+    EXPECT_TRUE(work);
+    if (!work) return {};
+    EXPECT_EQ(work->kind, kind);
+    for (const auto& arrived : work->keyframes) queue_.Inserted(arrived.keyframe, now_s_);
+    return *work;
+  }
+  void ExpectNothing() { EXPECT_FALSE(queue_.Take(now_s_)); }
+
+  double now_s_ = 100.0;
+  WorkQueue queue_{{.enabled = true, .wait_s = 5.0}};
+};
+
+TEST_F(WorkQueueTest, EachKeyframeOfLockstepWaitsForTheSayAboutTheOneBefore) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(KeyframeOf(1, true), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 1U);
+  ExpectNothing();
+  queue_.Add(ClosureOf(0));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, ALoopOfLockstepWaitsForTheAdjustmentThatFollows) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(KeyframeOf(1, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
+  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  ExpectNothing();
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kAdjustment));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  Take(Kind::kInsert);
+}
+
+TEST_F(WorkQueueTest, WhereNoLoopProcessIsHeardOfLockstepGoesOn) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(KeyframeOf(1, true), 0.0);
+  queue_.Add(KeyframeOf(2, true), 0.0);
+  Take(Kind::kInsert);
+  EXPECT_FALSE(queue_.GiveUp(now_s_ + 4.0));
+  ExpectNothing();
+  EXPECT_TRUE(queue_.GiveUp(now_s_ + 6.0));
+  Take(Kind::kSettle);
+  Take(Kind::kInsert);
+  Take(Kind::kSettle);
+  Take(Kind::kInsert);
+  queue_.OnSignOfLife(now_s_ + 7.0);
+  Take(Kind::kSettle);
+  queue_.Add(KeyframeOf(3, true), 0.0);
+  Take(Kind::kInsert);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, WithoutLoopsNobodyIsWaitedFor) {
+  WorkQueue queue({.enabled = false, .wait_s = 5.0});
+  queue.Add(KeyframeOf(0, true), 0.0);
+  queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kInsert);
+  queue.Inserted(KeyframeOf(0, true), now_s_);
+  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kSettle);
+  EXPECT_FALSE(queue.Take(now_s_));
+}
+
+TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
+  for (int64_t id = 0; id < 3; ++id) queue_.Add(KeyframeOf(id, false), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 3U);
+  queue_.Add(KeyframeOf(3, false), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 1U);
+  queue_.Add(ClosureOf(1, LoopClosure::Kind::kLoop));
+  EXPECT_FALSE(Take(Kind::kCorrect).settles) << "late, but right";
+  queue_.Add(ClosureOf(2));
+  ExpectNothing();
+  queue_.Add(ClosureOf(3));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+}
+
+TEST_F(WorkQueueTest, AfterARestartTheHistoriesOfBothMakeTheSameOrder) {
+  queue_.Add(ClosureOf(0));
+  queue_.Add(ClosureOf(1, LoopClosure::Kind::kLoop, true));
+  queue_.Add(ClosureOf(1, LoopClosure::Kind::kAdjustment));
+  queue_.Add(ClosureOf(2));
+  ExpectNothing();
+  for (int64_t id = 0; id < 3; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
+  Take(Kind::kInsert);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 0);
+  Take(Kind::kInsert);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.kind, LoopClosure::Kind::kLoop);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.kind, LoopClosure::Kind::kAdjustment);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 2);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, WhatIsSaidAgainAboutASettledKeyframeOfLockstepChangesNothing) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(ClosureOf(0));
+  Take(Kind::kCorrect);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsSettled) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Save("a.plmap");
+  ExpectNothing();
+  queue_.AskForWhole();
+  Take(Kind::kPublishWhole);
+  queue_.Add(ClosureOf(0));
+  Take(Kind::kCorrect);
+  EXPECT_EQ(Take(Kind::kSave).path, "a.plmap");
+  ExpectNothing();
+}
+
+}  // namespace
+}  // namespace plslam

@@ -62,11 +62,12 @@ PlaceMatch Merge(int64_t keyframe_id, const PlaceWeights& weights, double points
 PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const PlaceOptions& options)
     : points_(std::move(points)),
       lines_(std::move(lines)),
-      merge_(PlaceMergeFromName(options.merge)),
+      options_(options),
       point_index_(points_.words()),
       line_index_(lines_.words()) {
   CheckKind(points_, WordKind::kPoints);
   CheckKind(lines_, WordKind::kLines);
+  WeightsFor({}, options_);
 }
 
 PlaceDescription PlaceRecogniser::Describe(const StereoFeatures& features) const {
@@ -118,7 +119,7 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
   std::vector<float> lines(places_.size(), 0.0F);
   point_index_.Score(query.points, points);
   line_index_.Score(query.lines, lines);
-  const PlaceWeights weights = WeightsFor(query, merge_);
+  const PlaceWeights weights = WeightsFor(query, options_);
   std::vector<PlaceMatch> matches;
   matches.reserve(places_.size());
   for (size_t i = 0; i < places_.size(); ++i) {
@@ -129,7 +130,7 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
 }
 
 PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
-  return Merge(-1, WeightsFor(query, merge_), Similarity(query.points, other.points),
+  return Merge(-1, WeightsFor(query, options_), Similarity(query.points, other.points),
                Similarity(query.lines, other.lines));
 }
 

@@ -64,7 +64,7 @@ class PlaceRecogniser {
 
   Vocabulary points_;
   Vocabulary lines_;
-  PlaceMerge merge_;
+  PlaceOptions options_;
   PlaceIndex point_index_;
   PlaceIndex line_index_;
   std::vector<Place> places_;

@@ -9,6 +9,7 @@
 #include "core/map/relocalisation.h"
 #include "core/places/place_recogniser.h"
 #include "loop_process/keyframe_memory.h"
+#include "loop_process/loop_search.h"
 #include "loop_process/options.h"
 #include "loop_process/whole_map.h"
 
@@ -44,11 +45,14 @@ class LoopCloser {
   Relocalisation Relocalise(const Map& map, const StereoFeatures& features) const;
 
   const LoopOptions& options() const { return options_; }
+  /// What the last `Judge` looked at, for reports and experiments.
+  const LoopSearch& last_search() const { return last_; }
 
  private:
   StereoCamera camera_;
   LoopOptions options_;
   KeyframeMemory memory_;
+  LoopSearch last_;
 };
 
 }  // namespace plslam

@@ -10,6 +10,12 @@
 
 namespace plslam {
 
+/// Files of the vocabularies.
+struct VocabularyOptions {
+  std::string points = "orb.vocabulary";
+  std::string lines = "lbd.vocabulary";
+};
+
 /// Which keyframes may show the same place (PL-SLAM §VI.A.1).
 struct CandidateOptions {
   double min_relative_score = 0.3;
@@ -32,7 +38,8 @@ struct VerificationOptions {
   double min_inlier_share = 0.35;
   int min_cells = 5;
   int consistent_keyframes = 3;
-  double max_disagreement_m = 0.15;
+  double max_eigenvalue = 0.01;
+  double max_disagreement = 0.05;
   double max_disagreement_deg = 2.0;
   double drift_per_m = 0.005;
   double drift_deg_per_m = 0.02;
@@ -44,9 +51,8 @@ struct VerificationOptions {
 struct CorrectionOptions {
   double loop_sigma_m = 0.01;
   double loop_sigma_deg = 0.1;
-  double sight_sigma_px = 1.0;
-  double drift_per_m = 0.005;
-  double drift_deg_per_m = 0.05;
+  double drift_per_m = 0.02;
+  double drift_deg_per_m = 0.1;
   PoseGraphOptions graph;
 };
 
@@ -76,6 +82,7 @@ struct RelocalisationOptions {
 /// Everything of loop_process.
 struct LoopOptions {
   bool enabled = true;
+  VocabularyOptions vocabularies;
   PlaceOptions places;
   CandidateOptions candidates;
   LocalisationOptions localisation;
@@ -84,6 +91,12 @@ struct LoopOptions {
   WholeMapOptions adjustment;
   RelocalisationOptions relocalisation;
 };
+
+template <class Visitor>
+void VisitFields(Visitor& visit, VocabularyOptions& o) {
+  visit("points", o.points, "vocabulary of points: a path, or a file that comes with the programs");
+  visit("lines", o.lines, "the same of lines");
+}
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CandidateOptions& o) {
@@ -118,8 +131,9 @@ void VisitFields(Visitor& visit, VerificationOptions& o) {
   visit("min_cells", o.min_cells, Bounds{1, 16}, "cells of a 4 x 4 grid over the image that must hold inliers");
   visit("consistent_keyframes", o.consistent_keyframes, Bounds{1, 10},
         "consecutive keyframes that must agree on the place, the new one included");
-  visit("max_disagreement_m", o.max_disagreement_m, Bounds{0.001, 100},
-        "difference of poses seen from both sides or by neighbours, for 1 m of depth and more in proportion");
+  visit("max_eigenvalue", o.max_eigenvalue, Bounds{1e-9, 1e6}, "largest eigenvalue of the covariance of the pose");
+  visit("max_disagreement", o.max_disagreement, Bounds{0.0001, 10},
+        "difference of positions seen from both sides or by neighbours, relative to the distance of the landmarks");
   visit("max_disagreement_deg", o.max_disagreement_deg, Bounds{0.01, 180}, "the same of rotations");
   visit("drift_per_m", o.drift_per_m, Bounds{0, 1}, "deviation of drift along the shortest way through the map");
   visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{0, 90}, "the same of rotation");
@@ -133,10 +147,8 @@ template <class Visitor>
 void VisitFields(Visitor& visit, CorrectionOptions& o) {
   visit("loop_sigma_m", o.loop_sigma_m, Bounds{1e-6, 10}, "least deviation of a loop, all axes");
   visit("loop_sigma_deg", o.loop_sigma_deg, Bounds{1e-6, 90}, "the same of rotation");
-  visit("sight_sigma_px", o.sight_sigma_px, Bounds{0.01, 100},
-        "deviation of a sight, for weights by shared landmarks");
   visit("drift_per_m", o.drift_per_m, Bounds{1e-6, 1},
-        "deviation of a motion that no landmark shows, for each metre");
+        "deviation of the motion between keyframes of the map that share a hundred landmarks, for each metre");
   visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{1e-6, 90}, "the same of rotation");
   visit("graph", o.graph, "pose graph");
 }
@@ -165,6 +177,7 @@ void VisitFields(Visitor& visit, RelocalisationOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, LoopOptions& o) {
   visit("enabled", o.enabled, "look for loops");
+  visit("vocabularies", o.vocabularies, "words that places are described by");
   visit("places", o.places, "how similar two places look");
   visit("candidates", o.candidates, "which keyframes may show the same place");
   visit("localisation", o.localisation, "pose of a keyframe among the landmarks of a place");

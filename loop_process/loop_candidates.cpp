@@ -1,0 +1,92 @@
+#include "loop_process/loop_candidates.h"
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <set>
+
+namespace plslam {
+namespace {
+
+// The keyframe, those before it, those it shares landmarks with, and theirs.
+std::set<int64_t> Surroundings(const Map& map, int64_t keyframe_id, const CandidateOptions& options) {
+  std::set<int64_t> direct{keyframe_id};
+  for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) direct.insert(n.keyframe_id);
+  const MapKeyframe* before = map.FindKeyframe(keyframe_id);
+  for (int i = 0; i < options.recent_keyframes && before != nullptr; ++i) {
+    direct.insert(before->id);
+    before = map.FindKeyframe(before->previous_id);
+  }
+  std::set<int64_t> all = direct;
+  for (const int64_t id : direct) {
+    for (const Map::Neighbour& n : map.Neighbours(id, options.min_shared)) all.insert(n.keyframe_id);
+  }
+  return all;
+}
+
+// Similarity to the keyframe before, or to a neighbour: what a good match is worth in this image. 0 where there is none.
+double ReferenceScore(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
+                      const CandidateOptions& options) {
+  const PlaceDescription& description = places.Of(keyframe_id);
+  double best = 0.0;
+  const int64_t previous_id = map.FindKeyframe(keyframe_id)->previous_id;
+  if (places.Has(previous_id)) best = places.Score(description, places.Of(previous_id));
+  for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) {
+    if (!places.Has(n.keyframe_id)) continue;
+    // The one that shares most stands for all.
+    return std::max(best, places.Score(description, places.Of(n.keyframe_id)));
+  }
+  return best;
+}
+
+// Joins matches that see the same landmarks; the best first.
+std::vector<LoopCandidate> Group(const Map& map, const std::vector<PlaceMatch>& matches,
+                                 const CandidateOptions& options) {
+  std::map<int64_t, double> scores;
+  for (const PlaceMatch& match : matches) scores[match.keyframe_id] = match.score;
+  std::vector<LoopCandidate> groups;
+  std::set<int64_t> taken;
+  for (const PlaceMatch& match : matches) {
+    if (!taken.insert(match.keyframe_id).second) continue;
+    LoopCandidate group{match.keyframe_id, match.score, match.score};
+    int joined = 0;
+    for (const Map::Neighbour& n : map.Neighbours(match.keyframe_id, options.min_shared)) {
+      if (joined++ == options.group_keyframes) break;
+      const auto score = scores.find(n.keyframe_id);
+      if (score == scores.end()) continue;
+      group.group_score += score->second;
+      taken.insert(n.keyframe_id);
+    }
+    groups.push_back(group);
+  }
+  std::stable_sort(groups.begin(), groups.end(),
+                   [](const LoopCandidate& a, const LoopCandidate& b) { return a.group_score > b.group_score; });
+  return groups;
+}
+
+std::vector<LoopCandidate> Best(std::vector<LoopCandidate> groups, int max_count) {
+  if (static_cast<int>(groups.size()) > max_count) groups.resize(static_cast<size_t>(max_count));
+  return groups;
+}
+
+}  // namespace
+
+std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
+                                              const CandidateOptions& options) {
+  if (!places.Has(keyframe_id)) return {};
+  const std::set<int64_t> excluded = Surroundings(map, keyframe_id, options);
+  std::vector<PlaceMatch> matches = places.Query(
+      places.Of(keyframe_id), [&excluded](int64_t id) { return excluded.contains(id); }, options.max_queried);
+  const double least = options.min_relative_score * ReferenceScore(map, places, keyframe_id, options);
+  std::erase_if(matches, [least](const PlaceMatch& match) { return match.score < least; });
+  return Best(Group(map, matches, options), options.max_candidates);
+}
+
+std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,
+                                               const PlaceDescription& description, const CandidateOptions& options,
+                                               int max_candidates) {
+  const auto unknown = [&map](int64_t id) { return map.FindKeyframe(id) == nullptr; };
+  return Best(Group(map, places.Query(description, unknown, options.max_queried), options), max_candidates);
+}
+
+}  // namespace plslam

@@ -1,0 +1,69 @@
+#include "loop_process/loop_closer.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "loop_process/loop_candidates.h"
+#include "loop_process/loop_correction.h"
+#include "loop_process/loop_verification.h"
+#include "loop_process/relocaliser.h"
+
+namespace plslam {
+namespace {
+
+// The newest first: that is the one which is asked for.
+const MapKeyframe* FindByName(const Map& map, int64_t session, int64_t session_keyframe_id) {
+  for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend(); ++entry) {
+    const MapKeyframe& keyframe = entry->second;
+    if (keyframe.session != session) continue;
+    if (keyframe.session_keyframe_id == session_keyframe_id) return &keyframe;
+    if (keyframe.session_keyframe_id < session_keyframe_id) return nullptr;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const StereoCamera& camera, PlaceRecogniser places, const LoopOptions& options)
+    : camera_(camera), options_(options), memory_(std::move(places)) {}
+
+LoopClosure LoopCloser::Judge(const Map& map, int64_t session, int64_t session_keyframe_id) {
+  LoopClosure closure;
+  closure.session = session;
+  closure.session_keyframe_id = session_keyframe_id;
+  last_ = {};
+  Follow(map);
+  const MapKeyframe* keyframe = FindByName(map, session, session_keyframe_id);
+  if (keyframe == nullptr) return closure;
+  closure.t_ns = keyframe->t_ns;
+  if (!options_.enabled || !memory_.places().Has(keyframe->id)) return closure;
+  last_ = FindLoop(map, memory_, camera_, options_, keyframe->id);
+  if (!last_.best) return closure;
+  const LoopEvidence& evidence = last_.evidence[*last_.best];
+  auto poses = CloseLoop(map, evidence.edge, options_.correction);
+  if (!poses) return closure;
+  closure.kind = LoopClosure::Kind::kLoop;
+  closure.more = options_.adjustment.enabled;
+  closure.edges = {evidence.edge};
+  closure.points = evidence.points;
+  closure.lines = evidence.lines;
+  closure.poses = std::move(*poses);
+  closure.score = last_.candidates[*last_.best].score;
+  return closure;
+}
+
+WholeMapProblem LoopCloser::WholeMap(const Map& map, const LoopClosure& loop) const {
+  WholeMapProblem problem = MakeWholeMapProblem(map, memory_.features(), camera_, options_.adjustment);
+  problem.session = loop.session;
+  problem.session_keyframe_id = loop.session_keyframe_id;
+  problem.t_ns = loop.t_ns;
+  return problem;
+}
+
+Relocalisation LoopCloser::Relocalise(const Map& map, const StereoFeatures& features) const {
+  return FindCamera(map, memory_.places(), features, camera_, options_);
+}
+
+}  // namespace plslam

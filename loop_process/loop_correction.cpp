@@ -1,0 +1,105 @@
+#include "loop_process/loop_correction.h"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "loop_process/map_edges.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+// Of an edge between keyframes at the same place: as of one that is so long.
+constexpr double kLeast_m = 0.05;
+// Shared landmarks that the options speak of; and how much more or fewer of them count.
+constexpr double kShared = 100.0;
+constexpr double kMaxFactor = 4.0;
+
+Matrix6d EdgeCovariance(const Map& map, const MapEdge& edge, const SE3& T_a_b, const CorrectionOptions& options) {
+  if (edge.loop >= 0) return map.loops()[static_cast<size_t>(edge.loop)].covariance;
+  const double length_m = kLeast_m + T_a_b.translation().norm() + T_a_b.Log().tail<3>().norm();
+  const double sigma_m = options.drift_per_m * length_m;
+  const double sigma_rad = options.drift_deg_per_m * kRadPerDeg * length_m;
+  const double factor = std::clamp(kShared / std::max(1, edge.shared), 1.0 / kMaxFactor, kMaxFactor);
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(factor * sigma_m * sigma_m);
+  covariance.diagonal().tail<3>().setConstant(factor * sigma_rad * sigma_rad);
+  if (!edge.odometry || edge.shared >= Map::kCovisible) return covariance;
+  // Only the tracker knows how these two lie to each other.
+  const bool forward = map.FindKeyframe(edge.b)->previous_id == edge.a;
+  const Matrix6d& measured = map.FindKeyframe(forward ? edge.b : edge.a)->relative_covariance;
+  return covariance + (forward ? measured : InverseCovariance(T_a_b.Inverse(), measured));
+}
+
+// Everything that is connected with a keyframe.
+std::set<int64_t> ConnectedWith(int64_t id, const std::vector<MapEdge>& edges) {
+  std::map<int64_t, std::vector<int64_t>> neighbours;
+  for (const MapEdge& edge : edges) {
+    neighbours[edge.a].push_back(edge.b);
+    neighbours[edge.b].push_back(edge.a);
+  }
+  std::set<int64_t> connected{id};
+  std::vector<int64_t> open{id};
+  while (!open.empty()) {
+    const int64_t at = open.back();
+    open.pop_back();
+    for (const int64_t next : neighbours[at]) {
+      if (connected.insert(next).second) open.push_back(next);
+    }
+  }
+  return connected;
+}
+
+// Where keyframes start that the loop connects with the rest for the first time: moved as a whole, those that began later.
+std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const std::vector<MapEdge>& edges) {
+  std::map<int64_t, SE3> T_w_kf;
+  for (const auto& [id, keyframe] : map.keyframes()) T_w_kf[id] = keyframe.T_w_kf;
+  const std::set<int64_t> old_side = ConnectedWith(loop.old_keyframe_id, edges);
+  if (old_side.contains(loop.keyframe_id)) return T_w_kf;
+  const std::set<int64_t> new_side = ConnectedWith(loop.keyframe_id, edges);
+  const SE3 T_moved_w = T_w_kf.at(loop.old_keyframe_id) * loop.T_old_kf * T_w_kf.at(loop.keyframe_id).Inverse();
+  const bool old_first = *old_side.begin() < *new_side.begin();
+  for (const int64_t id : old_first ? new_side : old_side) {
+    T_w_kf[id] = (old_first ? T_moved_w : T_moved_w.Inverse()) * T_w_kf[id];
+  }
+  return T_w_kf;
+}
+
+}  // namespace
+
+PoseGraphProblem MakeLoopGraph(const Map& map, const LoopEdge& loop, const CorrectionOptions& options) {
+  const std::vector<MapEdge> edges = MapEdges(map);
+  PoseGraphProblem graph;
+  std::map<int64_t, int> places;
+  for (const auto& [id, T_w_kf] : Joined(map, loop, edges)) {
+    places[id] = static_cast<int>(graph.poses.size());
+    graph.poses.push_back({T_w_kf, graph.poses.empty()});
+  }
+  const auto add = [&](int64_t a, int64_t b, const SE3& T_a_b, const Matrix6d& covariance, bool robust) {
+    const auto information = InformationFromCovariance(covariance);
+    if (information) graph.edges.push_back({places.at(a), places.at(b), T_a_b, *information, robust});
+  };
+  for (const MapEdge& edge : edges) {
+    // As the map has it: adjusted since it was measured.
+    const SE3 T_a_b = map.FindKeyframe(edge.a)->T_w_kf.Inverse() * map.FindKeyframe(edge.b)->T_w_kf;
+    add(edge.a, edge.b, T_a_b, EdgeCovariance(map, edge, T_a_b, options), false);
+  }
+  add(loop.old_keyframe_id, loop.keyframe_id, loop.T_old_kf, loop.covariance, true);
+  return graph;
+}
+
+std::optional<std::vector<CorrectedPose>> CloseLoop(const Map& map, const LoopEdge& loop,
+                                                    const CorrectionOptions& options) {
+  const PoseGraphProblem graph = MakeLoopGraph(map, loop, options);
+  if (graph.edges.empty() || !graph.edges.back().robust) return std::nullopt;
+  const PoseGraphResult result = OptimisePoseGraph(graph, options.graph);
+  if (!result.ok || result.rejected.back()) return std::nullopt;
+  std::vector<CorrectedPose> poses;
+  size_t place = 0;
+  for (const auto& [id, keyframe] : map.keyframes()) poses.push_back({id, result.T_w_kf[place++]});
+  return poses;
+}
+
+}  // namespace plslam

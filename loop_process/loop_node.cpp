@@ -1,0 +1,166 @@
+#include "loop_process/loop_node.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <exception>
+#include <utility>
+
+#include "core/bus/convert.h"
+#include "core/geometry/rectification.h"
+#include "loop_process/vocabulary_files.h"
+#include "plslam/camera_t.hpp"
+
+namespace plslam {
+namespace {
+
+double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
+    : process_(process),
+      options_(options),
+      places_(LoadPlaces(options.vocabularies, options.places)),
+      publisher_(process.bus()),
+      keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
+      questions_(
+          process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
+      map_(process.bus(), [this](const MapUpdate& update, const MapReplica&) { Queue(update); }) {
+  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
+  process_.SetConfiguration(ToYaml("loop", options_));
+  judge_ = std::thread([this] { RunWorker(&LoopNode::JudgeUntilStopped); });
+  adjuster_ = std::thread([this] { RunWorker(&LoopNode::AdjustUntilStopped); });
+}
+
+LoopNode::~LoopNode() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_adjustment_ = true;
+  changed_.notify_all();
+  judge_.join();
+  adjuster_.join();
+}
+
+// The map is of the first camera (mapping_process says so of another).
+void LoopNode::OnCamera(const camera_t& message) {
+  if (!camera_bytes_.empty()) return;
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) return;
+  camera_bytes_ = bus::RigBytes(message);
+  {
+    const std::lock_guard lock(mutex_);
+    camera_ = Rectify(*rig).camera;
+  }
+  changed_.notify_all();
+}
+
+void LoopNode::Queue(Arrival arrival) {
+  {
+    const std::lock_guard lock(mutex_);
+    arrivals_.push_back(std::move(arrival));
+    process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+  }
+  changed_.notify_all();
+}
+
+// What goes wrong on a worker ends the process where the run loop sees it.
+void LoopNode::RunWorker(void (LoopNode::*work)()) {
+  try {
+    (this->*work)();
+  } catch (...) {
+    process_.bus().Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
+  }
+}
+
+void LoopNode::JudgeUntilStopped() {
+  for (;;) {
+    std::optional<Arrival> arrival;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return stopping_ || (camera_ && !arrivals_.empty()); });
+      if (stopping_) return;
+      arrival = std::move(arrivals_.front());
+      arrivals_.pop_front();
+      process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+      if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), NowMs);
+    }
+    Send(Handle(*arrival));
+  }
+}
+
+LoopService::Output LoopNode::Handle(const Arrival& arrival) {
+  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(*keyframe);
+  if (const auto* update = std::get_if<MapUpdate>(&arrival)) return service_->OnUpdate(*update);
+  return service_->OnQuestion(std::get<Question>(arrival).frame);
+}
+
+void LoopNode::Send(const LoopService::Output& output) {
+  for (const LoopClosure& closure : output.closures) {
+    publisher_.Publish(closure);
+    Count(closure);
+  }
+  for (const Relocalisation& answer : output.answers) {
+    process_.bus().Publish(bus::kRelocalisation, bus::ToMessage(answer));
+    process_.SetCounter("relocalisation.asked", static_cast<double>(++n_answers_));
+    if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
+  }
+  if (!output.adjustment) return;
+  {
+    const std::lock_guard lock(mutex_);
+    adjustment_ = output.adjustment;
+    stop_adjustment_ = true;
+  }
+  changed_.notify_all();
+}
+
+void LoopNode::Count(const LoopClosure& closure) {
+  if (closure.session_keyframe_id == 0) process_.SetState("running");
+  process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
+  process_.SetCounter("loop.detect_ms", closure.detect_ms);
+  if (closure.kind != LoopClosure::Kind::kLoop) return;
+  process_.SetCounter("loops", static_cast<double>(++n_loops_));
+  const LoopEdge& edge = closure.edges.front();
+  spdlog::info("loop: keyframe {} shows the place of keyframe {} ({} points, {} lines)", edge.keyframe_id,
+               edge.old_keyframe_id, edge.n_points, edge.n_lines);
+}
+
+void LoopNode::AdjustUntilStopped() {
+  for (;;) {
+    std::optional<WholeMapProblem> problem;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return stopping_ || adjustment_; });
+      if (stopping_) return;
+      problem = std::exchange(adjustment_, std::nullopt);
+      stop_adjustment_ = false;
+    }
+    const double began_ms = NowMs();
+    LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_);
+    closure.correct_ms = NowMs() - began_ms;
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      if (adjustment_) continue;  // out of date
+    }
+    publisher_.Publish(closure);
+  }
+}
+
+bus::ProcessSpec LoopSpec() {
+  bus::ProcessSpec spec;
+  spec.name = "loop";
+  spec.description = "Recognises places with points and lines, corrects the map, and finds lost trackers again.";
+  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
+    LoopOptions options;
+    config.Read("loop", options);
+    return std::make_shared<LoopNode>(process, options);
+  };
+  return spec;
+}
+
+}  // namespace plslam

@@ -1,0 +1,112 @@
+#include "loop_process/loop_service.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+constexpr int64_t kNone = -1;
+
+int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
+  const auto found = by_session.find(session);
+  return found == by_session.end() ? kNone : found->second;
+}
+
+}  // namespace
+
+LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
+  Output output;
+  closer_.AddKeyframe(keyframe);
+  int64_t& received = received_.try_emplace(keyframe.session, kNone).first->second;
+  received = std::max(received, keyframe.keyframe_id);
+  JudgeWhatIsDue(output);
+  return output;
+}
+
+LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
+  Output output;
+  const int64_t source = replica_.source();
+  if (replica_.Apply(update) != MapReplica::Outcome::kApplied) return output;
+  if (replica_.source() != source) {
+    judged_.clear();
+    settled_.clear();
+    due_.clear();
+    on_its_way_.reset();
+  }
+  Follow(update, output);
+  JudgeWhatIsDue(output);
+  AnswerWhatIsDue(output);
+  return output;
+}
+
+LoopService::Output LoopService::OnQuestion(const Keyframe& frame) {
+  Output output;
+  // A tracker asks again only where it has given up on the question before.
+  std::erase_if(questions_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
+  questions_.push_back(frame);
+  AnswerWhatIsDue(output);
+  return output;
+}
+
+/// What an update means for what is to be judged.
+void LoopService::Follow(const MapUpdate& update, Output& output) {
+  if (update.settled) settled_[update.session] = update.session_keyframe_id;
+  if (on_its_way_) {
+    const bool arrived = replica_.map().loops().size() > on_its_way_->n_loops;
+    // Settled without it: the map has refused it.
+    if (arrived || update.settled) {
+      if (arrived && on_its_way_->loop.more) output.adjustment = closer_.WholeMap(replica_.map(), on_its_way_->loop);
+      on_its_way_.reset();
+    }
+  }
+  if (update.session_keyframe_id < 0) return;
+  int64_t judged = Newest(judged_, update.session);
+  if (update.base_version == 0 && judged == kNone) judged = update.session_keyframe_id - 1;
+  if (update.settled) judged = std::max(judged, update.session_keyframe_id);
+  for (int64_t id = judged + 1; id <= update.session_keyframe_id; ++id) due_.emplace_back(update.session, id);
+  judged_[update.session] = std::max(judged, update.session_keyframe_id);
+}
+
+void LoopService::JudgeWhatIsDue(Output& output) {
+  while (!due_.empty() && !on_its_way_) {
+    const auto [session, keyframe_id] = due_.front();
+    if (Newest(received_, session) < keyframe_id) return;
+    due_.pop_front();
+    const double began_ms = now_ms_();
+    LoopClosure closure = closer_.Judge(replica_.map(), session, keyframe_id);
+    closure.session = session;
+    closure.session_keyframe_id = keyframe_id;
+    closure.map_source = replica_.source();
+    closure.map_version = replica_.version();
+    closure.detect_ms = now_ms_() - began_ms - closure.correct_ms;
+    if (closure.kind == LoopClosure::Kind::kLoop) on_its_way_ = OnItsWay{closure, replica_.map().loops().size()};
+    output.closures.push_back(std::move(closure));
+  }
+}
+
+bool LoopService::IsAnswerable(const Keyframe& frame) const {
+  // Whoever asks has the map, so it is on its way here too.
+  if (!frame.lockstep) return true;
+  return replica_.version() > 0 && Newest(settled_, frame.session) >= frame.previous_keyframe_id;
+}
+
+void LoopService::AnswerWhatIsDue(Output& output) {
+  for (auto frame = questions_.begin(); frame != questions_.end();) {
+    if (!IsAnswerable(*frame)) {
+      ++frame;
+      continue;
+    }
+    closer_.Follow(replica_.map());
+    Relocalisation answer = closer_.Relocalise(replica_.map(), frame->features);
+    answer.session = frame->session;
+    answer.frame_id = frame->frame_id;
+    answer.t_ns = frame->t_ns;
+    answer.map_source = replica_.source();
+    answer.map_version = replica_.version();
+    output.answers.push_back(answer);
+    frame = questions_.erase(frame);
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "core/map/keyframe.h"
+#include "core/map/loop_closure.h"
+#include "core/map/map_update.h"
+#include "core/map/relocalisation.h"
+#include "loop_process/loop_closer.h"
+
+namespace plslam {
+
+/// What loop_process does, without threads and messages: keeps a copy of the map, and says when what is to be answered. The
+/// same arrivals give the same answers, in whichever order keyframes, updates of the map and questions come in between.
+///
+/// Each keyframe is judged once, on the map right after it came in, and its features are waited for. While a loop is on
+/// its way into the map, nothing else is judged. A question of a lockstep stream is answered on the map that loop_process
+/// has had its say about, as of the tracker's last keyframe.
+class LoopService {
+ public:
+  /// What is to be sent, and what is to be adjusted meanwhile.
+  struct Output {
+    std::vector<LoopClosure> closures;
+    std::vector<Relocalisation> answers;
+    std::optional<WholeMapProblem> adjustment;
+  };
+
+  /// `now_ms` measures how long things take.
+  LoopService(LoopCloser closer, std::function<double()> now_ms)
+      : closer_(std::move(closer)), now_ms_(std::move(now_ms)) {}
+
+  Output OnKeyframe(const Keyframe& keyframe);
+  Output OnUpdate(const MapUpdate& update);
+  /// Features of a frame; `frame_id` names the question, `previous_keyframe_id` the tracker's last keyframe.
+  Output OnQuestion(const Keyframe& frame);
+
+  const MapReplica& replica() const { return replica_; }
+
+ private:
+  struct OnItsWay {
+    LoopClosure loop;
+    size_t n_loops = 0;  ///< in the map without it
+  };
+
+  void Follow(const MapUpdate& update, Output& output);
+  void JudgeWhatIsDue(Output& output);
+  void Judge(int64_t keyframe_id, Output& output);
+  void AnswerWhatIsDue(Output& output);
+  bool IsAnswerable(const Keyframe& frame) const;
+  bool HasFeatures(int64_t session, int64_t keyframe_id) const;
+
+  LoopCloser closer_;
+  std::function<double()> now_ms_;
+  MapReplica replica_;
+  /// Newest keyframe by session: that came, that was judged, that is settled in the map.
+  std::map<int64_t, int64_t> received_;
+  std::map<int64_t, int64_t> judged_;
+  std::map<int64_t, int64_t> settled_;
+  /// Keyframes to be judged: (session, number there).
+  std::deque<std::pair<int64_t, int64_t>> due_;
+  std::optional<OnItsWay> on_its_way_;
+  std::deque<Keyframe> questions_;
+};
+
+}  // namespace plslam

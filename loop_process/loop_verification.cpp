@@ -1,0 +1,255 @@
+#include "loop_process/loop_verification.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <numbers>
+#include <set>
+
+#include "loop_process/map_way.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kRadPerDeg = std::numbers::pi / 180.0;
+// The paper's gates (§VI.A.2).
+constexpr double kPaperEigenvalue = 0.01;
+constexpr double kPaperMove_m = 0.5;
+constexpr double kPaperTurn_rad = 3.0 * kRadPerDeg;
+constexpr double kPaperInlierShare = 0.5;
+// Nearest distance that tolerances are scaled by.
+constexpr double kNear_m = 1.0;
+
+double Turn_rad(const SE3& T) { return T.Log().tail<3>().norm(); }
+
+double LargestEigenvalue(const Matrix6d& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+Matrix6d Isotropic(double sigma_m, double sigma_rad) {
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
+  covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+  return covariance;
+}
+
+// Sees no keyframe both: two landmarks of one image are two.
+template <class Landmark>
+bool MayBeOne(const Landmark& a, const Landmark& b) {
+  return std::none_of(a.sights.begin(), a.sights.end(),
+                      [&b](const Sight& sight) { return IsSeenBy(b, sight.keyframe_id); });
+}
+
+// Landmarks that one feature shows from both sides; each at most once, the first association counting more.
+template <class Kind>
+class Pairs {
+ public:
+  explicit Pairs(const Map& map) : map_(map) {}
+
+  void Add(int64_t a, int64_t b) {
+    if (a < 0 || b < 0 || a == b || taken_a_.contains(a) || taken_b_.contains(b)) return;
+    if (!MayBeOne(*Kind::Find(map_, a), *Kind::Find(map_, b))) return;
+    taken_a_.insert(a);
+    taken_b_.insert(b);
+    pairs_.push_back({a, b});
+  }
+  // Of a chain a-b, b-c only the first link stands.
+  std::vector<SameLandmarks> Take() {
+    std::erase_if(pairs_, [this](const SameLandmarks& pair) { return taken_b_.contains(pair.a); });
+    return std::move(pairs_);
+  }
+
+ private:
+  const Map& map_;
+  std::vector<SameLandmarks> pairs_;
+  std::set<int64_t> taken_a_;
+  std::set<int64_t> taken_b_;
+};
+
+class Verification {
+ public:
+  Verification(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+               const LoopOptions& options, int64_t old_id, int64_t id)
+      : map_(map),
+        features_(features),
+        camera_(camera),
+        options_(options),
+        gates_(options.verification),
+        old_(*map.FindKeyframe(old_id)),
+        keyframe_(*map.FindKeyframe(id)) {}
+
+  LoopEvidence Run();
+
+ private:
+  bool Find();
+  bool PassesPaperGates() const;
+  bool HasInliers() const;
+  bool IsSeenFromOldSide();
+  void AskKeyframesBefore();
+  int NeededConfirmations() const;
+  bool IsWithinDrift();
+  bool Agree(const SE3& predicted, const SE3& found) const;
+  template <class Kind>
+  std::vector<SameLandmarks> PairUp(const std::vector<int64_t>& seen_now,
+                                    const std::vector<int64_t>& seen_then) const;
+
+  const Map& map_;
+  const KeyframeFeatures& features_;
+  const StereoCamera& camera_;
+  const LoopOptions& options_;
+  const VerificationOptions& gates_;
+  const MapKeyframe& old_;
+  const MapKeyframe& keyframe_;
+  LoopEvidence evidence_;
+};
+
+bool Verification::Find() {
+  const auto place = FindPlace(map_, old_.id, features_.at(keyframe_.id), camera_, options_.localisation,
+                               gates_.local_keyframes, gates_.min_matches);
+  if (!place) return false;
+  evidence_.place = *place;
+  evidence_.confirming = 1;
+  LoopEdge& edge = evidence_.edge;
+  edge.T_old_kf = old_.T_w_kf.Inverse() * place->pose.T_w_kf;
+  edge.covariance = place->pose.covariance +
+                    Isotropic(options_.correction.loop_sigma_m, options_.correction.loop_sigma_deg * kRadPerDeg);
+  const auto count = [](const std::vector<int64_t>& ids) {
+    return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](int64_t id) { return id >= 0; }));
+  };
+  edge.n_points = count(place->association.points);
+  edge.n_lines = count(place->association.lines);
+  return true;
+}
+
+bool Verification::PassesPaperGates() const {
+  const FoundPlace& place = evidence_.place;
+  const SE3& T = evidence_.edge.T_old_kf;
+  return LargestEigenvalue(place.pose.covariance) < kPaperEigenvalue && T.translation().norm() <= kPaperMove_m &&
+         Turn_rad(T) <= kPaperTurn_rad && place.inliers > kPaperInlierShare * place.matches;
+}
+
+bool Verification::HasInliers() const {
+  const FoundPlace& place = evidence_.place;
+  return place.inliers >= gates_.min_inliers && place.cells >= gates_.min_cells &&
+         place.Share() >= gates_.min_inlier_share &&
+         LargestEigenvalue(place.pose.covariance) <= gates_.max_eigenvalue;
+}
+
+bool Verification::Agree(const SE3& predicted, const SE3& found) const {
+  const SE3 apart = predicted.Inverse() * found;
+  const double distance_m = std::max(kNear_m, evidence_.place.median_depth_m);
+  return apart.translation().norm() <= gates_.max_disagreement * distance_m &&
+         Turn_rad(apart) <= gates_.max_disagreement_deg * kRadPerDeg;
+}
+
+bool Verification::IsSeenFromOldSide() {
+  // Where the old keyframe would be if the new one were where the map has it.
+  const SE3 T_w_old = keyframe_.T_w_kf * evidence_.edge.T_old_kf.Inverse();
+  const auto place = FindPlaceNear(map_, keyframe_.id, T_w_old, features_.at(old_.id), camera_, options_.localisation,
+                                   gates_.local_keyframes);
+  Association then;
+  if (place) {
+    evidence_.reverse_inliers = place->inliers;
+    then = place->association;
+  }
+  evidence_.points = PairUp<PointKind>(evidence_.place.association.points, then.points);
+  evidence_.lines = PairUp<LineKind>(evidence_.place.association.lines, then.lines);
+  return place && place->inliers >= gates_.min_reverse_inliers && Agree(T_w_old, place->pose.T_w_kf);
+}
+
+template <class Kind>
+std::vector<SameLandmarks> Verification::PairUp(const std::vector<int64_t>& seen_now,
+                                                const std::vector<int64_t>& seen_then) const {
+  Pairs<Kind> pairs(map_);
+  for (int32_t i = 0; i < static_cast<int32_t>(seen_now.size()); ++i) {
+    pairs.Add(seen_now[static_cast<size_t>(i)], LandmarkAt<Kind>(map_, {keyframe_.id, i}));
+  }
+  for (int32_t i = 0; i < static_cast<int32_t>(seen_then.size()); ++i) {
+    pairs.Add(LandmarkAt<Kind>(map_, {old_.id, i}), seen_then[static_cast<size_t>(i)]);
+  }
+  return pairs.Take();
+}
+
+void Verification::AskKeyframesBefore() {
+  const MapKeyframe* before = map_.FindKeyframe(keyframe_.previous_id);
+  while (before != nullptr && evidence_.confirming < gates_.consistent_keyframes) {
+    const auto features = features_.find(before->id);
+    if (features == features_.end()) return;
+    const SE3 predicted = evidence_.place.pose.T_w_kf * (keyframe_.T_w_kf.Inverse() * before->T_w_kf);
+    const auto place = FindPlaceNear(map_, old_.id, predicted, features->second, camera_, options_.localisation,
+                                     gates_.local_keyframes);
+    if (!place || place->inliers < gates_.min_neighbour_inliers || !Agree(predicted, place->pose.T_w_kf)) return;
+    ++evidence_.confirming;
+    before = map_.FindKeyframe(before->previous_id);
+  }
+}
+
+int Verification::NeededConfirmations() const {
+  const int spared = evidence_.place.inliers / std::max(1, gates_.strong_inliers);
+  return std::max(1, gates_.consistent_keyframes - std::min(2, spared));
+}
+
+bool Verification::IsWithinDrift() {
+  const auto way = ShortestWay(map_, old_.id, keyframe_.id);
+  evidence_.connected = way.has_value();
+  if (!way) return true;
+  const double turn_rad = gates_.drift_deg_per_m * kRadPerDeg * way->length_m;
+  const double move_m = gates_.drift_per_m * way->length_m + turn_rad * way->reach_m;
+  const Matrix6d covariance = gates_.covariance_scale * gates_.covariance_scale * way->covariance +
+                              Isotropic(move_m, turn_rad) + evidence_.edge.covariance;
+  const SE3 T_old_kf = old_.T_w_kf.Inverse() * keyframe_.T_w_kf;
+  const Vector6d correction = (T_old_kf.Inverse() * evidence_.edge.T_old_kf).Log();
+  evidence_.drift_chi2 = correction.dot(covariance.llt().solve(correction));
+  return evidence_.drift_chi2 <= gates_.max_drift_chi2;
+}
+
+LoopEvidence Verification::Run() {
+  evidence_.edge.old_keyframe_id = old_.id;
+  evidence_.edge.keyframe_id = keyframe_.id;
+  const auto conclude = [this](LoopVerdict verdict) {
+    evidence_.verdict = verdict;
+    return evidence_;
+  };
+  if (!Find()) return conclude(LoopVerdict::kNotFound);
+  const bool paper = gates_.gates == "paper";
+  if (paper && !PassesPaperGates()) return conclude(LoopVerdict::kPaperGates);
+  if (!paper && !HasInliers()) return conclude(LoopVerdict::kFewInliers);
+  const bool both_sides = IsSeenFromOldSide();
+  if (paper) return conclude(LoopVerdict::kAccepted);
+  if (!both_sides) return conclude(LoopVerdict::kOneSided);
+  if (!IsWithinDrift()) return conclude(LoopVerdict::kBeyondDrift);
+  AskKeyframesBefore();
+  return conclude(evidence_.confirming >= NeededConfirmations() ? LoopVerdict::kAccepted : LoopVerdict::kUnconfirmed);
+}
+
+}  // namespace
+
+const char* LoopVerdictName(LoopVerdict verdict) {
+  switch (verdict) {
+    case LoopVerdict::kAccepted:
+      return "accepted";
+    case LoopVerdict::kNotFound:
+      return "not found";
+    case LoopVerdict::kFewInliers:
+      return "few inliers";
+    case LoopVerdict::kOneSided:
+      return "one-sided";
+    case LoopVerdict::kUnconfirmed:
+      return "unconfirmed";
+    case LoopVerdict::kBeyondDrift:
+      return "beyond drift";
+    case LoopVerdict::kPaperGates:
+      break;
+  }
+  return "paper's gates";
+}
+
+LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+                        const LoopOptions& options, int64_t old_keyframe_id, int64_t keyframe_id) {
+  const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
+                     features.contains(old_keyframe_id) && features.contains(keyframe_id);
+  if (!known) return {};
+  return Verification(map, features, camera, options, old_keyframe_id, keyframe_id).Run();
+}
+
+}  // namespace plslam

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "core/localisation/landmark_kinds.h"
+#include "core/map/loop_closure.h"
+#include "core/map/map.h"
+#include "loop_process/options.h"
+#include "loop_process/place_search.h"
+
+namespace plslam {
+
+/// How far a candidate came, for reports and tests.
+enum class LoopVerdict {
+  kAccepted,
+  kNotFound,     ///< no pose among the landmarks of the old place
+  kFewInliers,   ///< too few, too small a share, or in one corner of the image
+  kOneSided,     ///< the old keyframe is not found among the landmarks of the new, or elsewhere
+  kUnconfirmed,  ///< too few of the keyframes before agree
+  kBeyondDrift,  ///< the map would have to be more wrong than it can be
+  kPaperGates,   ///< one of the paper's three tests failed
+};
+
+const char* LoopVerdictName(LoopVerdict verdict);
+
+/// A candidate and what was found out about it.
+struct LoopEvidence {
+  LoopVerdict verdict = LoopVerdict::kNotFound;
+  LoopEdge edge;
+  FoundPlace place;
+  /// Landmarks seen from both sides: a of the old place, b of the new, each at most once.
+  std::vector<SameLandmarks> points;
+  std::vector<SameLandmarks> lines;
+  int reverse_inliers = 0;
+  /// Keyframes that agree, this one included.
+  int confirming = 0;
+  /// Whether the map knew how both lie to each other, and how far that is off, in drift's chi-square.
+  bool connected = false;
+  double drift_chi2 = 0.0;
+};
+
+/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2).
+///
+/// Default gates: enough inliers over the image and a fair share of what should be seen; the old keyframe is found among the
+/// landmarks of the new one at the same place; the keyframes before are found where odometry says they must be, or the
+/// inliers are so many that they need not; and the correction is within what the way between both may have drifted.
+LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+                        const LoopOptions& options, int64_t old_keyframe_id, int64_t keyframe_id);
+
+}  // namespace plslam

@@ -1,0 +1,58 @@
+#include "loop_process/map_edges.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+class Edges {
+ public:
+  explicit Edges(const Map& map) : map_(map) {}
+
+  // nullptr where one of them is not in the map.
+  MapEdge* Between(int64_t a, int64_t b) {
+    if (a == b || map_.FindKeyframe(a) == nullptr || map_.FindKeyframe(b) == nullptr) return nullptr;
+    const auto pair = std::minmax(a, b);
+    const auto [entry, is_new] = edges_.try_emplace(std::pair<int64_t, int64_t>(pair));
+    if (is_new) entry->second = {pair.first, pair.second, map_.Shared(a, b)};
+    return &entry->second;
+  }
+
+  std::vector<MapEdge> All() const {
+    std::vector<MapEdge> all;
+    all.reserve(edges_.size());
+    for (const auto& [pair, edge] : edges_) all.push_back(edge);
+    return all;
+  }
+
+ private:
+  const Map& map_;
+  std::map<std::pair<int64_t, int64_t>, MapEdge> edges_;
+};
+
+}  // namespace
+
+std::vector<MapEdge> MapEdges(const Map& map) {
+  Edges edges(map);
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (MapEdge* edge = edges.Between(keyframe.previous_id, id)) edge->odometry = true;
+    edges.Between(keyframe.parent_id, id);
+    for (const Map::Neighbour& neighbour : map.Neighbours(id, Map::kEssential)) {
+      if (neighbour.keyframe_id > id) edges.Between(id, neighbour.keyframe_id);
+    }
+  }
+  for (int i = 0; i < static_cast<int>(map.loops().size()); ++i) {
+    const LoopEdge& loop = map.loops()[static_cast<size_t>(i)];
+    if (MapEdge* edge = edges.Between(loop.old_keyframe_id, loop.keyframe_id)) edge->loop = i;
+  }
+  return edges.All();
+}
+
+Matrix6d InverseCovariance(const SE3& T_a_b, const Matrix6d& covariance) {
+  const Matrix6d adjoint = T_a_b.Adjoint();
+  return adjoint * covariance * adjoint.transpose();
+}
+
+}  // namespace plslam

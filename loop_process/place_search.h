@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/localisation/local_map.h"
+#include "core/localisation/pose_refinement.h"
+#include "core/map/map.h"
+
+namespace plslam {
+
+/// A camera found among the landmarks of a place, and what speaks for it. Lines count twice.
+struct FoundPlace {
+  KeyframePose pose;
+  Association association;
+  /// Features that show a landmark, and matches they were chosen from.
+  int inliers = 0;
+  int matches = 0;
+  /// Landmarks of the old keyframe itself that should be in the image, and those of them that are found there.
+  int expected = 0;
+  int found = 0;
+  /// Cells of a 4 x 4 grid over the image that hold inliers.
+  int cells = 0;
+  /// Of the inliers' distances.
+  double median_depth_m = 0.0;
+
+  double Share() const { return expected > 0 ? static_cast<double>(found) / expected : 0.0; }
+};
+
+/// What a keyframe and its best neighbours see.
+LocalMap LandmarksAround(const Map& map, int64_t keyframe_id, int max_keyframes);
+
+/// Finds a camera of which nothing is known in the surroundings of a keyframe (PL-SLAM §VI.A.2): matches by descriptor,
+/// pose from minimal sets, then as `FindPlaceNear`. nullopt where fewer than `min_matches` agree.
+std::optional<FoundPlace> FindPlace(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
+                                    const StereoCamera& camera, const LocalisationOptions& options,
+                                    int local_keyframes, int min_matches);
+
+/// Finds a camera near `T_w_c` in the surroundings of a keyframe: landmarks searched by projection, and the robust
+/// estimator of §IV.C, twice.
+std::optional<FoundPlace> FindPlaceNear(const Map& map, int64_t keyframe_id, const SE3& T_w_c,
+                                        const StereoFeatures& features, const StereoCamera& camera,
+                                        const LocalisationOptions& options, int local_keyframes);
+
+}  // namespace plslam

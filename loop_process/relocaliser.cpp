@@ -1,0 +1,65 @@
+#include "loop_process/relocaliser.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "loop_process/loop_candidates.h"
+#include "loop_process/loop_search.h"
+#include "loop_process/place_search.h"
+
+namespace plslam {
+namespace {
+
+struct Answer {
+  int64_t keyframe_id = -1;
+  FoundPlace place;
+};
+
+bool IsGood(const FoundPlace& place, const LoopOptions& options) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(place.pose.covariance, Eigen::EigenvaluesOnly);
+  return place.inliers >= options.relocalisation.min_inliers &&
+         place.Share() >= options.relocalisation.min_inlier_share && place.cells >= options.verification.min_cells &&
+         solver.eigenvalues().maxCoeff() <= options.verification.max_eigenvalue;
+}
+
+int32_t CountShown(const std::vector<int64_t>& ids) {
+  return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](int64_t id) { return id >= 0; }));
+}
+
+Relocalisation ToRelocalisation(const Answer& answer) {
+  Relocalisation relocalisation;
+  relocalisation.found = true;
+  relocalisation.keyframe_id = answer.keyframe_id;
+  relocalisation.T_w_c = answer.place.pose.T_w_kf;
+  relocalisation.covariance = answer.place.pose.covariance;
+  relocalisation.n_points = CountShown(answer.place.association.points);
+  relocalisation.n_lines = CountShown(answer.place.association.lines);
+  return relocalisation;
+}
+
+}  // namespace
+
+Relocalisation FindCamera(const Map& map, const PlaceRecogniser& places, const StereoFeatures& features,
+                          const StereoCamera& camera, const LoopOptions& options) {
+  std::optional<Answer> best;
+  std::vector<FoundPlace> all;
+  for (const LoopCandidate& candidate : FindPlaceCandidates(
+           map, places, places.Describe(features), options.candidates, options.relocalisation.max_candidates)) {
+    const auto place = FindPlace(map, candidate.keyframe_id, features, camera, options.localisation,
+                                 options.verification.local_keyframes, options.verification.min_matches);
+    if (!place) continue;
+    all.push_back(*place);
+    if (!IsGood(*place, options)) continue;
+    if (!best || place->inliers > best->place.inliers) best = Answer{candidate.keyframe_id, *place};
+  }
+  if (!best) return {};
+  const bool rivalled = std::any_of(all.begin(), all.end(), [&](const FoundPlace& other) {
+    return AreTwoPlaces(best->place, other) &&
+           other.inliers > options.relocalisation.max_rival_share * best->place.inliers;
+  });
+  return rivalled ? Relocalisation() : ToRelocalisation(*best);
+}
+
+}  // namespace plslam

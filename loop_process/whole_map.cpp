@@ -1,0 +1,122 @@
+#include "loop_process/whole_map.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace plslam {
+namespace {
+
+using Places = std::map<int64_t, int>;
+
+// Sights of a landmark by keyframes that take part.
+template <class Landmark>
+int CountSights(const Landmark& landmark, const Places& poses) {
+  return static_cast<int>(std::count_if(landmark.sights.begin(), landmark.sights.end(),
+                                        [&poses](const Sight& sight) { return poses.contains(sight.keyframe_id); }));
+}
+
+// Of each keyframe the landmarks that most others see, until it has enough; those already taken for another one count.
+template <class Kind>
+std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_sights, int per_keyframe) {
+  std::map<int64_t, int> sights;
+  for (const auto& [id, landmark] : Kind::Landmarks(map)) {
+    const int count = CountSights(landmark, poses);
+    if (count >= min_sights) sights[id] = count;
+  }
+  std::set<int64_t> chosen;
+  for (const auto& [keyframe_id, place] : poses) {
+    std::vector<int64_t> seen;
+    int taken = 0;
+    for (const int64_t id : Kind::Of(map, keyframe_id)) {
+      if (id < 0 || !sights.contains(id)) continue;
+      if (chosen.contains(id)) {
+        ++taken;
+      } else {
+        seen.push_back(id);
+      }
+    }
+    std::stable_sort(seen.begin(), seen.end(),
+                     [&sights](int64_t a, int64_t b) { return sights.at(a) > sights.at(b); });
+    for (size_t i = 0; i < seen.size() && taken < per_keyframe; ++i, ++taken) chosen.insert(seen[i]);
+  }
+  return {chosen.begin(), chosen.end()};
+}
+
+PointSight Seen(int pose, int point, const StereoPoint& seen) {
+  return {
+      pose, point, {seen.left.px.x(), seen.left.px.y(), seen.disparity_px}, seen.sigma_px, seen.sigma_disparity_px};
+}
+
+LineSight Seen(int pose, int line, const StereoLine& seen) {
+  return {pose,
+          line,
+          seen.left.segment,
+          seen.disparity_p_px,
+          seen.disparity_q_px,
+          seen.sigma_px,
+          seen.sigma_disparity_p_px,
+          seen.sigma_disparity_q_px};
+}
+
+template <class Kind, class BundleSight>
+void AddSights(const Map& map, const KeyframeFeatures& features, const Places& poses, const std::vector<int64_t>& ids,
+               std::vector<BundleSight>& sights) {
+  for (int i = 0; i < static_cast<int>(ids.size()); ++i) {
+    for (const Sight& sight : Kind::Find(map, ids[static_cast<size_t>(i)])->sights) {
+      const auto pose = poses.find(sight.keyframe_id);
+      if (pose == poses.end()) continue;
+      const auto& list = Kind::Features(features.at(sight.keyframe_id));
+      if (static_cast<size_t>(sight.feature) >= list.size()) continue;
+      sights.push_back(Seen(pose->second, i, list[static_cast<size_t>(sight.feature)]));
+    }
+  }
+}
+
+void AddPoses(const Map& map, const KeyframeFeatures& features, double relative_sigma, Places& places,
+              WholeMapProblem& problem) {
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (!features.contains(id)) continue;
+    places[id] = static_cast<int>(problem.keyframes.size());
+    problem.keyframes.push_back(id);
+    problem.bundle.poses.push_back({keyframe.T_w_kf, problem.bundle.poses.empty()});
+    const auto previous = places.find(keyframe.previous_id);
+    if (previous == places.end()) continue;
+    problem.bundle.relative_poses.push_back({previous->second, places[id], keyframe.T_prevkf_kf,
+                                             relative_sigma * relative_sigma * keyframe.relative_covariance});
+  }
+}
+
+}  // namespace
+
+WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+                                    const WholeMapOptions& options) {
+  WholeMapProblem problem;
+  problem.bundle.camera = camera;
+  Places poses;
+  AddPoses(map, features, options.relative_sigma, poses, problem);
+  const auto points = Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe);
+  const auto lines = Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe);
+  for (const int64_t id : points) problem.bundle.points.push_back({map.FindPoint(id)->p_w});
+  for (const int64_t id : lines) problem.bundle.lines.push_back({map.FindLine(id)->segment_w});
+  AddSights<PointKind>(map, features, poses, points, problem.bundle.point_sights);
+  AddSights<LineKind>(map, features, poses, lines, problem.bundle.line_sights);
+  return problem;
+}
+
+LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
+                           const std::atomic<bool>* stop) {
+  LoopClosure closure;
+  closure.kind = LoopClosure::Kind::kAdjustment;
+  closure.session = problem.session;
+  closure.session_keyframe_id = problem.session_keyframe_id;
+  closure.t_ns = problem.t_ns;
+  const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop);
+  if (!result.ok) return closure;
+  for (size_t i = 0; i < problem.keyframes.size(); ++i) {
+    closure.poses.push_back({problem.keyframes[i], result.T_w_c[i]});
+  }
+  return closure;
+}
+
+}  // namespace plslam

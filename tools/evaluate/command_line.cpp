@@ -11,6 +11,7 @@
 
 #include "core/io/atomic_file.h"
 #include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/places/places_command.h"
 #include "tools/evaluate/plot.h"
 #include "tools/evaluate/table.h"
 
@@ -107,9 +108,11 @@ int Evaluate(const Arguments& a) {
 }  // namespace
 
 int RunEvaluate(int argc, char** argv) {
+  if (argc > 1 && std::string_view(argv[1]) == "places") return RunEvaluatePlaces(argc - 1, argv + 1);
   CLI::App app("Compares an estimated trajectory with the truth. docs/metrics.md defines the numbers.", "evaluate");
   Arguments arguments;
   AddOptions(app, arguments);
+  app.footer("`evaluate places DATASET...` judges place recognition instead; see `evaluate places --help`.");
   try {
     app.parse(argc, argv);
     return Evaluate(arguments);

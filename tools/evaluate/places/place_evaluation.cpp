@@ -1,0 +1,124 @@
+#include "tools/evaluate/places/place_evaluation.h"
+
+#include <algorithm>
+
+#include "core/config/fields.h"
+
+namespace plslam {
+namespace {
+
+/// What is true of each pair (later frame, earlier frame), row by row.
+class TruthTable {
+ public:
+  TruthTable(const std::vector<PlaceFrame>& frames, const RevisitOptions& options) : size_(frames.size()) {
+    truth_.resize(size_ * size_, PairTruth::kIgnored);
+    for (size_t i = 0; i < size_; ++i) {
+      for (size_t j = 0; j < i; ++j) truth_[i * size_ + j] = JudgePair(frames[i].pose, frames[j].pose, options);
+    }
+  }
+
+  PairTruth At(size_t later, size_t earlier) const { return truth_[later * size_ + earlier]; }
+  int Count(PairTruth what) const { return static_cast<int>(std::count(truth_.begin(), truth_.end(), what)); }
+  bool Revisits(size_t later) const {
+    const auto row = truth_.begin() + static_cast<std::ptrdiff_t>(later * size_);
+    return std::find(row, row + static_cast<std::ptrdiff_t>(size_), PairTruth::kRevisit) !=
+           row + static_cast<std::ptrdiff_t>(size_);
+  }
+  int RevisitingFrames() const {
+    int count = 0;
+    for (size_t i = 0; i < size_; ++i) count += Revisits(i) ? 1 : 0;
+    return count;
+  }
+
+ private:
+  size_t size_;
+  std::vector<PairTruth> truth_;
+};
+
+PlaceRecogniser RecogniserFor(const Vocabulary& points, const Vocabulary& lines, const std::string& merge) {
+  PlaceOptions options;
+  options.merge = merge;
+  return {points, lines, options};
+}
+
+std::vector<ScoredProposal> BestMatches(const std::vector<PlaceFrame>& frames, const TruthTable& truth,
+                                        PlaceRecogniser recogniser) {
+  std::vector<ScoredProposal> proposals;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const auto ignored = [&](int64_t j) { return truth.At(i, static_cast<size_t>(j)) == PairTruth::kIgnored; };
+    for (const PlaceMatch& match : recogniser.Query(frames[i].description, ignored, 1)) {
+      const PairTruth what = truth.At(i, static_cast<size_t>(match.keyframe_id));
+      proposals.push_back({match.score, what == PairTruth::kRevisit});
+    }
+    recogniser.Add(static_cast<int64_t>(i), frames[i].description);
+  }
+  return proposals;
+}
+
+std::vector<ScoredProposal> AllPairs(const std::vector<PlaceFrame>& frames, const TruthTable& truth,
+                                     const PlaceRecogniser& recogniser) {
+  std::vector<ScoredProposal> proposals;
+  for (size_t i = 0; i < frames.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const PairTruth what = truth.At(i, j);
+      if (what == PairTruth::kIgnored) continue;
+      proposals.push_back(
+          {recogniser.Score(frames[i].description, frames[j].description), what == PairTruth::kRevisit});
+    }
+  }
+  return proposals;
+}
+
+SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, const PlaceRecogniser& recogniser) {
+  SimilarityMatrix matrix;
+  matrix.size = static_cast<int>(frames.size());
+  for (const PlaceFrame& row : frames) {
+    for (const PlaceFrame& column : frames) {
+      matrix.values.push_back(static_cast<float>(recogniser.Score(row.description, column.description)));
+    }
+  }
+  return matrix;
+}
+
+/// Hears the values of one option among its fields.
+struct ValuesOf {
+  std::string field;
+  std::vector<std::string> values;
+  void operator()(const char* name, const std::string&, const OneOf& allowed, const char*) {
+    if (name == field) values = allowed.values;
+  }
+  template <class... Any>
+  void operator()(const Any&...) {}
+};
+
+}  // namespace
+
+std::vector<std::string> MergeNames() {
+  ValuesOf merges{"merge", {}};
+  PlaceOptions options;
+  VisitFields(merges, options);
+  return merges.values;
+}
+
+PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceFrame>& frames,
+                               const Vocabulary& points, const Vocabulary& lines, const RevisitOptions& options) {
+  const TruthTable truth(frames, options);
+  PlaceEvaluation result;
+  result.name = name;
+  result.frames = static_cast<int>(frames.size());
+  result.revisiting_frames = truth.RevisitingFrames();
+  result.revisits = truth.Count(PairTruth::kRevisit);
+  result.other_places = truth.Count(PairTruth::kOtherPlace);
+  for (const std::string& merge : MergeNames()) {
+    const PlaceRecogniser recogniser = RecogniserFor(points, lines, merge);
+    result.merges.push_back({merge,
+                             ComputePrecisionRecall(BestMatches(frames, truth, recogniser), result.revisiting_frames),
+                             ComputePrecisionRecall(AllPairs(frames, truth, recogniser), result.revisits)});
+  }
+  result.points = MatrixOf(frames, RecogniserFor(points, lines, "points"));
+  result.lines = MatrixOf(frames, RecogniserFor(points, lines, "lines"));
+  result.merged = MatrixOf(frames, RecogniserFor(points, lines, PlaceOptions().merge));
+  return result;
+}
+
+}  // namespace plslam

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/evaluate/places/place_evaluation.h"
+
+namespace plslam {
+
+/// The numbers of one sequence as aligned lines for a terminal.
+std::string PlaceTable(const PlaceEvaluation& evaluation);
+
+/// The numbers of all sequences, with the curves and what counts as a revisit.
+nlohmann::ordered_json PlacesToJson(const std::vector<PlaceEvaluation>& evaluations, const RevisitOptions& options);
+
+}  // namespace plslam

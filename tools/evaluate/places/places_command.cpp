@@ -1,0 +1,114 @@
+#include "tools/evaluate/places/places_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cctype>
+#include <exception>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "core/io/atomic_file.h"
+#include "player/open_dataset.h"
+#include "tools/evaluate/places/place_pictures.h"
+#include "tools/evaluate/places/place_report.h"
+#include "tools/train_vocabulary/left_features.h"
+
+namespace plslam {
+namespace {
+
+struct Arguments {
+  std::vector<std::string> datasets;
+  std::string points = "config/orb.vocabulary";
+  std::string lines = "config/lbd.vocabulary";
+  std::string out;
+  std::string json;
+  int stride = 1;
+  RevisitOptions revisit;
+};
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  app.add_option("datasets", a.datasets, "sequences with true poses (folders, logs, built-in worlds)")->required();
+  app.add_option("--points", a.points, "vocabulary of points");
+  app.add_option("--lines", a.lines, "vocabulary of lines");
+  app.add_option("--stride", a.stride, "every so many-th frame")->check(CLI::Range(1, 1000000));
+  app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit [m]")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--angle", a.revisit.angle_deg, "largest angle of a revisit [deg]")->check(CLI::Range(0.0, 180.0));
+  app.add_option("--far-distance", a.revisit.far_distance_m, "farther away is another place [m]")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--far-angle", a.revisit.far_angle_deg, "turned farther is another place [deg]")
+      ->check(CLI::Range(0.0, 180.0));
+  app.add_option("--min-gap", a.revisit.min_gap_s, "pairs closer in time are not looked at [s]")
+      ->check(CLI::Range(0.0, 1e6));
+  app.add_option("--out", a.out, "folder for pictures: similarity matrices, precision and recall (PNG)");
+  app.add_option("--json", a.json, "write all numbers to this file");
+}
+
+std::vector<PlaceFrame> ReadFrames(const std::string& location, int stride, const PlaceRecogniser& recogniser) {
+  const auto dataset = OpenDataset(location, "");
+  std::vector<PlaceFrame> frames;
+  const auto use = [&](int index, const ImageFeatures& features) {
+    const auto T_w_c = dataset->GroundTruth(index);
+    if (T_w_c) frames.push_back({{dataset->t_ns(index), *T_w_c}, recogniser.Describe(features)});
+  };
+  ForEachLeftImage(*dataset, stride, FeatureOptions{}, use, [](int, int) {});
+  if (frames.empty()) throw std::runtime_error(location + " has no true poses");
+  return frames;
+}
+
+/// The last part of a dataset's name with nothing that a file's name should not have.
+std::string FileName(const std::string& location) {
+  std::string name = std::filesystem::path(location).lexically_normal().filename();
+  if (name.empty()) name = std::filesystem::path(location).lexically_normal().parent_path().filename();
+  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' ? c : '_';
+  return name;
+}
+
+void WritePicture(const cv::Mat& picture, const std::string& path) {
+  std::vector<uchar> png;
+  cv::imencode(".png", picture, png);
+  WriteFileAtomically(path, std::string(png.begin(), png.end()));
+}
+
+void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder) {
+  std::filesystem::create_directories(folder);
+  const std::string start = (std::filesystem::path(folder) / FileName(evaluation.name)).string();
+  WritePicture(DrawSimilarities(evaluation), start + "_similarity.png");
+  WritePicture(DrawPrecisionRecall(evaluation), start + "_precision_recall.png");
+}
+
+int Evaluate(const Arguments& a) {
+  const PlaceRecogniser recogniser(Vocabulary::Load(a.points), Vocabulary::Load(a.lines), PlaceOptions{});
+  std::vector<PlaceEvaluation> evaluations;
+  for (const std::string& dataset : a.datasets) {
+    evaluations.push_back(EvaluatePlaces(dataset, ReadFrames(dataset, a.stride, recogniser),
+                                         recogniser.point_vocabulary(), recogniser.line_vocabulary(), a.revisit));
+    fmt::print("{}\n", PlaceTable(evaluations.back()));
+    std::fflush(stdout);
+    if (!a.out.empty()) WritePictures(evaluations.back(), a.out);
+  }
+  if (!a.json.empty()) WriteFileAtomically(a.json, PlacesToJson(evaluations, a.revisit).dump(2) + "\n");
+  return 0;
+}
+
+}  // namespace
+
+int RunEvaluatePlaces(int argc, char** argv) {
+  CLI::App app("How well places are recognised by points, by lines, and by both. docs/places.md defines the numbers.",
+               "evaluate places");
+  Arguments arguments;
+  AddOptions(app, arguments);
+  try {
+    app.parse(argc, argv);
+    return Evaluate(arguments);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "evaluate places: {}\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace plslam

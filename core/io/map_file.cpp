@@ -1,0 +1,234 @@
+#include "core/io/map_file.h"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <stdexcept>
+
+#include "core/io/atomic_file.h"
+#include "core/io/map_file_check.h"
+#include "core/io/map_file_fields.h"
+
+namespace plslam {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+using Checksum = std::array<uint8_t, 32>;
+
+constexpr std::array<char, 8> kMagic = {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'};
+constexpr uint64_t kFormat = 1;
+
+/// What a file begins with; then come `length` bytes of content.
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  uint64_t format = kFormat;
+  uint64_t length = 0;
+  /// Of the fields above and the content.
+  Checksum checksum{};
+};
+static_assert(sizeof(Header) == 56);
+constexpr size_t kSummedHeader = 24;
+
+Checksum Sum(const Header& header, Bytes content) {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  crypto_generichash_state state;
+  Checksum sum;
+  crypto_generichash_init(&state, nullptr, 0, sum.size());
+  crypto_generichash_update(&state, reinterpret_cast<const uint8_t*>(&header), kSummedHeader);
+  crypto_generichash_update(&state, content.data(), content.size());
+  crypto_generichash_final(&state, sum.data(), sum.size());
+  return sum;
+}
+
+/// Throws unless it is that of a file of `file_length` bytes.
+Header ReadHeader(Bytes bytes, uint64_t file_length) {
+  Header header;
+  if (bytes.size() < sizeof(Header)) throw std::runtime_error("is no map file (too short)");
+  std::memcpy(&header, bytes.data(), sizeof(Header));
+  if (header.magic != kMagic) throw std::runtime_error("is no map file");
+  if (header.format != kFormat) {
+    throw std::runtime_error(
+        fmt::format("is a map file of format {}, and this program knows format {}", header.format, kFormat));
+  }
+  if (header.length != file_length - sizeof(Header)) {
+    throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",
+                                         file_length - sizeof(Header), header.length));
+  }
+  return header;
+}
+
+/// Reads landmarks of one kind into the map; returns how many sights they have.
+template <class Landmark>
+int64_t ReadLandmarks(map_file::Reader& read, StoredMap& stored) {
+  int64_t last_id = -1;
+  int64_t n_sights = 0;
+  for (uint64_t n = read.ReadCount(map_file::MinBytes<Landmark>()); n > 0; --n) {
+    Landmark landmark;
+    read(landmark);
+    map_file::Check(landmark, stored.features);
+    if (landmark.id <= last_id) throw std::runtime_error("landmarks do not ascend");
+    last_id = landmark.id;
+    n_sights += static_cast<int64_t>(landmark.sights.size());
+    stored.map.Put(landmark);
+  }
+  return n_sights;
+}
+
+void ReadKeyframes(map_file::Reader& read, StoredMap& stored) {
+  int64_t last_id = -1;
+  for (uint64_t n = read.ReadCount(map_file::MinBytes<MapKeyframe>()); n > 0; --n) {
+    MapKeyframe keyframe;
+    read(keyframe);
+    map_file::Check(keyframe);
+    if (keyframe.id <= last_id) throw std::runtime_error("keyframes do not ascend");
+    last_id = keyframe.id;
+    stored.map.Put(keyframe);
+  }
+}
+
+/// Values by number, ascending.
+template <class Value>
+void ReadMap(map_file::Reader& read, std::map<int64_t, Value>& values) {
+  for (uint64_t n = read.ReadCount(sizeof(int64_t) + map_file::MinBytes<Value>()); n > 0; --n) {
+    int64_t id = 0;
+    read(id);
+    if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
+    read(values.try_emplace(values.end(), id)->second);
+  }
+}
+
+StoredMap ReadContent(Bytes content) {
+  StoredMap stored;
+  map_file::Reader read(content);
+  read(stored);
+  ReadMap(read, stored.sessions);
+  ReadKeyframes(read, stored);
+  ReadMap(read, stored.features);
+  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
+  const int64_t point_sights = ReadLandmarks<MapPoint>(read, stored);
+  const int64_t line_sights = ReadLandmarks<MapLine>(read, stored);
+  std::vector<LoopEdge> loops;
+  read(loops);
+  for (const LoopEdge& loop : loops) {
+    map_file::Check(loop);
+    stored.map.Add(loop);
+  }
+  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  map_file::CheckWhole(stored, point_sights, line_sights);
+  stored.map.TakeChanges();
+  return stored;
+}
+
+/// The content is read while another thread sums it up, which takes as long.
+StoredMap ReadAndCheck(const Header& header, Bytes content) {
+  auto sum = std::async(std::launch::async, [&] { return Sum(header, content); });
+  const auto check = [&] {
+    if (sum.get() != header.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
+  };
+  StoredMap stored;
+  try {
+    stored = ReadContent(content);
+  } catch (const std::runtime_error&) {
+    check();
+    throw;
+  }
+  check();
+  return stored;
+}
+
+template <class Value>
+void WriteMap(map_file::Writer& write, const std::map<int64_t, Value>& values) {
+  write(static_cast<uint64_t>(values.size()));
+  for (const auto& [id, value] : values) write(id, value);
+}
+
+template <class Value>
+void WriteValues(map_file::Writer& write, const std::map<int64_t, Value>& values) {
+  write(static_cast<uint64_t>(values.size()));
+  for (const auto& [id, value] : values) write(value);
+}
+
+void CheckAll(const StoredMap& stored) {
+  for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
+  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
+  for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
+  for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
+  for (const LoopEdge& loop : stored.map.loops()) map_file::Check(loop);
+  const MapTotals totals = stored.map.Totals();
+  map_file::CheckWhole(stored, totals.point_sights, totals.line_sights);
+}
+
+template <class Function>
+auto Naming(const std::string& path, Function f) {
+  try {
+    return f();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+}
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
+  if (std::fread(bytes, 1, n, file) != n) throw std::runtime_error("cannot be read to its end");
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
+  CheckAll(stored);
+  map_file::Writer write;
+  // The header's place; what it says is known at the end.
+  write(std::vector<uint8_t>(sizeof(Header) - sizeof(uint64_t)), stored);
+  WriteMap(write, stored.sessions);
+  WriteValues(write, stored.map.keyframes());
+  WriteMap(write, stored.features);
+  WriteValues(write, stored.map.points());
+  WriteValues(write, stored.map.lines());
+  write(stored.map.loops());
+  std::vector<uint8_t> bytes = std::move(write).Take();
+  Header header;
+  header.length = bytes.size() - sizeof(Header);
+  header.checksum = Sum(header, Bytes(bytes).subspan(sizeof(Header)));
+  std::memcpy(bytes.data(), &header, sizeof(Header));
+  return bytes;
+}
+
+StoredMap DecodeMap(std::span<const uint8_t> bytes) {
+  const Header header = ReadHeader(bytes, bytes.size());
+  return ReadAndCheck(header, bytes.subspan(sizeof(Header)));
+}
+
+void WriteMapFile(const std::string& path, const StoredMap& stored) {
+  const std::vector<uint8_t> bytes = Naming(path, [&] { return EncodeMap(stored); });
+  WriteFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+StoredMap ReadMapFile(const std::string& path) {
+  return Naming(path, [&] {
+    std::error_code error;
+    const uint64_t length = std::filesystem::file_size(path, error);
+    const File file(error ? nullptr : std::fopen(path.c_str(), "rb"), &std::fclose);
+    if (file == nullptr) {
+      throw std::runtime_error(fmt::format("cannot be opened: {}", error ? error.message() : std::strerror(errno)));
+    }
+    std::array<uint8_t, sizeof(Header)> head{};
+    const size_t n = std::min<uint64_t>(length, sizeof(Header));
+    ReadExactly(file.get(), head.data(), n);
+    const Header header = ReadHeader(Bytes(head).first(n), length);
+    // Not a vector: its bytes would be set to zero first.
+    const std::unique_ptr<uint8_t[]> content(new uint8_t[header.length]);
+    ReadExactly(file.get(), content.get(), header.length);
+    return ReadAndCheck(header, {content.get(), header.length});
+  });
+}
+
+}  // namespace plslam

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/features/features.h"
+#include "core/map/map.h"
+
+namespace plslam {
+
+/// The newest keyframe of a session that is in the map: its number there and as the session counts.
+struct StoredSession {
+  int64_t keyframe_id = -1;
+  int64_t session_keyframe_id = -1;
+
+  bool operator==(const StoredSession&) const = default;
+};
+
+/// A map with everything that is needed to go on in it.
+struct StoredMap {
+  /// The camera it was made with, encoded by whoever compares it; opaque here.
+  std::vector<uint8_t> rig;
+  Map map;
+  /// Of the keyframes that the map has, by their number in it. Every sight is among them.
+  std::map<int64_t, StereoFeatures> features;
+  /// Greater than any that was ever given.
+  int64_t next_keyframe_id = 0;
+  int64_t next_point_id = 0;
+  int64_t next_line_id = 0;
+  std::map<int64_t, StoredSession> sessions;
+  int64_t newest_session = 0;
+  int64_t newest_t_ns = 0;
+  int64_t version = 0;
+};
+
+/// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit, so that
+/// what is decoded is encoded to the same bytes again. See docs/map_files.md.
+///
+/// Throws std::runtime_error where the map breaks what decoding demands.
+std::vector<uint8_t> EncodeMap(const StoredMap& stored);
+
+/// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a newer
+/// format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that do not
+/// ascend, sights of features that a keyframe does not have). Needs memory in proportion to the bytes.
+StoredMap DecodeMap(std::span<const uint8_t> bytes);
+
+/// Beside the file and renamed.
+void WriteMapFile(const std::string& path, const StoredMap& stored);
+
+/// Errors name the file.
+StoredMap ReadMapFile(const std::string& path);
+
+}  // namespace plslam

@@ -1,0 +1,142 @@
+// Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be a
+// sound map that is saved as the same bytes, and memory must stay within a bound of the file.
+//
+// PLSLAM_FUZZ_SECONDS sets the duration of each test (default 2), PLSLAM_FUZZ_SEED the first seed (default 1). Each
+// case is made from its seed alone, which a failure names.
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/bus/allocation_counter.h"
+#include "tests/unit/map_file/stored_maps.h"
+
+namespace plslam {
+namespace {
+
+using Random = std::mt19937_64;
+using ByteVector = std::vector<uint8_t>;
+
+double EnvironmentNumber(const char* name, double fallback) {
+  const char* text = std::getenv(name);
+  return text == nullptr ? fallback : std::atof(text);
+}
+
+/// Calls `one_case` with fresh generators until the time is over. It returns whether the case was accepted.
+template <class Case>
+void Fuzz(Case one_case) {
+  using Clock = std::chrono::steady_clock;
+  const auto end = Clock::now() + std::chrono::duration<double>(EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 2.0));
+  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
+  const uint64_t first = seed;
+  uint64_t accepted = 0;
+  for (; Clock::now() < end && !testing::Test::HasFailure(); ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    Random random(seed);
+    if (one_case(random)) ++accepted;
+  }
+  std::printf("  %lu cases, %lu accepted\n", static_cast<unsigned long>(seed - first),
+              static_cast<unsigned long>(accepted));
+}
+
+void Mutate(ByteVector& bytes, Random& random) {
+  const uint64_t words[] = {0,
+                            1,
+                            0xFF,
+                            0x7FFFFFFF,
+                            0xFFFFFFFF,
+                            0x7FFFFFFFFFFFFFFF,
+                            0xFFFFFFFFFFFFFFFF,
+                            0x7FF0000000000000,
+                            0x7FF8000000000000,
+                            1ULL << 40};
+  for (uint64_t n = 1 + random() % 4; n > 0 && bytes.size() > 64; --n) {
+    // Counts and numbers stand mostly near the beginning.
+    const size_t range = random() % 2 == 0 ? bytes.size() : std::min<size_t>(bytes.size(), 1000);
+    const size_t at = random() % range;
+    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
+    switch (random() % 5) {
+      case 0:
+        bytes[at] ^= static_cast<uint8_t>(1U << (random() % 8));
+        break;
+      case 1:
+        bytes[at] = static_cast<uint8_t>(random());
+        break;
+      case 2:
+        bytes.insert(place, random() % 40, static_cast<uint8_t>(random()));
+        break;
+      case 3:
+        bytes.erase(place, place + static_cast<std::ptrdiff_t>(std::min<size_t>(random() % 40, bytes.size() - at)));
+        break;
+      default:
+        std::memcpy(bytes.data() + std::min(at, bytes.size() - 8), &words[random() % std::size(words)], 8);
+    }
+  }
+}
+
+/// True where the bytes are accepted.
+bool DecodesSoundly(const ByteVector& bytes) {
+  bus::test::allocated = 0;
+  StoredMap stored;
+  try {
+    stored = DecodeMap(bytes);
+  } catch (const std::runtime_error& error) {
+    EXPECT_FALSE(std::string(error.what()).empty());
+    EXPECT_LE(bus::test::allocated, 40 * bytes.size() + 10'000);
+    return false;
+  }
+  EXPECT_LE(bus::test::allocated, 40 * bytes.size() + 10'000);
+  for (const auto& [id, keyframe] : stored.map.keyframes()) EXPECT_TRUE(keyframe.T_w_kf.IsFinite());
+  for (const auto& [id, point] : stored.map.points()) {
+    EXPECT_TRUE(point.p_w.allFinite());
+    for (const Sight& sight : point.sights) {
+      EXPECT_LT(static_cast<size_t>(sight.feature), stored.features.at(sight.keyframe_id).points.size());
+    }
+  }
+  EXPECT_EQ(EncodeMap(stored), bytes);
+  return true;
+}
+
+std::vector<ByteVector> SmallMaps() {
+  std::vector<ByteVector> maps;
+  for (const int steps : {0, 3, 10, 30, 80}) maps.push_back(EncodeMap(test::RandomStoredMap(steps, steps)));
+  return maps;
+}
+
+TEST(MapFileFuzz, DamagedFilesAreRefused) {
+  const std::vector<ByteVector> maps = SmallMaps();
+  Fuzz([&](Random& random) {
+    ByteVector bytes = maps[random() % maps.size()];
+    const ByteVector whole = bytes;
+    Mutate(bytes, random);
+    EXPECT_EQ(DecodesSoundly(bytes), bytes == whole);
+    return bytes == whole;
+  });
+}
+
+TEST(MapFileFuzz, DamagedContentWithTheRightChecksumIsRefusedOrSound) {
+  const std::vector<ByteVector> maps = SmallMaps();
+  Fuzz([&](Random& random) {
+    ByteVector bytes = maps[random() % maps.size()];
+    Mutate(bytes, random);
+    test::Sign(bytes);
+    return DecodesSoundly(bytes);
+  });
+}
+
+TEST(MapFileFuzz, NoiseIsRefused) {
+  Fuzz([](Random& random) {
+    ByteVector bytes(random() % 3000);
+    for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
+    if (random() % 2 == 0 && bytes.size() > 64) {
+      std::memcpy(bytes.data(), "PLSLAMAP\1\0\0\0\0\0\0\0", 16);
+      test::Sign(bytes);
+    }
+    return DecodesSoundly(bytes);
+  });
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,210 @@
+#include "core/io/map_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+#include "tests/unit/map_file/stored_maps.h"
+
+namespace plslam {
+namespace {
+
+using test::RandomStoredMap;
+using testing::HasSubstr;
+
+std::string ErrorOf(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string DecodeError(const std::vector<uint8_t>& bytes) {
+  return ErrorOf([&] { DecodeMap(bytes); });
+}
+
+std::string EncodeError(const StoredMap& stored) {
+  return ErrorOf([&] { EncodeMap(stored); });
+}
+
+/// Removed when it goes out of scope.
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::string& name)
+      : path_(std::filesystem::path(testing::TempDir()) / (std::to_string(::getpid()) + name)) {}
+  ~TemporaryFile() { std::filesystem::remove(path_); }
+  std::string path() const { return path_.string(); }
+  void Write(const std::vector<uint8_t>& bytes) const {
+    std::ofstream(path_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+  std::vector<uint8_t> Read() const {
+    std::ifstream in(path_, std::ios::binary);
+    return std::vector<uint8_t>((std::istreambuf_iterator<char>(in)), {});
+  }
+
+ private:
+  std::filesystem::path path_;
+};
+
+bool SameBits(const SE3& a, const SE3& b) {
+  return std::memcmp(a.translation().data(), b.translation().data(), 24) == 0 &&
+         std::memcmp(a.rotation().coeffs().data(), b.rotation().coeffs().data(), 32) == 0;
+}
+
+void ExpectSameGraphs(const Map& a, const Map& b) {
+  EXPECT_EQ(a.Totals(), b.Totals());
+  for (const auto& [id, keyframe] : a.keyframes()) {
+    ASSERT_NE(b.FindKeyframe(id), nullptr) << id;
+    EXPECT_TRUE(SameBits(keyframe.T_w_kf, b.FindKeyframe(id)->T_w_kf)) << id;
+    EXPECT_EQ(a.Neighbours(id, 1), b.Neighbours(id, 1)) << id;
+    EXPECT_EQ(a.Children(id), b.Children(id)) << id;
+    // Features beyond the end have no landmark.
+    auto points_a = a.LandmarksOf(id).points;
+    auto points_b = b.LandmarksOf(id).points;
+    points_a.resize(100, -1);
+    points_b.resize(100, -1);
+    EXPECT_EQ(points_a, points_b) << id;
+  }
+}
+
+TEST(MapFile, LoadedMapsAreThoseThatWereSavedAndSavedAgainAreTheSameBytes) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const StoredMap stored = RandomStoredMap(seed, 400);
+    const std::vector<uint8_t> bytes = EncodeMap(stored);
+    StoredMap loaded = DecodeMap(bytes);
+    ExpectSameGraphs(stored.map, loaded.map);
+    EXPECT_EQ(loaded.rig, stored.rig);
+    EXPECT_EQ(loaded.sessions, stored.sessions);
+    EXPECT_EQ(loaded.features.size(), stored.features.size());
+    EXPECT_EQ(loaded.map.loops().size(), stored.map.loops().size());
+    EXPECT_TRUE(loaded.map.TakeChanges().empty());
+    EXPECT_EQ(EncodeMap(loaded), bytes) << "seed " << seed;
+  }
+}
+
+TEST(MapFile, AnEmptyMap) {
+  const std::vector<uint8_t> bytes = EncodeMap({});
+  const StoredMap loaded = DecodeMap(bytes);
+  EXPECT_EQ(loaded.map.Totals(), MapTotals());
+  EXPECT_EQ(EncodeMap(loaded), bytes);
+}
+
+TEST(MapFile, FilesHoldTheSameBytes) {
+  const TemporaryFile file("map.plmap");
+  const StoredMap stored = RandomStoredMap(3, 200);
+  WriteMapFile(file.path(), stored);
+  EXPECT_EQ(file.Read(), EncodeMap(stored));
+  EXPECT_EQ(EncodeMap(ReadMapFile(file.path())), file.Read());
+  EXPECT_FALSE(std::filesystem::exists(file.path() + ".part"));
+}
+
+TEST(MapFile, RotationsThatAreUnitToRoundingComeBackBitByBit) {
+  StoredMap stored;
+  MapKeyframe keyframe;
+  keyframe.id = keyframe.session_keyframe_id = keyframe.frame_id = 0;
+  keyframe.T_w_kf = SE3::FromUnit(Eigen::Quaterniond(0.6 + 1e-16, 0.0, -0.8, 1e-17), {0.1, -0.0, 1e-300});
+  stored.map.Put(keyframe);
+  stored.next_keyframe_id = 1;
+  const StoredMap loaded = DecodeMap(EncodeMap(stored));
+  EXPECT_TRUE(SameBits(loaded.map.keyframes().at(0).T_w_kf, keyframe.T_w_kf));
+}
+
+TEST(MapFile, EveryTruncationIsRefused) {
+  const std::vector<uint8_t> bytes = EncodeMap(RandomStoredMap(5, 30));
+  const size_t step = std::max<size_t>(1, bytes.size() / 300);
+  for (size_t n = 0; n < bytes.size(); n += n < 100 ? 1 : step) {
+    const std::string error = DecodeError({bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)});
+    EXPECT_THAT(error, testing::AnyOf(HasSubstr("is no map file (too short)"), HasSubstr("was cut off or damaged")))
+        << n;
+  }
+  std::vector<uint8_t> longer = bytes;
+  longer.push_back(0);
+  EXPECT_THAT(DecodeError(longer), HasSubstr("was cut off or damaged"));
+}
+
+TEST(MapFile, EveryFlippedBitIsSeen) {
+  const std::vector<uint8_t> bytes = EncodeMap(RandomStoredMap(6, 10));
+  for (size_t i = 0; i < bytes.size(); i += i < 100 ? 1 : 97) {
+    std::vector<uint8_t> flipped = bytes;
+    flipped[i] ^= static_cast<uint8_t>(1U << (i % 8));
+    EXPECT_NE(DecodeError(flipped), "no error") << i;
+  }
+}
+
+TEST(MapFile, ForeignAndNewerFilesAreRefusedBySentencesThatNameThem) {
+  const TemporaryFile file("foreign.plmap");
+  const auto read = [&] { return ErrorOf([&] { ReadMapFile(file.path()); }); };
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: cannot be opened"));
+  file.Write({});
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is no map file (too short)"));
+  file.Write(std::vector<uint8_t>(1000, 'x'));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is no map file"));
+  std::vector<uint8_t> bytes = EncodeMap(RandomStoredMap(6, 10));
+  bytes[8] = 9;
+  test::Sign(bytes);
+  file.Write(bytes);
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows format 1"));
+  EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
+}
+
+TEST(MapFile, ALengthBeyondTheFileIsNotBelieved) {
+  std::vector<uint8_t> bytes = EncodeMap({});
+  // The number of bytes of the rig.
+  const uint64_t huge = std::numeric_limits<uint64_t>::max() / 2;
+  std::memcpy(bytes.data() + 56 + 8, &huge, 8);
+  test::Sign(bytes);
+  EXPECT_THAT(DecodeError(bytes), HasSubstr("promises more than it has"));
+}
+
+TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
+  const StoredMap good = RandomStoredMap(7, 200);
+  const int64_t some_keyframe = good.map.keyframes().begin()->first;
+  StoredMap bad = good;
+  bad.next_keyframe_id = 0;
+  EXPECT_THAT(EncodeError(bad), HasSubstr("the next keyframe would be 0"));
+  bad = good;
+  bad.features.clear();
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which has 0"));
+  bad = good;
+  bad.features[bad.next_keyframe_id];
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which the map does not have"));
+  bad = good;
+  bad.features.at(some_keyframe).points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature whose values cannot be"));
+  bad = good;
+  bad.map.SetPose(some_keyframe, SE3::FromUnit(Eigen::Quaterniond(1.1, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}),
+                  Matrix6d::Zero());
+  EXPECT_THAT(EncodeError(bad), HasSubstr("whose rotation is not unit"));
+  bad = good;
+  bad.map.SetPose(some_keyframe, SE3(), -Matrix6d::Identity());
+  EXPECT_THAT(EncodeError(bad), HasSubstr("covariance that cannot be"));
+  bad = good;
+  bad.map.SetPosition(bad.map.points().begin()->first, {0.0, std::numeric_limits<double>::infinity(), 0.0},
+                      Eigen::Matrix3d::Zero());
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
+  bad = good;
+  bad.sessions[3].keyframe_id = 1 << 30;
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
+  bad = good;
+  LoopEdge loop;
+  loop.old_keyframe_id = 1 << 30;
+  loop.keyframe_id = 0;
+  bad.map.Add(loop);
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
+}
+
+TEST(MapFile, FoldersThatAreNotThereAreNamed) {
+  EXPECT_THAT(ErrorOf([] { WriteMapFile("/no/such/folder/a.plmap", {}); }), HasSubstr("/no/such/folder/a.plmap"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -2,6 +2,7 @@
 // that count come from `plslam run`.
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
+//   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back]
 
 #include <algorithm>
 #include <cstdio>
@@ -13,7 +14,9 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/config/config.h"
+#include "core/places/vocabulary_trainer.h"
 #include "player/open_dataset.h"
+#include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"
 
@@ -40,6 +43,12 @@ std::string StageMedians(const std::vector<OdometryFrame>& frames) {
     text += buffer;
   }
   return text;
+}
+
+double Mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
 }
 
 template <class Member>
@@ -89,6 +98,52 @@ void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
               live.x(), live.y(), live.z(), final.x(), final.y(), final.z(), truth.x(), truth.y(), truth.z());
 }
 
+// Empty vocabularies will do where no loops are looked for.
+plslam::PlaceRecogniser Places(bool with_loops, const plslam::PlaceOptions& options) {
+  if (!with_loops) {
+    return {plslam::TrainVocabulary({}, plslam::WordKind::kPoints, {}),
+            plslam::TrainVocabulary({}, plslam::WordKind::kLines, {}), options};
+  }
+  return {plslam::Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/orb.vocabulary"),
+          plslam::Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/lbd.vocabulary"), options};
+}
+
+void PrintLoop(const char* what, const plslam::test::LoopOfRun& loop) {
+  const plslam::LoopEvidence& e = loop.evidence;
+  std::printf(
+      "    %s frame %3ld sees %3ld score %.3f: %s, inliers %d of %d cells %d share %.2f reverse %d confirming %d "
+      "drift %.1f "
+      "| moved %.2f m %.1f deg | off by %.3f m %.2f deg%s\n",
+      what, static_cast<long>(loop.frame), static_cast<long>(loop.old_frame), loop.score, LoopVerdictName(e.verdict),
+      e.place.inliers, e.place.matches, e.place.cells, e.place.Share(), e.reverse_inliers, e.confirming, e.drift_chi2,
+      e.edge.T_old_kf.translation().norm(), e.edge.T_old_kf.Log().tail<3>().norm() * 57.3, loop.error_m,
+      loop.error_deg, loop.IsFalse() ? " FALSE" : "");
+}
+
+void PrintLoops(const std::string& name, const plslam::test::LoopRun& run, bool verbose) {
+  const auto wrong = std::count_if(run.loops.begin(), run.loops.end(), [](const auto& l) { return l.IsFalse(); });
+  const auto truly = std::count_if(run.looked_at.begin(), run.looked_at.end(),
+                                   [](const auto& l) { return l.error_m >= 0.0 && !l.IsFalse(); });
+  PrintSlam(name, run.slam);
+  std::printf(
+      "    loops %zu false %td of %zu looked at, %td right | revisits %d closed %d, keyframes %d of %d | judge %.2f "
+      "95%% "
+      "%.2f | loop %.1f correct %.1f adjust %.1f max %.1f\n",
+      run.loops.size(), wrong, run.looked_at.size(), truly, run.revisits.total, run.revisits.closed,
+      run.revisits.closed_keyframes, run.revisits.keyframes, Mean(run.judge_ms), Quantile(run.judge_ms, 0.95),
+      Median(run.loop_ms), Median(run.correct_ms), Median(run.adjust_ms), Quantile(run.adjust_ms, 1.0));
+  for (size_t i = 0; i < run.loops.size(); ++i) {
+    PrintLoop("LOOP", run.loops[i]);
+    std::printf("      ate %.4f -> %.4f", run.ate_before_m[i], run.ate_corrected_m[i]);
+    if (i < run.ate_adjusted_m.size()) std::printf(" -> %.4f", run.ate_adjusted_m[i]);
+    std::printf("\n");
+  }
+  for (const std::string& reason : run.refused) std::printf("    refused: %s\n", reason.c_str());
+  for (const auto& loop : run.looked_at) {
+    if (verbose) PrintLoop("    ", loop);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -99,6 +154,8 @@ int main(int argc, char** argv) {
   int frames_wanted = 1 << 30;
   bool verbose = false;
   bool with_mapping = false;
+  bool with_loops = false;
+  plslam::test::LoopRunOptions run_options;
   CLI::App app("Accuracy and time of odometry in one process, without messages");
   app.add_option("datasets", datasets, "datasets")->required();
   app.add_option("--set", overrides, "KEY=VALUE");
@@ -107,6 +164,8 @@ int main(int argc, char** argv) {
   app.add_option("--frames", frames_wanted, "at most so many");
   app.add_flag("--verbose", verbose, "a line for each frame");
   app.add_flag("--mapping", with_mapping, "tracking against the map instead of odometry alone");
+  app.add_flag("--loops", with_loops, "mapping and loop closing");
+  app.add_flag("--forth-and-back", run_options.forth_and_back, "with --loops: then all frames in reverse order");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   plslam::Config config;
@@ -116,8 +175,19 @@ int main(int argc, char** argv) {
   config.Read("vo", options);
   plslam::MappingOptions mapping;
   config.Read("mapping", mapping);
+  config.Read("loop", run_options.loops);
+  const plslam::PlaceRecogniser places = Places(with_loops, run_options.loops.places);
+  run_options.vo = options;
+  run_options.mapping = mapping;
+  run_options.stride = stride;
+  run_options.max_frames = frames_wanted;
   for (const std::string& location : datasets) {
     const auto dataset = plslam::OpenDataset(location, "");
+    if (with_loops) {
+      PrintLoops(location.substr(location.size() > 60 ? location.size() - 60 : 0),
+                 plslam::test::RunLoops(*dataset, places, run_options), verbose);
+      continue;
+    }
     if (with_mapping) {
       const auto run = plslam::test::RunSlam(*dataset, options, mapping, stride, frames_wanted);
       PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0), run);

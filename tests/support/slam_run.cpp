@@ -45,6 +45,18 @@ SE3 CorrectionAt(int64_t frame, const std::map<int64_t, SE3>& corrections) {
 
 }  // namespace
 
+std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom, const Map& map) {
+  std::map<int64_t, SE3> corrections;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
+  }
+  if (corrections.empty()) return in_odom;
+  for (size_t i = 0; i < in_odom.size(); ++i) {
+    in_odom[i].T_odom_l = CorrectionAt(static_cast<int64_t>(i), corrections) * in_odom[i].T_odom_l;
+  }
+  return in_odom;
+}
+
 SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride,
                 int max_frames) {
   StereoFrontEnd front_end(dataset.rig(), vo);
@@ -86,14 +98,7 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
     run.figures.push_back(mapper.figures());
   }
   Summarise(mapper.map(), run);
-  std::map<int64_t, SE3> corrections;
-  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
-    corrections[keyframe.frame_id] = keyframe.T_w_kf * keyframe.T_odom_kf.Inverse();
-  }
-  run.final = in_odom;
-  for (size_t i = 0; i < run.final.size() && !corrections.empty(); ++i) {
-    run.final[i].T_odom_l = CorrectionAt(static_cast<int64_t>(i), corrections) * run.final[i].T_odom_l;
-  }
+  run.final = CarriedByKeyframes(std::move(in_odom), mapper.map());
   return run;
 }
 

@@ -26,6 +26,9 @@ struct SlamRun {
   Map map;
 };
 
+/// The frames of a run, given in odom, where the map's keyframes carry them.
+std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom, const Map& map);
+
 /// Front end, odometry and mapping over a dataset in this process, as in lockstep: the map of a keyframe takes effect when
 /// the next keyframe has been made.
 SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride = 1,

@@ -1,0 +1,233 @@
+#include "tests/support/loop_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <numbers>
+#include <utility>
+
+#include "vo_process/keyframe_value.h"
+#include "vo_process/stereo_front_end.h"
+
+namespace plslam::test {
+namespace {
+
+constexpr int64_t kSession = 1;
+// A place is seen again within this of an older keyframe that is as many metres of way behind.
+constexpr double kNear_m = 1.0;
+constexpr double kNear_rad = 20.0 * std::numbers::pi / 180.0;
+constexpr double kBehind_m = 6.0;
+constexpr int kShared = 15;
+
+double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+struct Moment {
+  int index;
+  int64_t t_ns;
+};
+
+// The frames of a run and when they come.
+std::vector<Moment> Schedule(const Dataset& dataset, const LoopRunOptions& options) {
+  std::vector<Moment> moments;
+  for (int i = 0; i < dataset.size() && static_cast<int>(moments.size()) < options.max_frames; i += options.stride) {
+    moments.push_back({i, dataset.t_ns(i)});
+  }
+  if (!options.forth_and_back || moments.empty()) return moments;
+  const int64_t turn_ns = moments.back().t_ns;
+  for (int i = static_cast<int>(moments.size()) - 2; i >= 0; --i) {
+    const Moment& there = moments[static_cast<size_t>(i)];
+    moments.push_back({there.index, turn_ns + (turn_ns - there.t_ns)});
+  }
+  return moments;
+}
+
+class Run {
+ public:
+  Run(const Dataset& dataset, const PlaceRecogniser& places, const LoopRunOptions& options)
+      : dataset_(dataset),
+        options_(options),
+        front_end_(dataset.rig(), options.vo),
+        odometry_(front_end_.camera(), options.vo),
+        mapper_(front_end_.camera(), options.mapping),
+        closer_(front_end_.camera(), places, options.loops),
+        T_l_c_(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero()) {}
+
+  LoopRun Play() {
+    for (const Moment& moment : Schedule(dataset_, options_)) Frame(moment);
+    run_.slam.keyframes = static_cast<int>(mapper_.map().keyframes().size());
+    run_.slam.points = mapper_.map().points().size();
+    run_.slam.lines = mapper_.map().lines().size();
+    run_.slam.map = mapper_.map();
+    run_.slam.final = AsTheMapHasIt();
+    CountRevisits();
+    return std::move(run_);
+  }
+
+ private:
+  void Frame(const Moment& moment);
+  void TakeKeyframe(Keyframe keyframe);
+  void Note(const LoopClosure& closure);
+  void Correct(const LoopClosure& closure);
+  void CountRevisits();
+  LoopOfRun Describe(const LoopEvidence& evidence) const;
+  std::optional<SE3> TrueRelation(int64_t old_frame, int64_t frame) const;
+  std::vector<OdometryFrame> AsTheMapHasIt() const;
+  double Ate() const { return AbsoluteTrajectoryError(AsTheMapHasIt()); }
+
+  const Dataset& dataset_;
+  const LoopRunOptions& options_;
+  StereoFrontEnd front_end_;
+  Odometry odometry_;
+  Mapper mapper_;
+  LoopCloser closer_;
+  SE3 T_l_c_;
+  std::vector<OdometryFrame> in_odom_;
+  LoopRun run_;
+};
+
+void Run::Frame(const Moment& moment) {
+  const StereoImages images = dataset_.Read(moment.index);
+  StageTimer timer(NowMs);
+  const OdometryResult result = odometry_.Track(moment.t_ns, front_end_.Process(images, timer));
+  OdometryFrame frame;
+  frame.t_ns = moment.t_ns;
+  frame.state = result.state;
+  frame.T_w_l = dataset_.GroundTruth(moment.index);
+  frame.T_odom_l = result.T_odom_c * T_l_c_.Inverse();
+  frame.keyframe = result.keyframe.has_value();
+  in_odom_.push_back(frame);
+  frame.T_odom_l = odometry_.T_w_odom() * frame.T_odom_l;
+  run_.slam.live.push_back(frame);
+  if (!result.keyframe) return;
+  Keyframe keyframe = ToKeyframe(result);
+  keyframe.session = kSession;
+  keyframe.t_ns = moment.t_ns;
+  keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;
+  if (keyframe.keyframe_id > 0 && options_.vo.map.enabled) {
+    odometry_.Adopt(mapper_.map(), kSession, keyframe.keyframe_id - 1);
+  }
+  TakeKeyframe(std::move(keyframe));
+}
+
+void Run::TakeKeyframe(Keyframe keyframe) {
+  std::string reason;
+  const double t0 = NowMs();
+  mapper_.Insert(keyframe, &reason);
+  const double t1 = NowMs();
+  mapper_.Adjust(nullptr);
+  const double t2 = NowMs();
+  mapper_.Cull();
+  mapper_.TakeUpdate();
+  run_.slam.insert_ms.push_back(t1 - t0);
+  run_.slam.adjust_ms.push_back(t2 - t1);
+  run_.slam.figures.push_back(mapper_.figures());
+  if (!options_.loops.enabled) return;
+  closer_.AddKeyframe(keyframe);
+  const double t3 = NowMs();
+  const LoopClosure loop = closer_.Judge(mapper_.map(), kSession, keyframe.keyframe_id);
+  run_.judge_ms.push_back(NowMs() - t3);
+  Note(loop);
+  if (loop.kind != LoopClosure::Kind::kLoop) return;
+  run_.loop_ms.push_back(run_.judge_ms.back());
+  run_.ate_before_m.push_back(Ate());
+  Correct(loop);
+  run_.ate_corrected_m.push_back(Ate());
+  if (!loop.more) return;
+  const double t4 = NowMs();
+  const LoopClosure adjusted =
+      AdjustWholeMap(closer_.WholeMap(mapper_.map(), loop), closer_.options().adjustment, nullptr);
+  run_.adjust_ms.push_back(NowMs() - t4);
+  Correct(adjusted);
+  run_.ate_adjusted_m.push_back(Ate());
+}
+
+void Run::Correct(const LoopClosure& closure) {
+  std::string reason;
+  const double t0 = NowMs();
+  if (!mapper_.Correct(closure, &reason)) run_.refused.push_back(reason);
+  run_.correct_ms.push_back(NowMs() - t0);
+  mapper_.TakeUpdate();
+}
+
+std::optional<SE3> Run::TrueRelation(int64_t old_frame, int64_t frame) const {
+  const auto& old_truth = in_odom_[static_cast<size_t>(old_frame)].T_w_l;
+  const auto& truth = in_odom_[static_cast<size_t>(frame)].T_w_l;
+  if (!old_truth || !truth) return std::nullopt;
+  return (*old_truth * T_l_c_).Inverse() * (*truth * T_l_c_);
+}
+
+LoopOfRun Run::Describe(const LoopEvidence& evidence) const {
+  LoopOfRun loop;
+  loop.evidence = evidence;
+  const MapKeyframe* keyframe = mapper_.map().FindKeyframe(evidence.edge.keyframe_id);
+  const MapKeyframe* old = mapper_.map().FindKeyframe(evidence.edge.old_keyframe_id);
+  if (keyframe == nullptr || old == nullptr) return loop;
+  loop.session_keyframe_id = keyframe->session_keyframe_id;
+  loop.frame = keyframe->frame_id;
+  loop.old_frame = old->frame_id;
+  const auto truth = TrueRelation(old->frame_id, keyframe->frame_id);
+  if (!truth || evidence.verdict == LoopVerdict::kNotFound) return loop;
+  const SE3 error = truth->Inverse() * evidence.edge.T_old_kf;
+  loop.error_m = error.translation().norm();
+  loop.error_deg = error.Log().tail<3>().norm() * 180.0 / std::numbers::pi;
+  return loop;
+}
+
+void Run::Note(const LoopClosure& closure) {
+  const LoopSearch& search = closer_.last_search();
+  for (size_t i = 0; i < search.evidence.size(); ++i) {
+    LoopOfRun loop = Describe(search.evidence[i]);
+    loop.score = search.candidates[i].score;
+    run_.looked_at.push_back(loop);
+    if (closure.kind == LoopClosure::Kind::kLoop && search.best == i) run_.loops.push_back(loop);
+  }
+}
+
+std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframes(in_odom_, mapper_.map()); }
+
+// Both by what the map ended with.
+void Run::CountRevisits() {
+  const Map& map = mapper_.map();
+  std::map<int64_t, double> way_m;
+  double total_m = 0.0;
+  int64_t before = -1;
+  bool in_visit = false;
+  bool closed = false;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (before >= 0) {
+      const auto step = TrueRelation(map.FindKeyframe(before)->frame_id, keyframe.frame_id);
+      if (!step) return;
+      total_m += step->translation().norm();
+    }
+    way_m[id] = total_m;
+    before = id;
+    bool again = false;
+    bool shared = false;
+    for (const auto& [old_id, at_m] : way_m) {
+      if (total_m - at_m < kBehind_m) break;
+      const auto apart = TrueRelation(map.FindKeyframe(old_id)->frame_id, keyframe.frame_id);
+      if (apart->translation().norm() > kNear_m || apart->Log().tail<3>().norm() > kNear_rad) continue;
+      again = true;
+      shared = shared || map.Shared(old_id, id) >= kShared;
+    }
+    run_.revisits.keyframes += again ? 1 : 0;
+    run_.revisits.closed_keyframes += shared ? 1 : 0;
+    if (again && !in_visit) ++run_.revisits.total;
+    if (!again) closed = false;
+    if (shared && !closed) {
+      ++run_.revisits.closed;
+      closed = true;
+    }
+    in_visit = again;
+  }
+}
+
+}  // namespace
+
+LoopRun RunLoops(const Dataset& dataset, const PlaceRecogniser& places, const LoopRunOptions& options) {
+  return Run(dataset, places, options).Play();
+}
+
+}  // namespace plslam::test

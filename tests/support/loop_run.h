@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "loop_process/loop_closer.h"
+#include "tests/support/slam_run.h"
+
+namespace plslam::test {
+
+/// Two keyframes whose relation loop_process measured, and how wrong it was.
+struct LoopOfRun {
+  int64_t session_keyframe_id = -1;
+  int64_t frame = -1;
+  int64_t old_frame = -1;
+  LoopEvidence evidence;
+  double score = 0.0;
+  /// Against the truth; negative where there is none.
+  double error_m = -1.0;
+  double error_deg = -1.0;
+
+  /// More than half a metre or 5 degrees off.
+  bool IsFalse() const { return error_m > 0.5 || error_deg > 5.0; }
+};
+
+/// Ways through places that were seen before, by the truth: runs of keyframes with another one near them, looking the same way,
+/// that is older and not just behind.
+struct Revisits {
+  int total = 0;
+  /// With landmarks shared across, or a loop.
+  int closed = 0;
+  int keyframes = 0;
+  int closed_keyframes = 0;
+};
+
+struct LoopRun {
+  SlamRun slam;
+  /// In order: those closed, and everything that was looked at.
+  std::vector<LoopOfRun> loops;
+  std::vector<LoopOfRun> looked_at;
+  /// Error of the trajectory before and after the correction and after the adjustment that followed, for each loop.
+  std::vector<double> ate_before_m, ate_corrected_m, ate_adjusted_m;
+  /// ms: for each keyframe; for each loop (pose graph and the rest of `Judge` where there is one), the mapper's part, and the adjustments.
+  std::vector<double> judge_ms, loop_ms, correct_ms, adjust_ms;
+  /// Corrections that the mapper refused, with its words.
+  std::vector<std::string> refused;
+  Revisits revisits;
+};
+
+struct LoopRunOptions {
+  VoOptions vo;
+  MappingOptions mapping;
+  LoopOptions loops;
+  int stride = 1;
+  int max_frames = 1 << 30;
+  /// After the last frame all of them once more, in reverse order.
+  bool forth_and_back = false;
+};
+
+/// Front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: what a keyframe's loop
+/// does to the map takes effect with the map of that keyframe.
+LoopRun RunLoops(const Dataset& dataset, const PlaceRecogniser& places, const LoopRunOptions& options);
+
+}  // namespace plslam::test

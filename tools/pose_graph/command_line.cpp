@@ -8,7 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/io/trajectory.h"
+#include "core/io/map_file.h"
+#include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"
 
 namespace plslam {
@@ -16,6 +17,7 @@ namespace {
 
 struct Arguments {
   std::string file;
+  std::string map;
   std::string out;
   std::string tum;
   bool json = false;
@@ -23,7 +25,9 @@ struct Arguments {
 };
 
 void Declare(CLI::App& app, Arguments& a) {
-  app.add_option("FILE", a.file, "pose graph in g2o format, 2D or 3D")->required();
+  auto* file = app.add_option("FILE", a.file, "pose graph in g2o format, 2D or 3D");
+  app.add_option("--from-map", a.map, "write the pose graph of this map file, as it is, instead of solving one")
+      ->excludes(file);
   app.add_option("--initial", a.solve.initial,
                  "poses to begin with: the file's, chained odometry, chordal relaxation")
       ->check(CLI::IsMember({"file", "odometry", "chordal"}))
@@ -44,22 +48,10 @@ void Declare(CLI::App& app, Arguments& a) {
   app.add_option("--out", a.out, "write the solved graph (g2o)");
   app.add_option("--tum", a.tum, "write the poses (TUM; the number of the vertex for the time, in seconds)");
   app.add_flag("--json", a.json, "print the report as JSON");
-  app.callback([&a, reject] { a.solve.reject = reject->count() > 0; });
-}
-
-SE3 InSpace(const SE3& pose) { return pose; }
-SE3 InSpace(const SE2& pose) {
-  return SE3(Eigen::Quaterniond(Eigen::AngleAxisd(pose.angle(), Eigen::Vector3d::UnitZ())),
-             {pose.translation().x(), pose.translation().y(), 0.0});
-}
-
-template <class Pose>
-Trajectory TrajectoryOf(const G2oGraph<Pose>& graph) {
-  Trajectory trajectory;
-  for (size_t i = 0; i < graph.ids.size(); ++i) {
-    trajectory.push_back({graph.ids[i] * 1'000'000'000, InSpace(graph.graph.poses[i].T_w_kf)});
-  }
-  return trajectory;
+  app.callback([&a, reject] {
+    a.solve.reject = reject->count() > 0;
+    if (a.file.empty() && a.map.empty()) throw CLI::RequiredError("FILE or --from-map");
+  });
 }
 
 void Print(const Arguments& a, const SolveReport& report) {
@@ -82,7 +74,7 @@ void Print(const Arguments& a, const SolveReport& report) {
   if (a.solve.reject) fmt::print("{} edges rejected\n", report.rejected);
 }
 
-void Run(const Arguments& a) {
+void Solve(const Arguments& a) {
   G2oFile file = ReadG2o(a.file);
   const SolveReport report = SolveG2o(file, a.solve);
   if (!report.ok) throw std::runtime_error(a.file + ": " + report.reason);
@@ -95,6 +87,15 @@ void Run(const Arguments& a) {
   Print(a, report);
 }
 
+void Export(const Arguments& a) {
+  const StoredMap stored = ReadMapFile(a.map);
+  const G2oGraph<SE3> graph = G2oOf(stored.map);
+  if (!a.out.empty()) WriteG2o(a.out, graph);
+  if (!a.tum.empty()) WriteTrajectory(a.tum, TrajectoryFormat::kTum, TrajectoryOf(stored.map));
+  fmt::print("{}: {} keyframes, {} edges, {} of them loops\n", a.map, graph.graph.poses.size(),
+             graph.graph.edges.size(), stored.map.loops().size());
+}
+
 }  // namespace
 
 int RunPoseGraph(int argc, char** argv) {
@@ -103,7 +104,11 @@ int RunPoseGraph(int argc, char** argv) {
   Declare(app, arguments);
   CLI11_PARSE(app, argc, argv);
   try {
-    Run(arguments);
+    if (arguments.map.empty()) {
+      Solve(arguments);
+    } else {
+      Export(arguments);
+    }
   } catch (const std::exception& error) {
     fmt::print(stderr, "pose_graph: {}\n", error.what());
     return 1;

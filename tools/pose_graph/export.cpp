@@ -1,0 +1,49 @@
+#include "tools/pose_graph/export.h"
+
+#include <limits>
+#include <map>
+
+#include "core/optim/pose_graph_of_map.h"
+
+namespace plslam {
+namespace {
+
+constexpr int64_t kSecond_ns = 1'000'000'000;
+
+SE3 InSpace(const SE3& pose) { return pose; }
+SE3 InSpace(const SE2& pose) {
+  return SE3(Eigen::Quaterniond(Eigen::AngleAxisd(pose.angle(), Eigen::Vector3d::UnitZ())),
+             {pose.translation().x(), pose.translation().y(), 0.0});
+}
+
+template <class Pose>
+Trajectory Convert(const G2oGraph<Pose>& graph) {
+  Trajectory trajectory;
+  for (size_t i = 0; i < graph.ids.size(); ++i) {
+    // Numbers too large for seconds count as nanoseconds: their order is what matters.
+    const bool fits = graph.ids.back() < std::numeric_limits<int64_t>::max() / kSecond_ns;
+    trajectory.push_back({graph.ids[i] * (fits ? kSecond_ns : 1), InSpace(graph.graph.poses[i].T_w_kf)});
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+Trajectory TrajectoryOf(const G2oGraph<SE3>& graph) { return Convert(graph); }
+Trajectory TrajectoryOf(const G2oGraph<SE2>& graph) { return Convert(graph); }
+
+Trajectory TrajectoryOf(const Map& map) {
+  std::map<int64_t, SE3> by_time;
+  for (const auto& [id, keyframe] : map.keyframes()) by_time.try_emplace(keyframe.t_ns, keyframe.T_w_kf);
+  Trajectory trajectory;
+  for (const auto& [t_ns, T_w_kf] : by_time) trajectory.push_back({t_ns, T_w_kf});
+  return trajectory;
+}
+
+G2oGraph<SE3> G2oOf(const Map& map) {
+  MapPoseGraph of_map = PoseGraphOf(map);
+  const size_t n = of_map.keyframe_ids.size();
+  return {std::move(of_map.keyframe_ids), std::move(of_map.graph), std::vector<bool>(n, true)};
+}
+
+}  // namespace plslam

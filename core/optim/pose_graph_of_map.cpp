@@ -1,21 +1,25 @@
 #include "core/optim/pose_graph_of_map.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <utility>
 
 namespace plslam {
 namespace {
 
+// As far back odometry says how certain an edge is; keyframes farther apart see the same again, as after a loop.
+constexpr int kMaxSteps = 20;
 // Of an edge to a keyframe that odometry says nothing about, the first of a session.
 constexpr double kUnmeasuredSigma_m = 0.05;
 constexpr double kUnmeasuredSigma_rad = 0.01;
 // Keyframes that share next to nothing are not joined by next to nothing.
 constexpr double kMaxWeakening = 10.0;
 
-Matrix6d UnmeasuredInformation() {
+Matrix6d UnmeasuredCovariance() {
   Vector6d sigmas;
   sigmas << Eigen::Vector3d::Constant(kUnmeasuredSigma_m), Eigen::Vector3d::Constant(kUnmeasuredSigma_rad);
-  return sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  return sigmas.cwiseAbs2().asDiagonal();
 }
 
 class Builder {
@@ -35,12 +39,14 @@ class Builder {
     for (const Map::Neighbour& neighbour : map_.Neighbours(keyframe.id, Map::kEssential)) {
       if (neighbour.keyframe_id < keyframe.id) older.insert(neighbour.keyframe_id);
     }
-    if (older.empty()) return;
-    const Matrix6d information =
-        InformationFromCovariance(keyframe.relative_covariance).value_or(UnmeasuredInformation());
+    const std::map<int64_t, Matrix6d> odometry = OdometryTo(keyframe);
     for (const int64_t id : older) {
+      const auto measured = odometry.find(id);
+      const Matrix6d covariance = measured != odometry.end() ? measured->second : CovarianceByShared(id, keyframe);
+      // What odometry knew is not counted several times.
+      const auto information = InformationFromCovariance(static_cast<double>(older.size()) * covariance);
       const SE3 T_a_b = map_.FindKeyframe(id)->T_w_kf.Inverse() * keyframe.T_w_kf;
-      Add(id, keyframe.id, T_a_b, information / Weakening(id, keyframe), false);
+      if (information) Add(id, keyframe.id, T_a_b, *information, false);
     }
   }
 
@@ -54,9 +60,28 @@ class Builder {
   MapPoseGraph Take() && { return std::move(result_); }
 
  private:
-  double Weakening(int64_t id, const MapKeyframe& keyframe) const {
+  /// Covariances of the motions to a keyframe from those before it in its session, as odometry measured them.
+  std::map<int64_t, Matrix6d> OdometryTo(const MapKeyframe& keyframe) const {
+    std::map<int64_t, Matrix6d> covariances;
+    SE3 T_x_kf;
+    Matrix6d covariance = Matrix6d::Zero();
+    const MapKeyframe* x = &keyframe;
+    for (int step = 0; step < kMaxSteps && InformationFromCovariance(x->relative_covariance); ++step) {
+      const MapKeyframe* const previous = map_.FindKeyframe(x->previous_id);
+      if (previous == nullptr) break;
+      covariance = ComposeCovariance(x->relative_covariance, T_x_kf, covariance);
+      T_x_kf = x->T_prevkf_kf * T_x_kf;
+      covariances[previous->id] = covariance;
+      x = previous;
+    }
+    return covariances;
+  }
+
+  Matrix6d CovarianceByShared(int64_t id, const MapKeyframe& keyframe) const {
+    if (!InformationFromCovariance(keyframe.relative_covariance)) return UnmeasuredCovariance();
     const double with_previous = std::max(1, map_.Shared(keyframe.previous_id, keyframe.id));
-    return std::clamp(with_previous / std::max(1, map_.Shared(id, keyframe.id)), 1.0, kMaxWeakening);
+    const double weakening = with_previous / std::max(1, map_.Shared(id, keyframe.id));
+    return std::clamp(weakening, 1.0, kMaxWeakening) * keyframe.relative_covariance;
   }
 
   int Place(int64_t id) const {

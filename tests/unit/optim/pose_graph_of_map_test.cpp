@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <utility>
+
+#include <Eigen/LU>
 
 namespace plslam {
 namespace {
@@ -16,6 +19,7 @@ Map Corridor(int keyframes) {
     keyframe.id = 10 * i;
     keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {1.0 * i, 0.0, 0.0});
     keyframe.previous_id = keyframe.parent_id = i == 0 ? -1 : 10 * (i - 1);
+    keyframe.T_prevkf_kf = SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0});
     keyframe.relative_covariance = 1e-4 * Matrix6d::Identity();
     map.Put(keyframe);
   }
@@ -61,12 +65,28 @@ TEST(PoseGraphOfMap, KeyframesFarApartThatShareLandmarksAreJoined) {
   }
   const MapPoseGraph result = PoseGraphOf(map);
   EXPECT_TRUE(Pairs(result.graph).contains({0, 4}));
-  // 100 landmarks where odometry had 120.
   for (const PoseGraphEdge& edge : result.graph.edges) {
-    if (edge.a == 0 && edge.b == 4) {
-      EXPECT_NEAR(edge.information(0, 0), 1e4 / 1.2, 1e-6);
-    }
+    if (edge.b != 4) continue;
+    // Two edges share what odometry knew; along the corridor its four steps add up.
+    const double steps = edge.a == 0 ? 4.0 : 1.0;
+    EXPECT_NEAR(edge.information.inverse()(0, 0), 2.0 * steps * 1e-4, 1e-9) << edge.a;
   }
+}
+
+TEST(PoseGraphOfMap, LandmarksSeenAgainAfterALongWayAreNotAsUncertainAsTheWay) {
+  Map map = Corridor(40);
+  for (int k = 0; k < 100; ++k) {
+    MapPoint point;
+    point.id = 10'000 + k;
+    point.sights = {{0, 400 + k}, {390, 400 + k}};
+    map.Put(point);
+  }
+  const MapPoseGraph result = PoseGraphOf(map);
+  const auto closing = std::find_if(result.graph.edges.begin(), result.graph.edges.end(),
+                                    [](const PoseGraphEdge& edge) { return edge.a == 0 && edge.b == 39; });
+  ASSERT_NE(closing, result.graph.edges.end());
+  // 100 landmarks where odometry had 120, and another edge to the same keyframe.
+  EXPECT_NEAR(closing->information(0, 0), 1e4 / 1.2 / 2.0, 1e-6);
 }
 
 TEST(PoseGraphOfMap, LoopsAreRobustAndThoseOfRemovedKeyframesAreLeftOut) {

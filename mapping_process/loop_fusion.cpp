@@ -11,15 +11,18 @@ namespace plslam {
 namespace {
 
 // Keyframes of each side: what the loop's own two do not see, their best neighbours do.
-constexpr size_t kSide = 8;
+constexpr size_t kSide = 10;
 // The sides fit less well than neighbours do: the pose graph knows only the keyframes.
 constexpr double kRadius = 2.0;  // of the one for neighbours
 
-std::vector<int64_t> Around(int64_t keyframe_id, const Map& map) {
+// Neighbour by neighbour, the best of each first.
+std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map) {
   std::vector<int64_t> ids{keyframe_id};
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kCovisible)) {
-    if (ids.size() == kSide) break;
-    ids.push_back(neighbour.keyframe_id);
+  for (size_t i = 0; i < ids.size(); ++i) {
+    for (const Map::Neighbour& neighbour : map.Neighbours(ids[i], min_shared)) {
+      if (ids.size() == kSide) return ids;
+      if (std::find(ids.begin(), ids.end(), neighbour.keyframe_id) == ids.end()) ids.push_back(neighbour.keyframe_id);
+    }
   }
   return ids;
 }
@@ -78,9 +81,9 @@ void HangOn(int64_t keyframe_id, int min_shared, Map& map) {
 
 }  // namespace
 
-LoopSides SidesOf(const LoopEdge& edge, const Map& map) {
+LoopSides SidesOf(const LoopEdge& edge, int min_shared, const Map& map) {
   if (map.FindKeyframe(edge.old_keyframe_id) == nullptr || map.FindKeyframe(edge.keyframe_id) == nullptr) return {};
-  LoopSides sides{Around(edge.old_keyframe_id, map), Around(edge.keyframe_id, map)};
+  LoopSides sides{Around(edge.old_keyframe_id, min_shared, map), Around(edge.keyframe_id, min_shared, map)};
   std::erase_if(sides.new_side, [&sides](int64_t id) {
     return std::find(sides.old_side.begin(), sides.old_side.end(), id) != sides.old_side.end();
   });

@@ -4,6 +4,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <functional>
+#include <numeric>
+#include <set>
 #include <utility>
 
 #include "core/localisation/pose_refinement.h"
@@ -14,6 +17,7 @@
 #include "mapping_process/line_triangulation.h"
 #include "mapping_process/local_window.h"
 #include "mapping_process/loop_fusion.h"
+#include "mapping_process/map_parts.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -23,6 +27,8 @@ namespace {
 constexpr int kMinWeight = 20;
 // Associations from which the first keyframe of a session is recognised.
 constexpr int kRecognisedWeight = 40;
+// As `pose_t.state` says it: the first frame after the tracker was lost.
+constexpr int kRecovered = 4;
 // Newest keyframes that are never redundant: the tracker's next steps lean on them.
 constexpr int64_t kNewestKept = 3;
 
@@ -42,11 +48,55 @@ Matrix6d UsableCovariance(const Matrix6d& covariance) {
   return usable ? covariance : Matrix6d(Matrix6d::Identity());
 }
 
+// How much two sources say of the same features, and differently; weights as of associations.
+int Contradicting(const Association& a, const Association& b) {
+  const auto differ = [](int64_t of_a, int64_t of_b) { return of_a >= 0 && of_b >= 0 && of_a != of_b ? 1 : 0; };
+  return std::transform_reduce(a.points.begin(), a.points.end(), b.points.begin(), 0, std::plus<>(), differ) +
+         2 * std::transform_reduce(a.lines.begin(), a.lines.end(), b.lines.begin(), 0, std::plus<>(), differ);
+}
+
+// So that an error is one of its deviations.
+Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
+  return covariance + Matrix6d(error.Log().cwiseAbs2().asDiagonal());
+}
+
 void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
 
 }  // namespace
+
+Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored)
+    : camera_(camera),
+      options_(options),
+      map_(std::move(stored.map)),
+      features_(std::move(stored.features)),
+      landmark_ids_{stored.next_point_id, stored.next_line_id},
+      next_keyframe_id_(stored.next_keyframe_id),
+      newest_session_(stored.newest_session),
+      newest_t_ns_(stored.newest_t_ns),
+      version_(stored.version) {
+  for (const auto& [session, newest] : stored.sessions) {
+    sessions_[session] = {newest.keyframe_id, newest.session_keyframe_id};
+  }
+}
+
+StoredMap Mapper::Store() {
+  trial_ = {};
+  StoredMap stored;
+  stored.map = map_;
+  stored.features = features_;
+  stored.next_keyframe_id = next_keyframe_id_;
+  stored.next_point_id = landmark_ids_.next_point;
+  stored.next_line_id = landmark_ids_.next_line;
+  for (const auto& [session, newest] : sessions_) {
+    stored.sessions[session] = {newest.keyframe_id, newest.session_keyframe_id};
+  }
+  stored.newest_session = newest_session_;
+  stored.newest_t_ns = newest_t_ns_;
+  stored.version = version_;
+  return stored;
+}
 
 MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
   MapKeyframe entry;
@@ -74,6 +124,11 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
 }
 
 bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
+  if (options_.localise_only) {
+    *reason = fmt::format("keyframe {} of session {}: the map is only localised in (mapping.localise_only)",
+                          keyframe.keyframe_id, keyframe.session);
+    return false;
+  }
   const auto session = sessions_.find(keyframe.session);
   if (session != sessions_.end() && keyframe.keyframe_id <= session->second.session_keyframe_id) {
     *reason = fmt::format("keyframe {} of session {} came before", keyframe.keyframe_id, keyframe.session);
@@ -97,21 +152,75 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   return true;
 }
 
-void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
   const bool begins = entry.previous_id < 0 && !map_.keyframes().empty();
   if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
   // First with what the tracker says, then with what can be found around it.
-  for (const bool searching : {false, true}) {
-    if (searching) {
-      const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
-      SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
-    }
-    if (association.Weight() < kMinWeight) continue;
-    if (const auto pose =
-            RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.localisation.motion, association)) {
-      entry.T_w_kf = pose->T_w_kf;
-    }
+  Place(keyframe, entry, association);
+  const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
+  SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
+  Refine(keyframe, entry, association);
+}
+
+bool Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
+  if (association.Weight() < kMinWeight) return false;
+  const auto pose =
+      RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.localisation.motion, association);
+  if (pose) entry.T_w_kf = pose->T_w_kf;
+  return pose.has_value();
+}
+
+// From where the keyframe should be, or from anywhere if most of what the tracker claims to see cannot be seen from there.
+void Mapper::Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
+  const Association given = TrackerLandmarks::Given(keyframe, map_);
+  if (Contradicting(given, association) >= kRecognisedWeight) {
+    Association there = given;
+    MapKeyframe unused = entry;
+    const bool agrees = Refine(keyframe, unused, there) && 2 * there.Weight() >= given.Weight();
+    if (!agrees && Relocate(keyframe, given, entry, association)) return;
   }
+  const Association claims = association;
+  const bool agrees = Refine(keyframe, entry, association) && 2 * association.Weight() >= claims.Weight();
+  if (!agrees) Relocate(keyframe, claims, entry, association);
+}
+
+bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry,
+                      Association& association) {
+  const int min_weight = std::max(kRecognisedWeight, (claims.Weight() + 1) / 2);
+  if (claims.Weight() < min_weight) return false;
+  Association found = claims;
+  const auto pose = FindPose(map_, keyframe.features, camera_, options_.localisation.motion, min_weight, found);
+  if (!pose) return false;
+  association = found;
+  std::map<int64_t, int> counts;
+  CountKeyframes<PointKind>(found.points, map_, counts);
+  CountKeyframes<LineKind>(found.lines, map_, counts);
+  const MapKeyframe& seen = *map_.FindKeyframe(MostCounted(counts, 1).front());
+  entry.T_w_kf = pose->T_w_kf;
+  entry.covariance = ComposeCovariance(seen.covariance, seen.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
+  if (entry.previous_id < 0) return true;
+  const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
+  if (keyframe.state == kRecovered) {
+    entry.relative_covariance = Widened(entry.relative_covariance, T_w_predicted.Inverse() * entry.T_w_kf);
+  } else {
+    BringTogether(seen.id, T_w_predicted, entry);
+  }
+  return true;
+}
+
+void Mapper::BringTogether(int64_t seen_id, const SE3& T_w_predicted, MapKeyframe& entry) {
+  const std::set<int64_t> own = PartOf(entry.previous_id, map_);
+  if (own.contains(seen_id)) return;
+  const std::set<int64_t> seen = PartOf(seen_id, map_);
+  const bool own_moves = *own.begin() > *seen.begin();
+  const SE3 T_w_fixed = own_moves ? entry.T_w_kf : T_w_predicted;
+  const SE3 T_w_moving = own_moves ? T_w_predicted : entry.T_w_kf;
+  std::map<int64_t, SE3> poses;
+  for (const int64_t id : own_moves ? own : seen) {
+    poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
+  }
+  MoveKeyframes(poses, features_, camera_, map_);
+  entry.T_w_kf = T_w_fixed;
 }
 
 void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
@@ -162,7 +271,7 @@ void Mapper::CloseLoop(const LoopClosure& closure) {
   std::vector<LoopSides> sides;
   for (const LoopEdge& edge : closure.edges) {
     map_.Add(edge);
-    sides.push_back(SidesOf(edge, map_));
+    sides.push_back(SidesOf(edge, options_.window.min_shared, map_));
   }
   FusePairs(closure.points, closure.lines, features_, map_);
   for (size_t i = 0; i < sides.size(); ++i) {
@@ -201,7 +310,8 @@ MapUpdate Mapper::Whole() const {
 void Mapper::Sign(MapUpdate& update) const {
   update.version = version_;
   update.session = newest_session_;
-  update.session_keyframe_id = sessions_.empty() ? -1 : sessions_.at(newest_session_).session_keyframe_id;
+  const auto newest = sessions_.find(newest_session_);
+  update.session_keyframe_id = newest == sessions_.end() ? -1 : newest->second.session_keyframe_id;
   update.t_ns = newest_t_ns_;
   update.settled = settled_;
   update.adjustment = figures_;

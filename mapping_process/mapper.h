@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/io/map_file.h"
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
@@ -25,11 +26,18 @@ namespace plslam {
 class Mapper {
  public:
   Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
+  /// Goes on in a map that was stored (its `rig` is the caller's to compare), with keyframes of new sessions.
+  Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
 
   /// Joins a keyframe to the map: pose among the landmarks it shows, sights, new landmarks, duplicates (§V.A). Keyframes
   /// of one session come in order; one that came before is ignored. A session that starts while there is a map
-  /// is joined to it where its first keyframe is recognised among the newest ones, and else begins at the place of the
-  /// newest one without connection. False where the keyframe was ignored; `reason` says why.
+  /// is joined to it where its first keyframe shows landmarks that the map gave its tracker, or is recognised among the
+  /// newest keyframes, and else begins at the place of the newest one without connection (no parent, none before).
+  ///
+  /// A keyframe that the map's own landmarks place elsewhere than the motion since the one before (its tracker was lost and has been found
+  /// again) lies where they say. If that ties two parts of the map that nothing connected, the younger is moved to fit.
+  ///
+  /// False where the keyframe was ignored; `reason` says why.
   bool Insert(const Keyframe& keyframe, std::string* reason);
 
   /// Local bundle adjustment around the newest keyframe (§V.B).
@@ -53,6 +61,10 @@ class Mapper {
   /// All of the map at the version of the last update.
   MapUpdate Whole() const;
 
+  /// All that is needed to go on, but for `rig`. Landmarks on trial are acquitted, here too: so this mapper and one that
+  /// goes on from what was stored make the same of the same new sessions.
+  StoredMap Store();
+
   const Map& map() const { return map_; }
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }
@@ -65,7 +77,11 @@ class Mapper {
 
   MapKeyframe Prepare(const Keyframe& keyframe) const;
   void Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
-  void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
+  void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
+  bool Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
+  void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
+  bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
+  void BringTogether(int64_t seen_id, const SE3& T_w_predicted, MapKeyframe& entry);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
   void CloseLoop(const LoopClosure& closure);

@@ -38,6 +38,11 @@ Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) c
                              known ? lines_ : kNone, map)};
 }
 
+Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
+  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, {}, Table(), map),
+          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, {}, Table(), map)};
+}
+
 void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
   if (keyframe.session != session_) {
     session_ = keyframe.session;

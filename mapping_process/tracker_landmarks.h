@@ -15,6 +15,9 @@ class TrackerLandmarks {
   /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes brought.
   Association Claims(const Keyframe& keyframe, const Map& map) const;
 
+  /// Landmarks that the tracker was given by the map, whatever its own say.
+  static Association Given(const Keyframe& keyframe, const Map& map);
+
   /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
   void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
 

@@ -104,6 +104,18 @@ std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& fea
   return KeyframePose{T_w_kf * estimate->T_cur_ref.Inverse(), estimate->covariance};
 }
 
+std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+                                     const MotionOptions& options, int min_weight, Association& association) {
+  const Observed observed = Observe(map, features, SE3(), association);
+  const auto T_kf_w = EstimatePoseRansac(observed.points, observed.lines, camera, min_weight, kRecognised_px, kSeed);
+  if (!T_kf_w) return std::nullopt;
+  Association found = association;
+  auto pose = RefinePose(map, features, camera, T_kf_w->Inverse(), options, found);
+  if (!pose || found.Weight() < min_weight) return std::nullopt;
+  association = found;
+  return pose;
+}
+
 std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
                                           const StereoCamera& camera, const LocalisationOptions& options,
                                           int min_weight, Association& association) {
@@ -114,12 +126,8 @@ std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local,
   found.lines = Named(MatchLinesBruteForce(DescriptorsOf(features.lines), DescriptorsOf<LineKind>(map, local.lines),
                                            options.line_matching),
                       local.lines);
-  const Observed observed = Observe(map, features, SE3(), found);
-  const auto T_kf_w = EstimatePoseRansac(observed.points, observed.lines, camera, min_weight, kRecognised_px, kSeed);
-  if (!T_kf_w) return std::nullopt;
-  auto pose = RefinePose(map, features, camera, T_kf_w->Inverse(), options.motion, found);
-  if (!pose || found.Weight() < min_weight) return std::nullopt;
-  association = found;
+  auto pose = FindPose(map, features, camera, options.motion, min_weight, found);
+  if (pose) association = found;
   return pose;
 }
 

@@ -18,6 +18,11 @@ struct KeyframePose {
 std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association);
 
+/// The same where nothing is known of the pose: from minimal sets, then refined. nullopt, and nothing done, where fewer
+/// than `min_weight` (points + 2 x lines) agree.
+std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+                                     const MotionOptions& options, int min_weight, Association& association);
+
 /// Where a keyframe is of which nothing is known: its features matched by descriptors alone with the landmarks of `local`,
 /// the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines) agree; else the
 /// association is what agrees.

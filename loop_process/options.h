@@ -35,7 +35,8 @@ struct VerificationOptions {
   int min_reverse_inliers = 25;
   int min_neighbour_inliers = 25;
   int strong_inliers = 120;
-  double min_inlier_share = 0.35;
+  double min_inlier_share = 0.15;
+  double min_inlier_share_unconnected = 0.4;
   int min_cells = 5;
   int consistent_keyframes = 3;
   double max_eigenvalue = 0.01;
@@ -128,6 +129,8 @@ void VisitFields(Visitor& visit, VerificationOptions& o) {
   visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1},
         "inliers relative to the landmarks of the old keyframe that should be in view and features that could show "
         "them");
+  visit("min_inlier_share_unconnected", o.min_inlier_share_unconnected, Bounds{0, 1},
+        "the same where nothing connects the two keyframes, so that no drift tells");
   visit("min_cells", o.min_cells, Bounds{1, 16}, "cells of a 4 x 4 grid over the image that must hold inliers");
   visit("consistent_keyframes", o.consistent_keyframes, Bounds{1, 10},
         "consecutive keyframes that must agree on the place, the new one included");

@@ -25,8 +25,9 @@ constexpr std::chrono::milliseconds kTick(250);
 // After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing.
 constexpr int kQuietTicksAfterFinish = 4;
 constexpr int kQuietTicksAtMost = 60;
-// Until the map is taken as it is, from the last thing that came (a killed mapping_process is back sooner).
-constexpr int kQuietTicksForTheMap = 40;
+// Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a whole map is
+// adjusted in less.
+constexpr int kQuietTicksForTheMap = 240;
 constexpr size_t kRateTicks = 12;
 
 double Seconds() {
@@ -132,7 +133,7 @@ void ViewerNode::OnStatus(const status_t& message) {
 
 void ViewerNode::OnMap(const MapUpdate& update) {
   mapping_heard_ = true;
-  mapped_ = {update.session, update.session_keyframe_id};
+  if (update.settled) mapped_ = {update.session, update.session_keyframe_id};
   dirty_ = true;
   quiet_ticks_ = 0;
 }
@@ -170,7 +171,7 @@ bool ViewerNode::RunIsOver() const {
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
 }
 
-/// It has the last keyframe, or nobody makes one.
+/// It has the last keyframe and all that is said about that, or nobody makes one.
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();

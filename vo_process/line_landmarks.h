@@ -58,6 +58,11 @@ class LineLandmarks {
   /// the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
   void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
 
+  /// All take part in the next search, as if the last frame had seen them.
+  void CountAsSeen() {
+    for (auto& landmark : landmarks_) landmark.unseen_frames = 0;
+  }
+
   /// Founds a landmark for each segment with depth that has none, and names it in the frame's tracks.
   void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
 

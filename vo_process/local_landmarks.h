@@ -35,6 +35,11 @@ struct LocalLandmarks {
     points.Adopt(T_odom_w, patch.points, keep_own, next_point_id);
     lines.Adopt(T_odom_w, patch.lines, keep_own, next_line_id);
   }
+  /// All take part in the next search, as if the last frame had seen them.
+  void CountAsSeen() {
+    points.CountAsSeen();
+    lines.CountAsSeen();
+  }
   void Found(const SE3& T_odom_c, TrackedFrame& frame) {
     points.Found(T_odom_c, frame, next_point_id);
     lines.Found(T_odom_c, frame, next_line_id);

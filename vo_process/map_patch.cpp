@@ -24,6 +24,33 @@ void Collect(const std::vector<int64_t>& seen, std::set<int64_t>& ids) {
   }
 }
 
+struct Seen {
+  std::vector<const MapPoint*> points;
+  std::vector<const MapLine*> lines;
+};
+
+// By a keyframe and its best neighbours; ascending.
+Seen SeenAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
+  std::set<int64_t> point_ids;
+  std::set<int64_t> line_ids;
+  const auto collect = [&](int64_t id) {
+    Collect(map.LandmarksOf(id).points, point_ids);
+    Collect(map.LandmarksOf(id).lines, line_ids);
+  };
+  collect(keyframe_id);
+  int left = max_keyframes;
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, kMinShared)) {
+    if (--left <= 0) break;
+    collect(neighbour.keyframe_id);
+  }
+  Seen seen;
+  seen.points.reserve(point_ids.size());
+  for (const int64_t id : point_ids) seen.points.push_back(map.FindPoint(id));
+  seen.lines.reserve(line_ids.size());
+  for (const int64_t id : line_ids) seen.lines.push_back(map.FindLine(id));
+  return seen;
+}
+
 }  // namespace
 
 void KeyframeLog::Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids) {
@@ -62,28 +89,21 @@ std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session
                                                  int max_keyframes) const {
   const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
   if (center == nullptr) return std::nullopt;
-  std::set<int64_t> point_ids;
-  std::set<int64_t> line_ids;
-  const auto collect = [&](int64_t id) {
-    Collect(map.LandmarksOf(id).points, point_ids);
-    Collect(map.LandmarksOf(id).lines, line_ids);
-  };
-  collect(center->id);
-  int left = max_keyframes;
-  for (const Map::Neighbour& neighbour : map.Neighbours(center->id, kMinShared)) {
-    if (--left <= 0) break;
-    collect(neighbour.keyframe_id);
-  }
-  std::vector<const MapPoint*> points;
-  points.reserve(point_ids.size());
-  for (const int64_t id : point_ids) points.push_back(map.FindPoint(id));
-  std::vector<const MapLine*> lines;
-  lines.reserve(line_ids.size());
-  for (const int64_t id : line_ids) lines.push_back(map.FindLine(id));
+  const Seen seen = SeenAround(map, center->id, max_keyframes);
   MapPatch patch;
   patch.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
-  patch.points = Adopt(map, session, points, &Entry::point_ids);
-  patch.lines = Adopt(map, session, lines, &Entry::line_ids);
+  patch.points = Adopt(map, session, seen.points, &Entry::point_ids);
+  patch.lines = Adopt(map, session, seen.lines, &Entry::line_ids);
+  return patch;
+}
+
+std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes) {
+  if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
+  const Seen seen = SeenAround(map, keyframe_id, max_keyframes);
+  MapPatch patch;
+  patch.T_w_odom = T_w_odom;
+  for (const MapPoint* point : seen.points) patch.points.push_back({point, {}});
+  for (const MapLine* line : seen.lines) patch.lines.push_back({line, {}});
   return patch;
 }
 

@@ -23,6 +23,10 @@ struct MapPatch {
   std::vector<Adopted<MapLine>> lines;
 };
 
+/// What a keyframe of the map and its best neighbours see; `T_w_odom` is handed on. nullopt where the map does not have the
+/// keyframe.
+std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes);
+
 /// Which landmarks the tracker's last keyframes showed, by feature: the link between its landmarks and those of the map.
 class KeyframeLog {
  public:

@@ -1,6 +1,7 @@
 #include "vo_process/odometry.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "vo_process/model_error.h"
@@ -36,6 +37,13 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
   std::nth_element(disparities.begin(), middle, disparities.end());
   return camera.Depth(*middle);
+}
+
+// Where the camera was carried while it saw nothing: 10 m and a radian.
+Matrix6d UnknownMotion() {
+  Vector6d variances;
+  variances << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
+  return variances.asDiagonal();
 }
 
 }  // namespace
@@ -93,6 +101,7 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   const auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
   if (!patch) return false;
   T_w_odom_ = patch->T_w_odom;
+  is_in_map_ = true;
   const bool keep_own = options_.map.landmarks == "unknown";
   if (!dormant_) {
     landmarks_.Adopt(*patch, keep_own);
@@ -108,6 +117,39 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   return true;
 }
 
+bool Odometry::AdoptAround(const Map& map) {
+  std::map<int64_t, int> counts;
+  const auto count = [&](const auto& landmarks, const auto& find) {
+    for (const auto& landmark : landmarks) {
+      if (landmark.map_id < 0 || landmark.unseen_frames > 0 || find(landmark.map_id) == nullptr) continue;
+      for (const Sight& sight : find(landmark.map_id)->sights) ++counts[sight.keyframe_id];
+    }
+  };
+  count(landmarks_.points.landmarks(), [&map](int64_t id) { return map.FindPoint(id); });
+  count(landmarks_.lines.landmarks(), [&map](int64_t id) { return map.FindLine(id); });
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto best = std::max_element(counts.begin(), counts.end(), fewer);
+  if (dormant_ || best == counts.end()) return false;
+  const auto patch = PatchAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
+  if (!patch) return false;
+  landmarks_.Adopt(*patch, false);
+  return true;
+}
+
+bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
+  const auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
+  if (!patch) return false;
+  relocalised_ = Relocalised{LocalLandmarks(camera_, options_), T_w_odom};
+  LocalLandmarks& landmarks = relocalised_->landmarks;
+  landmarks.next_point_id = landmarks_.next_point_id;
+  landmarks.next_line_id = landmarks_.next_line_id;
+  landmarks.Adopt(*patch, false);
+  landmarks.CountAsSeen();
+  landmarks_.next_point_id = landmarks.next_point_id;
+  landmarks_.next_line_id = landmarks.next_line_id;
+  return true;
+}
+
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kInitialising;
   if (FoundingWeight(frame.features) < options_.tracking.weak_inliers) return;
@@ -118,24 +160,45 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
 }
 
 std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
-  if (!dormant_) {
-    auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
-    if (!found) return std::nullopt;
-    return Tracked{std::move(*found), Reference::kCurrent};
+  // Lost: only strong evidence ends it, first of the place it was lost at, then of the one it was recognised at, then of
+  // the frame before.
+  if (dormant_) {
+    if (auto tracked = FindDormant(frame, prediction)) return tracked;
   }
-  // Lost: only strong evidence ends it, first of the place it was lost at, then of the frame before.
-  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_);
-  if (found && !found->weak) {
-    dormant_->landmarks.next_point_id = landmarks_.next_point_id;
-    dormant_->landmarks.next_line_id = landmarks_.next_line_id;
-    landmarks_ = std::move(dormant_->landmarks);
-    dormant_.reset();
-    return Tracked{std::move(*found), Reference::kDormant};
+  if (relocalised_) {
+    if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
-  found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
-  if (!found || found->weak) return std::nullopt;
+  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
+  if (!found || (dormant_ && found->weak)) return std::nullopt;
+  const bool was_lost = dormant_.has_value();
   dormant_.reset();
-  return Tracked{std::move(*found), Reference::kFoundedWhileLost};
+  return Tracked{std::move(*found), was_lost ? Reference::kFoundedWhileLost : Reference::kCurrent};
+}
+
+std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
+                                                       const MotionPrediction& prediction) {
+  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_);
+  if (!found || found->weak) return std::nullopt;
+  dormant_->landmarks.next_point_id = landmarks_.next_point_id;
+  dormant_->landmarks.next_line_id = landmarks_.next_line_id;
+  landmarks_ = std::move(dormant_->landmarks);
+  dormant_.reset();
+  relocalised_.reset();
+  return Tracked{std::move(*found), Reference::kDormant};
+}
+
+std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& frame,
+                                                           const MotionPrediction& prediction) {
+  Relocalised place = *std::exchange(relocalised_, std::nullopt);
+  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, tracked_weight_);
+  if (!found || found->weak) return std::nullopt;
+  place.landmarks.next_point_id = landmarks_.next_point_id;
+  place.landmarks.next_line_id = landmarks_.next_line_id;
+  landmarks_ = std::move(place.landmarks);
+  T_w_odom_ = place.T_w_odom;
+  is_in_map_ = true;
+  dormant_.reset();
+  return Tracked{std::move(*found), Reference::kRelocalised};
 }
 
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
@@ -163,14 +226,18 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
 
 void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& result) {
   const Matrix6d& alignment = tracked.alignment.covariance;
-  const Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
+  Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
+  if (tracked.reference == Reference::kRelocalised) chained += UnknownMotion();
   const bool frame_to_frame = options_.tracking.reference == "previous_frame";
   // Frame to frame, or among landmarks founded by the frame before: that frame is where they are exact.
-  const bool exact_before = frame_to_frame || tracked.reference == Reference::kFoundedWhileLost;
+  const bool exact_before = frame_to_frame || tracked.reference == Reference::kFoundedWhileLost ||
+                            tracked.reference == Reference::kRelocalised;
   // Otherwise both ends were measured against the same landmarks, and both errors are in the motion between.
   result.motion_covariance =
       exact_before ? alignment : ComposeCovariance(alignment_covariance_, result.T_prev_c, alignment);
-  if (tracked.reference == Reference::kDormant) result.motion_covariance = chained;
+  if (tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised) {
+    result.motion_covariance = chained;
+  }
   covariance_kf_c_ = exact_before ? chained : alignment;
   alignment_covariance_ = alignment;
 }

@@ -66,19 +66,33 @@ class Odometry {
   /// not have the keyframe.
   bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
 
+  /// Takes over the landmarks of a map that no longer grows, around the keyframe that sees most of those tracked in the last
+  /// frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
+  bool AdoptAround(const Map& map);
+
+  /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it is
+  /// looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had lost its
+  /// way, what lies between is then as good as unknown. False, and nothing done, where the map does not have the keyframe.
+  bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
+
+  /// The camera has been found in a map, by `Adopt` or `Relocalise`.
+  bool is_in_map() const { return is_in_map_; }
+
   /// Map from odometry, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
  private:
   /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
-  /// before the loss, or those founded by a lost frame.
-  enum class Reference { kCurrent, kDormant, kFoundedWhileLost };
+  /// before the loss, those of the map where it was relocalised, or those founded by a lost frame.
+  enum class Reference { kCurrent, kDormant, kRelocalised, kFoundedWhileLost };
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
   };
 
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
+  std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
+  std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result);
@@ -112,6 +126,14 @@ class Odometry {
     SE3 T_odom_c;
   };
   std::optional<Dormant> dormant_;
+
+  /// Landmarks of the map among which the camera should be.
+  struct Relocalised {
+    LocalLandmarks landmarks;
+    SE3 T_w_odom;
+  };
+  std::optional<Relocalised> relocalised_;
+  bool is_in_map_ = false;
 
   int64_t next_keyframe_id_ = 0;
   SE3 T_odom_kf_;

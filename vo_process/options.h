@@ -44,6 +44,13 @@ struct MapUseOptions {
   std::string landmarks = "all";
   int local_keyframes = 20;
   double wait_s = 5.0;
+  bool localise_only = false;
+};
+
+/// Being found again in the map by loop_process.
+struct RelocalisationUseOptions {
+  bool enabled = true;
+  double wait_s = 5.0;
 };
 
 /// Keyframe choice (PL-SLAM §IV.D) and its floors.
@@ -69,6 +76,7 @@ struct VoOptions {
   LandmarkOptions landmarks;
   TrackingOptions tracking;
   MapUseOptions map;
+  RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
 };
 
@@ -116,6 +124,14 @@ void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes whose landmarks are looked for");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
         "how long a lockstep stream waits for the map where no mapping_process is heard of");
+  visit("localise_only", o.localise_only, "the map stays as it is: no keyframes are sent, poses are found in it");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
+  visit("enabled", o.enabled, "whether loop_process is asked where the camera is when tracking is lost");
+  visit("wait_s", o.wait_s, Bounds{0, 3600},
+        "how long a lockstep stream waits for the answer where no loop_process is heard of");
 }
 
 template <class Visitor>
@@ -143,6 +159,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("landmarks", o.landmarks, "life of the landmarks");
   visit("tracking", o.tracking, "search, and what counts as tracked");
   visit("map", o.map, "use of the map");
+  visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");
 }
 

@@ -9,8 +9,10 @@
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/loop_channel.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/header_t.hpp"
+#include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/keyframe_value.h"
@@ -22,6 +24,9 @@ namespace {
 constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
+// Fewer features are not worth asking about; and how long a question may remain without an answer in a live stream.
+constexpr size_t kLeastToAsk = 20;
+constexpr double kAskAgain_s = 2.0;
 
 double NowMs() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -35,28 +40,37 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       session_(process.bus().source()),
       keyframes_(process.bus()),
       map_wait_(options.map.wait_s),
+      answer_wait_(options.relocalisation.wait_s),
+      questions_(process.bus(), bus::kWhereAmI),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
-  if (options_.map.enabled) {
-    map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
-      // In lockstep only what loop_process has had its say about: the same at every run.
-      if (lockstep_ && !update.settled) return;
-      map_session_ = update.session;
-      map_keyframe_id_ = update.session_keyframe_id;
-      OnMap();
-    });
-    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
-    process_.bus().Every(kMapTick, [this] {
-      if (map_wait_.GiveUp(1e-3 * NowMs())) {
-        spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
-        GoOn();
-      }
-    });
-  }
+  if (options_.map.enabled) Listen();
   process_.SetConfiguration(ToYaml("vo", options_));
+}
+
+/// To the map, to loop_process, and to whether the processes behind them live.
+void VoNode::Listen() {
+  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
+    // In lockstep only what loop_process has had its say about: the same at every run.
+    if (lockstep_ && !update.settled) return;
+    map_session_ = update.session;
+    map_keyframe_id_ = update.session_keyframe_id;
+    OnMap();
+  });
+  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
+                                             [this](const relocalisation_t& m) { OnRelocalisation(m); });
+  process_.bus().Every(kMapTick, [this] {
+    const double now_s = 1e-3 * NowMs();
+    const bool no_map = map_wait_.GiveUp(now_s);
+    if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
+    const bool no_answer = answer_wait_.GiveUp(now_s);
+    if (no_answer) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
+    if (no_map || no_answer) GoOn();
+  });
 }
 
 void VoNode::OnCamera(const camera_t& message) {
@@ -85,7 +99,7 @@ void VoNode::OnCamera(const camera_t& message) {
 void VoNode::OnFrame(const Frame& frame) {
   // A player that waits too long for a pose sends its frame again; ours is then on its way.
   if (frame.source == last_source_ && frame.images.frame_id <= last_frame_id_) return Count("frames.repeated", 1);
-  if (front_end_ && !map_wait_.awaited()) return Track(frame);
+  if (front_end_ && !IsWaiting()) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.without_map" : "frames.without_camera", 1);
@@ -93,8 +107,13 @@ void VoNode::OnFrame(const Frame& frame) {
   waiting_.push_back(frame);
 }
 
+bool VoNode::IsWaiting() const {
+  const bool lacks_map = options_.map.localise_only && map_ && map_->replica().version() == 0;
+  return lacks_map || map_wait_.awaited() || answer_wait_.awaited();
+}
+
 void VoNode::GoOn() {
-  while (front_end_ && !map_wait_.awaited() && !waiting_.empty()) {
+  while (front_end_ && !IsWaiting() && !waiting_.empty()) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     Track(frame);
@@ -103,21 +122,60 @@ void VoNode::GoOn() {
 
 void VoNode::OnStatus(const status_t& message) {
   if (message.process == "mapping") map_wait_.OnSignOfLife(1e-3 * NowMs());
+  if (message.process == "loop") answer_wait_.OnSignOfLife(1e-3 * NowMs());
 }
 
 void VoNode::OnMap() {
   const auto awaited = map_wait_.awaited();
   if (!awaited) {
     if (!lockstep_) AdoptMap(adopted_keyframe_id_ + 1);
-    return;
+    return GoOn();
   }
   if (!AdoptMap(*awaited)) return;
   map_wait_.End();
   GoOn();
 }
 
-void VoNode::AwaitMap(const Frame& frame, int64_t keyframe_id) {
-  lockstep_ = frame.lockstep;
+/// Live, a question that has not been answered for a while is asked anew.
+void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
+  const bool in_place =
+      result.state != TrackingState::kLost && (odometry_->is_in_map() || !options_.map.localise_only);
+  if (in_place) question_.reset();
+  if (!map_ || !options_.relocalisation.enabled || in_place || map_->replica().map().keyframes().empty()) return;
+  const double now_s = 1e-3 * NowMs();
+  if (question_ && !frame.lockstep && now_s - question_->asked_s < kAskAgain_s) return;
+  if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;
+  Keyframe asked;
+  asked.session = session_;
+  asked.t_ns = frame.images.t_ns;
+  asked.frame_id = frame.images.frame_id;
+  asked.previous_keyframe_id = options_.map.localise_only ? -1 : last_keyframe_id_;
+  asked.keyframe_id = asked.previous_keyframe_id + 1;
+  asked.lockstep = frame.lockstep;
+  asked.features = result.features;
+  asked.point_landmark_ids.assign(asked.features.points.size(), -1);
+  asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
+  question_ = RelocalisationQuestion{frame.images.frame_id, result.T_odom_c, now_s};
+  questions_.Publish(asked);
+  Count("relocalisation.asked", 1);
+  if (frame.lockstep) answer_wait_.Begin(frame.images.frame_id, now_s);
+}
+
+void VoNode::OnRelocalisation(const relocalisation_t& message) {
+  const std::optional<Relocalisation> answer = bus::FromMessage(message);
+  const bool ours =
+      answer && question_ && answer->session == session_ && answer->frame_id == question_->frame_id && odometry_;
+  if (!ours) return;
+  const SE3 T_w_odom = answer->T_w_c * question_->T_odom_c.Inverse();
+  if (answer->found && odometry_->Relocalise(map_->replica().map(), answer->keyframe_id, T_w_odom)) {
+    Count("relocalisation.found", 1);
+  }
+  question_.reset();
+  answer_wait_.End();
+  GoOn();
+}
+
+void VoNode::AwaitMap(int64_t keyframe_id) {
   if (!map_ || !lockstep_ || keyframe_id == 0 || AdoptMap(keyframe_id - 1)) return;
   map_wait_.Begin(keyframe_id - 1, 1e-3 * NowMs());
 }
@@ -136,12 +194,16 @@ void VoNode::OnStream(const stream_t& message) {
 void VoNode::BeginSession() {
   if (last_t_ns_ != 0) ++session_;
   map_wait_.End();
+  answer_wait_.End();
+  question_.reset();
   adopted_keyframe_id_ = -1;
+  last_keyframe_id_ = -1;
   odometry_.emplace(front_end_->camera(), options_);
 }
 
 void VoNode::Track(const Frame& frame) {
   if (!odometry_ || frame.images.t_ns < last_t_ns_) BeginSession();
+  lockstep_ = frame.lockstep;
   last_t_ns_ = frame.images.t_ns;
   StageTimer timer(NowMs);
   const OdometryResult result = timer.Time("total", [&] {
@@ -152,7 +214,7 @@ void VoNode::Track(const Frame& frame) {
   PublishPose(frame, result, timer.stages());
   if (result.keyframe) PublishKeyframe(frame, result);
   PublishTracks(frame, result);
-  if (result.keyframe) AwaitMap(frame, result.keyframe->id);
+  AskWhereIAm(frame, result);
   SetState("running");
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
@@ -183,6 +245,10 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   message.n_skipped_frames = frame.skipped;
+  if (options_.map.localise_only) {
+    message.keyframe_id = -1;
+    if (!odometry_->is_in_map()) message.state = static_cast<int8_t>(TrackingState::kLost);
+  }
   process_.bus().Publish(bus::kPose, message);
 }
 
@@ -193,13 +259,20 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
   process_.bus().Publish(bus::kTracks, message);
 }
 
+/// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
 void VoNode::PublishKeyframe(const Frame& frame, const OdometryResult& result) {
+  last_keyframe_id_ = result.keyframe->id;
+  if (options_.map.localise_only) {
+    if (map_) odometry_->AdoptAround(map_->replica().map());
+    return;
+  }
   Keyframe keyframe = ToKeyframe(result);
   keyframe.session = session_;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
   keyframes_.Publish(keyframe);
+  AwaitMap(keyframe.keyframe_id);
 }
 
 void VoNode::Count(const std::string& name, double increment) {

@@ -14,11 +14,13 @@
 
 #include "vo_process/odometry.h"
 #include "vo_process/options.h"
+#include "vo_process/relocalisation_question.h"
 #include "vo_process/stereo_front_end.h"
 
 namespace plslam {
 class camera_t;
 class header_t;
+class relocalisation_t;
 class status_t;
 class stream_t;
 
@@ -28,7 +30,11 @@ class stream_t;
 /// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features.
 ///
 /// The map, where there is one, takes effect at once in a live stream. In lockstep, that of keyframe k takes effect when
-/// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster.
+/// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster. So is the answer of
+/// loop_process to the question where a lost camera is, before the next frame.
+///
+/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are sent; a frame counts as lost until the camera has
+/// been found in the map.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -41,8 +47,12 @@ class VoNode {
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
-  void AwaitMap(const Frame& frame, int64_t keyframe_id);
+  void OnRelocalisation(const relocalisation_t& message);
+  bool IsWaiting() const;
+  void AwaitMap(int64_t keyframe_id);
   bool AdoptMap(int64_t oldest_keyframe_id);
+  void AskWhereIAm(const Frame& frame, const OdometryResult& result);
+  void Listen();
   void GoOn();
   void BeginSession();
   void Track(const Frame& frame);
@@ -71,11 +81,16 @@ class VoNode {
   std::string state_;
   bus::KeyframePublisher keyframes_;
   bus::PartnerWait map_wait_;
+  /// Of loop_process, to the question where the camera is.
+  bus::PartnerWait answer_wait_;
+  bus::KeyframePublisher questions_;
+  std::optional<RelocalisationQuestion> question_;
   bool lockstep_ = false;
   /// The newest keyframe in the map.
   int64_t map_session_ = 0;
   int64_t map_keyframe_id_ = -1;
   int64_t adopted_keyframe_id_ = -1;
+  int64_t last_keyframe_id_ = -1;
   std::unique_ptr<bus::MapSubscriber> map_;
   // Last: its handler needs all of the above.
   bus::FrameSubscriber frames_;

@@ -198,13 +198,14 @@ map_totals_t ToMessage(const MapTotals& totals) {
   message.n_lines = totals.lines;
   message.n_point_sights = totals.point_sights;
   message.n_line_sights = totals.line_sights;
+  message.n_loops = totals.loops;
   return message;
 }
 
 std::optional<MapTotals> FromMessage(const map_totals_t& m) {
-  const int64_t least = std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights});
+  const int64_t least = std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops});
   if (least < 0) return std::nullopt;
-  return MapTotals{m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights};
+  return MapTotals{m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops};
 }
 
 map_adjustment_t ToMessage(const AdjustmentFigures& figures) {

@@ -5,6 +5,6 @@
 namespace plslam {
 
 /// First-level keys of a configuration file, one for each process or shared part.
-inline constexpr std::string_view kConfigSections[] = {"bus", "player", "vo", "mapping", "viewer"};
+inline constexpr std::string_view kConfigSections[] = {"bus", "player", "vo", "mapping", "loop", "viewer"};
 
 }  // namespace plslam

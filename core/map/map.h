@@ -28,6 +28,7 @@ struct MapTotals {
   int64_t lines = 0;
   int64_t point_sights = 0;
   int64_t line_sights = 0;
+  int64_t loops = 0;
 
   bool operator==(const MapTotals&) const = default;
 };

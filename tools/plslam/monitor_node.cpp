@@ -2,8 +2,10 @@
 
 #include "core/bus/map_pages.h"
 #include "plslam/keyframe_t.hpp"
+#include "plslam/loop_closure_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
+#include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
@@ -52,13 +54,21 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
     const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;
     if (head) map_.Add(*head);
   });
+  bus.Subscribe<loop_closure_t>(bus::kLoopClosure, [this](const loop_closure_t& m) {
+    if (m.page == 0) {
+      loops_.Add(static_cast<LoopClosure::Kind>(m.kind), m.detect_ms, m.correct_ms);
+    }
+  });
+  bus.Subscribe<relocalisation_t>(bus::kRelocalisation, [this](const relocalisation_t& m) {
+    loops_.AddAnswer(m.found != 0);
+  });
 }
 
 bool MonitorNode::has_all() const {
   const RunStatistics& s = statistics_;
   const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
-  const bool has_map =
-      map_.version() == 0 || std::pair(map_.session(), map_.session_keyframe_id()) == s.last_keyframe();
+  const bool has_map = map_.version() == 0 || (map_.settled() && std::pair(map_.session(), map_.session_keyframe_id()) ==
+                                                                     s.last_keyframe());
   return has_frames && has_map;
 }
 

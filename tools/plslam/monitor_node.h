@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/bus/bus.h"
+#include "tools/plslam/loop_statistics.h"
 #include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
@@ -28,7 +29,8 @@ class MonitorNode {
 
   const RunStatistics& statistics() const { return statistics_; }
   const MapStatistics& map() const { return map_; }
-  /// Every frame that was sent is counted, and where there is a map it has the last keyframe.
+  const LoopStatistics& loops() const { return loops_; }
+  /// Every frame that was sent is counted, and where there is a map it has the last keyframe, settled.
   bool has_all() const;
   /// By process id; those of processes that have ended stay.
   const std::map<int64_t, ProcessStatus>& processes() const { return processes_; }
@@ -46,6 +48,7 @@ class MonitorNode {
  private:
   RunStatistics statistics_;
   MapStatistics map_;
+  LoopStatistics loops_;
   std::map<int64_t, ProcessStatus> processes_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;

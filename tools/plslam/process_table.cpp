@@ -9,6 +9,7 @@ using Arguments = std::vector<std::string>;
 
 bool Always(const RunOptions&) { return true; }
 bool WithMap(const RunOptions& options) { return !options.no_mapping; }
+bool WithLoops(const RunOptions& options) { return !options.no_mapping && !options.no_loops; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
 Arguments RecorderArguments(const RunOptions& options) {
@@ -47,6 +48,16 @@ Arguments VoArguments(const RunOptions& options) {
   Settings settings("vo");
   settings.Add("features.features", options.features);
   if (options.no_mapping) settings.Add("map.enabled", std::string("false"));
+  if (!WithLoops(options)) settings.Add("relocalisation.enabled", std::string("false"));
+  settings.Add("map.localise_only", options.localise_only);
+  return settings.Take();
+}
+
+Arguments MappingArguments(const RunOptions& options) {
+  Settings settings("mapping");
+  if (options.no_loops) settings.Add("loops.enabled", std::string("false"));
+  if (!options.map.empty()) settings.Add("map_file", std::filesystem::absolute(options.map).string());
+  settings.Add("localise_only", options.localise_only);
   return settings.Take();
 }
 
@@ -72,7 +83,9 @@ constexpr ProcessRow kTable[] = {
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
      false, Always, ViewerArguments},
     {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
-     false, WithMap, NoArguments},
+     false, WithMap, MappingArguments},
+    {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
+     false, WithLoops, NoArguments},
     {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      VoArguments},
     {"player", "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,

@@ -15,6 +15,11 @@ struct RunOptions {
   std::string pace;
   std::string features;
   bool no_mapping = false;
+  bool no_loops = false;
+  /// A saved map to go on from, and whether it stays as it is; and where to save the map at the end. Empty: none.
+  std::filesystem::path map;
+  bool localise_only = false;
+  std::filesystem::path save_map;
   std::string config_file;
   std::vector<std::string> overrides;
   int64_t start = -1;  ///< -1: not said, as with the next three

@@ -147,6 +147,7 @@ RunSummary RunSession::Summary() const {
   summary.bad_frames = monitor_.bad_frames();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();
+  summary.loops = &monitor_.loops();
   summary.messages = monitor_.messages();
   summary.processes = supervisor_.reports();
   for (const auto& [pid, status] : monitor_.processes())

@@ -49,6 +49,22 @@ json MapToJson(const RunSummary& summary) {
   return result;
 }
 
+json LoopsToJson(const RunSummary& summary) {
+  if (summary.loops == nullptr || summary.loops->keyframes() + summary.loops->asked() == 0) return nullptr;
+  const LoopStatistics& loops = *summary.loops;
+  return {{"keyframes", loops.keyframes()},
+          {"relocalisations", {{"asked", loops.asked()}, {"found", loops.found()}}},
+          {"detect_ms", QuantilesToJson(loops.detect_ms())},
+          {"correct_ms", QuantilesToJson(loops.correct_ms())},
+          {"whole_map_ms", QuantilesToJson(loops.adjust_ms())}};
+}
+
+std::string LoopsToText(const json& s) {
+  const json& asked = s["loop_closing"]["relocalisations"];
+  return fmt::format("  loops      {}, relocalised {} of {} times asked\n", s["loops"].get<int64_t>(),
+                     asked["found"].get<int64_t>(), asked["asked"].get<int64_t>());
+}
+
 std::string MapToText(const json& map) {
   return fmt::format(
       "  map        {} keyframes, {:.1f} observations a point, {:.1f} a line, reprojection {:.3f} -> {:.3f} px\n",
@@ -114,7 +130,8 @@ json SummaryToJson(const RunSummary& summary) {
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},
           {"map", MapToJson(summary)},
-          {"loops", 0},
+          {"loops", HasMap(summary) ? summary.map->totals().loops : 0},
+          {"loop_closing", LoopsToJson(summary)},
           {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
           {"accuracy_live_ate_m", summary.live_ate_m ? json(Rounded(*summary.live_ate_m, 1e-6)) : json(nullptr)},
           {"stage_ms", StagesToJson(s)},
@@ -138,6 +155,7 @@ std::string SummaryToText(const json& s) {
   text += fmt::format("\n  keyframes  {}, landmarks {} points and {} lines\n", s["keyframes"].get<int64_t>(),
                       s["landmarks"]["points"].get<int64_t>(), s["landmarks"]["lines"].get<int64_t>());
   if (s["map"].is_object()) text += MapToText(s["map"]);
+  if (s["loop_closing"].is_object()) text += LoopsToText(s);
   text += fmt::format("  accuracy   {}",
                       s["accuracy"].is_object() ? AccuracyToText(s["accuracy"]) : std::string("no ground truth"));
   if (s["accuracy_live_ate_m"].is_number()) {
@@ -151,6 +169,10 @@ std::string SummaryToText(const json& s) {
   if (s["map"].is_object()) {
     text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "map, ms a keyframe", "median", "95 %");
     text += QuantilesToText(s["map"]);
+  }
+  if (s["loop_closing"].is_object()) {
+    text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "loops, ms a keyframe", "median", "95 %");
+    text += QuantilesToText(s["loop_closing"]);
   }
   text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB", "restarts");
   for (const auto& [name, p] : s["processes"].items()) {

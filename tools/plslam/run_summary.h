@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/plslam/loop_statistics.h"
 #include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/supervisor.h"
@@ -31,6 +32,7 @@ struct RunSummary {
   int64_t bad_frames = 0;  ///< unreadable, passed over
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;
+  const LoopStatistics* loops = nullptr;
   /// Of the final trajectory; and the error of the poses as they were published.
   std::optional<nlohmann::json> accuracy;
   std::optional<double> live_ate_m;

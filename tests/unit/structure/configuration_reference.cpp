@@ -2,6 +2,7 @@
 
 #include "core/bus/options.h"
 #include "core/config/config.h"
+#include "loop_process/options.h"
 #include "mapping_process/options.h"
 #include "player/options.h"
 #include "viewer_headless/options.h"
@@ -16,6 +17,7 @@ struct AllOptions {
   PlayerOptions player;
   VoOptions vo;
   MappingOptions mapping;
+  LoopOptions loop;
   ViewerOptions viewer;
 };
 
@@ -30,6 +32,7 @@ std::vector<Section> Sections(AllOptions& all) {
           {"player", "What is played, and how.", ListFields(all.player)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
+          {"loop", "Places seen before (PL-SLAM §VI).", ListFields(all.loop)},
           {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
 }
 

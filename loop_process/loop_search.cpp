@@ -31,9 +31,11 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
                     const LoopOptions& options, int64_t keyframe_id) {
   LoopSearch search;
   search.candidates = FindLoopCandidates(map, memory.places(), keyframe_id, options.candidates);
+  if (search.candidates.empty()) return search;
+  const MapWays ways(map, keyframe_id);
   for (const LoopCandidate& candidate : search.candidates) {
     search.evidence.push_back(
-        VerifyLoop(map, memory.features(), camera, options, candidate.keyframe_id, keyframe_id));
+        VerifyLoop(map, memory.features(), camera, options, ways, candidate.keyframe_id, keyframe_id));
   }
   search.best = Strongest(search.evidence);
   if (!search.best) return search;

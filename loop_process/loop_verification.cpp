@@ -6,8 +6,6 @@
 #include <numbers>
 #include <set>
 
-#include "loop_process/map_way.h"
-
 namespace plslam {
 namespace {
 
@@ -69,18 +67,22 @@ class Pairs {
 class Verification {
  public:
   Verification(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-               const LoopOptions& options, int64_t old_id, int64_t id)
+               const LoopOptions& options, const MapWays& ways, int64_t old_id, int64_t id)
       : map_(map),
         features_(features),
         camera_(camera),
         options_(options),
         gates_(options.verification),
+        ways_(ways),
         old_(*map.FindKeyframe(old_id)),
-        keyframe_(*map.FindKeyframe(id)) {}
+        keyframe_(*map.FindKeyframe(id)),
+        old_place_(PlaceAround(map, old_id, options.verification.local_keyframes)) {}
 
   LoopEvidence Run();
 
  private:
+  void Measure(const KeyframePose& pose);
+  bool Guess();
   bool Find();
   bool PassesPaperGates() const;
   bool HasInliers() const;
@@ -98,26 +100,38 @@ class Verification {
   const StereoCamera& camera_;
   const LoopOptions& options_;
   const VerificationOptions& gates_;
+  const MapWays& ways_;
   const MapKeyframe& old_;
   const MapKeyframe& keyframe_;
+  Place old_place_;
   LoopEvidence evidence_;
 };
 
+void Verification::Measure(const KeyframePose& pose) {
+  evidence_.edge.T_old_kf = old_.T_w_kf.Inverse() * pose.T_w_kf;
+  evidence_.edge.covariance =
+      pose.covariance + Isotropic(options_.correction.loop_sigma_m, options_.correction.loop_sigma_deg * kRadPerDeg);
+}
+
+bool Verification::Guess() {
+  const auto pose =
+      GuessPose(map_, old_.id, features_.at(keyframe_.id), camera_, options_.localisation, gates_.min_matches);
+  if (pose) Measure(*pose);
+  return pose.has_value();
+}
+
 bool Verification::Find() {
-  const auto place = FindPlace(map_, old_.id, features_.at(keyframe_.id), camera_, options_.localisation,
-                               gates_.local_keyframes, gates_.min_matches);
+  const auto place = FindPlace(map_, old_place_, old_.T_w_kf * evidence_.edge.T_old_kf, features_.at(keyframe_.id),
+                               camera_, options_.localisation);
   if (!place) return false;
+  Measure(place->pose);
   evidence_.place = *place;
   evidence_.confirming = 1;
-  LoopEdge& edge = evidence_.edge;
-  edge.T_old_kf = old_.T_w_kf.Inverse() * place->pose.T_w_kf;
-  edge.covariance = place->pose.covariance +
-                    Isotropic(options_.correction.loop_sigma_m, options_.correction.loop_sigma_deg * kRadPerDeg);
   const auto count = [](const std::vector<int64_t>& ids) {
     return static_cast<int32_t>(std::count_if(ids.begin(), ids.end(), [](int64_t id) { return id >= 0; }));
   };
-  edge.n_points = count(place->association.points);
-  edge.n_lines = count(place->association.lines);
+  evidence_.edge.n_points = count(place->association.points);
+  evidence_.edge.n_lines = count(place->association.lines);
   return true;
 }
 
@@ -131,7 +145,7 @@ bool Verification::PassesPaperGates() const {
 bool Verification::HasInliers() const {
   const FoundPlace& place = evidence_.place;
   return place.inliers >= gates_.min_inliers && place.cells >= gates_.min_cells &&
-         place.Share() >= gates_.min_inlier_share &&
+         place.Share() >= (evidence_.connected ? gates_.min_inlier_share : gates_.min_inlier_share_unconnected) &&
          LargestEigenvalue(place.pose.covariance) <= gates_.max_eigenvalue;
 }
 
@@ -145,8 +159,8 @@ bool Verification::Agree(const SE3& predicted, const SE3& found) const {
 bool Verification::IsSeenFromOldSide() {
   // Where the old keyframe would be if the new one were where the map has it.
   const SE3 T_w_old = keyframe_.T_w_kf * evidence_.edge.T_old_kf.Inverse();
-  const auto place = FindPlaceNear(map_, keyframe_.id, T_w_old, features_.at(old_.id), camera_, options_.localisation,
-                                   gates_.local_keyframes);
+  const auto place = FindPlace(map_, PlaceAround(map_, keyframe_.id, gates_.local_keyframes), T_w_old,
+                               features_.at(old_.id), camera_, options_.localisation);
   Association then;
   if (place) {
     evidence_.reverse_inliers = place->inliers;
@@ -176,8 +190,7 @@ void Verification::AskKeyframesBefore() {
     const auto features = features_.find(before->id);
     if (features == features_.end()) return;
     const SE3 predicted = evidence_.place.pose.T_w_kf * (keyframe_.T_w_kf.Inverse() * before->T_w_kf);
-    const auto place = FindPlaceNear(map_, old_.id, predicted, features->second, camera_, options_.localisation,
-                                     gates_.local_keyframes);
+    const auto place = FindPlace(map_, old_place_, predicted, features->second, camera_, options_.localisation);
     if (!place || place->inliers < gates_.min_neighbour_inliers || !Agree(predicted, place->pose.T_w_kf)) return;
     ++evidence_.confirming;
     before = map_.FindKeyframe(before->previous_id);
@@ -190,7 +203,7 @@ int Verification::NeededConfirmations() const {
 }
 
 bool Verification::IsWithinDrift() {
-  const auto way = ShortestWay(map_, old_.id, keyframe_.id);
+  const auto way = ways_.From(old_.id);
   evidence_.connected = way.has_value();
   if (!way) return true;
   const double turn_rad = gates_.drift_deg_per_m * kRadPerDeg * way->length_m;
@@ -210,10 +223,13 @@ LoopEvidence Verification::Run() {
     evidence_.verdict = verdict;
     return evidence_;
   };
-  if (!Find()) return conclude(LoopVerdict::kNotFound);
   const bool paper = gates_.gates == "paper";
-  if (paper && !PassesPaperGates()) return conclude(LoopVerdict::kPaperGates);
-  if (!paper && !HasInliers()) return conclude(LoopVerdict::kFewInliers);
+  if (!Guess()) return conclude(LoopVerdict::kNotFound);
+  if (!IsWithinDrift() && !paper) return conclude(LoopVerdict::kBeyondDrift);
+  if (!Find()) return conclude(LoopVerdict::kNotFound);
+  if (paper ? !PassesPaperGates() : !HasInliers()) {
+    return conclude(paper ? LoopVerdict::kPaperGates : LoopVerdict::kFewInliers);
+  }
   const bool both_sides = IsSeenFromOldSide();
   if (paper) return conclude(LoopVerdict::kAccepted);
   if (!both_sides) return conclude(LoopVerdict::kOneSided);
@@ -245,11 +261,12 @@ const char* LoopVerdictName(LoopVerdict verdict) {
 }
 
 LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                        const LoopOptions& options, int64_t old_keyframe_id, int64_t keyframe_id) {
+                        const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
+                        int64_t keyframe_id) {
   const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
                      features.contains(old_keyframe_id) && features.contains(keyframe_id);
   if (!known) return {};
-  return Verification(map, features, camera, options, old_keyframe_id, keyframe_id).Run();
+  return Verification(map, features, camera, options, ways, old_keyframe_id, keyframe_id).Run();
 }
 
 }  // namespace plslam

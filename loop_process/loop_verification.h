@@ -8,6 +8,7 @@
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
+#include "loop_process/map_way.h"
 #include "loop_process/options.h"
 #include "loop_process/place_search.h"
 
@@ -42,12 +43,15 @@ struct LoopEvidence {
   double drift_chi2 = 0.0;
 };
 
-/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2).
+/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2). `ways` are those to
+/// the keyframe.
 ///
-/// Default gates: enough inliers over the image and a fair share of what should be seen; the old keyframe is found among the
-/// landmarks of the new one at the same place; the keyframes before are found where odometry says they must be, or the
-/// inliers are so many that they need not; and the correction is within what the way between both may have drifted.
+/// Default gates: the correction is within what the way between both may have drifted; enough inliers over the image and a
+/// fair share of what should be seen, a larger one where no way tells; the old keyframe is found among the landmarks of
+/// the new one at the same place; and the keyframes before are found where odometry says they must be, unless there are
+/// so many inliers that they need not.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-                        const LoopOptions& options, int64_t old_keyframe_id, int64_t keyframe_id);
+                        const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
+                        int64_t keyframe_id);
 
 }  // namespace plslam

@@ -1,110 +1,119 @@
 #include "loop_process/map_way.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
+#include <functional>
+#include <queue>
 #include <utility>
-#include <vector>
 
 #include "loop_process/map_edges.h"
 
 namespace plslam {
 namespace {
 
-// A radian is a metre.
 constexpr double kTurn_m = 1.0;
-// What an edge without a measured motion of its own is known to: shared landmarks have been adjusted.
+// What a step is known to that was never measured by itself: its landmarks have been adjusted.
 constexpr double kAdjusted_m = 0.002;
 constexpr double kAdjustedPer_m = 0.005;
 constexpr double kAdjusted_rad = 0.0005;
 constexpr double kAdjusted_radPer_m = 0.0005;
 
-using Graph = std::map<int64_t, std::vector<const MapEdge*>>;
+double Length(const SE3& T) { return T.translation().norm() + kTurn_m * T.Log().tail<3>().norm(); }
 
-SE3 Between(const Map& map, int64_t a, int64_t b) {
-  return map.FindKeyframe(a)->T_w_kf.Inverse() * map.FindKeyframe(b)->T_w_kf;
+}  // namespace
+
+MapWays::MapWays(const Map& map, int64_t to) : map_(map) {
+  nodes_.reserve(map.keyframes().size());
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    nodes_.emplace_back();
+    nodes_.back().keyframe = &keyframe;
+  }
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    Connect(keyframe.previous_id, id, -1);
+    if (keyframe.parent_id != keyframe.previous_id) Connect(keyframe.parent_id, id, -1);
+  }
+  for (int i = 0; i < static_cast<int>(map.loops().size()); ++i) {
+    const LoopEdge& loop = map.loops()[static_cast<size_t>(i)];
+    Connect(loop.old_keyframe_id, loop.keyframe_id, i);
+  }
+  const int place = PlaceOf(to);
+  if (place >= 0) Reach(place);
 }
 
-double Length(const SE3& T) {
-  const Vector6d x = T.Log();
-  return T.translation().norm() + kTurn_m * x.tail<3>().norm();
+int MapWays::PlaceOf(int64_t id) const {
+  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), id,
+                                      [](const Node& node, int64_t value) { return node.keyframe->id < value; });
+  return found != nodes_.end() && found->keyframe->id == id ? static_cast<int>(found - nodes_.begin()) : -1;
 }
 
-Matrix6d StepCovariance(const Map& map, const MapEdge& edge, int64_t from, int64_t to) {
-  const SE3 T_from_to = Between(map, from, to);
-  const auto oriented = [&](int64_t first, const Matrix6d& covariance) {
-    return first == from ? covariance : InverseCovariance(T_from_to.Inverse(), covariance);
+void MapWays::Connect(int64_t a, int64_t b, int loop) {
+  const int at_a = PlaceOf(a);
+  const int at_b = PlaceOf(b);
+  if (at_a < 0 || at_b < 0 || at_a == at_b) return;
+  Node& node_a = nodes_[static_cast<size_t>(at_a)];
+  Node& node_b = nodes_[static_cast<size_t>(at_b)];
+  const double length_m = Length(node_a.keyframe->T_w_kf.Inverse() * node_b.keyframe->T_w_kf);
+  node_a.steps.push_back({at_b, loop, length_m});
+  node_b.steps.push_back({at_a, loop, length_m});
+}
+
+void MapWays::Reach(int to) {
+  using Entry = std::pair<double, int>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+  nodes_[static_cast<size_t>(to)].distance_m = 0.0;
+  open.emplace(0.0, to);
+  while (!open.empty()) {
+    const auto [distance_m, at] = open.top();
+    open.pop();
+    const Node& node = nodes_[static_cast<size_t>(at)];
+    if (distance_m > node.distance_m) continue;
+    for (const Step& step : node.steps) {
+      Node& next = nodes_[static_cast<size_t>(step.next)];
+      const double total_m = distance_m + step.length_m;
+      if (next.distance_m >= 0.0 && next.distance_m <= total_m) continue;
+      next.distance_m = total_m;
+      next.towards = {at, step.loop, step.length_m};
+      open.emplace(total_m, step.next);
+    }
+  }
+}
+
+Matrix6d MapWays::StepCovariance(const Node& from, const Step& step) const {
+  const MapKeyframe& a = *from.keyframe;
+  const MapKeyframe& b = *nodes_[static_cast<size_t>(step.next)].keyframe;
+  // Known as that of the step back: turned round.
+  const auto backwards = [&](const Matrix6d& covariance) {
+    return InverseCovariance(b.T_w_kf.Inverse() * a.T_w_kf, covariance);
   };
-  if (edge.odometry) {
-    const bool forward = map.FindKeyframe(edge.b)->previous_id == edge.a;
-    const int64_t later = forward ? edge.b : edge.a;
-    return oriented(forward ? edge.a : edge.b, map.FindKeyframe(later)->relative_covariance);
+  if (step.loop >= 0) {
+    const LoopEdge& loop = map_.loops()[static_cast<size_t>(step.loop)];
+    return loop.old_keyframe_id == a.id ? loop.covariance : backwards(loop.covariance);
   }
-  if (edge.loop >= 0) {
-    const LoopEdge& loop = map.loops()[static_cast<size_t>(edge.loop)];
-    return oriented(loop.old_keyframe_id, loop.covariance);
-  }
-  const double length_m = Length(T_from_to);
-  const double sigma_m = kAdjusted_m + kAdjustedPer_m * length_m;
-  const double sigma_rad = kAdjusted_rad + kAdjusted_radPer_m * length_m;
+  if (b.previous_id == a.id) return b.relative_covariance;
+  if (a.previous_id == b.id) return backwards(a.relative_covariance);
+  const double sigma_m = kAdjusted_m + kAdjustedPer_m * step.length_m;
+  const double sigma_rad = kAdjusted_rad + kAdjusted_radPer_m * step.length_m;
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
   covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
   return covariance;
 }
 
-// The edge by which each keyframe is reached from `from`, nullptr for that one, as far as `to` (Dijkstra).
-std::map<int64_t, const MapEdge*> Reach(const Map& map, const Graph& graph, int64_t from, int64_t to) {
-  std::map<int64_t, double> distance{{from, 0.0}};
-  std::map<int64_t, const MapEdge*> by{{from, nullptr}};
-  std::set<std::pair<double, int64_t>> open{{0.0, from}};
-  while (!open.empty() && open.begin()->second != to) {
-    const auto [length_m, at] = *open.begin();
-    open.erase(open.begin());
-    const auto edges = graph.find(at);
-    if (edges == graph.end()) continue;
-    for (const MapEdge* edge : edges->second) {
-      const int64_t next = edge->a == at ? edge->b : edge->a;
-      const double total_m = length_m + Length(Between(map, at, next));
-      const auto [entry, is_new] = distance.try_emplace(next, total_m);
-      if (!is_new && entry->second <= total_m) continue;
-      open.erase({entry->second, next});
-      entry->second = total_m;
-      by[next] = edge;
-      open.insert({total_m, next});
-    }
-  }
-  return by;
-}
-
-}  // namespace
-
-std::optional<MapWay> ShortestWay(const Map& map, int64_t from, int64_t to) {
-  const std::vector<MapEdge> edges = MapEdges(map);
-  Graph graph;
-  for (const MapEdge& edge : edges) {
-    graph[edge.a].push_back(&edge);
-    graph[edge.b].push_back(&edge);
-  }
-  const auto by = Reach(map, graph, from, to);
-  if (!by.contains(to)) return std::nullopt;
-  // Backwards, then forwards: covariances are composed from the start.
-  std::vector<std::pair<int64_t, const MapEdge*>> steps;
-  for (int64_t at = to; by.at(at) != nullptr;) {
-    const MapEdge* edge = by.at(at);
-    steps.emplace_back(at, edge);
-    at = edge->a == at ? edge->b : edge->a;
-  }
+std::optional<MapWay> MapWays::From(int64_t keyframe_id) const {
+  const int from = PlaceOf(keyframe_id);
+  if (from < 0 || nodes_[static_cast<size_t>(from)].distance_m < 0.0) return std::nullopt;
   MapWay way;
-  const Eigen::Vector3d end = map.FindKeyframe(to)->T_w_kf.translation();
-  int64_t at = from;
-  for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
-    const SE3 T_at_next = Between(map, at, step->first);
-    way.reach_m = std::max(way.reach_m, (map.FindKeyframe(at)->T_w_kf.translation() - end).norm());
-    way.length_m += Length(T_at_next);
-    way.covariance =
-        ComposeCovariance(way.covariance, T_at_next, StepCovariance(map, *step->second, at, step->first));
-    at = step->first;
+  way.length_m = nodes_[static_cast<size_t>(from)].distance_m;
+  std::vector<Eigen::Vector3d> places;
+  for (const Node* node = &nodes_[static_cast<size_t>(from)]; node->towards.next >= 0;) {
+    const Node& next = nodes_[static_cast<size_t>(node->towards.next)];
+    const SE3 T_at_next = node->keyframe->T_w_kf.Inverse() * next.keyframe->T_w_kf;
+    way.covariance = ComposeCovariance(way.covariance, T_at_next, StepCovariance(*node, node->towards));
+    places.push_back(node->keyframe->T_w_kf.translation());
+    node = &next;
+    if (node->towards.next >= 0) continue;
+    for (const Eigen::Vector3d& place : places) {
+      way.reach_m = std::max(way.reach_m, (place - node->keyframe->T_w_kf.translation()).norm());
+    }
   }
   return way;
 }

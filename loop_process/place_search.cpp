@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <vector>
 
 #include "core/motion/robust.h"
@@ -17,13 +16,15 @@ constexpr double kMinDepth_m = 0.05;
 
 template <class Kind>
 std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
-  std::set<int64_t> ids;
+  std::vector<int64_t> ids;
   for (const int64_t keyframe_id : keyframes) {
     for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id >= 0) ids.insert(id);
+      if (id >= 0) ids.push_back(id);
     }
   }
-  return {ids.begin(), ids.end()};
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
 }
 
 // Where a landmark should appear; nullopt where it is not in view.
@@ -43,11 +44,12 @@ Eigen::Vector2d Middle(const StereoLine& line) { return 0.5 * (line.left.segment
 template <class Kind>
 void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
            const std::vector<int64_t>& association, int weight, FoundPlace& place) {
-  const std::set<int64_t> shown(association.begin(), association.end());
+  std::vector<int64_t> shown = association;
+  std::sort(shown.begin(), shown.end());
   for (const int64_t id : Kind::Of(map, keyframe_id)) {
     if (id < 0 || !Projection(Middle(*Kind::Find(map, id)), T_c_w, camera)) continue;
     place.expected += weight;
-    if (shown.contains(id)) place.found += weight;
+    if (std::binary_search(shown.begin(), shown.end(), id)) place.found += weight;
   }
 }
 
@@ -81,43 +83,40 @@ void Weigh(const Map& map, int64_t keyframe_id, const StereoFeatures& features, 
 
 }  // namespace
 
-LocalMap LandmarksAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
+Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
   std::vector<int64_t> keyframes{keyframe_id};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kCovisible)) {
     if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
     keyframes.push_back(neighbour.keyframe_id);
   }
-  return {SeenBy<PointKind>(keyframes, map), SeenBy<LineKind>(keyframes, map)};
+  return {keyframe_id, {SeenBy<PointKind>(keyframes, map), SeenBy<LineKind>(keyframes, map)}};
 }
 
-std::optional<FoundPlace> FindPlace(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
-                                    const StereoCamera& camera, const LocalisationOptions& options,
-                                    int local_keyframes, int min_matches) {
+std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
+                                      const StereoCamera& camera, const LocalisationOptions& options,
+                                      int min_matches) {
   Association association;
-  const LocalMap described = LandmarksAround(map, keyframe_id, kDescribed);
-  const auto pose = RecognisePose(map, described, features, camera, options, min_matches, association);
-  if (!pose) return std::nullopt;
-  return FindPlaceNear(map, keyframe_id, pose->T_w_kf, features, camera, options, local_keyframes);
+  return RecognisePose(map, PlaceAround(map, keyframe_id, kDescribed).landmarks, features, camera, options,
+                       min_matches, association);
 }
 
-std::optional<FoundPlace> FindPlaceNear(const Map& map, int64_t keyframe_id, const SE3& T_w_c,
-                                        const StereoFeatures& features, const StereoCamera& camera,
-                                        const LocalisationOptions& options, int local_keyframes) {
-  const LocalMap local = LandmarksAround(map, keyframe_id, local_keyframes);
-  FoundPlace place;
-  place.pose.T_w_kf = T_w_c;
+std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,
+                                    const StereoFeatures& features, const StereoCamera& camera,
+                                    const LocalisationOptions& options) {
+  FoundPlace found;
+  found.pose.T_w_kf = T_w_c;
   for (int round = 0; round < 2; ++round) {
     // Anew each time: what was matched from a worse pose is no evidence.
-    place.association = {std::vector<int64_t>(features.points.size(), -1),
+    found.association = {std::vector<int64_t>(features.points.size(), -1),
                          std::vector<int64_t>(features.lines.size(), -1)};
-    SearchByProjection(map, local, place.pose.T_w_kf, features, camera, options, place.association);
-    place.matches = place.association.Weight();
-    const auto pose = RefinePose(map, features, camera, place.pose.T_w_kf, options.motion, place.association);
+    SearchByProjection(map, place.landmarks, found.pose.T_w_kf, features, camera, options, found.association);
+    found.matches = found.association.Weight();
+    const auto pose = RefinePose(map, features, camera, found.pose.T_w_kf, options.motion, found.association);
     if (!pose) return std::nullopt;
-    place.pose = *pose;
+    found.pose = *pose;
   }
-  Weigh(map, keyframe_id, features, camera, place);
-  return place;
+  Weigh(map, place.keyframe_id, features, camera, found);
+  return found;
 }
 
 }  // namespace plslam

@@ -27,19 +27,23 @@ struct FoundPlace {
   double Share() const { return expected > 0 ? static_cast<double>(found) / expected : 0.0; }
 };
 
-/// What a keyframe and its best neighbours see.
-LocalMap LandmarksAround(const Map& map, int64_t keyframe_id, int max_keyframes);
+/// A keyframe and the landmarks that it and its best neighbours see.
+struct Place {
+  int64_t keyframe_id = -1;
+  LocalMap landmarks;
+};
 
-/// Finds a camera of which nothing is known in the surroundings of a keyframe (PL-SLAM §VI.A.2): matches by descriptor,
-/// pose from minimal sets, then as `FindPlaceNear`. nullopt where fewer than `min_matches` agree.
-std::optional<FoundPlace> FindPlace(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
-                                    const StereoCamera& camera, const LocalisationOptions& options,
-                                    int local_keyframes, int min_matches);
+Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
 
-/// Finds a camera near `T_w_c` in the surroundings of a keyframe: landmarks searched by projection, and the robust
-/// estimator of §IV.C, twice.
-std::optional<FoundPlace> FindPlaceNear(const Map& map, int64_t keyframe_id, const SE3& T_w_c,
-                                        const StereoFeatures& features, const StereoCamera& camera,
-                                        const LocalisationOptions& options, int local_keyframes);
+/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): matches by
+/// descriptor, pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than `min_matches` agree.
+std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
+                                      const StereoCamera& camera, const LocalisationOptions& options,
+                                      int min_matches);
+
+/// Finds a camera near `T_w_c` in a place: landmarks searched by projection, robust estimator, twice.
+std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,
+                                    const StereoFeatures& features, const StereoCamera& camera,
+                                    const LocalisationOptions& options);
 
 }  // namespace plslam

@@ -47,8 +47,11 @@ Relocalisation FindCamera(const Map& map, const PlaceRecogniser& places, const S
   std::vector<FoundPlace> all;
   for (const LoopCandidate& candidate : FindPlaceCandidates(
            map, places, places.Describe(features), options.candidates, options.relocalisation.max_candidates)) {
-    const auto place = FindPlace(map, candidate.keyframe_id, features, camera, options.localisation,
-                                 options.verification.local_keyframes, options.verification.min_matches);
+    const auto guess = GuessPose(map, candidate.keyframe_id, features, camera, options.localisation,
+                                 options.verification.min_matches);
+    if (!guess) continue;
+    const auto place = FindPlace(map, PlaceAround(map, candidate.keyframe_id, options.verification.local_keyframes),
+                                 guess->T_w_kf, features, camera, options.localisation);
     if (!place) continue;
     all.push_back(*place);
     if (!IsGood(*place, options)) continue;

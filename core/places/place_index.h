@@ -8,26 +8,30 @@
 namespace plslam {
 
 /// Inverted index of one vocabulary: for each word the places that have it, so that a query touches only what it has in common
-/// with a place. Places are small numbers that the caller hands out.
+/// with a place. Places are small numbers, 0, 1, 2, ..., that the caller hands out.
+///
+/// What a query costs is reading the entries, at 10,000 places some millions. So an entry has 4 bytes: 16 of the place, 16 of
+/// the weight, which keeps 12 significant bits.
 class PlaceIndex {
  public:
   /// For a vocabulary of so many words; words beyond are passed over.
-  explicit PlaceIndex(int words) : places_of_word_(words) {}
+  explicit PlaceIndex(int words) : words_(words) {}
 
   /// A place must not be in the index twice. Its bag must be what it is removed with.
   void Add(int place, const BagOfWords& bag);
   void Remove(int place, const BagOfWords& bag);
 
-  /// Adds `Similarity(query, bag)` of each place to `scores[place]`, to the last bit where that was 0.
+  /// Adds `Similarity(query, bag)` of each place, right to 1 part in 4096, to `scores[place]`. `scores` must be as long as
+  /// the largest place in the index asks for. No score depends on the order in which places came and went.
   void Score(const BagOfWords& query, std::vector<float>& scores) const;
 
  private:
-  struct Entry {
-    int32_t place;
-    float weight;
-  };
-  // The entries of a word have no order: no score depends on it.
-  std::vector<std::vector<Entry>> places_of_word_;
+  // Entries of each word, without order: the place within the block in the lower half, its weight in the upper half.
+  using Block = std::vector<std::vector<uint32_t>>;
+
+  int words_;
+  // One for each 65,536 places.
+  std::vector<Block> blocks_;
 };
 
 }  // namespace plslam

@@ -80,8 +80,9 @@ PlaceDescription PlaceRecogniser::Describe(const ImageFeatures& features) const 
 
 int PlaceRecogniser::FreePlace() {
   if (free_.empty()) {
-    places_.emplace_back();
-    return static_cast<int>(places_.size()) - 1;
+    keyframe_ids_.push_back(-1);
+    descriptions_.emplace_back();
+    return static_cast<int>(keyframe_ids_.size()) - 1;
   }
   const int place = free_.back();
   free_.pop_back();
@@ -93,7 +94,8 @@ void PlaceRecogniser::Add(int64_t keyframe_id, PlaceDescription description) {
   const int place = FreePlace();
   point_index_.Add(place, description.points);
   line_index_.Add(place, description.lines);
-  places_[place] = {keyframe_id, std::move(description)};
+  keyframe_ids_[place] = keyframe_id;
+  descriptions_[place] = std::move(description);
   place_of_[keyframe_id] = place;
 }
 
@@ -101,29 +103,30 @@ bool PlaceRecogniser::Remove(int64_t keyframe_id) {
   const auto found = place_of_.find(keyframe_id);
   if (found == place_of_.end()) return false;
   const int place = found->second;
-  point_index_.Remove(place, places_[place].description.points);
-  line_index_.Remove(place, places_[place].description.lines);
-  places_[place] = {};
+  point_index_.Remove(place, descriptions_[place].points);
+  line_index_.Remove(place, descriptions_[place].lines);
+  keyframe_ids_[place] = -1;
+  descriptions_[place] = {};
   free_.push_back(place);
   place_of_.erase(found);
   return true;
 }
 
 const PlaceDescription& PlaceRecogniser::Of(int64_t keyframe_id) const {
-  return places_[place_of_.at(keyframe_id)].description;
+  return descriptions_[place_of_.at(keyframe_id)];
 }
 
 std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
                                                const std::function<bool(int64_t)>& excluded, int max_results) const {
-  std::vector<float> points(places_.size(), 0.0F);
-  std::vector<float> lines(places_.size(), 0.0F);
+  std::vector<float> points(keyframe_ids_.size(), 0.0F);
+  std::vector<float> lines(keyframe_ids_.size(), 0.0F);
   point_index_.Score(query.points, points);
   line_index_.Score(query.lines, lines);
   const PlaceWeights weights = WeightsFor(query, options_);
   std::vector<PlaceMatch> matches;
-  matches.reserve(places_.size());
-  for (size_t i = 0; i < places_.size(); ++i) {
-    const PlaceMatch match = Merge(places_[i].keyframe_id, weights, points[i], lines[i]);
+  matches.reserve(keyframe_ids_.size());
+  for (size_t i = 0; i < keyframe_ids_.size(); ++i) {
+    const PlaceMatch match = Merge(keyframe_ids_[i], weights, points[i], lines[i]);
     if (match.score > 0.0) matches.push_back(match);
   }
   return Best(std::move(matches), excluded, max_results);

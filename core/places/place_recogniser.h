@@ -50,16 +50,11 @@ class PlaceRecogniser {
   std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(int64_t)>& excluded,
                                 int max_results) const;
 
-  /// The score that a query for `query` gives to `other`.
+  /// The score that a query for `query` gives to `other`; a query is right to 1 part in 4096 of it.
   PlaceMatch Compare(const PlaceDescription& query, const PlaceDescription& other) const;
   double Score(const PlaceDescription& query, const PlaceDescription& other) const;
 
  private:
-  struct Place {
-    int64_t keyframe_id = -1;
-    PlaceDescription description;
-  };
-
   int FreePlace();
 
   Vocabulary points_;
@@ -67,7 +62,9 @@ class PlaceRecogniser {
   PlaceOptions options_;
   PlaceIndex point_index_;
   PlaceIndex line_index_;
-  std::vector<Place> places_;
+  // Of each place; apart, because a query reads all ids and few descriptions.
+  std::vector<int64_t> keyframe_ids_;
+  std::vector<PlaceDescription> descriptions_;
   // Places that Remove has emptied, to be used again, the last first.
   std::vector<int> free_;
   std::map<int64_t, int> place_of_;

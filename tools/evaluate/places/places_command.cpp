@@ -80,11 +80,12 @@ void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder)
 }
 
 int Evaluate(const Arguments& a) {
-  const PlaceRecogniser recogniser(Vocabulary::Load(a.points), Vocabulary::Load(a.lines), PlaceOptions{});
+  const Vocabulary points = Vocabulary::Load(a.points);
+  const PlaceRecogniser recogniser(points, Vocabulary::Load(a.lines), PlaceOptions{});
   std::vector<PlaceEvaluation> evaluations;
   for (const std::string& dataset : a.datasets) {
-    evaluations.push_back(EvaluatePlaces(dataset, ReadFrames(dataset, a.stride, recogniser),
-                                         recogniser.point_vocabulary(), recogniser.line_vocabulary(), a.revisit));
+    evaluations.push_back(EvaluatePlaces(dataset, ReadFrames(dataset, a.stride, recogniser), points,
+                                         recogniser.line_vocabulary(), a.revisit));
     fmt::print("{}\n", PlaceTable(evaluations.back()));
     std::fflush(stdout);
     if (!a.out.empty()) WritePictures(evaluations.back(), a.out);

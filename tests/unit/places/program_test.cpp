@@ -1,0 +1,79 @@
+// The programs train_vocabulary and `evaluate places`, on small built-in worlds.
+#include <gmock/gmock.h>
+
+#include <array>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "core/places/vocabulary.h"
+#include "tests/support/data_folder.h"
+#include "tests/unit/trajectory/text_file.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+struct ProgramRun {
+  int exit_code;
+  std::string out;
+  std::string error;
+};
+
+ProgramRun Start(const ScratchFolder& folder, const std::string& program, const std::string& arguments) {
+  const std::string command = (test::BinaryFolder() / program).string() + " " + arguments + " >" +
+                              folder.Path("out") + " 2>" + folder.Path("error");
+  const int status = std::system(command.c_str());  // NOLINT: the program is what is tested
+  return {WEXITSTATUS(status), ReadText(folder.Path("out")), ReadText(folder.Path("error"))};
+}
+
+TEST(PlacePrograms, TrainAndEvaluateOnABuiltInWorld) {
+  const ScratchFolder folder;
+  const std::string world = "'synthetic:room?size=320x240&rate=1&loops=2'";
+  for (const std::string kind : {"points", "lines"}) {
+    const ProgramRun run =
+        Start(folder, "train_vocabulary", "--kind " + kind + " --depth 3 --out " + folder.Path(kind) + " " + world);
+    EXPECT_EQ(run.exit_code, 0) << run.error;
+    EXPECT_THAT(run.out, HasSubstr("31 images"));
+    EXPECT_THAT(run.out, HasSubstr(Vocabulary::Load(folder.Path(kind)).checksum()));
+  }
+  const ProgramRun run =
+      Start(folder, "evaluate",
+            "places " + world + " --points " + folder.Path("points") + " --lines " + folder.Path("lines") +
+                " --out " + folder.Path("p") + " --json " + folder.Path("j"));
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_THAT(run.out, HasSubstr("balanced"));
+  const auto json = nlohmann::json::parse(ReadText(folder.Path("j")));
+  EXPECT_GT(json["sequences"][0]["merges"]["balanced"]["best_match"]["area"].get<double>(), 0.99);
+  EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_similarity.png")).substr(1, 3), "PNG");
+  EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_precision_recall.png")).substr(1, 3),
+            "PNG");
+}
+
+TEST(PlacePrograms, ErrorsAreOneSentenceAndExitCodeOne) {
+  const ScratchFolder folder;
+  const std::string out = " --out " + folder.Path("v") + " ";
+  const std::string config = (test::SourceFolder() / "config").string();
+  const std::vector<std::array<std::string, 3>> cases{
+      {"train_vocabulary", "--kind points" + out + "nowhere", "nowhere"},
+      {"train_vocabulary", "--kind corners" + out + "synthetic:room", "corners"},
+      {"train_vocabulary", "--kind points" + out + "'synthetic:room?frames=0'", "frames"},
+      {"train_vocabulary", "--kind points --out " + folder.Path("no/v") + " 'synthetic:room?frames=1&size=160x120'",
+       "no/v"},
+      {"train_vocabulary", "--kind points", "--out is required"},
+      {"evaluate", "places synthetic:room --points nothing", "vocabulary nothing cannot be read"},
+      {"evaluate",
+       "places synthetic:room --points " + config + "/lbd.vocabulary --lines " + config + "/orb.vocabulary",
+       "a vocabulary of lines stands where one of points is needed"},
+      {"evaluate", "places", "datasets is required"},
+      {"evaluate",
+       "places synthetic:moon --points " + config + "/orb.vocabulary --lines " + config + "/lbd.vocabulary", "moon"}};
+  for (const auto& [program, arguments, sentence] : cases) {
+    const ProgramRun run = Start(folder, program, arguments);
+    EXPECT_EQ(run.exit_code, 1) << arguments;
+    EXPECT_THAT(run.error, HasSubstr(sentence)) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,167 @@
+#include "core/places/vocabulary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "tests/unit/places/random_places.h"
+
+namespace plslam {
+namespace {
+
+/// Nodes from the root's child to the leaf, one level after the other.
+std::vector<int> SlowPath(const VocabularyTree& tree, const Descriptor& descriptor) {
+  std::vector<int> path{0};
+  while (tree.child_begin[path.back()] != tree.child_begin[path.back() + 1]) {
+    int best = tree.child_begin[path.back()];
+    for (int child = best; child < tree.child_begin[path.back() + 1]; ++child) {
+      if (HammingDistance(descriptor, tree.centers[child]) < HammingDistance(descriptor, tree.centers[best])) {
+        best = child;
+      }
+    }
+    path.push_back(best);
+  }
+  return path;
+}
+
+std::map<int, double> SlowBag(const VocabularyTree& tree, const std::vector<Descriptor>& descriptors) {
+  std::map<int, double> weight;
+  double sum = 0.0;
+  for (const Descriptor& d : descriptors) {
+    const int word = tree.word[SlowPath(tree, d).back()];
+    weight[word] += tree.idf[word];
+    sum += tree.idf[word];
+  }
+  std::erase_if(weight, [](const auto& entry) { return entry.second == 0.0; });
+  for (auto& [word, w] : weight) w /= sum;
+  return weight;
+}
+
+TEST(Vocabulary, WordsAndNodesEqualTheSlowWay) {
+  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  EXPECT_GT(vocabulary.words(), 100);
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<Descriptor> descriptors = test::RandomDescriptors(50, random);
+    FeatureNodes nodes;
+    const BagOfWords bag = vocabulary.Transform(descriptors, nodes);
+    EXPECT_EQ(bag, vocabulary.Transform(descriptors));
+    const std::map<int, double> slow = SlowBag(vocabulary.tree(), descriptors);
+    ASSERT_EQ(bag.words.size(), slow.size());
+    auto expected = slow.begin();
+    for (const auto& [word, weight] : bag.words) {
+      EXPECT_EQ(word, expected->first);
+      EXPECT_NEAR(weight, expected->second, 1e-6);
+      ++expected;
+    }
+    for (size_t k = 0; k < descriptors.size(); ++k) {
+      const std::vector<int> path = SlowPath(vocabulary.tree(), descriptors[k]);
+      EXPECT_EQ(nodes.node[k], path[std::min<size_t>(Vocabulary::kGuideLevel, path.size() - 1)]);
+    }
+  }
+}
+
+TEST(Vocabulary, WithoutDescriptorsThereAreNoWords) {
+  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  FeatureNodes nodes{{1, 2}};
+  EXPECT_TRUE(vocabulary.Transform({}, nodes).words.empty());
+  EXPECT_TRUE(nodes.node.empty());
+}
+
+TEST(Vocabulary, OneDescriptorIsOneWordOfWeightOne) {
+  std::mt19937_64 random(8);
+  const BagOfWords bag = test::SmallVocabulary(WordKind::kLines).Transform({test::RandomDescriptor(random)});
+  ASSERT_EQ(bag.words.size(), 1U);
+  EXPECT_EQ(bag.words[0].second, 1.0F);
+}
+
+TEST(Training, IsTheSameAtEveryRunAndAnotherWithAnotherSeed) {
+  const Vocabulary a = test::SmallVocabulary(WordKind::kPoints);
+  EXPECT_EQ(a.checksum(), test::SmallVocabulary(WordKind::kPoints).checksum());
+  EXPECT_NE(a.checksum(), test::SmallVocabulary(WordKind::kLines).checksum());
+  std::mt19937_64 random(5);
+  const auto images = test::RandomImages(40, 60, random);
+  TrainingOptions options;
+  const Vocabulary first = TrainVocabulary(images, WordKind::kPoints, options);
+  options.seed = 2;
+  EXPECT_NE(first.checksum(), TrainVocabulary(images, WordKind::kPoints, options).checksum());
+}
+
+TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
+  std::mt19937_64 random(9);
+  const auto images = test::RandomImages(30, 40, random);
+  TrainingOptions options;
+  options.branching = 4;
+  options.depth = 2;
+  const Vocabulary vocabulary = TrainVocabulary(images, WordKind::kPoints, options);
+  std::vector<int> with_word(vocabulary.words(), 0);
+  for (const auto& image : images) {
+    std::map<int, bool> has;
+    for (const Descriptor& d : image) has[vocabulary.tree().word[SlowPath(vocabulary.tree(), d).back()]] = true;
+    for (const auto& [word, yes] : has) ++with_word[word];
+  }
+  for (int word = 0; word < vocabulary.words(); ++word) {
+    EXPECT_NEAR(vocabulary.tree().idf[word], std::log(30.0 / with_word[word]), 1e-6) << "word " << word;
+  }
+}
+
+TEST(Training, WordsThatAllImagesHaveAreLeftOut) {
+  std::mt19937_64 random(10);
+  const std::vector<Descriptor> two = test::RandomDescriptors(2, random);
+  TrainingOptions options;
+  options.min_descriptors = 2;
+  const Vocabulary vocabulary = TrainVocabulary({{two[0], two[1]}, {two[0]}}, WordKind::kPoints, options);
+  EXPECT_EQ(vocabulary.words(), 2);
+  EXPECT_TRUE(vocabulary.Transform({two[0], two[0]}).words.empty());
+  EXPECT_EQ(vocabulary.Transform({two[1]}).words.size(), 1U);
+}
+
+TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
+  std::mt19937_64 random(11);
+  const Descriptor descriptor = test::RandomDescriptor(random);
+  const std::vector<std::vector<Descriptor>> equal(3, std::vector<Descriptor>(100, descriptor));
+  for (const auto& images : {std::vector<std::vector<Descriptor>>{}, {{}, {}}, equal}) {
+    const Vocabulary vocabulary = TrainVocabulary(images, WordKind::kLines, TrainingOptions{});
+    EXPECT_EQ(vocabulary.words(), 1);
+    EXPECT_TRUE(vocabulary.Transform({descriptor}).words.empty());
+  }
+}
+
+TEST(Training, ProgressRisesToTheEnd) {
+  std::mt19937_64 random(12);
+  double last = 0.0;
+  TrainVocabulary(test::RandomImages(20, 50, random), WordKind::kPoints, TrainingOptions{}, [&](double share) {
+    EXPECT_GE(share, last);
+    EXPECT_LE(share, 1.0);
+    last = share;
+  });
+  EXPECT_GT(last, 0.99);
+}
+
+TEST(BagOfWords, SimilarityIsOneMinusHalfTheDistance) {
+  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  std::mt19937_64 random(13);
+  for (int i = 0; i < 20; ++i) {
+    const BagOfWords a = vocabulary.Transform(test::RandomDescriptors(80, random));
+    const BagOfWords b = vocabulary.Transform(test::RandomDescriptors(30, random));
+    std::map<int, double> difference;
+    for (const auto& [word, weight] : a.words) difference[word] += weight;
+    for (const auto& [word, weight] : b.words) difference[word] -= weight;
+    double distance = 0.0;
+    for (const auto& [word, d] : difference) distance += std::abs(d);
+    EXPECT_NEAR(Similarity(a, b), 1.0 - 0.5 * distance, 1e-5);
+    EXPECT_EQ(Similarity(a, b), Similarity(b, a));
+    EXPECT_NEAR(Similarity(a, a), 1.0, 1e-5);
+  }
+}
+
+TEST(BagOfWords, NothingInCommonIsZero) {
+  EXPECT_EQ(Similarity({}, {}), 0.0F);
+  EXPECT_EQ(Similarity({{{1, 1.0F}}}, {}), 0.0F);
+  EXPECT_EQ(Similarity({{{1, 0.5F}, {5, 0.5F}}}, {{{2, 0.5F}, {7, 0.5F}}}), 0.0F);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -8,6 +8,7 @@
 
 #include "core/bus/convert.h"
 #include "core/geometry/rectification.h"
+#include "mapping_process/map_files.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
@@ -40,6 +41,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     process_.bus().Every(kTick, [this] { OnTick(); });
   }
   process_.SetConfiguration(ToYaml("mapping", options_));
+  if (!options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
   worker_ = std::thread([this] { RunWorker(); });
 }
 
@@ -79,6 +81,7 @@ void MappingNode::OnCamera(const camera_t& message) {
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
+  if (keyframe.source == process_.bus().source()) return;  // of the map that was loaded
   if (other_camera_ && !known_sessions_.contains(keyframe.session)) {
     process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
     return;
@@ -125,18 +128,40 @@ void MappingNode::RunWorker() {
 }
 
 void MappingNode::WorkUntilStopped() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return stopping_ || camera_; });
+    if (stopping_) return;
+  }
+  BeginMap();
   while (const std::optional<Work> work = NextWork()) Do(*work);
+}
+
+/// Once the camera is known, which stays.
+void MappingNode::BeginMap() {
+  if (!stored_) {
+    mapper_.emplace(*camera_, options_);
+    return;
+  }
+  CheckCamera(*stored_, *camera_, options_.map_file);
+  bus::KeyframePublisher keyframes(process_.bus());
+  for (const Keyframe& keyframe : KeyframesOf(*stored_)) keyframes.Publish(keyframe);
+  mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
+  mapper_->Settle();
+  publisher_.Publish(mapper_->Whole());
+  spdlog::info("{}: {} keyframes, {} points, {} lines", options_.map_file, mapper_->map().keyframes().size(),
+               mapper_->map().points().size(), mapper_->map().lines().size());
+  CountMap();
 }
 
 std::optional<WorkQueue::Work> MappingNode::NextWork() {
   std::unique_lock lock(mutex_);
   std::optional<Work> work;
   changed_.wait(lock, [&] {
-    if (!stopping_ && camera_) work = queue_.Take(NowS());
+    if (!stopping_) work = queue_.Take(NowS());
     return stopping_ || work;
   });
   if (stopping_) return std::nullopt;
-  if (!mapper_) mapper_.emplace(*camera_, options_);
   stop_solve_ = false;
   process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
   return work;
@@ -203,14 +228,30 @@ void MappingNode::Publish(Stages stage_ms) {
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState("running");
-  process_.SetCounter("map.version", static_cast<double>(update.version));
+  CountMap();
+}
+
+void MappingNode::CountMap() {
+  process_.SetCounter("map.version", static_cast<double>(mapper_->version()));
   process_.SetCounter("map.keyframes", static_cast<double>(mapper_->map().keyframes().size()));
   process_.SetCounter("map.points", static_cast<double>(mapper_->map().points().size()));
   process_.SetCounter("map.lines", static_cast<double>(mapper_->map().lines().size()));
   process_.SetCounter("map.loops", static_cast<double>(mapper_->map().loops().size()));
 }
 
-void MappingNode::Save(const std::string& path) { spdlog::error("{}: maps cannot be saved yet", path); }
+/// A map that cannot be written is told, and the process goes on.
+void MappingNode::Save(const std::string& path) {
+  try {
+    StoredMap stored = mapper_->Store();
+    stored.rig = CameraBytes(*camera_);
+    WriteMapFile(path, stored);
+    spdlog::info("the map is in {}", path);
+    process_.SetCounter("map.saves", static_cast<double>(++n_saves_));
+  } catch (const std::exception& error) {
+    spdlog::error("the map cannot be saved: {}", error.what());
+    process_.SetCounter("map.failed_saves", static_cast<double>(++n_failed_saves_));
+  }
+}
 
 bus::ProcessSpec MappingSpec() {
   bus::ProcessSpec spec;

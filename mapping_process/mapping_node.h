@@ -30,6 +30,8 @@ class status_t;
 /// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
 /// map is of one camera: keyframes of sessions that began with another are counted and left.
+///
+/// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their features.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);
@@ -54,11 +56,13 @@ class MappingNode {
   void RunWorker();
   void WorkUntilStopped();
   std::optional<Work> NextWork();
+  void BeginMap();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
   void Correct(const Work& work);
   void Save(const std::string& path);
   void Publish(Stages stage_ms);
+  void CountMap();
 
   bus::Process& process_;
   MappingOptions options_;
@@ -78,8 +82,12 @@ class MappingNode {
   bool stopping_ = false;
   std::atomic<bool> stop_solve_{false};
 
-  std::optional<Mapper> mapper_;  // the worker's
+  // The worker's.
+  std::optional<StoredMap> stored_;
+  std::optional<Mapper> mapper_;
   int64_t n_ignored_ = 0;
+  int64_t n_saves_ = 0;
+  int64_t n_failed_saves_ = 0;
   std::thread worker_;
   bus::KeyframeSubscriber keyframes_;
   std::unique_ptr<bus::LoopClosureSubscriber> closures_;

@@ -16,6 +16,7 @@ using Command = std::function<int()>;
 void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);
 void AddRecordCommand(CLI::App* app, Command* command);
+void AddSaveCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
 

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
       "plslam COMMAND --help tells the options of each.");
   plslam::Command command;
   for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
-                         plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
+                         plslam::AddSaveCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
     add(&app, &command);
   }
   try {

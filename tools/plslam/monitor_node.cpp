@@ -59,16 +59,15 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
       loops_.Add(static_cast<LoopClosure::Kind>(m.kind), m.detect_ms, m.correct_ms);
     }
   });
-  bus.Subscribe<relocalisation_t>(bus::kRelocalisation, [this](const relocalisation_t& m) {
-    loops_.AddAnswer(m.found != 0);
-  });
+  bus.Subscribe<relocalisation_t>(bus::kRelocalisation,
+                                  [this](const relocalisation_t& m) { loops_.AddAnswer(m.found != 0); });
 }
 
 bool MonitorNode::has_all() const {
   const RunStatistics& s = statistics_;
   const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
-  const bool has_map = map_.version() == 0 || (map_.settled() && std::pair(map_.session(), map_.session_keyframe_id()) ==
-                                                                     s.last_keyframe());
+  const bool has_map = map_.version() == 0 ||
+                       (map_.settled() && std::pair(map_.session(), map_.session_keyframe_id()) == s.last_keyframe());
   return has_frames && has_map;
 }
 

@@ -96,7 +96,8 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--features", o->features, "points, lines or both (default)")
       ->check(CLI::IsMember({"points", "lines", "both"}));
   sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");
-  sub->add_flag("--no-loops", o->no_loops, "places seen before are not recognised, and lost trackers not found again");
+  sub->add_flag("--no-loops", o->no_loops,
+                "places seen before are not recognised, and lost trackers not found again");
   sub->add_option("--map", o->map, "a saved map to go on from")->type_name("FILE")->check(CLI::ExistingFile);
   sub->add_flag("--localise-only", o->localise_only, "the map given by --map stays as it is")->needs("--map");
   sub->add_option("--save-map", o->save_map, "where to save the map at the end")->type_name("FILE");

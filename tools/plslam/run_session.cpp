@@ -18,6 +18,7 @@ constexpr seconds kStartLimit{60};
 constexpr seconds kStallLimit{120};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
+constexpr seconds kSaveLimit{60};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
@@ -33,6 +34,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
     : options_(options),
       bus_(bus),
       monitor_(bus),
+      save_(bus),
       supervisor_(SupervisorOptions(options)),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_) {
@@ -70,6 +72,7 @@ void RunSession::Tick() {
   if (phase_ == Phase::kStarting) CheckStarted(now);
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
   if (phase_ == Phase::kSettling) CheckSettled(now);
+  if (phase_ == Phase::kSaving) CheckSaved(now);
   if (phase_ == Phase::kStopping && supervisor_.stopped()) bus_.Stop();
   ShowProgress(now);
 }
@@ -117,6 +120,18 @@ void RunSession::CheckPlayed(Clock::time_point now) {
 
 void RunSession::CheckSettled(Clock::time_point now) {
   if (!monitor_.has_all() && now - phase_began_ < kSettleLimit) return;
+  phase_ = Phase::kSaving;
+  phase_began_ = now;
+}
+
+void RunSession::CheckSaved(Clock::time_point now) {
+  if (!options_.save_map.empty() && save_.result() != SaveRequest::Result::kSaved) {
+    save_.Send(std::filesystem::absolute(options_.save_map));
+    const bool failed = save_.result() == SaveRequest::Result::kFailed;
+    if (!failed && now - phase_began_ < kSaveLimit) return;
+    return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),
+                                 (options_.out / "logs").string()));
+  }
   completed_ = true;
   BeginStop("");
 }

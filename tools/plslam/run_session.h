@@ -7,12 +7,13 @@
 #include "tools/plslam/monitor_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
+#include "tools/plslam/save_request.h"
 #include "tools/plslam/supervisor.h"
 
 namespace plslam {
 
 /// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
-/// the viewer has handled the end of the stream, and stops everything.
+/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything.
 class RunSession {
  public:
   /// `options.url` and `options.out` are set.
@@ -29,7 +30,7 @@ class RunSession {
 
  private:
   using Clock = std::chrono::steady_clock;
-  enum class Phase { kStarting, kPlaying, kSettling, kStopping };
+  enum class Phase { kStarting, kPlaying, kSettling, kSaving, kStopping };
 
   void StartRows(bool last);
   void Tick();
@@ -38,12 +39,14 @@ class RunSession {
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
+  void CheckSaved(Clock::time_point now);
   void BeginStop(const std::string& reason);
   void ShowProgress(Clock::time_point now);
 
   RunOptions options_;
   bus::Bus& bus_;
   MonitorNode monitor_;
+  SaveRequest save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
   Phase phase_ = Phase::kStarting;

@@ -1,0 +1,44 @@
+#include "tools/plslam/save_request.h"
+
+#include <utility>
+
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam {
+
+SaveRequest::SaveRequest(bus::Bus& bus) : bus_(bus) {
+  bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
+}
+
+void SaveRequest::OnStatus(const status_t& message) {
+  if (message.process != "mapping") return;
+  double saves = 0.0;
+  double failed = 0.0;
+  for (const counter_t& counter : message.counters) {
+    if (counter.name == "map.saves") saves = counter.value;
+    if (counter.name == "map.failed_saves") failed = counter.value;
+  }
+  // Before the order, and after a restart of the process (which has forgotten it): what there is to begin with.
+  if (!sent_ || message.pid != pid_) {
+    pid_ = message.pid;
+    saves_ = saves;
+    failed_ = failed;
+    heard_ = true;
+    sent_ = false;
+    return;
+  }
+  if (saves > saves_) result_ = Result::kSaved;
+  if (failed > failed_) result_ = Result::kFailed;
+}
+
+void SaveRequest::Send(const std::filesystem::path& path) {
+  if (std::exchange(sent_, true)) return;
+  command_t command{};
+  command.target = "mapping";
+  command.verb = "save";
+  command.argument = path.string();
+  bus_.Publish(bus::kCommand, command);
+}
+
+}  // namespace plslam

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "core/bus/bus.h"
+
+namespace plslam {
+class status_t;
+
+/// Asks mapping_process to save its map, and hears from its status how that went.
+class SaveRequest {
+ public:
+  enum class Result { kPending, kSaved, kFailed };
+
+  /// Subscribes; `Bus::Run` delivers.
+  explicit SaveRequest(bus::Bus& bus);
+
+  /// Once mapping_process has been heard: sends the order, the first time. `path` is absolute, on the machine of
+  /// mapping_process.
+  void Send(const std::filesystem::path& path);
+
+  bool heard() const { return heard_; }
+  Result result() const { return result_; }
+
+ private:
+  void OnStatus(const status_t& message);
+
+  bus::Bus& bus_;
+  bool heard_ = false;
+  bool sent_ = false;
+  /// Of the process, before the order: its id, and what it had saved and failed to save.
+  int64_t pid_ = 0;
+  double saves_ = 0.0;
+  double failed_ = 0.0;
+  Result result_ = Result::kPending;
+};
+
+}  // namespace plslam

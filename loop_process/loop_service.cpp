@@ -79,7 +79,8 @@ void LoopService::JudgeWhatIsDue(Output& output) {
     closure.session_keyframe_id = keyframe_id;
     closure.map_source = replica_.source();
     closure.map_version = replica_.version();
-    closure.detect_ms = now_ms_() - began_ms - closure.correct_ms;
+    const double took_ms = now_ms_() - began_ms;
+    (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
     if (closure.kind == LoopClosure::Kind::kLoop) on_its_way_ = OnItsWay{closure, replica_.map().loops().size()};
     output.closures.push_back(std::move(closure));
   }

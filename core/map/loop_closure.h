@@ -61,7 +61,8 @@ struct LoopClosure {
   std::vector<SameLandmarks> lines;
   /// Ascending by keyframe; those that are not named move with the one they hang on in the spanning tree.
   std::vector<CorrectedPose> poses;
-  /// For reports: similarity of the images, and time in ms it took to find and to compute.
+  /// For reports: similarity of the images, and time in ms: of finding nothing, or of finding a loop and
+  /// computing the correction.
   double score = 0.0;
   double detect_ms = 0.0;
   double correct_ms = 0.0;

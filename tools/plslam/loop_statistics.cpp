@@ -4,8 +4,8 @@ namespace plslam {
 
 void LoopStatistics::Add(LoopClosure::Kind kind, double detect_ms, double correct_ms) {
   if (kind == LoopClosure::Kind::kAdjustment) return adjust_ms_.Add(correct_ms);
+  if (kind == LoopClosure::Kind::kLoop) return correct_ms_.Add(correct_ms);
   detect_ms_.Add(detect_ms);
-  if (kind == LoopClosure::Kind::kLoop) correct_ms_.Add(correct_ms);
 }
 
 void LoopStatistics::AddAnswer(bool found) {

@@ -13,11 +13,11 @@ class LoopStatistics {
   void Add(LoopClosure::Kind kind, double detect_ms, double correct_ms);
   void AddAnswer(bool found);
 
-  int64_t keyframes() const { return detect_ms_.count(); }
+  int64_t keyframes() const { return detect_ms_.count() + correct_ms_.count(); }
   int64_t loops() const { return correct_ms_.count(); }
   int64_t asked() const { return asked_; }
   int64_t found() const { return found_; }
-  /// Of all keyframes that were judged; of the loops; of the adjustments of the whole map.
+  /// Of keyframes that closed no loop; of those that did, with the correction; of the adjustments of the whole map.
   const QuantileSketch& detect_ms() const { return detect_ms_; }
   const QuantileSketch& correct_ms() const { return correct_ms_; }
   const QuantileSketch& adjust_ms() const { return adjust_ms_; }

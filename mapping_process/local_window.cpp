@@ -1,5 +1,6 @@
 #include "mapping_process/local_window.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <set>
@@ -9,6 +10,9 @@
 
 namespace plslam {
 namespace {
+
+// Squared error, in deviations, at which the map contradicts a motion by the tracker: it was lost meanwhile.
+constexpr double kContradicted2 = 900.0;
 
 // Landmarks that at least two keyframes see, one of them free; where there are too many, those that most see.
 template <class Kind>
@@ -90,8 +94,11 @@ void AddRelativePoses(const Map& map, double relative_sigma, LocalWindow& window
     const MapKeyframe& keyframe = *map.FindKeyframe(id);
     const auto previous = places.find(keyframe.previous_id);
     if (previous == places.end()) continue;
-    window.problem.relative_poses.push_back({previous->second, place, keyframe.T_prevkf_kf,
-                                             relative_sigma * relative_sigma * keyframe.relative_covariance});
+    const Matrix6d covariance = relative_sigma * relative_sigma * keyframe.relative_covariance;
+    const SE3 T_prevkf_kf = map.FindKeyframe(previous->first)->T_w_kf.Inverse() * keyframe.T_w_kf;
+    const Vector6d error = (keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf).Log();
+    if (error.dot(covariance.ldlt().solve(error)) > kContradicted2) continue;
+    window.problem.relative_poses.push_back({previous->second, place, keyframe.T_prevkf_kf, covariance});
   }
 }
 

@@ -4,12 +4,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <functional>
-#include <numeric>
-#include <set>
 #include <utility>
 
-#include "core/localisation/pose_refinement.h"
 #include "mapping_process/closure_check.h"
 #include "mapping_process/correction.h"
 #include "mapping_process/duplicates.h"
@@ -17,16 +13,11 @@
 #include "mapping_process/line_triangulation.h"
 #include "mapping_process/local_window.h"
 #include "mapping_process/loop_fusion.h"
-#include "mapping_process/map_parts.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
 namespace {
 
-// Associations below which a pose from the tracker is not corrected by them.
-constexpr int kMinWeight = 20;
-// Associations from which the first keyframe of a session is recognised.
-constexpr int kRecognisedWeight = 40;
 // As `pose_t.state` says it: the first frame after the tracker was lost.
 constexpr int kRecovered = 4;
 // Newest keyframes that are never redundant: the tracker's next steps lean on them.
@@ -48,16 +39,12 @@ Matrix6d UsableCovariance(const Matrix6d& covariance) {
   return usable ? covariance : Matrix6d(Matrix6d::Identity());
 }
 
-// How much two sources say of the same features, and differently; weights as of associations.
-int Contradicting(const Association& a, const Association& b) {
-  const auto differ = [](int64_t of_a, int64_t of_b) { return of_a >= 0 && of_b >= 0 && of_a != of_b ? 1 : 0; };
-  return std::transform_reduce(a.points.begin(), a.points.end(), b.points.begin(), 0, std::plus<>(), differ) +
-         2 * std::transform_reduce(a.lines.begin(), a.lines.end(), b.lines.begin(), 0, std::plus<>(), differ);
-}
-
-// So that an error is one of its deviations.
+// What a tracker that was lost says of its motion is doubted: an error far beyond its deviations becomes one of them.
 Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
-  return covariance + Matrix6d(error.Log().cwiseAbs2().asDiagonal());
+  constexpr double kDoubted2 = 50.0;
+  const Vector6d e = error.Log();
+  const double chi2 = e.dot(covariance.ldlt().solve(e));
+  return chi2 <= kDoubted2 ? covariance : Matrix6d(covariance + Matrix6d(e.cwiseAbs2().asDiagonal()));
 }
 
 void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
@@ -137,6 +124,10 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   MapKeyframe entry = Prepare(keyframe);
   Association association = tracker_.Claims(keyframe, map_);
   Join(keyframe, entry, association);
+  if (keyframe.state == kRecovered && entry.previous_id >= 0) {
+    const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
+    entry.relative_covariance = Widened(entry.relative_covariance, T_w_predicted.Inverse() * entry.T_w_kf);
+  }
   Put(keyframe, entry, association);
   NewLandmarks created =
       CreateLandmarks(entry.id, keyframe.features, camera_, options_.insertion, landmark_ids_, map_);
@@ -150,87 +141,6 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   next_keyframe_id_ = entry.id + 1;
   settled_ = false;
   return true;
-}
-
-void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
-  const bool begins = entry.previous_id < 0 && !map_.keyframes().empty();
-  if (begins && association.Weight() < kMinWeight) Recognise(keyframe, entry, association);
-  // First with what the tracker says, then with what can be found around it.
-  Place(keyframe, entry, association);
-  const LocalMap local = LocalMapOf(association, entry.previous_id, map_, options_.insertion.local_keyframes);
-  SearchByProjection(map_, local, entry.T_w_kf, keyframe.features, camera_, options_.localisation, association);
-  Refine(keyframe, entry, association);
-}
-
-bool Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
-  if (association.Weight() < kMinWeight) return false;
-  const auto pose =
-      RefinePose(map_, keyframe.features, camera_, entry.T_w_kf, options_.localisation.motion, association);
-  if (pose) entry.T_w_kf = pose->T_w_kf;
-  return pose.has_value();
-}
-
-// From where the keyframe should be, or from anywhere if most of what the tracker claims to see cannot be seen from there.
-void Mapper::Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
-  const Association given = TrackerLandmarks::Given(keyframe, map_);
-  if (Contradicting(given, association) >= kRecognisedWeight) {
-    Association there = given;
-    MapKeyframe unused = entry;
-    const bool agrees = Refine(keyframe, unused, there) && 2 * there.Weight() >= given.Weight();
-    if (!agrees && Relocate(keyframe, given, entry, association)) return;
-  }
-  const Association claims = association;
-  const bool agrees = Refine(keyframe, entry, association) && 2 * association.Weight() >= claims.Weight();
-  if (!agrees) Relocate(keyframe, claims, entry, association);
-}
-
-bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry,
-                      Association& association) {
-  const int min_weight = std::max(kRecognisedWeight, (claims.Weight() + 1) / 2);
-  if (claims.Weight() < min_weight) return false;
-  Association found = claims;
-  const auto pose = FindPose(map_, keyframe.features, camera_, options_.localisation.motion, min_weight, found);
-  if (!pose) return false;
-  association = found;
-  std::map<int64_t, int> counts;
-  CountKeyframes<PointKind>(found.points, map_, counts);
-  CountKeyframes<LineKind>(found.lines, map_, counts);
-  const MapKeyframe& seen = *map_.FindKeyframe(MostCounted(counts, 1).front());
-  entry.T_w_kf = pose->T_w_kf;
-  entry.covariance = ComposeCovariance(seen.covariance, seen.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
-  if (entry.previous_id < 0) return true;
-  const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
-  if (keyframe.state == kRecovered) {
-    entry.relative_covariance = Widened(entry.relative_covariance, T_w_predicted.Inverse() * entry.T_w_kf);
-  } else {
-    BringTogether(seen.id, T_w_predicted, entry);
-  }
-  return true;
-}
-
-void Mapper::BringTogether(int64_t seen_id, const SE3& T_w_predicted, MapKeyframe& entry) {
-  const std::set<int64_t> own = PartOf(entry.previous_id, map_);
-  if (own.contains(seen_id)) return;
-  const std::set<int64_t> seen = PartOf(seen_id, map_);
-  const bool own_moves = *own.begin() > *seen.begin();
-  const SE3 T_w_fixed = own_moves ? entry.T_w_kf : T_w_predicted;
-  const SE3 T_w_moving = own_moves ? T_w_predicted : entry.T_w_kf;
-  std::map<int64_t, SE3> poses;
-  for (const int64_t id : own_moves ? own : seen) {
-    poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
-  }
-  MoveKeyframes(poses, features_, camera_, map_);
-  entry.T_w_kf = T_w_fixed;
-}
-
-void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {
-  const MapKeyframe& newest = map_.keyframes().rbegin()->second;
-  const LocalMap local = LocalMapOf({}, newest.id, map_, options_.insertion.local_keyframes);
-  const auto pose =
-      RecognisePose(map_, local, keyframe.features, camera_, options_.localisation, kRecognisedWeight, association);
-  if (!pose) return;
-  entry.T_w_kf = pose->T_w_kf;
-  entry.covariance = ComposeCovariance(newest.covariance, newest.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
 }
 
 void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {

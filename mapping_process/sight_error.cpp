@@ -17,7 +17,23 @@ double Across(const Segment2& observed, const Eigen::Vector2d& px, double sigma_
   return distance_px * distance_px / VarianceAcross(observed, px, sigma_px);
 }
 
+constexpr double kNear_px = 40.0;
+
 }  // namespace
+
+bool IsNear(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera) {
+  if (IsBehind(point, T_kf_w, camera)) return false;
+  return (camera.Project(T_kf_w * point.p_w) - seen.left.px).norm() < kNear_px;
+}
+
+bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera) {
+  const auto segment =
+      ClipInFront({T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q}, PoseView::MinDepth(camera));
+  if (!segment || !(seen.left.segment.Length() > 0.0)) return false;
+  const Eigen::Vector2d middle = 0.5 * (seen.left.segment.p + seen.left.segment.q);
+  const Segment2 projected{camera.Project(segment->p), camera.Project(segment->q)};
+  return projected.Length() > 0.0 && std::abs(LineThrough(projected).dot(middle.homogeneous())) < kNear_px;
+}
 
 bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera) {
   return !((T_kf_w * point.p_w).z() > PoseView::MinDepth(camera));

@@ -15,6 +15,11 @@ double SightError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w
 
 inline constexpr double kMostSightError = 25.0;
 
+/// Whether the landmark appears within a few dozen pixels of the feature (of a line: of its middle, across): as far as a
+/// pose by the tracker may be off.
+bool IsNear(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera);
+bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
+
 /// Nothing of the landmark is in front of the camera: the keyframe cannot have seen it.
 bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera);
 bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera);

@@ -59,7 +59,8 @@ PoseGraphSolve<Pose> SolvePoseGraph(const PoseGraph<Pose>& graph, const std::vec
   ceres::Solve(SolverOptions(options), &problem, &summary);
 
   PoseGraphSolve<Pose> solve;
-  solve.iterations = static_cast<int>(summary.iterations.size());
+  // The first entry is the start.
+  solve.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
   solve.chi2 = 2.0 * summary.final_cost;
   const bool finite = std::all_of(parameters.begin(), parameters.end(), [](double x) { return std::isfinite(x); });
   solve.ok = summary.IsSolutionUsable() && finite && std::isfinite(solve.chi2);

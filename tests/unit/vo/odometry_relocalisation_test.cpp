@@ -1,0 +1,116 @@
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/vo/perfect_map.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+using test::kT_w_world;
+using test::PerfectMap;
+using test::PoseAt;
+using test::See;
+
+constexpr int64_t kFrame_ns = 50'000'000;
+
+/// A tracker that has walked 60 frames with a map, and then sees nothing for some.
+class Relocalisation : public testing::Test {
+ protected:
+  Relocalisation() { Walk(0, 60); }
+  void Walk(int from, int to) {
+    for (int i = from; i < to; ++i) {
+      const OdometryResult result = Track(See(world_, i, 0.3));
+      if (!result.keyframe) continue;
+      map_.Add(1, i, result);
+      odometry_.Adopt(map_.map(), 1, result.keyframe->id);
+    }
+  }
+  OdometryResult Track(StereoFeatures features) { return odometry_.Track(kFrame_ns * frame_++, std::move(features)); }
+  OdometryResult Blind() { return Track({}); }
+  /// As loop_process says it of a frame that shows what frame `i` showed, with an error of a centimetre.
+  bool Answer(int i, const SE3& T_odom_c) {
+    const SE3 error(ExpSO3(Eigen::Vector3d(0.001, 0.0, 0.0)), Eigen::Vector3d(0.01, 0.0, 0.0));
+    int64_t keyframe_id = -1;
+    double nearest = 1e9;
+    for (const auto& [id, keyframe] : map_.map().keyframes()) {
+      const double distance = (keyframe.T_w_kf.Inverse() * kT_w_world * PoseAt(i)).Log().norm();
+      if (distance < nearest) keyframe_id = id;
+      nearest = std::min(nearest, distance);
+    }
+    return odometry_.Relocalise(map_.map(), keyframe_id, kT_w_world * PoseAt(i) * error * T_odom_c.Inverse());
+  }
+  double ErrorInMap(const OdometryResult& result, int i) const {
+    const SE3 T_w_c = odometry_.T_w_odom() * result.T_odom_c;
+    return (T_w_c.translation() - (kT_w_world * PoseAt(i)).translation()).norm();
+  }
+
+  FeatureWorld world_{{300, 60}, 4};
+  FeatureWorld elsewhere_{{300, 60}, 99};
+  Odometry odometry_{FeatureWorld::Camera(), VoOptions()};
+  PerfectMap map_{world_};
+  int64_t frame_ = 0;
+};
+
+TEST_F(Relocalisation, CameraCarriedWhileCoveredGoesOnInTheMap) {
+  Walk(60, 200);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(Blind().state, TrackingState::kLost);
+  // Uncovered at the beginning of its way, of which the tracker has kept nothing.
+  const OdometryResult asked = Track(See(world_, 0, 0.3));
+  ASSERT_EQ(asked.state, TrackingState::kLost);
+  ASSERT_TRUE(Answer(0, asked.T_odom_c));
+  const OdometryResult found = Track(See(world_, 1, 0.3));
+  EXPECT_EQ(found.state, TrackingState::kRecovered);
+  ASSERT_TRUE(found.keyframe);
+  EXPECT_LT(ErrorInMap(found, 1), 0.01);
+  EXPECT_LT((asked.T_odom_c.Inverse() * found.T_odom_c).translation().norm(), 0.1) << "T_odom_c must not jump";
+  EXPECT_GT(found.keyframe->covariance(0, 0), 10.0) << "where it was carried nobody knows";
+  for (int i = 2; i < 20; ++i) EXPECT_LT(ErrorInMap(Track(See(world_, i, 0.3)), i), 0.02) << i;
+}
+
+TEST_F(Relocalisation, LandmarksOfTheKeyframeAreNamedAsThoseOfTheMap) {
+  for (int i = 0; i < 3; ++i) Blind();
+  const OdometryResult asked = Blind();
+  ASSERT_TRUE(Answer(10, asked.T_odom_c));
+  const OdometryResult found = Track(See(world_, 10, 0.3));
+  ASSERT_TRUE(found.keyframe);
+  const auto named =
+      std::count_if(found.keyframe->content.point_tracks.begin(), found.keyframe->content.point_tracks.end(),
+                    [](const FeatureTrack& track) { return track.map_id >= 0; });
+  EXPECT_GT(named, 30);
+}
+
+TEST_F(Relocalisation, AWrongAnswerIsNotBelieved) {
+  for (int i = 0; i < 5; ++i) Blind();
+  const OdometryResult asked = Track(See(elsewhere_, 5, 0.3));
+  const SE3 T_w_odom = odometry_.T_w_odom();
+  ASSERT_TRUE(Answer(5, asked.T_odom_c));
+  const OdometryResult next = Track(See(elsewhere_, 6, 0.3));
+  EXPECT_LT((odometry_.T_w_odom().Inverse() * T_w_odom).Log().norm(), 1e-12);
+  EXPECT_LT((asked.T_odom_c.Inverse() * next.T_odom_c).translation().norm(), 0.2);
+}
+
+TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
+  EXPECT_FALSE(odometry_.Relocalise(map_.map(), 1000, SE3()));
+}
+
+TEST_F(Relocalisation, AMapThatStaysIsFollowedByWhatIsSeen) {
+  // A tracker that makes no map of its own.
+  Odometry visitor(FeatureWorld::Camera(), VoOptions());
+  EXPECT_FALSE(visitor.AdoptAround(map_.map())) << "it has seen nothing";
+  const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));
+  EXPECT_FALSE(visitor.is_in_map());
+  ASSERT_TRUE(visitor.Relocalise(map_.map(), 0, kT_w_world * PoseAt(10) * first.T_odom_c.Inverse()));
+  for (int i = 11; i < 60; ++i) {
+    const OdometryResult result = visitor.Track(kFrame_ns * i, See(world_, i, 0.3));
+    ASSERT_TRUE(visitor.is_in_map());
+    const SE3 T_w_c = visitor.T_w_odom() * result.T_odom_c;
+    EXPECT_LT((T_w_c.translation() - (kT_w_world * PoseAt(i)).translation()).norm(), 0.01) << i;
+    if (!result.keyframe) continue;
+    EXPECT_TRUE(visitor.AdoptAround(map_.map())) << i;
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cmath>
+#include <map>
+
+#include "tests/support/feature_world.h"
+#include "vo_process/odometry.h"
+
+namespace plslam::test {
+
+/// The frame of the map in these tests.
+inline const SE3 kT_w_world(ExpSO3(Eigen::Vector3d(0.2, 0.1, -0.4)), Eigen::Vector3d(5.0, -2.0, 1.0));
+
+/// A bending way through a world.
+inline SE3 PoseAt(int frame) {
+  const double s = 0.02 * frame;
+  return SE3(ExpSO3(Eigen::Vector3d(0.05 * std::sin(s), 0.6 * s, 0.0)),
+             Eigen::Vector3d(0.5 * std::sin(s), 0.1 * s, 0.8 * (1.0 - std::cos(s))));
+}
+
+inline StereoFeatures See(const FeatureWorld& world, int frame, double noise_px) {
+  return world.Observe(PoseAt(frame), noise_px, static_cast<uint64_t>(frame));
+}
+
+/// The map that a perfect mapping_process makes: it knows landmarks by their descriptors, and where everything is.
+class PerfectMap {
+ public:
+  /// `world`: what the keyframe's frame shows. `shift_w` moves all landmarks that are new.
+  explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
+      : world_(world), shift_w_(shift_w) {}
+
+  void Add(int64_t session, int frame, const OdometryResult& result) {
+    MapKeyframe keyframe;
+    keyframe.id = next_id_++;
+    keyframe.session = session;
+    keyframe.session_keyframe_id = result.keyframe->id;
+    keyframe.T_w_kf = kT_w_world * PoseAt(frame);
+    keyframe.T_odom_kf = result.T_odom_c;
+    map_.Put(keyframe);
+    const StereoFeatures truth = See(world_, frame, 0.0);
+    const StereoFeatures& features = result.keyframe->content.features;
+    for (size_t i = 0; i < features.points.size(); ++i) {
+      for (const StereoPoint& exact : truth.points) {
+        if (exact.left.descriptor == features.points[i].left.descriptor) Sighted(keyframe, i, exact);
+      }
+    }
+    for (size_t i = 0; i < features.lines.size(); ++i) {
+      for (const StereoLine& exact : truth.lines) {
+        if (exact.left.descriptor == features.lines[i].left.descriptor) Sighted(keyframe, i, exact);
+      }
+    }
+  }
+
+  const Map& map() const { return map_; }
+
+ private:
+  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoPoint& exact) {
+    const auto [known, is_new] = points_.try_emplace(exact.left.descriptor);
+    MapPoint& point = known->second;
+    if (is_new) {
+      point.id = static_cast<int64_t>(points_.size()) - 1;
+      point.p_w = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.px, exact.disparity_px);
+      point.covariance = 1e-6 * Eigen::Matrix3d::Identity();
+      point.descriptor = exact.left.descriptor;
+      point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
+    }
+    point.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    map_.Put(point);
+  }
+  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoLine& exact) {
+    if (!exact.HasDepth()) return;
+    const auto [known, is_new] = lines_.try_emplace(exact.left.descriptor);
+    MapLine& line = known->second;
+    if (is_new) {
+      line.id = static_cast<int64_t>(lines_.size()) - 1;
+      line.segment_w.p = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.p, exact.disparity_p_px);
+      line.segment_w.q = shift_w_ + keyframe.T_w_kf * Backproject(exact.left.segment.q, exact.disparity_q_px);
+      line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
+      line.descriptor = exact.left.descriptor;
+    }
+    line.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    map_.Put(line);
+  }
+  static Eigen::Vector3d Backproject(const Eigen::Vector2d& px, double disparity_px) {
+    return FeatureWorld::Camera().Backproject({px.x(), px.y(), disparity_px});
+  }
+
+  const FeatureWorld& world_;
+  Eigen::Vector3d shift_w_;
+  Map map_;
+  std::map<Descriptor, MapPoint> points_;
+  std::map<Descriptor, MapLine> lines_;
+  int64_t next_id_ = 0;
+};
+
+}  // namespace plslam::test

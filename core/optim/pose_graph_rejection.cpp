@@ -8,8 +8,9 @@
 namespace plslam {
 namespace {
 
-// Share of an edge's information that others must contribute in a direction for it to count as predicted.
-constexpr double kPredicted = 1e-9;
+// Share of an edge's information that others must contribute in a direction for it to count as predicted: what double
+// precision leaves of the difference. An edge that alone joins two parts may still seem to be predicted; a solve tells.
+constexpr double kPredicted = 1e-12;
 
 template <class Pose>
 double DeletionGain(const PoseGraphMotion<Pose>& edge, const std::vector<Pose>& T_w_kf,

@@ -84,6 +84,16 @@ TEST(PoseGraphRejection, AnOnlyLoopThatOdometryRulesOutIsRejected) {
   EXPECT_LT(LargestError_m(result.T_w_kf, world.truth), 1.0);
 }
 
+// It bends everything else until next to nothing is left of its own residual.
+TEST(PoseGraphRejection, AWrongLoopThatIsTenThousandTimesSurerThanOdometryIsRejected) {
+  auto world = MakePoseGraphWorld<SE3>({.poses = 200, .lap = 1000});
+  world.graph.edges.push_back(
+      test::MakeEdge<SE3>({.sigma_m = 1e-5, .sigma_rad = 1e-6}, 20, 180, Moved(3.0, 0.3), true));
+  const auto result = OptimisePoseGraph(world.graph, PoseGraphOptions());
+  ASSERT_TRUE(result.ok) << result.reason;
+  EXPECT_TRUE(result.rejected.back());
+}
+
 TEST(PoseGraphRejection, AnOnlyLoopWithinTheDriftIsClosed) {
   auto world = MakePoseGraphWorld<SE3>({.poses = 60, .lap = 59, .reach = 1, .seed = 8});
   std::erase_if(world.graph.edges, [](const PoseGraphEdge& edge) { return edge.robust; });

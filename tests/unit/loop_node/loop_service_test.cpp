@@ -1,0 +1,155 @@
+#include "loop_process/loop_service.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/feature_world.h"
+#include "tests/unit/places/random_places.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+
+constexpr int64_t kSession = 7;
+
+Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
+  Keyframe keyframe;
+  keyframe.session = kSession;
+  keyframe.keyframe_id = id;
+  keyframe.frame_id = 10 * id;
+  keyframe.lockstep = lockstep;
+  keyframe.previous_keyframe_id = id - 1;
+  return keyframe;
+}
+
+/// A map whose keyframes see nothing in common: there is nothing to find, only an order to keep.
+class Service : public testing::Test {
+ protected:
+  /// The version of the map with keyframes up to this one.
+  MapUpdate Update(int64_t keyframe_id, bool settled) {
+    while (next_id_ <= keyframe_id) {
+      MapKeyframe keyframe;
+      keyframe.id = next_id_;
+      keyframe.session = kSession;
+      keyframe.session_keyframe_id = next_id_;
+      keyframe.previous_id = keyframe.parent_id = next_id_ - 1;
+      map_.Put(keyframe);
+      ++next_id_;
+    }
+    MapUpdate update = ChangedPart(map_, map_.TakeChanges());
+    Sign(update, keyframe_id, settled);
+    update.base_version = version_++;
+    update.version = version_;
+    return update;
+  }
+  MapUpdate Whole(int64_t keyframe_id, bool settled, int64_t source) {
+    MapUpdate update = WholeMap(map_);
+    Sign(update, keyframe_id, settled);
+    update.version = version_;
+    update.source = source_ = source;
+    return update;
+  }
+  void Sign(MapUpdate& update, int64_t keyframe_id, bool settled) const {
+    update.source = source_;
+    update.session = kSession;
+    update.session_keyframe_id = keyframe_id;
+    update.settled = settled;
+  }
+  static std::vector<int64_t> Judged(const LoopService::Output& output) {
+    std::vector<int64_t> ids;
+    for (const LoopClosure& closure : output.closures) {
+      EXPECT_EQ(closure.session, kSession);
+      EXPECT_EQ(closure.kind, LoopClosure::Kind::kNone);
+      ids.push_back(closure.session_keyframe_id);
+    }
+    return ids;
+  }
+
+  using Ids = std::vector<int64_t>;
+  Map map_;
+  int64_t next_id_ = 0;
+  int64_t version_ = 0;
+  int64_t source_ = 1;
+  LoopService service_{LoopCloser(FeatureWorld::Camera(),
+                                  PlaceRecogniser(test::SmallVocabulary(WordKind::kPoints),
+                                                  test::SmallVocabulary(WordKind::kLines), {}),
+                                  LoopOptions()),
+                       [] { return 0.0; }};
+};
+
+TEST_F(Service, EachKeyframeIsJudgedOnceWhenMapAndFeaturesAreThereInEitherOrder) {
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, true))), Ids{});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, true))), Ids{});
+}
+
+TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllJudged) {
+  for (int64_t id = 0; id < 4; ++id) service_.OnKeyframe(KeyframeOf(id, false));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), (Ids{3}));
+  for (int64_t id = 4; id < 7; ++id) service_.OnKeyframe(KeyframeOf(id, false));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(6, false))), (Ids{4, 5, 6}));
+}
+
+TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
+  Update(20, false);
+  for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
+  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(21, false))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
+}
+
+TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
+  Update(20, false);
+  for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
+  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, true, 5))), Ids{});
+}
+
+TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {
+  for (int64_t id = 0; id < 3; ++id) {
+    service_.OnKeyframe(KeyframeOf(id));
+    service_.OnUpdate(Update(id, false));
+    service_.OnUpdate(Update(id, true));
+  }
+  // mapping_process has been started again: keyframe by keyframe its map comes back.
+  map_ = Map();
+  next_id_ = version_ = 0;
+  source_ = 2;
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  service_.OnUpdate(Update(0, true));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{1});
+}
+
+TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {
+  Keyframe question = KeyframeOf(1);
+  question.frame_id = 17;
+  question.previous_keyframe_id = 0;
+  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  service_.OnKeyframe(KeyframeOf(0));
+  EXPECT_TRUE(service_.OnUpdate(Update(0, false)).answers.empty());
+  const auto output = service_.OnUpdate(Update(0, true));
+  ASSERT_EQ(output.answers.size(), 1U);
+  EXPECT_EQ(output.answers[0].frame_id, 17);
+  EXPECT_EQ(output.answers[0].session, kSession);
+  EXPECT_EQ(output.answers[0].map_version, 2);
+  EXPECT_FALSE(output.answers[0].found);
+  EXPECT_TRUE(service_.OnUpdate(Update(1, false)).answers.empty()) << "it is answered once";
+}
+
+TEST_F(Service, ALiveQuestionIsAnsweredAtOnceAndANewerOneTakesItsPlace) {
+  Keyframe question = KeyframeOf(0, false);
+  EXPECT_EQ(service_.OnQuestion(question).answers.size(), 1U) << "not found, where there is no map";
+  question.lockstep = true;
+  service_.OnQuestion(question);
+  question.frame_id = 99;
+  service_.OnQuestion(question);
+  service_.OnKeyframe(KeyframeOf(0));
+  const auto output = service_.OnUpdate(Update(0, true));
+  ASSERT_EQ(output.answers.size(), 1U);
+  EXPECT_EQ(output.answers[0].frame_id, 99);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -54,6 +54,7 @@ BagOfWords Count(const VocabularyTree& tree, const std::vector<Fall>& falls) {
   }
   std::sort(words.begin(), words.end());
   BagOfWords bag;
+  bag.words.reserve(words.size());
   double sum = 0.0;
   for (size_t i = 0; i < words.size();) {
     const size_t first = i;

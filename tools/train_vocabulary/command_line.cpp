@@ -51,6 +51,7 @@ void ShowProgress(const std::string& what, double share) {
 template <class Feature>
 std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
   std::vector<Descriptor> descriptors;
+  descriptors.reserve(features.size());
   for (const Feature& feature : features) descriptors.push_back(feature.descriptor);
   return descriptors;
 }

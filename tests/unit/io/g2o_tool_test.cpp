@@ -29,6 +29,7 @@ struct Outcome {
 Outcome Call(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "pose_graph");
   std::vector<char*> argv;
+  argv.reserve(arguments.size());
   for (std::string& argument : arguments) argv.push_back(argument.data());
   testing::internal::CaptureStdout();
   testing::internal::CaptureStderr();

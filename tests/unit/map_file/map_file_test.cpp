@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <filesystem>
@@ -56,8 +57,10 @@ class TemporaryFile {
 };
 
 bool SameBits(const SE3& a, const SE3& b) {
-  return std::memcmp(a.translation().data(), b.translation().data(), 24) == 0 &&
-         std::memcmp(a.rotation().coeffs().data(), b.rotation().coeffs().data(), 32) == 0;
+  const auto same = [](double x, double y) { return std::bit_cast<uint64_t>(x) == std::bit_cast<uint64_t>(y); };
+  const Eigen::Vector4d& q = a.rotation().coeffs();
+  return std::equal(q.begin(), q.end(), b.rotation().coeffs().begin(), same) &&
+         std::equal(a.translation().begin(), a.translation().end(), b.translation().begin(), same);
 }
 
 void ExpectSameGraphs(const Map& a, const Map& b) {

@@ -165,6 +165,10 @@ void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
 
 bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   if (closure.kind == LoopClosure::Kind::kNone) return true;
+  if (options_.localise_only) {
+    *reason = "the map is only localised in (mapping.localise_only)";
+    return false;
+  }
   *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_}, map_);
   if (!reason->empty()) return false;
   MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);

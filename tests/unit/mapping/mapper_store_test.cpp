@@ -95,6 +95,8 @@ TEST_F(Stored, AMapThatIsOnlyLocalisedInStaysAsItIs) {
     ASSERT_FALSE(restored.Insert(keyframe, &reason_));
     EXPECT_NE(reason_.find("localise_only"), std::string::npos) << reason_;
   }
+  EXPECT_FALSE(restored.Correct(test::AdjustByTruth(restored.map(), path_), &reason_));
+  EXPECT_NE(reason_.find("localise_only"), std::string::npos) << reason_;
   EXPECT_EQ(Encoded(restored.Whole()), before);
   EXPECT_EQ(restored.Whole().totals, mapper_.Whole().totals);
 }

@@ -1,0 +1,1 @@
+plslam_benchmark(correction_benchmark SOURCES correction_benchmark.cpp LINK plslam_mapping_world)

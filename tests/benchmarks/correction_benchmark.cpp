@@ -1,0 +1,99 @@
+#include <cstddef>
+#include <cstdio>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "mapping_process/correction.h"
+#include "tests/unit/mapping/loop_world.h"
+
+// What a correction costs mapping_process in a map of 500 keyframes and 30,000 points.
+
+namespace plslam {
+namespace {
+
+constexpr double kRadius_m = 39.0;
+constexpr double kStep_m = 0.5;
+
+struct Drifted {
+  Drifted() : walk(test::MakeWalk(world, test::RingPath(kRadius_m, kStep_m, 500), Options())) {
+    for (const Keyframe& keyframe : walk.keyframes) test::MapOne(keyframe, mapper);
+    mapper.Correct(test::Drift(mapper.map()), &reason);
+    mapper.TakeUpdate();
+    const MapTotals totals = mapper.map().Totals();
+    std::printf("%ld keyframes, %ld points, %ld lines, %ld and %ld sights\n", totals.keyframes, totals.points,
+                totals.lines, totals.point_sights, totals.line_sights);
+  }
+  static test::WalkOptions Options() {
+    test::WalkOptions options;
+    options.with_ids = false;
+    return options;
+  }
+  static MappingOptions WithoutCulling() {
+    MappingOptions options;
+    options.culling.redundant_share = 1.01;
+    return options;
+  }
+
+  test::FeatureWorld world = test::MakeRing(kRadius_m, 29'000, 2'500, 3);
+  test::Walk walk;
+  Mapper mapper{test::FeatureWorld::Camera(), WithoutCulling()};
+  std::string reason;
+};
+
+const Drifted& MapOnce() {
+  static const Drifted map;
+  return map;
+}
+
+void Correct(benchmark::State& state, const LoopClosure& closure) {
+  for (auto _ : state) {
+    state.PauseTiming();
+    Mapper mapper = MapOnce().mapper;
+    std::string reason;
+    state.ResumeTiming();
+    if (!mapper.Correct(closure, &reason)) state.SkipWithError(reason.c_str());
+    state.PauseTiming();
+    state.counters["error_m"] = test::PositionError_m(mapper.map(), MapOnce().walk.T_w_c);
+    const std::vector<double> errors_m = test::PointErrors_m(mapper.map(), MapOnce().world);
+    state.counters["point_error_m"] = errors_m[errors_m.size() / 2];
+    state.counters["reprojection_px"] = test::Reprojection_px(mapper.map(), MapOnce().walk.keyframes);
+    state.ResumeTiming();
+  }
+}
+
+void BM_Loop(benchmark::State& state) {
+  Correct(state,
+          test::CloseByTruth(MapOnce().mapper.map(), test::RevisitOf(MapOnce().mapper.map(), MapOnce().walk.T_w_c),
+                             MapOnce().walk.T_w_c));
+}
+BENCHMARK(BM_Loop)->Unit(benchmark::kMillisecond)->Iterations(3);
+
+void BM_Adjustment(benchmark::State& state) {
+  Correct(state, test::AdjustByTruth(MapOnce().mapper.map(), MapOnce().walk.T_w_c));
+}
+BENCHMARK(BM_Adjustment)->Unit(benchmark::kMillisecond)->Iterations(3);
+
+/// The part of both that moves keyframes and landmarks; what an adjustment would leave without placing landmarks anew.
+void BM_Move(benchmark::State& state) {
+  const LoopClosure closure = test::AdjustByTruth(MapOnce().mapper.map(), MapOnce().walk.T_w_c);
+  KeyframeFeatures features;
+  for (const Keyframe& keyframe : MapOnce().walk.keyframes) features[keyframe.keyframe_id] = keyframe.features;
+  for (auto _ : state) {
+    state.PauseTiming();
+    plslam::Map map = MapOnce().mapper.map();
+    state.ResumeTiming();
+    MoveKeyframes(PosesAfter(closure.poses, map), features, test::FeatureWorld::Camera(), map);
+    state.PauseTiming();
+    const std::vector<double> errors_m = test::PointErrors_m(map, MapOnce().world);
+    state.counters["point_error_m"] = errors_m[errors_m.size() / 2];
+    state.counters["reprojection_px"] = test::Reprojection_px(map, MapOnce().walk.keyframes);
+    state.ResumeTiming();
+  }
+}
+BENCHMARK(BM_Move)->Unit(benchmark::kMillisecond)->Iterations(3);
+
+}  // namespace
+}  // namespace plslam
+
+BENCHMARK_MAIN();

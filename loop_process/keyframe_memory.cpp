@@ -5,14 +5,33 @@
 
 namespace plslam {
 
+PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
+                               FeatureNodes& point_nodes) {
+  std::vector<Descriptor> points;
+  std::vector<Descriptor> lines;
+  for (const StereoPoint& point : features.points) points.push_back(point.left.descriptor);
+  for (const StereoLine& line : features.lines) lines.push_back(line.left.descriptor);
+  PlaceDescription description = DescribeLayout(features);
+  description.points = places.point_vocabulary().Transform(points, point_nodes);
+  description.lines = places.line_vocabulary().Transform(lines);
+  return description;
+}
+
 void KeyframeMemory::Add(const Keyframe& keyframe) {
   waiting_[{keyframe.session, keyframe.keyframe_id}] = keyframe.features;
+}
+
+void KeyframeMemory::Enter(int64_t id, const Name& name, StereoFeatures features) {
+  places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
+  features_[id] = std::move(features);
+  names_[id] = name;
 }
 
 void KeyframeMemory::Leave(int64_t id) {
   places_.Remove(id);
   waiting_[names_.at(id)] = std::move(features_.at(id));
   features_.erase(id);
+  point_nodes_.erase(id);
   names_.erase(id);
 }
 
@@ -35,9 +54,7 @@ void KeyframeMemory::Follow(const Map& map) {
     newest.try_emplace(name.first, name.second);
     const auto found = waiting_.find(name);
     if (found == waiting_.end()) continue;
-    places_.Add(entry->first, places_.Describe(found->second));
-    features_[entry->first] = std::move(found->second);
-    names_[entry->first] = name;
+    Enter(entry->first, name, std::move(found->second));
     waiting_.erase(found);
   }
   std::erase_if(waiting_, [&newest](const auto& waiting) {

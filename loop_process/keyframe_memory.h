@@ -11,6 +11,10 @@
 
 namespace plslam {
 
+/// What a place looks like, and the nodes of its points in the vocabulary.
+PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
+                               FeatureNodes& point_nodes);
+
 /// Features of the keyframes and the index of places, by the ids of the map. Features and map come from two senders, so
 /// either may know of a keyframe first; and a map may be replaced by one that starts anew.
 class KeyframeMemory {
@@ -26,17 +30,21 @@ class KeyframeMemory {
 
   /// Those of the map, as of the last `Follow`, that came with features.
   const KeyframeFeatures& features() const { return features_; }
+  /// Nodes of their points in the vocabulary, by the same ids.
+  const std::map<int64_t, FeatureNodes>& point_nodes() const { return point_nodes_; }
   const PlaceRecogniser& places() const { return places_; }
 
  private:
   /// Session, and number there.
   using Name = std::pair<int64_t, int64_t>;
 
+  void Enter(int64_t id, const Name& name, StereoFeatures features);
   void Leave(int64_t id);
 
   PlaceRecogniser places_;
   std::map<Name, StereoFeatures> waiting_;
   KeyframeFeatures features_;
+  std::map<int64_t, FeatureNodes> point_nodes_;
   std::map<int64_t, Name> names_;
 };
 

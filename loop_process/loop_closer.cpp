@@ -63,7 +63,7 @@ WholeMapProblem LoopCloser::WholeMap(const Map& map, const LoopClosure& loop) co
 }
 
 Relocalisation LoopCloser::Relocalise(const Map& map, const StereoFeatures& features) const {
-  return FindCamera(map, memory_.places(), features, camera_, options_);
+  return FindCamera(map, memory_, features, camera_, options_);
 }
 
 }  // namespace plslam

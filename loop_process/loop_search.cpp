@@ -34,8 +34,7 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   if (search.candidates.empty()) return search;
   const MapWays ways(map, keyframe_id);
   for (const LoopCandidate& candidate : search.candidates) {
-    search.evidence.push_back(
-        VerifyLoop(map, memory.features(), camera, options, ways, candidate.keyframe_id, keyframe_id));
+    search.evidence.push_back(VerifyLoop(map, memory, camera, options, ways, candidate.keyframe_id, keyframe_id));
   }
   search.best = Strongest(search.evidence);
   if (!search.best) return search;

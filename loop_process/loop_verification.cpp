@@ -66,10 +66,10 @@ class Pairs {
 
 class Verification {
  public:
-  Verification(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
-               const LoopOptions& options, const MapWays& ways, int64_t old_id, int64_t id)
+  Verification(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera, const LoopOptions& options,
+               const MapWays& ways, int64_t old_id, int64_t id)
       : map_(map),
-        features_(features),
+        memory_(memory),
         camera_(camera),
         options_(options),
         gates_(options.verification),
@@ -81,6 +81,7 @@ class Verification {
   LoopEvidence Run();
 
  private:
+  DescribedImage ImageOf(int64_t id) const { return {memory_.features().at(id), memory_.point_nodes().at(id)}; }
   void Measure(const KeyframePose& pose);
   bool Guess();
   bool Find();
@@ -96,7 +97,7 @@ class Verification {
                                     const std::vector<int64_t>& seen_then) const;
 
   const Map& map_;
-  const KeyframeFeatures& features_;
+  const KeyframeMemory& memory_;
   const StereoCamera& camera_;
   const LoopOptions& options_;
   const VerificationOptions& gates_;
@@ -114,15 +115,15 @@ void Verification::Measure(const KeyframePose& pose) {
 }
 
 bool Verification::Guess() {
-  const auto pose =
-      GuessPose(map_, old_.id, features_.at(keyframe_.id), camera_, options_.localisation, gates_.min_matches);
+  const auto pose = GuessPose(map_, old_.id, ImageOf(old_.id), ImageOf(keyframe_.id), camera_, options_.localisation,
+                              gates_.min_matches);
   if (pose) Measure(*pose);
   return pose.has_value();
 }
 
 bool Verification::Find() {
-  const auto place = FindPlace(map_, old_place_, old_.T_w_kf * evidence_.edge.T_old_kf, features_.at(keyframe_.id),
-                               camera_, options_.localisation);
+  const auto place = FindPlace(map_, old_place_, old_.T_w_kf * evidence_.edge.T_old_kf,
+                               memory_.features().at(keyframe_.id), camera_, options_.localisation);
   if (!place) return false;
   Measure(place->pose);
   evidence_.place = *place;
@@ -160,7 +161,7 @@ bool Verification::IsSeenFromOldSide() {
   // Where the old keyframe would be if the new one were where the map has it.
   const SE3 T_w_old = keyframe_.T_w_kf * evidence_.edge.T_old_kf.Inverse();
   const auto place = FindPlace(map_, PlaceAround(map_, keyframe_.id, gates_.local_keyframes), T_w_old,
-                               features_.at(old_.id), camera_, options_.localisation);
+                               memory_.features().at(old_.id), camera_, options_.localisation);
   Association then;
   if (place) {
     evidence_.reverse_inliers = place->inliers;
@@ -187,8 +188,8 @@ std::vector<SameLandmarks> Verification::PairUp(const std::vector<int64_t>& seen
 void Verification::AskKeyframesBefore() {
   const MapKeyframe* before = map_.FindKeyframe(keyframe_.previous_id);
   while (before != nullptr && evidence_.confirming < gates_.consistent_keyframes) {
-    const auto features = features_.find(before->id);
-    if (features == features_.end()) return;
+    const auto features = memory_.features().find(before->id);
+    if (features == memory_.features().end()) return;
     const SE3 predicted = evidence_.place.pose.T_w_kf * (keyframe_.T_w_kf.Inverse() * before->T_w_kf);
     const auto place = FindPlace(map_, old_place_, predicted, features->second, camera_, options_.localisation);
     if (!place || place->inliers < gates_.min_neighbour_inliers || !Agree(predicted, place->pose.T_w_kf)) return;
@@ -260,13 +261,13 @@ const char* LoopVerdictName(LoopVerdict verdict) {
   return "paper's gates";
 }
 
-LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                         const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
                         int64_t keyframe_id) {
   const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
-                     features.contains(old_keyframe_id) && features.contains(keyframe_id);
+                     memory.places().Has(old_keyframe_id) && memory.places().Has(keyframe_id);
   if (!known) return {};
-  return Verification(map, features, camera, options, ways, old_keyframe_id, keyframe_id).Run();
+  return Verification(map, memory, camera, options, ways, old_keyframe_id, keyframe_id).Run();
 }
 
 }  // namespace plslam

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/localisation/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
+#include "loop_process/keyframe_memory.h"
 #include "loop_process/map_way.h"
 #include "loop_process/options.h"
 #include "loop_process/place_search.h"
@@ -50,7 +50,7 @@ struct LoopEvidence {
 /// fair share of what should be seen, a larger one where no way tells; the old keyframe is found among the landmarks of
 /// the new one at the same place; and the keyframes before are found where odometry says they must be, unless there are
 /// so many inliers that they need not.
-LoopEvidence VerifyLoop(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                         const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
                         int64_t keyframe_id);
 

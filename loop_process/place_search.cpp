@@ -4,13 +4,16 @@
 #include <array>
 #include <vector>
 
+#include "core/features/descriptor_matcher.h"
+#include "core/features/line_matcher.h"
 #include "core/motion/robust.h"
+#include "loop_process/guided_matching.h"
 
 namespace plslam {
 namespace {
 
-// Keyframes whose landmarks are compared by descriptor alone; more bring more rivals than matches.
-constexpr int kDescribed = 3;
+// Pairs of points that are all compared.
+constexpr size_t kFewPairs = 100'000;
 constexpr int kGrid = 4;
 constexpr double kMinDepth_m = 0.05;
 
@@ -25,6 +28,42 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
+}
+
+template <class Feature>
+std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(features.size());
+  for (const Feature& feature : features) descriptors.push_back(feature.left.descriptor);
+  return descriptors;
+}
+
+// Features of a keyframe that show a landmark: these, their places among all, and how they looked then.
+template <class Feature>
+struct Shown {
+  std::vector<int64_t> ids;
+  std::vector<size_t> places;
+  std::vector<Descriptor> descriptors;
+
+  std::vector<int64_t> Named(const std::vector<int>& matches) const {
+    std::vector<int64_t> named;
+    for (const int match : matches) named.push_back(match < 0 ? -1 : ids[static_cast<size_t>(match)]);
+    return named;
+  }
+};
+
+template <class Kind>
+Shown<typename Kind::Feature> ThatShow(const Map& map, int64_t keyframe_id, const StereoFeatures& features) {
+  Shown<typename Kind::Feature> shown;
+  const std::vector<int64_t>& ids = Kind::Of(map, keyframe_id);
+  const auto& of_kind = Kind::Features(features);
+  for (size_t i = 0; i < ids.size() && i < of_kind.size(); ++i) {
+    if (ids[i] < 0) continue;
+    shown.ids.push_back(ids[i]);
+    shown.places.push_back(i);
+    shown.descriptors.push_back(of_kind[i].left.descriptor);
+  }
+  return shown;
 }
 
 // Where a landmark should appear; nullopt where it is not in view.
@@ -92,12 +131,23 @@ Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
   return {keyframe_id, {SeenBy<PointKind>(keyframes, map), SeenBy<LineKind>(keyframes, map)}};
 }
 
-std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
-                                      const StereoCamera& camera, const LocalisationOptions& options,
-                                      int min_matches) {
+std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
+                                      const DescribedImage& image, const StereoCamera& camera,
+                                      const LocalisationOptions& options, int min_matches) {
+  const Shown<StereoPoint> points = ThatShow<PointKind>(map, keyframe_id, keyframe.features);
+  const Shown<StereoLine> lines = ThatShow<LineKind>(map, keyframe_id, keyframe.features);
+  const auto seen_points = DescriptorsOf(image.features.points);
+  const bool few = seen_points.size() * points.ids.size() <= kFewPairs;
+  FeatureNodes nodes;
+  for (const size_t place : points.places) nodes.node.push_back(keyframe.point_nodes.node.at(place));
   Association association;
-  return RecognisePose(map, PlaceAround(map, keyframe_id, kDescribed).landmarks, features, camera, options,
-                       min_matches, association);
+  association.points = points.Named(
+      few ? MatchBruteForce(seen_points, points.descriptors, options.point_matching)
+          : MatchByNodes(seen_points, image.point_nodes, points.descriptors, nodes, options.point_matching));
+  association.lines = lines.Named(
+      MatchLinesBruteForce(DescriptorsOf(image.features.lines), lines.descriptors, options.line_matching));
+  if (association.Weight() < min_matches) return std::nullopt;
+  return FindPose(map, image.features, camera, options.motion, min_matches, association);
 }
 
 std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,

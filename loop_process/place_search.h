@@ -6,6 +6,7 @@
 #include "core/localisation/local_map.h"
 #include "core/localisation/pose_refinement.h"
 #include "core/map/map.h"
+#include "core/places/vocabulary.h"
 
 namespace plslam {
 
@@ -35,11 +36,18 @@ struct Place {
 
 Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
 
-/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): matches by
-/// descriptor, pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than `min_matches` agree.
-std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const StereoFeatures& features,
-                                      const StereoCamera& camera, const LocalisationOptions& options,
-                                      int min_matches);
+/// Features of an image and the nodes of its points in the vocabulary.
+struct DescribedImage {
+  const StereoFeatures& features;
+  const FeatureNodes& point_nodes;
+};
+
+/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): features matched by
+/// descriptor with those of the keyframe that show a landmark (points in the same node of the vocabulary, or all where
+/// they are few), pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than `min_matches` agree.
+std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
+                                      const DescribedImage& image, const StereoCamera& camera,
+                                      const LocalisationOptions& options, int min_matches);
 
 /// Finds a camera near `T_w_c` in a place: landmarks searched by projection, robust estimator, twice.
 std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,

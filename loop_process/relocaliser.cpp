@@ -41,17 +41,21 @@ Relocalisation ToRelocalisation(const Answer& answer) {
 
 }  // namespace
 
-Relocalisation FindCamera(const Map& map, const PlaceRecogniser& places, const StereoFeatures& features,
+Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
                           const StereoCamera& camera, const LoopOptions& options) {
   std::optional<Answer> best;
   std::vector<FoundPlace> all;
-  for (const LoopCandidate& candidate : FindPlaceCandidates(
-           map, places, places.Describe(features), options.candidates, options.relocalisation.max_candidates)) {
-    const auto guess = GuessPose(map, candidate.keyframe_id, features, camera, options.localisation,
-                                 options.verification.min_matches);
+  FeatureNodes nodes;
+  const PlaceDescription description = DescribePlace(memory.places(), features, nodes);
+  for (const LoopCandidate& candidate : FindPlaceCandidates(map, memory.places(), description, options.candidates,
+                                                            options.relocalisation.max_candidates)) {
+    const int64_t id = candidate.keyframe_id;
+    const DescribedImage then{memory.features().at(id), memory.point_nodes().at(id)};
+    const auto guess =
+        GuessPose(map, id, then, {features, nodes}, camera, options.localisation, options.verification.min_matches);
     if (!guess) continue;
-    const auto place = FindPlace(map, PlaceAround(map, candidate.keyframe_id, options.verification.local_keyframes),
-                                 guess->T_w_kf, features, camera, options.localisation);
+    const auto place = FindPlace(map, PlaceAround(map, id, options.verification.local_keyframes), guess->T_w_kf,
+                                 features, camera, options.localisation);
     if (!place) continue;
     all.push_back(*place);
     if (!IsGood(*place, options)) continue;

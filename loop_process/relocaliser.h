@@ -4,14 +4,14 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/map/map.h"
 #include "core/map/relocalisation.h"
-#include "core/places/place_recogniser.h"
+#include "loop_process/keyframe_memory.h"
 #include "loop_process/options.h"
 
 namespace plslam {
 
 /// Where a camera is of which nothing is known: the most similar places, each verified like a loop's old side. Not found
 /// where two places far from each other both fit.
-Relocalisation FindCamera(const Map& map, const PlaceRecogniser& places, const StereoFeatures& features,
+Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
                           const StereoCamera& camera, const LoopOptions& options);
 
 }  // namespace plslam

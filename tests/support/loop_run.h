@@ -41,7 +41,7 @@ struct LoopRun {
   std::vector<LoopOfRun> looked_at;
   /// Error of the trajectory before and after the correction and after the adjustment that followed, for each loop.
   std::vector<double> ate_before_m, ate_corrected_m, ate_adjusted_m;
-  /// ms: for each keyframe; for each loop (pose graph and the rest of `Judge` where there is one), the mapper's part, and the adjustments.
+  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Judge` where there is one), the mapper's part, and the adjustments.
   std::vector<double> judge_ms, loop_ms, correct_ms, adjust_ms;
   /// Corrections that the mapper refused, with its words.
   std::vector<std::string> refused;

@@ -166,6 +166,21 @@ void CheckAll(const StoredMap& stored) {
   map_file::CheckWhole(stored, totals.point_sights, totals.line_sights);
 }
 
+/// A little more than it will be.
+size_t RoughLength(const StoredMap& stored) {
+  using map_file::MinBytes;
+  const MapTotals totals = stored.map.Totals();
+  size_t n = stored.rig.size() + stored.map.loops().size() * MinBytes<LoopEdge>() +
+             static_cast<size_t>(totals.keyframes) * (MinBytes<MapKeyframe>() + 64) +
+             static_cast<size_t>(totals.points) * MinBytes<MapPoint>() +
+             static_cast<size_t>(totals.lines) * MinBytes<MapLine>() +
+             static_cast<size_t>(totals.point_sights + totals.line_sights) * MinBytes<Sight>();
+  for (const auto& [id, features] : stored.features) {
+    n += features.points.size() * MinBytes<StereoPoint>() + features.lines.size() * MinBytes<StereoLine>();
+  }
+  return n + 4096;
+}
+
 template <class Function>
 auto Naming(const std::string& path, Function f) {
   try {
@@ -185,7 +200,7 @@ void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
 
 std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   CheckAll(stored);
-  map_file::Writer write;
+  map_file::Writer write(RoughLength(stored));
   // The header's place; what it says is known at the end.
   write(std::vector<uint8_t>(sizeof(Header) - sizeof(uint64_t)), stored);
   WriteMap(write, stored.sessions);

@@ -82,6 +82,8 @@ concept Plain = std::is_arithmetic_v<T> || std::same_as<T, Descriptor> ||
 
 class Writer {
  public:
+  explicit Writer(size_t expected_bytes = 0) { bytes_.reserve(expected_bytes); }
+
   template <class... T>
   void operator()(const T&... values) {
     (Write(values), ...);

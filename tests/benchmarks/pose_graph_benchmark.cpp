@@ -66,6 +66,14 @@ void BM_LoadMap(benchmark::State& state) {
 }
 BENCHMARK(BM_LoadMap)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
 
+void BM_EncodeMap(benchmark::State& state) {
+  const StoredMap stored = test::LongStoredMap(static_cast<int>(state.range(0)), 1000, 100);
+  size_t bytes = 0;
+  for (auto _ : state) bytes = EncodeMap(stored).size();
+  state.counters["MB"] = 1e-6 * static_cast<double>(bytes);
+}
+BENCHMARK(BM_EncodeMap)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
+
 }  // namespace
 }  // namespace plslam
 

@@ -1,5 +1,7 @@
 #include "core/io/map_file.h"
 
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -11,8 +11,15 @@
 namespace plslam {
 namespace {
 
-// Squared error, in deviations, at which the map contradicts a motion by the tracker: it was lost meanwhile.
+// Errors at which the map contradicts a motion by the tracker: it was lost meanwhile. Squared, in deviations; and metres or
+// radians, since deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
+constexpr double kContradicted = 0.1;
+
+bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
+  const Vector6d e = error.Log();
+  return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
+}
 
 // Landmarks that at least two keyframes see, one of them free; where there are too many, those that most see.
 template <class Kind>
@@ -96,8 +103,7 @@ void AddRelativePoses(const Map& map, double relative_sigma, LocalWindow& window
     if (previous == places.end()) continue;
     const Matrix6d covariance = relative_sigma * relative_sigma * keyframe.relative_covariance;
     const SE3 T_prevkf_kf = map.FindKeyframe(previous->first)->T_w_kf.Inverse() * keyframe.T_w_kf;
-    const Vector6d error = (keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf).Log();
-    if (error.dot(covariance.ldlt().solve(error)) > kContradicted2) continue;
+    if (IsContradicted(keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf, covariance)) continue;
     window.problem.relative_poses.push_back({previous->second, place, keyframe.T_prevkf_kf, covariance});
   }
 }

@@ -6,7 +6,10 @@
 
 namespace plslam {
 
-FinalPoses::FinalPoses(const Map& map) {
+FinalPoses::FinalPoses(const Map& map, const Recorder& recorder) {
+  for (const auto& [frame_id, frame] : recorder.frames()) {
+    if (frame.state == TrackingState::kLost) lost_frames_.insert(frame_id);
+  }
   for (const auto& [id, keyframe] : map.keyframes()) {
     corrections_[keyframe.session].insert_or_assign(keyframe.frame_id,
                                                     keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
@@ -25,6 +28,8 @@ SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
   SE3 T_before = before->second * frame.T_odom_c;
   if (after == corrections.end()) return T_before;
   const SE3 T_after = after->second * frame.T_odom_c;
+  const auto lost = lost_frames_.lower_bound(before->first);
+  if (lost != lost_frames_.end() && *lost < after->first) return frame_id < *lost ? T_before : T_after;
   const double share =
       static_cast<double>(frame_id - before->first) / static_cast<double>(after->first - before->first);
   return SE3(T_before.rotation().slerp(share, T_after.rotation()),

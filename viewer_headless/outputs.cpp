@@ -40,7 +40,7 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
   RunTrajectories result;
   const SE3 T_c_l(q_l_c.conjugate(), Eigen::Vector3d::Zero());
   const Eigen::Matrix3d R_l_c = q_l_c.toRotationMatrix();
-  const FinalPoses final_poses(map);
+  const FinalPoses final_poses(map, recorder);
   const FrameRecord* previous = nullptr;
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const bool usable = frame.state != TrackingState::kLost && IsAfterLast(result.all, frame.t_ns);

@@ -10,6 +10,8 @@ namespace plslam {
 namespace {
 
 constexpr double kMinInterval_s = 1e-3;
+// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree anywhere.
+constexpr double kRecoveredShare = 0.1;
 
 // Landmarks that a frame could found: points with depth, lines with depth twice.
 int FoundingWeight(const StereoFeatures& features) {
@@ -178,7 +180,7 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
 std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
                                                        const MotionPrediction& prediction) {
   auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_);
-  if (!found || found->weak) return std::nullopt;
+  if (!found || found->weak || found->matches.Weight() < kRecoveredShare * tracked_weight_) return std::nullopt;
   dormant_->landmarks.next_point_id = landmarks_.next_point_id;
   dormant_->landmarks.next_line_id = landmarks_.next_line_id;
   landmarks_ = std::move(dormant_->landmarks);

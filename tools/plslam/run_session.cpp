@@ -125,9 +125,9 @@ void RunSession::CheckSettled(Clock::time_point now) {
 }
 
 void RunSession::CheckSaved(Clock::time_point now) {
-  if (!options_.save_map.empty() && save_.result() != SaveRequest::Result::kSaved) {
+  if (!options_.save_map.empty() && save_.result() != SaveNode::Result::kSaved) {
     save_.Send(std::filesystem::absolute(options_.save_map));
-    const bool failed = save_.result() == SaveRequest::Result::kFailed;
+    const bool failed = save_.result() == SaveNode::Result::kFailed;
     if (!failed && now - phase_began_ < kSaveLimit) return;
     return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),
                                  (options_.out / "logs").string()));

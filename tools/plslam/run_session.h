@@ -7,7 +7,7 @@
 #include "tools/plslam/monitor_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
-#include "tools/plslam/save_request.h"
+#include "tools/plslam/save_node.h"
 #include "tools/plslam/supervisor.h"
 
 namespace plslam {
@@ -46,7 +46,7 @@ class RunSession {
   RunOptions options_;
   bus::Bus& bus_;
   MonitorNode monitor_;
-  SaveRequest save_;
+  SaveNode save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
   Phase phase_ = Phase::kStarting;

@@ -7,7 +7,7 @@
 
 #include "core/bus/process_arguments.h"
 #include "tools/plslam/commands.h"
-#include "tools/plslam/save_request.h"
+#include "tools/plslam/save_node.h"
 
 namespace plslam {
 namespace {
@@ -25,23 +25,23 @@ int Save(const SaveOptions& options) {
   bus::BusOptions bus_options;
   options.common.MakeConfig().Read("bus", bus_options);
   bus::Bus bus(bus_options, "plslam");
-  SaveRequest request(bus);
+  SaveNode request(bus);
   const std::string path = std::filesystem::absolute(options.file).string();
   const auto began = std::chrono::steady_clock::now();
   bus.Every(kTick, [&] {
     if (request.heard()) request.Send(path);
     const auto passed = std::chrono::steady_clock::now() - began;
     const bool given_up = passed > (request.heard() ? kSaveLimit : kHearLimit);
-    if (given_up || request.result() != SaveRequest::Result::kPending) bus.Stop();
+    if (given_up || request.result() != SaveNode::Result::kPending) bus.Stop();
   });
   bus.Run();
-  if (request.result() == SaveRequest::Result::kSaved) {
+  if (request.result() == SaveNode::Result::kSaved) {
     fmt::print("the map is in {}\n", path);
     return 0;
   }
   fmt::print(stderr, "plslam: error: {}: {}\n", path,
              !request.heard() ? fmt::format("no mapping_process is heard on {}", bus_options.url)
-             : request.result() == SaveRequest::Result::kFailed
+             : request.result() == SaveNode::Result::kFailed
                  ? "mapping_process could not save the map; its log says why"
                  : "mapping_process has not answered");
   return 1;

@@ -53,7 +53,7 @@ SE3 Final(const Map& map, int64_t frame_id, int64_t session = 7) {
   const Recorder recorder = SomeRun(30);
   FrameRecord frame = recorder.frames().at(frame_id);
   frame.session = session;
-  return FinalPoses(map)(frame_id, frame);
+  return FinalPoses(map, recorder)(frame_id, frame);
 }
 
 TEST(FinalPoses, AKeyframeIsWhereTheMapHasIt) {
@@ -85,6 +85,23 @@ TEST(FinalPoses, OfACulledKeyframeTheNeighboursThatAreLeftCount) {
   const Eigen::Vector3d t =
       (1.0 - share) * (Correction(0) * T_odom_c).translation() + share * (Correction(2) * T_odom_c).translation();
   EXPECT_LT((blended.translation() - t).norm(), 1e-12);
+}
+
+TEST(FinalPoses, OnEitherSideOfLostFramesTheKeyframeThereCounts) {
+  const Map map = SomeMap();
+  Recorder recorder;
+  for (int64_t i = 0; i < 30; ++i) {
+    FramePose pose = SomePose(i);
+    if (i >= 9 && i < 12) pose.state = TrackingState::kLost;
+    recorder.AddPose(pose);
+  }
+  const FinalPoses final_poses(map, recorder);
+  for (const int64_t i : {7, 8}) {
+    ExpectSame(final_poses(i, recorder.frames().at(i)), Correction(1) * SomePose(i).T_odom_c);
+  }
+  for (const int64_t i : {12, 15}) {
+    ExpectSame(final_poses(i, recorder.frames().at(i)), Correction(2) * SomePose(i).T_odom_c);
+  }
 }
 
 TEST(FinalPoses, WithoutKeyframesOfTheSessionWhatWasPublishedStays) {

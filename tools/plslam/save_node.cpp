@@ -1,4 +1,4 @@
-#include "tools/plslam/save_request.h"
+#include "tools/plslam/save_node.h"
 
 #include <utility>
 
@@ -7,11 +7,11 @@
 
 namespace plslam {
 
-SaveRequest::SaveRequest(bus::Bus& bus) : bus_(bus) {
+SaveNode::SaveNode(bus::Bus& bus) : bus_(bus) {
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
 }
 
-void SaveRequest::OnStatus(const status_t& message) {
+void SaveNode::OnStatus(const status_t& message) {
   if (message.process != "mapping") return;
   double saves = 0.0;
   double failed = 0.0;
@@ -32,7 +32,7 @@ void SaveRequest::OnStatus(const status_t& message) {
   if (failed > failed_) result_ = Result::kFailed;
 }
 
-void SaveRequest::Send(const std::filesystem::path& path) {
+void SaveNode::Send(const std::filesystem::path& path) {
   if (std::exchange(sent_, true)) return;
   command_t command{};
   command.target = "mapping";

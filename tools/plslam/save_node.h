@@ -12,12 +12,12 @@ namespace plslam {
 class status_t;
 
 /// Asks mapping_process to save its map, and hears from its status how that went.
-class SaveRequest {
+class SaveNode {
  public:
   enum class Result { kPending, kSaved, kFailed };
 
   /// Subscribes; `Bus::Run` delivers.
-  explicit SaveRequest(bus::Bus& bus);
+  explicit SaveNode(bus::Bus& bus);
 
   /// Once mapping_process has been heard: sends the order, the first time. `path` is absolute, on the machine of
   /// mapping_process.

@@ -11,8 +11,6 @@ namespace plslam {
 struct CorrectedPose {
   int64_t keyframe_id = -1;
   SE3 T_w_kf;
-
-  bool operator==(const CorrectedPose&) const = default;
 };
 
 /// Two landmarks of the map that are one.

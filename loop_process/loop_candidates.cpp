@@ -8,6 +8,9 @@
 namespace plslam {
 namespace {
 
+// Keyframes by which an old one is older.
+constexpr int64_t kBehind = 10;
+
 // The keyframe, those before it, those it shares landmarks with, and theirs.
 std::set<int64_t> Surroundings(const Map& map, int64_t keyframe_id, const CandidateOptions& options) {
   std::set<int64_t> direct{keyframe_id};
@@ -69,6 +72,17 @@ std::vector<LoopCandidate> Best(std::vector<LoopCandidate> groups, int max_count
   return groups;
 }
 
+const LoopEdge* LastLoop(const Map& map, int64_t session) {
+  for (auto loop = map.loops().rbegin(); loop != map.loops().rend(); ++loop) {
+    const MapKeyframe* keyframe = map.FindKeyframe(loop->keyframe_id);
+    if (keyframe != nullptr && keyframe->session == session) return &*loop;
+  }
+  return nullptr;
+}
+
+// A turn of a radian counts as two metres.
+double Apart(const SE3& T) { return T.translation().norm() + 2.0 * T.Log().tail<3>().norm(); }
+
 }  // namespace
 
 std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
@@ -80,6 +94,26 @@ std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogni
   const double least = options.min_relative_score * ReferenceScore(map, places, keyframe_id, options);
   std::erase_if(matches, [least](const PlaceMatch& match) { return match.score < least; });
   return Best(Group(map, matches, options), options.max_candidates);
+}
+
+std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id, const CandidateOptions& options) {
+  const MapKeyframe& keyframe = *map.FindKeyframe(keyframe_id);
+  const LoopEdge* last = LastLoop(map, keyframe.session);
+  if (last == nullptr || last->keyframe_id >= keyframe_id) return std::nullopt;
+  const double last_m = Apart(last->T_old_kf);
+  std::optional<LoopCandidate> nearest;
+  double nearest_m = 0.5 * last_m;
+  for (const Map::Neighbour& n : map.Neighbours(keyframe_id, options.min_shared)) {
+    // Older than the loop's new side, and not just behind.
+    const MapKeyframe& old = *map.FindKeyframe(n.keyframe_id);
+    if (old.session == keyframe.session && old.session_keyframe_id + kBehind > keyframe.session_keyframe_id) continue;
+    if (n.keyframe_id + kBehind > last->keyframe_id) continue;
+    const double apart_m = Apart(old.T_w_kf.Inverse() * keyframe.T_w_kf);
+    if (apart_m > nearest_m) continue;
+    nearest_m = apart_m;
+    nearest = LoopCandidate{n.keyframe_id};
+  }
+  return last_m > options.near_m ? nearest : std::nullopt;
 }
 
 std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/map/map.h"
@@ -23,7 +24,11 @@ struct LoopCandidate {
 std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
                                               const CandidateOptions& options);
 
-/// The same for an image that is not of the map: nothing excluded, nothing to compare the similarity with.
+/// A loop that was closed from afar is measured again from near, once its place is reached: the old keyframe nearest to this
+/// one, where it shares landmarks with it by now and is at most half as far as that of the session's last loop was.
+std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id, const CandidateOptions& options);
+
+/// The same as `FindLoopCandidates` for an image that is not of the map: nothing excluded, nothing to compare the similarity with.
 std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,
                                                const PlaceDescription& description, const CandidateOptions& options,
                                                int max_candidates);

@@ -31,6 +31,7 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
                     const LoopOptions& options, int64_t keyframe_id) {
   LoopSearch search;
   search.candidates = FindLoopCandidates(map, memory.places(), keyframe_id, options.candidates);
+  if (const auto again = FindSecondLook(map, keyframe_id, options.candidates)) search.candidates.push_back(*again);
   if (search.candidates.empty()) return search;
   const MapWays ways(map, keyframe_id);
   for (const LoopCandidate& candidate : search.candidates) {

@@ -24,6 +24,7 @@ struct CandidateOptions {
   int group_keyframes = 10;
   int max_queried = 20;
   int max_candidates = 3;
+  double near_m = 1.0;
 };
 
 /// What a place must show to be believed (PL-SLAM §VI.A.2).
@@ -61,14 +62,14 @@ struct CorrectionOptions {
 struct WholeMapOptions {
   bool enabled = true;
   int min_sights = 3;
-  int points_per_keyframe = 100;
+  int points_per_keyframe = 200;
   int lines_per_keyframe = 30;
   double relative_sigma = 1.0;
   BundleOptions bundle;
 
   WholeMapOptions() {
-    bundle.max_iterations = 8;
-    bundle.function_tolerance = 1e-2;
+    bundle.max_iterations = 20;
+    bundle.function_tolerance = 1e-3;
   }
 };
 
@@ -110,6 +111,10 @@ void VisitFields(Visitor& visit, CandidateOptions& o) {
         "best neighbours of a candidate whose similarities count with its own");
   visit("max_queried", o.max_queried, Bounds{1, 1000}, "most similar keyframes looked at");
   visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
+  visit("near_m", o.near_m, Bounds{0, 1e6},
+        "distance from which a loop was closed, a radian counting as two metres, above which it is measured again "
+        "when the "
+        "place is seen from half as far");
 }
 
 template <class Visitor>

@@ -1,0 +1,100 @@
+#include "loop_process/keyframe_memory.h"
+
+#include <gtest/gtest.h>
+
+#include "core/places/vocabulary_trainer.h"
+#include "tests/unit/mapping/mapping_world.h"
+
+namespace plslam::test {
+namespace {
+
+PlaceRecogniser SmallPlaces() {
+  std::vector<std::vector<Descriptor>> images;
+  for (uint64_t i = 0; i < 60; ++i) images.push_back({DescriptorOf(i), DescriptorOf(1000 + i)});
+  TrainingOptions options;
+  options.depth = 2;
+  options.min_descriptors = 2;
+  return {TrainVocabulary(images, WordKind::kPoints, options), TrainVocabulary(images, WordKind::kLines, options),
+          PlaceOptions()};
+}
+
+Keyframe Named(int64_t session, int64_t number) {
+  Keyframe keyframe;
+  keyframe.session = session;
+  keyframe.keyframe_id = number;
+  StereoPoint point;
+  point.left.descriptor = DescriptorOf(static_cast<uint64_t>(10 * session + number));
+  keyframe.features.points.assign(static_cast<size_t>(number + 1), point);
+  return keyframe;
+}
+
+MapKeyframe InMap(int64_t id, int64_t session, int64_t number) {
+  MapKeyframe keyframe;
+  keyframe.id = id;
+  keyframe.session = session;
+  keyframe.session_keyframe_id = number;
+  return keyframe;
+}
+
+size_t PointsOf(const KeyframeMemory& memory, int64_t id) { return memory.features().at(id).points.size(); }
+
+TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
+  KeyframeMemory memory(SmallPlaces());
+  Map map;
+  memory.Add(Named(1, 0));
+  memory.Follow(map);
+  EXPECT_TRUE(memory.features().empty());
+  map.Put(InMap(0, 1, 0));
+  map.Put(InMap(1, 1, 1));
+  memory.Follow(map);
+  EXPECT_EQ(memory.features().size(), 1U);
+  memory.Add(Named(1, 1));
+  memory.Follow(map);
+  ASSERT_EQ(memory.features().size(), 2U);
+  EXPECT_EQ(PointsOf(memory, 0), 1U);
+  EXPECT_EQ(PointsOf(memory, 1), 2U);
+  EXPECT_TRUE(memory.places().Has(1));
+  EXPECT_EQ(memory.point_nodes().at(1).node.size(), 2U);
+}
+
+TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
+  KeyframeMemory memory(SmallPlaces());
+  Map map;
+  for (int64_t i = 0; i < 4; ++i) {
+    map.Put(InMap(i, 1, i));
+    memory.Add(Named(1, i));
+  }
+  memory.Follow(map);
+  map.RemoveKeyframe(1);
+  memory.Follow(map);
+  EXPECT_EQ(memory.features().size(), 3U);
+  EXPECT_FALSE(memory.places().Has(1));
+  // Gone for good: a later one of the session is in the map.
+  map.Put(InMap(1, 1, 1));
+  memory.Follow(map);
+  EXPECT_FALSE(memory.features().contains(1));
+}
+
+TEST(KeyframeMemory, MapThatStartsAnewTakesThemAgainUnderOtherIds) {
+  KeyframeMemory memory(SmallPlaces());
+  Map map;
+  for (int64_t i = 0; i < 5; ++i) {
+    map.Put(InMap(i, 1, i));
+    memory.Add(Named(1, i));
+  }
+  memory.Follow(map);
+  Map anew;
+  anew.Put(InMap(0, 1, 0));
+  memory.Follow(anew);
+  EXPECT_EQ(memory.features().size(), 1U);
+  anew.Put(InMap(1, 1, 2));
+  memory.Follow(anew);
+  ASSERT_EQ(memory.features().size(), 2U);
+  EXPECT_EQ(PointsOf(memory, 1), 3U) << "id 1 is another keyframe now";
+  anew.Put(InMap(2, 1, 4));
+  memory.Follow(anew);
+  EXPECT_EQ(PointsOf(memory, 2), 5U);
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -1,0 +1,214 @@
+#include "loop_process/loop_closer.h"
+
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <string>
+
+#include "tests/unit/loop/ring_world.h"
+
+namespace plslam::test {
+namespace {
+
+using Kind = LoopClosure::Kind;
+
+// In a single session the map numbers keyframes as the session does.
+SE3 TrueRelation(const LoopEdge& edge, const std::vector<SE3>& T_w_c) {
+  return T_w_c.at(static_cast<size_t>(edge.old_keyframe_id)).Inverse() *
+         T_w_c.at(static_cast<size_t>(edge.keyframe_id));
+}
+
+// What the keyframes of a closure say of two of them.
+SE3 Corrected(const LoopClosure& loop, int64_t a, int64_t b) {
+  SE3 T_w_a;
+  SE3 T_w_b;
+  for (const CorrectedPose& pose : loop.poses) {
+    if (pose.keyframe_id == a) T_w_a = pose.T_w_kf;
+    if (pose.keyframe_id == b) T_w_b = pose.T_w_kf;
+  }
+  return T_w_a.Inverse() * T_w_b;
+}
+
+std::string Told(const LoopSearch& search) {
+  std::string text = "looked at:";
+  for (const LoopEvidence& e : search.evidence) {
+    text += fmt::format(" {} {} inliers {} cells {} share {} back {} confirming {};", e.edge.old_keyframe_id,
+                        LoopVerdictName(e.verdict), e.place.inliers, e.place.cells, e.place.Share(),
+                        e.reverse_inliers, e.confirming);
+  }
+  return text;
+}
+
+void ExpectSame(const LoopClosure& a, const LoopClosure& b) {
+  EXPECT_EQ(a.kind, b.kind);
+  EXPECT_EQ(a.points, b.points);
+  EXPECT_EQ(a.lines, b.lines);
+  ASSERT_EQ(a.poses.size(), b.poses.size());
+  for (size_t i = 0; i < a.poses.size(); ++i) {
+    EXPECT_EQ(a.poses[i].keyframe_id, b.poses[i].keyframe_id);
+    EXPECT_EQ(a.poses[i].T_w_kf.matrix(), b.poses[i].T_w_kf.matrix());
+  }
+}
+
+TEST(LoopCloser, RingThatComesBackIsClosed) {
+  const Ring ring;
+  Closing open(PlacesOf(ring.world), {});
+  for (const Keyframe& keyframe : ring.walk.keyframes) open.Show(keyframe);
+  const Closing closed = CloseLoops(ring);
+  ASSERT_FALSE(closed.loops.empty());
+  const LoopEdge& edge = closed.loops.front().edges.front();
+  const SE3 error = TrueRelation(edge, ring.walk.T_w_c).Inverse() * edge.T_old_kf;
+  EXPECT_LT(error.translation().norm(), 0.02) << edge.T_old_kf.translation().transpose();
+  EXPECT_LT(error.Log().tail<3>().norm(), 0.005);
+  EXPECT_TRUE(closed.loops.front().more);
+  EXPECT_GT(closed.loops.front().points.size(), 20U);
+  EXPECT_LT(PositionError_m(closed.mapper.map(), ring.walk.T_w_c),
+            PositionError_m(open.mapper.map(), ring.walk.T_w_c));
+  EXPECT_EQ(WrongWith(closed.mapper.map()), "");
+}
+
+TEST(LoopCloser, ArcThatNeverComesBackHasNone) {
+  const Ring ring(30);
+  const Closing closing = CloseLoops(ring);
+  EXPECT_TRUE(closing.loops.empty());
+}
+
+TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
+  const Ring ring;
+  const PlaceRecogniser places = PlacesOf(ring.world);
+  Closing closing(places, {});
+  LoopClosure loop;
+  int shown = 0;
+  while (loop.kind == Kind::kNone && shown < ring.size()) loop = closing.Show(ring.walk.keyframes[shown++]);
+  ASSERT_EQ(loop.kind, Kind::kLoop);
+  // Started anew: everything comes at once, the map first.
+  LoopCloser anew(FeatureWorld::Camera(), places, {});
+  const Keyframe& last = ring.walk.keyframes[shown - 1];
+  EXPECT_EQ(anew.Judge(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
+  for (int i = 0; i < shown; ++i) anew.AddKeyframe(ring.walk.keyframes[i]);
+  ExpectSame(anew.Judge(closing.mapper.map(), last.session, last.keyframe_id), loop);
+}
+
+TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
+  const Ring ring(40);
+  Closing closing(PlacesOf(ring.world), {});
+  for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
+  ASSERT_TRUE(closing.loops.empty());
+  // Another tracker starts far from the newest keyframe, a bit off the path of the first, with its own origin.
+  const std::vector<SE3> path = RingPath(4.0, 0.4, 18);
+  std::vector<SE3> beside;
+  for (int i = 6; i < 18; ++i) beside.push_back(path[i] * SE3(Eigen::Quaterniond::Identity(), {0.2, 0.05, 0.1}));
+  WalkOptions options;
+  options.with_ids = false;
+  options.session = 8;
+  options.seed = 5;
+  Walk second = MakeWalk(ring.world, beside, options);
+  const SE3 T_own_world = SE3(ExpSO3({0.0, 0.5, 0.0}), {3.0, 0.0, 1.0});
+  for (Keyframe& keyframe : second.keyframes) keyframe.T_odom_kf = T_own_world * keyframe.T_odom_kf;
+  LoopClosure loop;
+  size_t shown = 0;
+  std::string told;
+  while (loop.kind == Kind::kNone && shown < second.keyframes.size()) {
+    loop = closing.Show(second.keyframes[shown++]);
+    told += Told(closing.closer.last_search()) + "\n";
+  }
+  ASSERT_EQ(loop.kind, Kind::kLoop) << told;
+  const LoopEdge& edge = loop.edges.front();
+  const SE3 T_old_kf = ring.walk.T_w_c.at(edge.old_keyframe_id).Inverse() * beside.at(shown - 1);
+  EXPECT_LT((T_old_kf.Inverse() * edge.T_old_kf).translation().norm(), 0.03);
+  // The older part of the map stays, the newer one comes to it.
+  EXPECT_EQ(loop.poses.front().keyframe_id, 0);
+  for (const CorrectedPose& pose : loop.poses) {
+    const MapKeyframe& keyframe = *closing.mapper.map().FindKeyframe(pose.keyframe_id);
+    if (keyframe.session == 8) continue;
+    EXPECT_LT((keyframe.T_w_kf.Inverse() * pose.T_w_kf).translation().norm(), 1e-6) << pose.keyframe_id;
+  }
+  EXPECT_LT((Corrected(loop, edge.old_keyframe_id, edge.keyframe_id).Inverse() * edge.T_old_kf).translation().norm(),
+            1e-3);
+}
+
+TEST(LoopCloser, EqualImagesAtTheSamePlace) {
+  const Ring ring;
+  Closing closing(PlacesOf(ring.world), {});
+  std::vector<Keyframe> keyframes(ring.walk.keyframes.begin(), ring.walk.keyframes.begin() + 63);
+  // The lap ends in the very images that it began with; odometry has drifted by then.
+  for (size_t i = 0; i < 4; ++i) {
+    Keyframe again = ring.walk.keyframes[i];
+    const Keyframe& before = keyframes.back();
+    const SE3 T_step = i == 0 ? ring.walk.T_w_c[62].Inverse() * ring.walk.T_w_c[0]
+                              : ring.walk.T_w_c[i - 1].Inverse() * ring.walk.T_w_c[i];
+    again.keyframe_id = before.keyframe_id + 1;
+    again.previous_keyframe_id = before.keyframe_id;
+    again.T_odom_kf = before.T_odom_kf * T_step;
+    again.T_prevkf_kf = T_step;
+    again.covariance = before.covariance;
+    again.t_ns = before.t_ns + 100'000'000;
+    keyframes.push_back(again);
+  }
+  for (const Keyframe& keyframe : keyframes) closing.TakeOver(closing.Show(keyframe));
+  ASSERT_FALSE(closing.loops.empty());
+  // Loops of the last laps' images with themselves have no motion at all.
+  const MapKeyframe& newest = closing.mapper.map().keyframes().rbegin()->second;
+  const SE3 T_first_newest = closing.mapper.map().FindKeyframe(0)->T_w_kf.Inverse() * newest.T_w_kf;
+  const SE3 apart = (ring.walk.T_w_c[0].Inverse() * ring.walk.T_w_c[3]).Inverse() * T_first_newest;
+  EXPECT_LT(apart.translation().norm(), 0.03);
+  EXPECT_EQ(WrongWith(closing.mapper.map()), "");
+}
+
+TEST(LoopCloser, KeyframesWithoutAnythingOrWithNonsense) {
+  const Ring ring(12);
+  Closing closing(PlacesOf(ring.world), {});
+  for (int i = 0; i < 8; ++i) closing.Show(ring.walk.keyframes[i]);
+  Keyframe empty = ring.walk.keyframes[8];
+  empty.features = {};
+  Keyframe one = ring.walk.keyframes[9];
+  one.features.points.resize(1);
+  one.features.lines.clear();
+  Keyframe nonsense = ring.walk.keyframes[10];
+  for (StereoPoint& point : nonsense.features.points)
+    point.left.px.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (Keyframe* keyframe : {&empty, &one, &nonsense}) {
+    keyframe->point_landmark_ids.assign(keyframe->features.points.size(), -1);
+    keyframe->line_landmark_ids.assign(keyframe->features.lines.size(), -1);
+    EXPECT_EQ(closing.Show(*keyframe).kind, Kind::kNone);
+    EXPECT_FALSE(closing.closer.Relocalise(closing.mapper.map(), keyframe->features).found);
+  }
+  EXPECT_EQ(closing.closer.Judge(closing.mapper.map(), 99, 0).kind, Kind::kNone);
+  EXPECT_EQ(closing.closer.Judge(Map(), 7, 0).kind, Kind::kNone);
+}
+
+TEST(LoopCloser, SwitchedOffSaysNothing) {
+  const Ring ring;
+  LoopOptions options;
+  options.enabled = false;
+  EXPECT_TRUE(CloseLoops(ring, options).loops.empty());
+}
+
+TEST(Relocaliser, FramesBesideTheWayAreFoundAndStrangeOnesAreNot) {
+  const Ring ring(40);
+  const Closing closing = CloseLoops(ring);
+  const Map& map = closing.mapper.map();
+  int found = 0;
+  constexpr int kTrials = 12;
+  for (int i = 0; i < kTrials; ++i) {
+    const SE3 T_w_c = ring.walk.T_w_c[3 * i + 2] * SE3(ExpSO3({0.02, 0.1, -0.03}), {0.15, -0.1, 0.1});
+    const Relocalisation answer = closing.closer.Relocalise(map, ring.world.Observe(T_w_c, 0.4, 77 + i));
+    if (!answer.found) continue;
+    ++found;
+    const MapKeyframe& near = *map.FindKeyframe(answer.keyframe_id);
+    const SE3 T_kf_c = ring.walk.T_w_c.at(static_cast<size_t>(near.session_keyframe_id)).Inverse() * T_w_c;
+    const SE3 error = T_kf_c.Inverse() * (near.T_w_kf.Inverse() * answer.T_w_c);
+    EXPECT_LT(error.translation().norm(), 0.05) << "trial " << i;
+    EXPECT_LT(error.Log().tail<3>().norm(), 0.02) << "trial " << i;
+  }
+  EXPECT_GE(found, kTrials - 1);
+  const Ring elsewhere(12, 9);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_FALSE(closing.closer.Relocalise(map, elsewhere.walk.keyframes[i].features).found) << i;
+  }
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -1,0 +1,130 @@
+#include "loop_process/loop_correction.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+namespace plslam::test {
+namespace {
+
+constexpr double kRadius_m = 10.0;
+
+SE3 OnCircle(int i, int n) {
+  const double a = 2.0 * std::numbers::pi * i / n;
+  return {ExpSO3({0.0, a, 0.0}), {kRadius_m * (1.0 - std::cos(a)), 0.0, kRadius_m * std::sin(a)}};
+}
+
+// Keyframes around a circle whose steps are all wrong in the same way; and where they truly are.
+struct Lap {
+  Map map;
+  std::vector<SE3> truth;
+
+  Lap(int n, const Vector6d& error, int64_t first_id = 0, int64_t session = 1) {
+    for (int i = 0; i < n; ++i) Add(i, n, error, first_id, session);
+  }
+
+  void Add(int i, int n, const Vector6d& error, int64_t first_id, int64_t session) {
+    MapKeyframe keyframe;
+    keyframe.id = first_id + i;
+    keyframe.session = session;
+    keyframe.session_keyframe_id = i;
+    truth.push_back(OnCircle(i, n));
+    keyframe.T_w_kf = truth.back();
+    if (i > 0) {
+      keyframe.previous_id = keyframe.parent_id = keyframe.id - 1;
+      keyframe.T_prevkf_kf = OnCircle(i - 1, n).Inverse() * OnCircle(i, n) * SE3::Exp(error);
+      keyframe.relative_covariance = 1e-4 * Matrix6d::Identity();
+      keyframe.T_w_kf = map.FindKeyframe(keyframe.id - 1)->T_w_kf * keyframe.T_prevkf_kf;
+    }
+    map.Put(keyframe);
+  }
+
+  double WorstError_m(const std::vector<CorrectedPose>& poses) const {
+    double worst = 0.0;
+    for (size_t i = 0; i < poses.size(); ++i) {
+      worst = std::max(worst, (poses[i].T_w_kf.translation() - truth[i].translation()).norm());
+    }
+    return worst;
+  }
+};
+
+Vector6d SmallDrift() {
+  Vector6d x;
+  x << 0.002, 0.001, -0.003, 0.0002, 0.0005, -0.0003;
+  return x;
+}
+
+LoopEdge EdgeBetween(int64_t a, int64_t b, const SE3& T_a_b) {
+  LoopEdge edge;
+  edge.old_keyframe_id = a;
+  edge.keyframe_id = b;
+  edge.T_old_kf = T_a_b;
+  edge.covariance = 1e-6 * Matrix6d::Identity();
+  return edge;
+}
+
+TEST(CloseLoop, DriftOfALapIsSharedOut) {
+  Lap lap(80, SmallDrift());
+  const auto before_m = (lap.map.FindKeyframe(79)->T_w_kf.translation() - lap.truth[79].translation()).norm();
+  const auto poses = CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
+  ASSERT_TRUE(poses.has_value());
+  ASSERT_EQ(poses->size(), 80U);
+  EXPECT_EQ(poses->front().T_w_kf.matrix(), lap.map.FindKeyframe(0)->T_w_kf.matrix());
+  EXPECT_GT(before_m, 0.3);
+  EXPECT_LT((poses->back().T_w_kf.translation() - lap.truth[79].translation()).norm(), 0.01);
+  EXPECT_LT(lap.WorstError_m(*poses), 0.5 * before_m);
+}
+
+TEST(CloseLoop, WithoutDriftNothingMoves) {
+  Lap lap(40, Vector6d::Zero());
+  const auto poses = CloseLoop(lap.map, EdgeBetween(0, 39, lap.truth[0].Inverse() * lap.truth[39]), {});
+  ASSERT_TRUE(poses.has_value());
+  EXPECT_LT(lap.WorstError_m(*poses), 1e-9);
+}
+
+TEST(CloseLoop, OneThatALoopBeforeContradictsIsNone) {
+  Lap lap(80, SmallDrift());
+  // Closed before, and the map shows it.
+  const auto closed = CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
+  ASSERT_TRUE(closed.has_value());
+  for (const CorrectedPose& pose : *closed) lap.map.SetPose(pose.keyframe_id, pose.T_w_kf, Matrix6d::Zero());
+  lap.map.Add(EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]));
+  const SE3 T_2_78 = lap.truth[2].Inverse() * lap.truth[78];
+  EXPECT_TRUE(CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78), {}).has_value());
+  const SE3 wrong(Eigen::Quaterniond::Identity(), {2.8, 0.0, 0.0});
+  EXPECT_FALSE(CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78 * wrong), {}).has_value());
+}
+
+TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
+  Lap both(20, Vector6d::Zero());
+  const Lap second(15, Vector6d::Zero(), 20, 2);
+  const SE3 T_w_second(ExpSO3({0.1, 1.0, -0.2}), {30.0, -2.0, 5.0});
+  for (const auto& [id, keyframe] : second.map.keyframes()) {
+    MapKeyframe moved = keyframe;
+    moved.T_w_kf = T_w_second * keyframe.T_w_kf;
+    both.map.Put(moved);
+  }
+  const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
+  // Said either way round.
+  for (const LoopEdge& edge : {EdgeBetween(5, 22, T_5_22), EdgeBetween(22, 5, T_5_22.Inverse())}) {
+    const auto poses = CloseLoop(both.map, edge, {});
+    ASSERT_TRUE(poses.has_value());
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_LT(((*poses)[i].T_w_kf.Inverse() * both.map.FindKeyframe(i)->T_w_kf).Log().norm(), 1e-7);
+    }
+    const SE3 T_w_22 = both.map.FindKeyframe(5)->T_w_kf * T_5_22;
+    EXPECT_LT(((*poses)[22].T_w_kf.Inverse() * T_w_22).Log().norm(), 1e-7);
+    const SE3 T_22_30 = both.map.FindKeyframe(22)->T_w_kf.Inverse() * both.map.FindKeyframe(30)->T_w_kf;
+    EXPECT_LT(((*poses)[30].T_w_kf.Inverse() * T_w_22 * T_22_30).Log().norm(), 1e-7);
+  }
+}
+
+TEST(CloseLoop, CovarianceThatIsNoneIsNoLoop) {
+  Lap lap(10, Vector6d::Zero());
+  LoopEdge edge = EdgeBetween(0, 9, SE3());
+  edge.covariance.setZero();
+  EXPECT_FALSE(CloseLoop(lap.map, edge, {}).has_value());
+}
+
+}  // namespace
+}  // namespace plslam::test

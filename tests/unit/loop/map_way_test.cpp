@@ -1,0 +1,137 @@
+#include "loop_process/map_way.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "loop_process/map_edges.h"
+
+namespace plslam::test {
+namespace {
+
+SE3 RandomStep(std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> value(-1.0, 1.0);
+  const Eigen::Vector3d t(value(generator), value(generator), value(generator));
+  return {ExpSO3(0.2 * Eigen::Vector3d(value(generator), value(generator), value(generator))), t};
+}
+
+MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {
+  MapKeyframe keyframe;
+  keyframe.id = keyframe.session_keyframe_id = id;
+  if (id == 0) return keyframe;
+  keyframe.previous_id = keyframe.parent_id = id - 1;
+  keyframe.T_prevkf_kf = T_step;
+  keyframe.T_w_kf = map.FindKeyframe(id - 1)->T_w_kf * T_step;
+  keyframe.relative_covariance = 1e-4 * static_cast<double>(id) * Matrix6d::Identity();
+  return keyframe;
+}
+
+Map RandomMap(int n, uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  Map map;
+  for (int64_t i = 0; i < n; ++i) {
+    MapKeyframe keyframe = After(map, i, RandomStep(generator));
+    if (i > 0) keyframe.parent_id = static_cast<int64_t>(generator() % static_cast<uint64_t>(i));
+    map.Put(keyframe);
+  }
+  return map;
+}
+
+double Length(const Map& map, int64_t a, int64_t b) {
+  const SE3 T = map.FindKeyframe(a)->T_w_kf.Inverse() * map.FindKeyframe(b)->T_w_kf;
+  return T.translation().norm() + T.Log().tail<3>().norm();
+}
+
+// Floyd and Warshall over the same edges.
+std::vector<std::vector<double>> AllLengths(const Map& map) {
+  const size_t n = map.keyframes().size();
+  std::vector<std::vector<double>> d(n, std::vector<double>(n, std::numeric_limits<double>::infinity()));
+  const auto edge = [&](int64_t a, int64_t b) {
+    if (a >= 0 && b >= 0) d[a][b] = d[b][a] = Length(map, a, b);
+  };
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    d[id][id] = 0.0;
+    edge(keyframe.previous_id, id);
+    edge(keyframe.parent_id, id);
+  }
+  for (const LoopEdge& loop : map.loops()) edge(loop.old_keyframe_id, loop.keyframe_id);
+  for (size_t k = 0; k < n; ++k) {
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t j = 0; j < n; ++j) d[i][j] = std::min(d[i][j], d[i][k] + d[k][j]);
+    }
+  }
+  return d;
+}
+
+TEST(MapWays, AreTheShortest) {
+  Map map = RandomMap(30, 3);
+  map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
+  const auto lengths = AllLengths(map);
+  for (const int64_t to : {0, 13, 29}) {
+    const MapWays ways(map, to);
+    for (int64_t from = 0; from < 30; ++from) {
+      const auto way = ways.From(from);
+      ASSERT_TRUE(way.has_value());
+      EXPECT_NEAR(way->length_m, lengths[from][to], 1e-9) << from << " to " << to;
+    }
+  }
+}
+
+TEST(MapWays, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
+  std::mt19937_64 generator(5);
+  Map map;
+  for (int64_t i = 0; i < 12; ++i) map.Put(After(map, i, RandomStep(generator)));
+  Matrix6d forwards = Matrix6d::Zero();
+  for (int64_t i = 1; i < 12; ++i) {
+    const MapKeyframe& keyframe = *map.FindKeyframe(i);
+    forwards = ComposeCovariance(forwards, keyframe.T_prevkf_kf, keyframe.relative_covariance);
+  }
+  EXPECT_LT((MapWays(map, 11).From(0)->covariance - forwards).norm(), 1e-9 * forwards.norm());
+  // The way back is the same motion turned round.
+  const SE3 T_0_11 = map.FindKeyframe(0)->T_w_kf.Inverse() * map.FindKeyframe(11)->T_w_kf;
+  const Matrix6d backwards = InverseCovariance(T_0_11, forwards);
+  EXPECT_LT((MapWays(map, 0).From(11)->covariance - backwards).norm(), 1e-9 * backwards.norm());
+}
+
+TEST(MapWays, ReachIsTheFarthestPointOfTheWay) {
+  Map map;
+  for (int64_t i = 0; i < 5; ++i) {
+    map.Put(After(map, i, SE3(Eigen::Quaterniond::Identity(), {i < 3 ? 1.0 : -1.0, 0.0, 0.0})));
+  }
+  // Out two metres and back: 0, 1, 2, 1, 0.
+  const auto way = MapWays(map, 4).From(0);
+  ASSERT_TRUE(way.has_value());
+  EXPECT_NEAR(way->length_m, 4.0, 1e-12);
+  EXPECT_NEAR(way->reach_m, 2.0, 1e-12);
+}
+
+TEST(MapWays, NoWayBetweenPartsThatNothingConnects) {
+  Map map = RandomMap(4, 1);
+  MapKeyframe stranger;
+  stranger.id = 4;
+  stranger.session = 2;
+  map.Put(stranger);
+  EXPECT_FALSE(MapWays(map, 4).From(0).has_value());
+  EXPECT_FALSE(MapWays(map, 0).From(99).has_value());
+  EXPECT_FALSE(MapWays(map, 99).From(0).has_value());
+  EXPECT_EQ(MapWays(map, 4).From(4)->length_m, 0.0);
+}
+
+TEST(InverseCovariance, AsByPerturbing) {
+  std::mt19937_64 generator(2);
+  const SE3 T = RandomStep(generator);
+  Matrix6d covariance = Matrix6d::Zero();
+  constexpr double kStep = 1e-6;
+  Matrix6d J;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d x = kStep * Vector6d::Unit(k);
+    J.col(k) = (T * (T * SE3::Exp(x)).Inverse()).Log() / kStep;
+    covariance(k, k) = 0.1 * (k + 1);
+  }
+  const Matrix6d expected = J * covariance * J.transpose();
+  EXPECT_LT((InverseCovariance(T, covariance) - expected).norm(), 1e-4 * expected.norm());
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -1,0 +1,98 @@
+#include "loop_process/whole_map.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/unit/loop/ring_world.h"
+
+namespace plslam::test {
+namespace {
+
+// Each keyframe off by something of its own, the first excepted.
+Map Perturbed(const Map& map) {
+  Map perturbed = map;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (id == map.keyframes().begin()->first) continue;
+    Vector6d x;
+    const auto s = static_cast<double>(id);
+    x << 0.02 * std::sin(s), 0.02 * std::cos(2.0 * s), 0.02 * std::sin(3.0 * s), 0.003 * std::cos(s),
+        0.003 * std::sin(5.0 * s), 0.003 * std::cos(3.0 * s);
+    perturbed.SetPose(id, keyframe.T_w_kf * SE3::Exp(x), keyframe.covariance);
+  }
+  return perturbed;
+}
+
+double Error_m(const LoopClosure& adjusted, const std::vector<SE3>& T_w_c, const Map& map) {
+  double sum = 0.0;
+  for (const CorrectedPose& pose : adjusted.poses) {
+    const auto number = static_cast<size_t>(map.FindKeyframe(pose.keyframe_id)->session_keyframe_id);
+    sum += (pose.T_w_kf.translation() - T_w_c.at(number).translation()).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(adjusted.poses.size()));
+}
+
+TEST(AdjustWholeMap, PerturbedKeyframesComeBack) {
+  const Ring ring(25);
+  const Mapper mapper = MapAll(ring.walk.keyframes);
+  KeyframeFeatures features;
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+  }
+  const Map perturbed = Perturbed(mapper.map());
+  WholeMapProblem problem = MakeWholeMapProblem(perturbed, features, FeatureWorld::Camera(), {});
+  problem.session = 7;
+  problem.session_keyframe_id = 24;
+  ASSERT_EQ(problem.keyframes.size(), mapper.map().keyframes().size());
+  EXPECT_TRUE(problem.bundle.poses.front().fixed);
+  const LoopClosure adjusted = AdjustWholeMap(problem, {}, nullptr);
+  EXPECT_EQ(adjusted.kind, LoopClosure::Kind::kAdjustment);
+  EXPECT_EQ(adjusted.session_keyframe_id, 24);
+  ASSERT_EQ(adjusted.poses.size(), problem.keyframes.size());
+  const double before_m = PositionError_m(perturbed, ring.walk.T_w_c);
+  const double after_m = Error_m(adjusted, ring.walk.T_w_c, perturbed);
+  EXPECT_GT(before_m, 0.02);
+  EXPECT_LT(after_m, 0.3 * before_m);
+  EXPECT_EQ(adjusted.poses.front().T_w_kf.matrix(), perturbed.keyframes().begin()->second.T_w_kf.matrix());
+}
+
+TEST(MakeWholeMapProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnough) {
+  const Ring ring(20);
+  const Mapper mapper = MapAll(ring.walk.keyframes);
+  KeyframeFeatures features;
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+  }
+  WholeMapOptions options;
+  options.points_per_keyframe = 15;
+  const WholeMapProblem problem = MakeWholeMapProblem(mapper.map(), features, FeatureWorld::Camera(), options);
+  std::map<int, int> sights_of_point;
+  for (const PointSight& sight : problem.bundle.point_sights) ++sights_of_point[sight.point];
+  ASSERT_EQ(sights_of_point.size(), problem.bundle.points.size());
+  for (const auto& [point, sights] : sights_of_point) EXPECT_GE(sights, options.min_sights);
+  EXPECT_LE(problem.bundle.points.size(), 15U * problem.keyframes.size());
+  EXPECT_GE(problem.bundle.points.size(), 30U);
+}
+
+TEST(AdjustWholeMap, StoppedBeforeItBeginsLeavesEverythingWhereItWas) {
+  const Ring ring(8);
+  const Mapper mapper = MapAll(ring.walk.keyframes);
+  KeyframeFeatures features;
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+  }
+  const std::atomic<bool> stop = true;
+  const LoopClosure adjusted =
+      AdjustWholeMap(MakeWholeMapProblem(mapper.map(), features, FeatureWorld::Camera(), {}), {}, &stop);
+  for (const CorrectedPose& pose : adjusted.poses) {
+    EXPECT_LT((pose.T_w_kf.Inverse() * mapper.map().FindKeyframe(pose.keyframe_id)->T_w_kf).Log().norm(), 1e-9);
+  }
+}
+
+TEST(AdjustWholeMap, EmptyMap) {
+  const WholeMapProblem problem = MakeWholeMapProblem(Map(), {}, FeatureWorld::Camera(), {});
+  EXPECT_TRUE(AdjustWholeMap(problem, {}, nullptr).poses.empty());
+}
+
+}  // namespace
+}  // namespace plslam::test

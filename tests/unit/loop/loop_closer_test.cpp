@@ -92,14 +92,15 @@ TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
 }
 
 TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
-  const Ring ring(40);
+  const Ring ring(26);
   Closing closing(PlacesOf(ring.world), {});
   for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
   ASSERT_TRUE(closing.loops.empty());
-  // Another tracker starts far from the newest keyframe, a bit off the path of the first, with its own origin.
-  const std::vector<SE3> path = RingPath(4.0, 0.4, 18);
+  // Another tracker starts on the other side of the ring, which the first has not seen, with an origin of its own, and
+  // comes to where the first began, a bit off its path.
+  const std::vector<SE3> path = RingPath(4.0, 0.4, 74);
   std::vector<SE3> beside;
-  for (int i = 6; i < 18; ++i) beside.push_back(path[i] * SE3(Eigen::Quaterniond::Identity(), {0.2, 0.05, 0.1}));
+  for (int i = 44; i < 74; ++i) beside.push_back(path[i] * SE3(Eigen::Quaterniond::Identity(), {0.2, 0.05, 0.1}));
   WalkOptions options;
   options.with_ids = false;
   options.session = 8;

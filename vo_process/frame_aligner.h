@@ -1,11 +1,13 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/local_landmarks.h"
 #include "vo_process/motion_model.h"
 #include "vo_process/options.h"
+#include "vo_process/point_refiner.h"
 
 namespace plslam {
 
@@ -16,6 +18,8 @@ struct Alignment {
   Matrix6d covariance = Matrix6d::Zero();
   /// Inliers.
   FrameMatches matches;
+  /// Measurements of the frame that this pose stands on instead of its own.
+  std::vector<RefinedPoint> refined;
   /// Few inliers: the prior took part.
   bool weak = false;
 };
@@ -28,9 +32,10 @@ class FrameAligner {
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
   /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
-  /// (points + 2 x lines) that frame had. nullopt: lost.
+  /// (points + 2 x lines) that frame had. `refiner` knows the landmarks. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
-                                 const MotionPrediction& prediction, int expected_weight) const;
+                                 const MotionPrediction& prediction, int expected_weight,
+                                 const PointRefiner& refiner) const;
 
  private:
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
@@ -42,7 +47,7 @@ class FrameAligner {
                                     const std::optional<MotionPrior>& prior, const MotionOptions& motion) const;
   std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
   std::optional<Alignment> Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
-                                  const MotionPrior& prior) const;
+                                  const MotionPrior& prior, const PointRefiner& refiner) const;
   bool IsStrong(const std::optional<Alignment>& alignment, int matched) const;
 
   StereoCamera camera_;

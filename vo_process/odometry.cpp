@@ -54,17 +54,18 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
     : camera_(camera),
       options_(options),
       aligner_(camera, options),
+      refiner_(camera, options.refinement),
       motion_model_(options.tracking),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
       landmarks_(camera, options),
       keyframe_measurements_(camera) {}
 
-OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
+OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
-  const std::vector<double> raw_disparities_px = PointDisparities(features);
+  std::vector<double> raw_disparities_px = PointDisparities(features);
   calibration_.Correct(features);
-  TrackedFrame frame(std::move(features));
+  TrackedFrame frame(std::move(features), left);
   OdometryResult result;
   const double dt_s = std::max(1e-9 * static_cast<double>(t_ns - last_t_ns_), kMinInterval_s);
   last_t_ns_ = t_ns;
@@ -74,6 +75,11 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     const MotionPrediction prediction = motion_model_.Predict(dt_s);
     const auto tracked = Find(frame, prediction);
     if (tracked) {
+      for (const RefinedPoint& refined : tracked->alignment.refined) {
+        StereoPoint& point = frame.features.points[refined.feature];
+        raw_disparities_px[refined.feature] += refined.point.disparity_px - point.disparity_px;
+        point = refined.point;
+      }
       Accept(*tracked, dt_s, frame, result);
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
     } else {
@@ -81,6 +87,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
       calibration_.Interrupt();
     }
   }
+  Remember(frame);
   result.T_odom_c = T_odom_c_;
   result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
@@ -97,6 +104,12 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
+}
+
+void Odometry::Remember(const TrackedFrame& frame) {
+  std::vector<const PointLandmarks*> alive{&landmarks_.points};
+  if (dormant_) alive.push_back(&dormant_->landmarks.points);
+  refiner_.Remember(alive, T_odom_c_, frame);
 }
 
 bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
@@ -170,7 +183,7 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   if (relocalised_) {
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
-  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_);
+  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_, refiner_);
   if (!found || (dormant_ && found->weak)) return std::nullopt;
   const bool was_lost = dormant_.has_value();
   dormant_.reset();
@@ -179,7 +192,7 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
 
 std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
                                                        const MotionPrediction& prediction) {
-  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_);
+  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_, refiner_);
   if (!found || found->weak || found->matches.Weight() < kRecoveredShare * tracked_weight_) return std::nullopt;
   dormant_->landmarks.next_point_id = landmarks_.next_point_id;
   dormant_->landmarks.next_line_id = landmarks_.next_line_id;
@@ -192,7 +205,7 @@ std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame
 std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& frame,
                                                            const MotionPrediction& prediction) {
   Relocalised place = *std::exchange(relocalised_, std::nullopt);
-  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, tracked_weight_);
+  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, tracked_weight_, refiner_);
   if (!found || found->weak) return std::nullopt;
   place.landmarks.next_point_id = landmarks_.next_point_id;
   place.landmarks.next_line_id = landmarks_.next_line_id;

@@ -49,8 +49,9 @@ struct OdometryResult {
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No images, no
-/// clock, no messages: features and time stamps in, poses and keyframes out, the same for the same input.
+/// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No clock, no
+/// messages: features, time stamps and, if there are any, the left images in, poses and keyframes out, the same for the
+/// same input.
 class Odometry {
  public:
   Odometry(const StereoCamera& camera, const VoOptions& options);
@@ -58,8 +59,9 @@ class Odometry {
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
-  /// nothing are answered with a state, and the pose goes on by the motion model.
-  OdometryResult Track(int64_t t_ns, StereoFeatures features);
+  /// nothing are answered with a state, and the pose goes on by the motion model. With the left image that the features
+  /// were found in, tracked points are refined by it; its pixels are not kept.
+  OdometryResult Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left = {});
 
   /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do not
   /// jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map does
@@ -93,6 +95,7 @@ class Odometry {
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
+  void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result);
@@ -104,6 +107,7 @@ class Odometry {
   StereoCamera camera_;
   VoOptions options_;
   FrameAligner aligner_;
+  PointRefiner refiner_;
   MotionModel motion_model_;
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;

@@ -51,8 +51,13 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
       right_extractor_(options.features) {}
 
 StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer) {
+  left_ = {};
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
   return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer);
+}
+
+void StereoFrontEnd::KeepLeft(const cv::Mat& left) {
+  if (options_.refinement.enabled && options_.features.features != "lines") left_ = ImageLevels(left);
 }
 
 StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer) {
@@ -69,6 +74,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
                     [&] { right_features = ExtractInside(right_extractor_, right, right_mask_); });
   });
   return timer.Time("stereo", [&] {
+    KeepLeft(left);
     return MatchStereo(std::move(left_features), right_features, left, right, camera(), options_.stereo,
                        [this](const auto& here, const auto& there) { worker_.RunBoth(here, there); });
   });
@@ -83,6 +89,7 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
   });
   ImageFeatures features = timer.Time("features", [&] { return ExtractInside(left_extractor_, left, left_mask_); });
   return timer.Time("stereo", [&] {
+    KeepLeft(left);
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);
   });
 }

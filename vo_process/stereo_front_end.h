@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/feature_extractor.h"
+#include "core/features/image_levels.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/stereo_images.h"
 #include "vo_process/options.h"
@@ -23,7 +24,11 @@ class StereoFrontEnd {
   /// Features in rectified left pixels. Throws std::runtime_error where the images do not fit the rig.
   StereoFeatures Process(const StereoImages& images, StageTimer& timer);
 
+  /// The rectified left image of the pair processed last; none where points are not refined. Valid until the next pair.
+  const ImageLevels& left() const { return left_; }
+
  private:
+  void KeepLeft(const cv::Mat& left);
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer);
 
@@ -36,6 +41,7 @@ class StereoFrontEnd {
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
   SideWorker worker_;
+  ImageLevels left_;
 };
 
 }  // namespace plslam

@@ -6,6 +6,7 @@
 
 #include "core/features/descriptor_matcher.h"
 #include "core/features/features.h"
+#include "core/features/image_levels.h"
 
 namespace plslam {
 
@@ -28,13 +29,16 @@ inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& 
 
 /// The features of the frame being tracked, ready for queries by place, and their landmarks.
 struct TrackedFrame {
-  explicit TrackedFrame(StereoFeatures stereo)
+  explicit TrackedFrame(StereoFeatures stereo, ImageLevels left = {})
       : features(std::move(stereo)),
+        image(std::move(left)),
         point_grid(features.points),
         point_tracks(features.points.size()),
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
+  /// The left image, or none.
+  ImageLevels image;
   PointGrid point_grid;
   /// In the order of `features.points` and `features.lines`.
   std::vector<FeatureTrack> point_tracks;

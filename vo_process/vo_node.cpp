@@ -208,7 +208,8 @@ void VoNode::Track(const Frame& frame) {
   StageTimer timer(NowMs);
   const OdometryResult result = timer.Time("total", [&] {
     StereoFeatures features = SeeFeatures(frame.images, timer);
-    return timer.Time("track", [&] { return odometry_->Track(frame.images.t_ns, std::move(features)); });
+    return timer.Time("track",
+                      [&] { return odometry_->Track(frame.images.t_ns, std::move(features), front_end_->left()); });
   });
   // The pose first: somebody waits for it.
   PublishPose(frame, result, timer.stages());

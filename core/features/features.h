@@ -49,6 +49,10 @@ struct StereoPoint {
   /// Standard deviations of u and v, and of the disparity.
   double sigma_px = 1.0;
   double sigma_disparity_px = 1.0;
+  /// Change of the disparity by a pixel along u and v of the surface around the point; zero where unknown.
+  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
+  /// Inverse variances of its two components, before any expectation; zero where unknown.
+  Eigen::Vector2d slope_information = Eigen::Vector2d::Zero();
 
   bool HasDepth() const { return disparity_px > 0.0; }
 };

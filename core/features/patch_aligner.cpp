@@ -149,7 +149,13 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     if (step.cwiseAbs().maxCoeff() > kConverged) continue;
     const double inflation = NoiseInflation(hessian(0, 0), c.noise);
     if (!(inflation < kMaxInflation)) return std::nullopt;
-    PatchAlignment found{-shift.x(), 0.0, shift.y() * size_px, c.correlation, c.gain};
+    PatchAlignment found{-shift.x(),
+                         0.0,
+                         shift.y() * size_px,
+                         c.correlation,
+                         c.gain,
+                         Eigen::Vector2d::Zero(),
+                         Eigen::Vector2d::Zero()};
     double variance = c.noise * c.noise * hessian(1, 1) / determinant;
     const Eigen::Vector2d off_center = left - Eigen::Vector2d(u, v);
     std::optional<SlantedAlignment> slanted;
@@ -158,6 +164,8 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     }
     if (slanted) {
       found.disparity_px = -slanted->shift_u_px;
+      found.disparity_slope = -slanted->slope;
+      found.slope_information = slanted->slope_information;
       found.correlation = slanted->correlation;
       variance = slanted->variance;
     }

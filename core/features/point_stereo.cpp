@@ -92,6 +92,8 @@ void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::v
     if (!found) continue;
     left[i].disparity_px = found->disparity_px;
     left[i].sigma_disparity_px = found->sigma_disparity_px;
+    left[i].disparity_slope = found->disparity_slope;
+    left[i].slope_information = found->slope_information;
   }
 }
 

@@ -120,8 +120,10 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
         std::abs(warp(0) - shift.x()) <= kMaxTravel && warp.tail<2>().cwiseAbs().maxCoeff() <= kMaxSlope;
     if (!sane) return std::nullopt;
     if (std::abs(step(0)) > kConverged || step.tail<2>().cwiseAbs().maxCoeff() * kHalf > 5.0 * kConverged) continue;
+    const Eigen::Matrix4d P = solver.solve(Eigen::Matrix4d::Identity()) * (noise * noise);
+    const Eigen::Vector2d information(1.0 / P(2, 2), 1.0 / P(3, 3));
     return SlantedAlignment{place.dot(warp), noise * noise * place.dot(solver.solve(place)),
-                            std::sqrt(t.energy / (t.energy + residual))};
+                            std::sqrt(t.energy / (t.energy + residual)), warp.tail<2>(), information};
   }
   return std::nullopt;
 }

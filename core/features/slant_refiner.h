@@ -14,6 +14,9 @@ struct SlantedAlignment {
   /// Of the shift, from the residuals; noise in the left patch's own gradients makes it look smaller than it is.
   double variance = 0.0;
   double correlation = 0.0;
+  /// Change of the shift by a pixel along u and v.
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+  Eigen::Vector2d slope_information = Eigen::Vector2d::Zero();
 };
 
 /// Aligns a patch once more with a disparity that changes over it, as on surfaces that are not parallel to the images:

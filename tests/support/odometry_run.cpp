@@ -46,7 +46,8 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     OdometryResult result;
     timer.Time("total", [&] {
       StereoFeatures features = front_end.Process(images, timer);
-      result = timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features)); });
+      result =
+          timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features), front_end.left()); });
     });
     OdometryFrame frame = Summarise(result, T_l_c);
     frame.t_ns = images.t_ns;

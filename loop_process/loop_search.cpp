@@ -41,7 +41,9 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   if (!search.best) return search;
   const FoundPlace& best = search.evidence[*search.best].place;
   for (const LoopEvidence& other : search.evidence) {
-    const bool rival = other.verdict == LoopVerdict::kAccepted && AreTwoPlaces(best, other.place) &&
+    // Where drift tells nothing, another place need not pass all gates to cast doubt.
+    const bool counts = other.verdict == LoopVerdict::kAccepted || !search.evidence[*search.best].connected;
+    const bool rival = counts && AreTwoPlaces(best, other.place) &&
                        other.place.inliers > options.relocalisation.max_rival_share * best.inliers;
     if (rival) search.best.reset();
     if (rival) break;

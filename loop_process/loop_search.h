@@ -23,7 +23,8 @@ struct LoopSearch {
 };
 
 /// Looks for a loop at a keyframe: candidates, and each verified. Of those accepted the one with most inliers; none where
-/// another one, nearly as good, says that the camera is elsewhere.
+/// another one with nearly as many says that the camera is elsewhere (another accepted one, or any where the map does not
+/// know how the two lie to each other).
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                     const LoopOptions& options, int64_t keyframe_id);
 

@@ -199,6 +199,8 @@ void Verification::AskKeyframesBefore() {
 }
 
 int Verification::NeededConfirmations() const {
+  // Without a way there is no drift that tells two places that look the same from one.
+  if (!evidence_.connected) return gates_.consistent_keyframes;
   const int spared = evidence_.place.inliers / std::max(1, gates_.strong_inliers);
   return std::max(1, gates_.consistent_keyframes - std::min(2, spared));
 }

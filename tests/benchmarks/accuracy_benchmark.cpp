@@ -138,6 +138,10 @@ void PrintLoops(const std::string& name, const plslam::test::LoopRun& run, bool 
     if (i < run.ate_adjusted_m.size()) std::printf(" -> %.4f", run.ate_adjusted_m[i]);
     std::printf("\n");
   }
+  if (run.asked > 0) {
+    std::printf("    asked %d found %d elsewhere %d, ms %.2f 95%% %.2f\n", run.asked, run.found, run.found_elsewhere,
+                Mean(run.ask_ms), Quantile(run.ask_ms, 0.95));
+  }
   for (const std::string& reason : run.refused) std::printf("    refused: %s\n", reason.c_str());
   for (const auto& loop : run.looked_at) {
     if (verbose) PrintLoop("    ", loop);
@@ -166,6 +170,7 @@ int main(int argc, char** argv) {
   app.add_flag("--mapping", with_mapping, "tracking against the map instead of odometry alone");
   app.add_flag("--loops", with_loops, "mapping and loop closing");
   app.add_flag("--forth-and-back", run_options.forth_and_back, "with --loops: then all frames in reverse order");
+  app.add_option("--ask-every", run_options.ask_every, "with --loops: ask where every so many frames are");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   plslam::Config config;

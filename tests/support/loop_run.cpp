@@ -73,6 +73,7 @@ class Run {
   void Frame(const Moment& moment);
   void TakeKeyframe(Keyframe keyframe);
   void Note(const LoopClosure& closure);
+  void Ask(const StereoFeatures& features, int64_t frame);
   void Correct(const LoopClosure& closure);
   void CountRevisits();
   LoopOfRun Describe(const LoopEvidence& evidence) const;
@@ -104,6 +105,8 @@ void Run::Frame(const Moment& moment) {
   in_odom_.push_back(frame);
   frame.T_odom_l = odometry_.T_w_odom() * frame.T_odom_l;
   run_.slam.live.push_back(frame);
+  const int64_t index = static_cast<int64_t>(in_odom_.size()) - 1;
+  if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;
   Keyframe keyframe = ToKeyframe(result);
   keyframe.session = kSession;
@@ -113,6 +116,20 @@ void Run::Frame(const Moment& moment) {
     odometry_.Adopt(mapper_.map(), kSession, keyframe.keyframe_id - 1);
   }
   TakeKeyframe(std::move(keyframe));
+}
+
+void Run::Ask(const StereoFeatures& features, int64_t frame) {
+  const double t0 = NowMs();
+  const Relocalisation answer = closer_.Relocalise(mapper_.map(), features);
+  run_.ask_ms.push_back(NowMs() - t0);
+  ++run_.asked;
+  if (!answer.found) return;
+  ++run_.found;
+  const MapKeyframe& keyframe = *mapper_.map().FindKeyframe(answer.keyframe_id);
+  const auto truth = TrueRelation(keyframe.frame_id, frame);
+  if (!truth) return;
+  const SE3 error = truth->Inverse() * (keyframe.T_w_kf.Inverse() * answer.T_w_c);
+  run_.found_elsewhere += error.translation().norm() > 0.5 || error.Log().tail<3>().norm() > 0.1;
 }
 
 void Run::TakeKeyframe(Keyframe keyframe) {

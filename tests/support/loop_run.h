@@ -46,6 +46,11 @@ struct LoopRun {
   /// Corrections that the mapper refused, with its words.
   std::vector<std::string> refused;
   Revisits revisits;
+  /// Frames that were asked for as if nothing were known, those found, and found elsewhere than they are; ms each.
+  int asked = 0;
+  int found = 0;
+  int found_elsewhere = 0;
+  std::vector<double> ask_ms;
 };
 
 struct LoopRunOptions {
@@ -56,6 +61,8 @@ struct LoopRunOptions {
   int max_frames = 1 << 30;
   /// After the last frame all of them once more, in reverse order.
   bool forth_and_back = false;
+  /// Every so many frames one is asked for; 0: none.
+  int ask_every = 0;
 };
 
 /// Front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: what a keyframe's loop

@@ -118,9 +118,9 @@ std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id,
 
 std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,
                                                const PlaceDescription& description, const CandidateOptions& options,
-                                               int max_candidates) {
+                                               int max_queried, int max_candidates) {
   const auto unknown = [&map](int64_t id) { return map.FindKeyframe(id) == nullptr; };
-  return Best(Group(map, places.Query(description, unknown, options.max_queried), options), max_candidates);
+  return Best(Group(map, places.Query(description, unknown, max_queried), options), max_candidates);
 }
 
 }  // namespace plslam

@@ -31,6 +31,6 @@ std::optional<LoopCandidate> FindSecondLook(const Map& map, int64_t keyframe_id,
 /// The same as `FindLoopCandidates` for an image that is not of the map: nothing excluded, nothing to compare the similarity with.
 std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogniser& places,
                                                const PlaceDescription& description, const CandidateOptions& options,
-                                               int max_candidates);
+                                               int max_queried, int max_candidates);
 
 }  // namespace plslam

@@ -75,10 +75,11 @@ struct WholeMapOptions {
 
 /// When a camera of which nothing is known is found in the map.
 struct RelocalisationOptions {
-  int max_candidates = 5;
+  int max_queried = 40;
+  int max_candidates = 8;
   int min_inliers = 50;
-  double min_inlier_share = 0.4;
-  double max_rival_share = 0.6;
+  double min_inlier_share = 0.3;
+  double max_rival_share = 0.5;
 };
 
 /// Everything of loop_process.
@@ -175,6 +176,7 @@ void VisitFields(Visitor& visit, WholeMapOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationOptions& o) {
+  visit("max_queried", o.max_queried, Bounds{1, 1000}, "most similar keyframes looked at");
   visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
   visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the frame in the place");
   visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1}, "as loop.verification.min_inlier_share");

@@ -47,8 +47,9 @@ Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const St
   std::vector<FoundPlace> all;
   FeatureNodes nodes;
   const PlaceDescription description = DescribePlace(memory.places(), features, nodes);
-  for (const LoopCandidate& candidate : FindPlaceCandidates(map, memory.places(), description, options.candidates,
-                                                            options.relocalisation.max_candidates)) {
+  for (const LoopCandidate& candidate :
+       FindPlaceCandidates(map, memory.places(), description, options.candidates, options.relocalisation.max_queried,
+                           options.relocalisation.max_candidates)) {
     const int64_t id = candidate.keyframe_id;
     const DescribedImage then{memory.features().at(id), memory.point_nodes().at(id)};
     const auto guess =

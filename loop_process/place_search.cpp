@@ -47,6 +47,7 @@ struct Shown {
 
   std::vector<int64_t> Named(const std::vector<int>& matches) const {
     std::vector<int64_t> named;
+    named.reserve(matches.size());
     for (const int match : matches) named.push_back(match < 0 ? -1 : ids[static_cast<size_t>(match)]);
     return named;
   }
@@ -92,6 +93,10 @@ void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCa
   }
 }
 
+size_t CellOf(double px, int size_px) {
+  return static_cast<size_t>(std::clamp(static_cast<int>(px * kGrid / size_px), 0, kGrid - 1));
+}
+
 template <class Kind>
 void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
             const std::vector<typename Kind::Feature>& features, const std::vector<int64_t>& association,
@@ -99,9 +104,7 @@ void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const Eigen::Vector2d px = Middle(features[i]);
-    const int column = std::clamp(static_cast<int>(px.x() * kGrid / camera.width_px), 0, kGrid - 1);
-    const int row = std::clamp(static_cast<int>(px.y() * kGrid / camera.height_px), 0, kGrid - 1);
-    cells[static_cast<size_t>(row * kGrid + column)] = true;
+    cells[CellOf(px.y(), camera.height_px) * kGrid + CellOf(px.x(), camera.width_px)] = true;
     depths.push_back((T_c_w * Middle(*Kind::Find(map, association[i]))).z());
   }
 }

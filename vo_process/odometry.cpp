@@ -10,8 +10,11 @@ namespace plslam {
 namespace {
 
 constexpr double kMinInterval_s = 1e-3;
-// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree anywhere.
+// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree anywhere,
+// and where structure repeats more than a few. Soon after the loss, and later, when the camera may be anywhere.
 constexpr double kRecoveredShare = 0.1;
+constexpr double kRecoveredShareLater = 0.4;
+constexpr int kSoonFrames = 5;
 
 // Landmarks that a frame could found: points with depth, lines with depth twice.
 int FoundingWeight(const StereoFeatures& features) {
@@ -193,7 +196,8 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
 std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
                                                        const MotionPrediction& prediction) {
   auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_, refiner_);
-  if (!found || found->weak || found->matches.Weight() < kRecoveredShare * tracked_weight_) return std::nullopt;
+  const double share = dormant_->n_lost <= kSoonFrames ? kRecoveredShare : kRecoveredShareLater;
+  if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
   dormant_->landmarks.next_point_id = landmarks_.next_point_id;
   dormant_->landmarks.next_line_id = landmarks_.next_line_id;
   landmarks_ = std::move(dormant_->landmarks);
@@ -220,7 +224,10 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   const Alignment& alignment = tracked.alignment;
   result.state = TrackingState::kTracking;
   if (alignment.weak) result.state = TrackingState::kWeak;
-  if (tracked.reference != Reference::kCurrent) result.state = TrackingState::kRecovered;
+  if (tracked.reference != Reference::kCurrent) {
+    result.state = TrackingState::kRecovered;
+    is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
+  }
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
   result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
@@ -259,14 +266,15 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
 
 void Odometry::Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kLost;
-  if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_};
+  if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
+  ++dormant_->n_lost;
   result.T_prev_c = prediction.T_prev_c;
   result.motion_covariance = prediction.covariance;
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
   motion_model_.Slow();
   // The next frame may match this one even where neither matches the landmarks from before.
-  if (FoundingWeight(frame.features) >= options_.tracking.weak_inliers) landmarks_.FoundAnew(T_odom_c_, frame);
+  landmarks_.FoundAnew(T_odom_c_, frame);
 }
 
 int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {

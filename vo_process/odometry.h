@@ -80,6 +80,9 @@ class Odometry {
   /// The camera has been found in a map, by `Adopt` or `Relocalise`.
   bool is_in_map() const { return is_in_map_; }
 
+  /// Tracking went on after a loss, but not at the place where it was lost: where that is, nobody knows.
+  bool is_adrift() const { return is_adrift_; }
+
   /// Map from odometry, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
@@ -128,6 +131,7 @@ class Odometry {
   struct Dormant {
     LocalLandmarks landmarks;
     SE3 T_odom_c;
+    int n_lost = 0;  ///< frames since
   };
   std::optional<Dormant> dormant_;
 
@@ -138,6 +142,7 @@ class Odometry {
   };
   std::optional<Relocalised> relocalised_;
   bool is_in_map_ = false;
+  bool is_adrift_ = false;
 
   int64_t next_keyframe_id_ = 0;
   SE3 T_odom_kf_;

@@ -138,7 +138,7 @@ void PointRefiner::Learn(const StereoPoint& seen, const SE3& T_odom_c, Reference
   if (const auto slope = SlopeFrom(reference, seen, T_odom_c)) reference.slope.Add(*slope);
   if (reference.patch) return;
   if (const auto made = MakeReferencePatch(reference.pixels)) {
-    reference.patch = std::make_unique<const ReferencePatch>(*made);
+    reference.patch = std::make_shared<const ReferencePatch>(*made);
   }
 }
 

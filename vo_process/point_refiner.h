@@ -54,7 +54,7 @@ class PointRefiner {
     PatchPixels pixels;
     Slope slope;
     /// Made of the pixels once the landmark has been seen again: many never are.
-    std::unique_ptr<const ReferencePatch> patch;
+    std::shared_ptr<const ReferencePatch> patch;
 
     static bool Before(const Reference& a, const Reference& b) { return a.landmark_id < b.landmark_id; }
   };

@@ -27,6 +27,7 @@ constexpr size_t kMaxWaitingFrames = 8;
 // Fewer features are not worth asking about; and how long a question may remain without an answer in a live stream.
 constexpr size_t kLeastToAsk = 20;
 constexpr double kAskAgain_s = 2.0;
+constexpr int kMaxAsked = 60;
 
 double NowMs() {
   return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -141,7 +142,10 @@ void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
   const bool in_place =
       result.state != TrackingState::kLost && (odometry_->is_in_map() || !options_.map.localise_only);
   if (in_place) question_.reset();
+  // Adrift, somebody else may find out: a loop is closed.
+  n_asked_ = in_place ? 0 : n_asked_ + 1;
   if (!map_ || !options_.relocalisation.enabled || in_place || map_->replica().map().keyframes().empty()) return;
+  if (odometry_->is_adrift() && n_asked_ > kMaxAsked) return;
   const double now_s = 1e-3 * NowMs();
   if (question_ && !frame.lockstep && now_s - question_->asked_s < kAskAgain_s) return;
   if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;

@@ -85,6 +85,7 @@ class VoNode {
   bus::PartnerWait answer_wait_;
   bus::KeyframePublisher questions_;
   std::optional<RelocalisationQuestion> question_;
+  int n_asked_ = 0;
   bool lockstep_ = false;
   /// The newest keyframe in the map.
   int64_t map_session_ = 0;

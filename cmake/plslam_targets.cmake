@@ -39,7 +39,7 @@ endfunction()
 
 # Folders of tests that read foreign bytes or run threads. Under a sanitizer they get the label `sanitized`, and the
 # target plslam_sanitized_tests builds no others: scripts/test runs these.
-set(PLSLAM_SANITIZED_FOLDERS fuzz unit/bus unit/features unit/lines)
+set(PLSLAM_SANITIZED_FOLDERS fuzz unit/bus unit/features unit/lines unit/map_file)
 add_custom_target(plslam_sanitized_tests)
 
 # plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL]): a GoogleTest executable,

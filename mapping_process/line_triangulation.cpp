@@ -132,8 +132,9 @@ void AddSightsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, c
   for (const int64_t id : keyframes) {
     if (IsSeenBy(*map.FindLine(line_id), id)) continue;
     const StereoFeatures& seen = features.at(id);
-    for (const LandmarkFeature& found : SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines,
-                                                    WithoutDepth(id, seen, map), kMaxAcross_px, camera, options.localisation)) {
+    for (const LandmarkFeature& found :
+         SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines, WithoutDepth(id, seen, map),
+                     kMaxAcross_px, camera, options.localisation)) {
       AddSight<LineKind>(line_id, {id, found.feature}, features, map);
     }
   }

@@ -28,6 +28,9 @@ constexpr milliseconds kWaitingTick{1000};
 // A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time again
 // from us.
 constexpr int kTicksBeforeResend = 2;
+// And so does one whose first word was lost, so that the bus had forgotten the frame when it joined: after this time
+// without a pose, whoever has the frame already passes over it.
+constexpr int kTicksOfDoubt = 5;
 constexpr milliseconds kFlushTick{500};
 constexpr const char* kReader = "vo";
 
@@ -118,7 +121,7 @@ bool PlayerNode::Send(const LoadedFrame& frame) {
 }
 
 bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
-  int ticks_to_resend = 0;
+  int ticks_to_resend = kTicksOfDoubt;
   for (bool waiting = false;;) {
     const Turn::Event event = turn_.WaitForPose(kWaitingTick);
     if (event == Turn::Event::kStopped) return false;
@@ -128,8 +131,9 @@ bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
     }
     if (event == Turn::Event::kNewReader) {
       ticks_to_resend = kTicksBeforeResend;
-    } else if (ticks_to_resend > 0 && --ticks_to_resend == 0) {
+    } else if (--ticks_to_resend == 0) {
       publisher_.Publish(frame.images);
+      ticks_to_resend = kTicksOfDoubt;
     }
     if (!std::exchange(waiting, true)) {
       process_.SetState("running", fmt::format("waiting for the pose of frame {}", frame.images.frame_id));

@@ -99,13 +99,17 @@ void VoNode::OnCamera(const camera_t& message) {
 
 void VoNode::OnFrame(const Frame& frame) {
   // A player that waits too long for a pose sends its frame again; ours is then on its way.
-  if (frame.source == last_source_ && frame.images.frame_id <= last_frame_id_) return Count("frames.repeated", 1);
+  if (IsRepeated(frame)) return Count("frames.repeated", 1);
   if (front_end_ && !IsWaiting()) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.without_map" : "frames.without_camera", 1);
   }
   waiting_.push_back(frame);
+}
+
+bool VoNode::IsRepeated(const Frame& frame) const {
+  return frame.source == last_source_ && frame.images.frame_id <= last_frame_id_;
 }
 
 bool VoNode::IsWaiting() const {
@@ -117,7 +121,7 @@ void VoNode::GoOn() {
   while (front_end_ && !IsWaiting() && !waiting_.empty()) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
-    Track(frame);
+    if (!IsRepeated(frame)) Track(frame);
   }
 }
 

@@ -49,6 +49,7 @@ class VoNode {
   void OnMap();
   void OnRelocalisation(const relocalisation_t& message);
   bool IsWaiting() const;
+  bool IsRepeated(const Frame& frame) const;
   void AwaitMap(int64_t keyframe_id);
   bool AdoptMap(int64_t oldest_keyframe_id);
   void AskWhereIAm(const Frame& frame, const OdometryResult& result);

@@ -203,7 +203,8 @@ map_totals_t ToMessage(const MapTotals& totals) {
 }
 
 std::optional<MapTotals> FromMessage(const map_totals_t& m) {
-  const int64_t least = std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops});
+  const int64_t least =
+      std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops});
   if (least < 0) return std::nullopt;
   return MapTotals{m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops};
 }

@@ -70,7 +70,7 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
   if (!place) return std::nullopt;
   const double best = 1.0 - place->correlation + kTieMargin;
   if (best > options.point_direct_max_ratio * (1.0 - place->second_correlation)) return std::nullopt;
-  const std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
+  std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
   if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
   return found;
 }

@@ -54,8 +54,11 @@ const MapPoint* Map::FindPoint(int64_t id) const { return Find(points_, id); }
 const MapLine* Map::FindLine(int64_t id) const { return Find(lines_, id); }
 
 MapTotals Map::Totals() const {
-  return {static_cast<int64_t>(keyframes_.size()), static_cast<int64_t>(points_.size()),
-          static_cast<int64_t>(lines_.size()), n_point_sights_, n_line_sights_,
+  return {static_cast<int64_t>(keyframes_.size()),
+          static_cast<int64_t>(points_.size()),
+          static_cast<int64_t>(lines_.size()),
+          n_point_sights_,
+          n_line_sights_,
           static_cast<int64_t>(loops_.size())};
 }
 

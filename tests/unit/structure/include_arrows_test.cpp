@@ -26,8 +26,7 @@ const std::vector<Arrow> kArrows = {
     {"core/places/", {"core/geometry/", "core/features/", "core/config/fields.h", "core/io/atomic_file.h"}},
     {"core/motion/", {"core/geometry/", "core/config/fields.h"}},
     {"core/map/", {"core/geometry/", "core/features/", "core/motion/", "core/config/fields.h"}},
-    {"core/localisation/",
-     {"core/geometry/", "core/features/", "core/motion/", "core/map/", "core/config/fields.h"}},
+    {"core/localisation/", {"core/geometry/", "core/features/", "core/motion/", "core/map/", "core/config/fields.h"}},
     {"core/optim/", {"core/geometry/", "core/motion/", "core/map/", "core/config/fields.h"}},
     {"core/io/",
      {"core/geometry/", "core/map/", "core/features/features.h", "core/optim/pose_graph", "core/config/fields.h"}},
@@ -45,8 +44,8 @@ const std::vector<Arrow> kArrows = {
     {"tools/pose_graph/", {"core/"}},
 };
 
-const std::vector<std::string> kProductFolders = {
-    "lcmtypes", "core", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools"};
+const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",         "player",          "vo_process",
+                                                  "mapping_process", "loop_process", "viewer_headless", "tools"};
 
 /// Files that wire algorithms to messages. All others know neither LCM nor its types.
 bool KnowsMessages(const std::string& path) {
@@ -104,8 +103,8 @@ TEST(Structure, IncludesFollowTheArrows) {
 }
 
 TEST(Structure, IncludesOfTheTreeStartAtItsRoot) {
-  for (const SourceFile& file :
-       test::SourceFiles({"core", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools", "tests"})) {
+  for (const SourceFile& file : test::SourceFiles({"core", "player", "vo_process", "mapping_process", "loop_process",
+                                                   "viewer_headless", "tools", "tests"})) {
     for (const std::string& line : file.lines) {
       const auto include = IncludedFile(line);
       if (!include || line.find('"') == std::string::npos) continue;

@@ -116,6 +116,7 @@ class ViewerNodeTest : public testing::Test {
     MapUpdate update = WholeMap(map);
     update.version = last + 1;
     update.session_keyframe_id = last;
+    update.settled = true;
     return update;
   }
 

@@ -3,17 +3,15 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/descriptors_of.h"
+
 namespace plslam {
 
 PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
                                FeatureNodes& point_nodes) {
-  std::vector<Descriptor> points;
-  std::vector<Descriptor> lines;
-  for (const StereoPoint& point : features.points) points.push_back(point.left.descriptor);
-  for (const StereoLine& line : features.lines) lines.push_back(line.left.descriptor);
   PlaceDescription description = DescribeLayout(features);
-  description.points = places.point_vocabulary().Transform(points, point_nodes);
-  description.lines = places.line_vocabulary().Transform(lines);
+  description.points = places.point_vocabulary().Transform(DescriptorsOf(features.points), point_nodes);
+  description.lines = places.line_vocabulary().Transform(DescriptorsOf(features.lines));
   return description;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/features/descriptor_matcher.h"
+#include "core/features/descriptors_of.h"
 #include "core/features/line_matcher.h"
 #include "core/motion/robust.h"
 #include "loop_process/guided_matching.h"
@@ -28,14 +29,6 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   return ids;
-}
-
-template <class Feature>
-std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
-  std::vector<Descriptor> descriptors;
-  descriptors.reserve(features.size());
-  for (const Feature& feature : features) descriptors.push_back(feature.left.descriptor);
-  return descriptors;
 }
 
 // Features of a keyframe that show a landmark: these, their places among all, and how they looked then.

@@ -33,15 +33,6 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
   return known;
 }
 
-/// Descriptors of stereo points or lines, in their order.
-template <class Feature>
-std::vector<Descriptor> SeenDescriptors(const std::vector<Feature>& features) {
-  std::vector<Descriptor> seen;
-  seen.reserve(features.size());
-  for (const Feature& feature : features) seen.push_back(feature.left.descriptor);
-  return seen;
-}
-
 /// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here (as not
 /// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same. What
 /// two of the map claim goes to the first.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 
+#include "core/features/descriptors_of.h"
 #include "core/features/line_matcher.h"
 #include "core/features/segment_projection.h"
 #include "vo_process/landmark_fusion.h"
@@ -108,8 +109,7 @@ std::vector<LandmarkMatch> LineLandmarks::MatchByProjection(const SE3& T_c_odom,
 std::vector<LandmarkMatch> LineLandmarks::MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                             const LineMatchOptions& options) const {
   const KnownDescriptors known = RecentDescriptors(landmarks_, max_unseen_frames);
-  return PairUp(known.owners,
-                MatchLinesBruteForce(known.descriptors, SeenDescriptors(frame.features.lines), options));
+  return PairUp(known.owners, MatchLinesBruteForce(known.descriptors, DescriptorsOf(frame.features.lines), options));
 }
 
 std::vector<LineObservation> LineLandmarks::Observations(const std::vector<LandmarkMatch>& matches,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <span>
 
+#include "core/features/descriptors_of.h"
 #include "core/features/expected_octave.h"
 #include "vo_process/landmark_fusion.h"
 #include "vo_process/landmark_list.h"
@@ -51,7 +52,7 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByProjection(const SE3& T_c_odom
 std::vector<LandmarkMatch> PointLandmarks::MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                              const MatchOptions& options) const {
   const KnownDescriptors known = RecentDescriptors(landmarks_, max_unseen_frames);
-  return PairUp(known.owners, MatchBruteForce(known.descriptors, SeenDescriptors(frame.features.points), options));
+  return PairUp(known.owners, MatchBruteForce(known.descriptors, DescriptorsOf(frame.features.points), options));
 }
 
 std::vector<PointObservation> PointLandmarks::Observations(const std::vector<LandmarkMatch>& matches,

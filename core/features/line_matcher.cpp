@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/features/descriptors_of.h"
+
 namespace plslam {
 namespace {
 
@@ -123,13 +125,6 @@ std::vector<int> MatchByProjection(const std::vector<PredictedLine>& predicted, 
     }
   }
   return Choose(candidates, predicted.size(), features.size(), options);
-}
-
-std::vector<Descriptor> DescriptorsOf(const std::vector<LineFeature>& features) {
-  std::vector<Descriptor> out;
-  out.reserve(features.size());
-  for (const LineFeature& f : features) out.push_back(f.descriptor);
-  return out;
 }
 
 }  // namespace

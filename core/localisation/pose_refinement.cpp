@@ -1,6 +1,7 @@
 #include "core/localisation/pose_refinement.h"
 
 #include "core/features/descriptor_matcher.h"
+#include "core/features/descriptors_of.h"
 #include "core/features/line_matcher.h"
 #include "core/geometry/rotate_covariance.h"
 #include "core/motion/motion_estimator.h"
@@ -70,14 +71,6 @@ std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>
   std::vector<Descriptor> descriptors;
   descriptors.reserve(ids.size());
   for (const int64_t id : ids) descriptors.push_back(Kind::Find(map, id)->descriptor);
-  return descriptors;
-}
-
-template <class Feature>
-std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
-  std::vector<Descriptor> descriptors;
-  descriptors.reserve(features.size());
-  for (const Feature& feature : features) descriptors.push_back(feature.left.descriptor);
   return descriptors;
 }
 

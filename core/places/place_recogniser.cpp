@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "core/features/descriptors_of.h"
+
 namespace plslam {
 namespace {
 
@@ -29,20 +31,6 @@ std::vector<PlaceMatch> Best(std::vector<PlaceMatch> matches, const std::functio
     matches.pop_back();
   }
   return best;
-}
-
-template <class Feature>
-std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
-  std::vector<Descriptor> descriptors;
-  descriptors.reserve(features.size());
-  for (const Feature& feature : features) {
-    if constexpr (requires { feature.left; }) {
-      descriptors.push_back(feature.left.descriptor);
-    } else {
-      descriptors.push_back(feature.descriptor);
-    }
-  }
-  return descriptors;
 }
 
 template <class Features>

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "core/features/descriptors_of.h"
 #include "core/places/vocabulary_trainer.h"
 #include "tools/train_vocabulary/left_features.h"
 
@@ -46,14 +47,6 @@ void ShowProgress(const std::string& what, double share) {
   fmt::print(stderr, "\r\033[K{} {:3.0f} %", what, 100.0 * share);
   if (share >= 1.0) fmt::print(stderr, "\r\033[K");
   std::fflush(stderr);
-}
-
-template <class Feature>
-std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
-  std::vector<Descriptor> descriptors;
-  descriptors.reserve(features.size());
-  for (const Feature& feature : features) descriptors.push_back(feature.descriptor);
-  return descriptors;
 }
 
 std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
+#include "core/io/map_ply.h"
 #include "viewer_headless/final_trajectory.h"
-#include "viewer_headless/map_file.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "viewer_headless/map_file.h"
+#include "core/io/map_ply.h"
 
 #include <gmock/gmock.h>
 

@@ -1,41 +1,15 @@
 #include "vo_process/stereo_front_end.h"
 
-#include <cmath>
 #include <utility>
-
-#include <opencv2/imgproc.hpp>
 
 #include "core/features/stereo_matcher.h"
 
 namespace plslam {
 namespace {
 
-// Descriptors and gradients reach this far around a feature.
-constexpr int kMaskMargin_px = 8;
-
-cv::Mat Shrink(const cv::Mat& mask) {
-  if (mask.empty()) return mask;
-  cv::Mat shrunk;
-  const int size = 2 * kMaskMargin_px + 1;
-  cv::erode(mask, shrunk, cv::Mat::ones(size, size, CV_8U), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT,
-            cv::Scalar(255));
-  return shrunk;
-}
-
-bool IsMasked(const cv::Mat& mask, const Eigen::Vector2d& px) {
-  const int u = static_cast<int>(std::lround(px.x()));
-  const int v = static_cast<int>(std::lround(px.y()));
-  return u < 0 || v < 0 || u >= mask.cols || v >= mask.rows || mask.at<uchar>(v, u) == 0;
-}
-
-ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const cv::Mat& mask) {
+ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask) {
   ImageFeatures features = extractor.Extract(image);
-  if (mask.empty()) return features;
-  std::erase_if(features.points, [&](const PointFeature& point) { return IsMasked(mask, point.px); });
-  std::erase_if(features.lines, [&](const LineFeature& line) {
-    const Eigen::Vector2d middle = 0.5 * (line.segment.p + line.segment.q);
-    return IsMasked(mask, line.segment.p) || IsMasked(mask, line.segment.q) || IsMasked(mask, middle);
-  });
+  mask.RemoveOutside(features);
   return features;
 }
 
@@ -45,8 +19,8 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
     : rig_(rig),
       options_(options),
       rectifier_(rig),
-      left_mask_(Shrink(rectifier_.left_mask())),
-      right_mask_(Shrink(rectifier_.right_mask())),
+      left_mask_(rectifier_.left_mask()),
+      right_mask_(rectifier_.right_mask()),
       left_extractor_(options.features),
       right_extractor_(options.features) {}
 

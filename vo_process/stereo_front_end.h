@@ -3,6 +3,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/feature_extractor.h"
+#include "core/features/feature_mask.h"
 #include "core/features/image_levels.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/stereo_images.h"
@@ -35,9 +36,9 @@ class StereoFrontEnd {
   RigCalibration rig_;
   VoOptions options_;
   Rectifier rectifier_;
-  // Where features are real, not the edge of the warped image; empty: everywhere.
-  cv::Mat left_mask_;
-  cv::Mat right_mask_;
+  // Against the edge of the warped image.
+  FeatureMask left_mask_;
+  FeatureMask right_mask_;
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
   SideWorker worker_;

@@ -1,12 +1,11 @@
 #include "tools/train_vocabulary/left_features.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/features/feature_extractor.h"
+#include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/image_file.h"
 #include "core/io/image_folder.h"
@@ -14,32 +13,6 @@
 
 namespace plslam {
 namespace {
-
-// Descriptors and gradients reach this far around a feature; as in vo_process.
-constexpr int kMaskMargin_px = 8;
-
-cv::Mat Shrink(const cv::Mat& mask) {
-  if (mask.empty()) return mask;
-  cv::Mat shrunk;
-  const int size = 2 * kMaskMargin_px + 1;
-  cv::erode(mask, shrunk, cv::Mat::ones(size, size, CV_8U), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT,
-            cv::Scalar(255));
-  return shrunk;
-}
-
-bool IsMasked(const cv::Mat& mask, const Eigen::Vector2d& px) {
-  const cv::Point at(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
-  return !at.inside(cv::Rect(0, 0, mask.cols, mask.rows)) || mask.at<uchar>(at) == 0;
-}
-
-void RemoveMasked(const cv::Mat& mask, ImageFeatures& features) {
-  if (mask.empty()) return;
-  std::erase_if(features.points, [&](const PointFeature& point) { return IsMasked(mask, point.px); });
-  std::erase_if(features.lines, [&](const LineFeature& line) {
-    const Eigen::Vector2d middle = 0.5 * (line.segment.p + line.segment.q);
-    return IsMasked(mask, line.segment.p) || IsMasked(mask, line.segment.q) || IsMasked(mask, middle);
-  });
-}
 
 /// Full names of the images in the folder itself; none where it is no such folder.
 std::vector<std::string> ImagesIn(const std::string& folder) {
@@ -59,11 +32,11 @@ std::vector<std::string> ImagesIn(const std::string& folder) {
 void ForEachLeftImage(const Dataset& dataset, int stride, const FeatureOptions& options,
                       const std::function<void(int, const ImageFeatures&)>& use, const ImageProgress& progress) {
   const Rectifier rectifier(dataset.rig());
-  const cv::Mat mask = Shrink(rectifier.left_mask());
+  const FeatureMask mask(rectifier.left_mask());
   FeatureExtractor extractor(options);
   for (int i = 0; i < dataset.size(); i += stride) {
     ImageFeatures features = extractor.Extract(rectifier.RectifyLeft(dataset.Read(i).left));
-    RemoveMasked(mask, features);
+    mask.RemoveOutside(features);
     use(i, features);
     progress(i + 1, dataset.size());
   }

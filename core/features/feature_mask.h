@@ -1,0 +1,25 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/features.h"
+
+namespace plslam {
+
+/// Where features of a rectified image may be: inside what the camera has seen, and so far from its border that descriptors and
+/// gradients do not reach beyond.
+class FeatureMask {
+ public:
+  /// `seen` is CV_8UC1 of the size of the image, zero where rectification found nothing; empty: everything was seen.
+  explicit FeatureMask(const cv::Mat& seen);
+
+  /// Takes out points that are outside, and segments with an end or the middle outside.
+  void RemoveOutside(ImageFeatures& features) const;
+
+ private:
+  bool IsOutside(const Eigen::Vector2d& px) const;
+
+  cv::Mat inside_;
+};
+
+}  // namespace plslam

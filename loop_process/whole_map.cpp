@@ -4,6 +4,8 @@
 #include <map>
 #include <set>
 
+#include "core/optim/bundle_sights.h"
+
 namespace plslam {
 namespace {
 
@@ -43,22 +45,6 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_sights,
   return {chosen.begin(), chosen.end()};
 }
 
-PointSight Seen(int pose, int point, const StereoPoint& seen) {
-  return {
-      pose, point, {seen.left.px.x(), seen.left.px.y(), seen.disparity_px}, seen.sigma_px, seen.sigma_disparity_px};
-}
-
-LineSight Seen(int pose, int line, const StereoLine& seen) {
-  return {pose,
-          line,
-          seen.left.segment,
-          seen.disparity_p_px,
-          seen.disparity_q_px,
-          seen.sigma_px,
-          seen.sigma_disparity_p_px,
-          seen.sigma_disparity_q_px};
-}
-
 template <class Kind, class BundleSight>
 void AddSights(const Map& map, const KeyframeFeatures& features, const Places& poses, const std::vector<int64_t>& ids,
                std::vector<BundleSight>& sights) {
@@ -68,7 +54,7 @@ void AddSights(const Map& map, const KeyframeFeatures& features, const Places& p
       if (pose == poses.end()) continue;
       const auto& list = Kind::Features(features.at(sight.keyframe_id));
       if (static_cast<size_t>(sight.feature) >= list.size()) continue;
-      sights.push_back(Seen(pose->second, i, list[static_cast<size_t>(sight.feature)]));
+      sights.push_back(SightOf(pose->second, i, list[static_cast<size_t>(sight.feature)]));
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/geometry/rotate_covariance.h"
+#include "core/optim/bundle_sights.h"
 #include "mapping_process/sights.h"
 
 namespace plslam {
@@ -46,22 +47,6 @@ std::vector<int64_t> FixedKeyframes(const LocalWindow& window, const Map& map, i
   CountKeyframes<LineKind>(window.lines, map, counts);
   for (const int64_t id : window.keyframes) counts.erase(id);
   return MostCounted(counts, max_count);
-}
-
-PointSight Seen(int pose, int point, const StereoPoint& seen) {
-  return {
-      pose, point, {seen.left.px.x(), seen.left.px.y(), seen.disparity_px}, seen.sigma_px, seen.sigma_disparity_px};
-}
-
-LineSight Seen(int pose, int line, const StereoLine& seen) {
-  return {pose,
-          line,
-          seen.left.segment,
-          seen.disparity_p_px,
-          seen.disparity_q_px,
-          seen.sigma_px,
-          seen.sigma_disparity_p_px,
-          seen.sigma_disparity_q_px};
 }
 
 // Calls visit(pose, landmark, sight) for each sight of the landmarks by a keyframe of the window, always in one order.
@@ -114,11 +99,11 @@ void AddLandmarks(const Map& map, const KeyframeFeatures& features, LocalWindow&
   for (const int64_t id : window.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
   ForEachSight<PointKind>(window.keyframes, window.points, map, [&](int pose, int point, const Sight& sight) {
     const auto& list = features.at(sight.keyframe_id).points;
-    problem.point_sights.push_back(Seen(pose, point, list[static_cast<size_t>(sight.feature)]));
+    problem.point_sights.push_back(SightOf(pose, point, list[static_cast<size_t>(sight.feature)]));
   });
   ForEachSight<LineKind>(window.keyframes, window.lines, map, [&](int pose, int line, const Sight& sight) {
     const auto& list = features.at(sight.keyframe_id).lines;
-    problem.line_sights.push_back(Seen(pose, line, list[static_cast<size_t>(sight.feature)]));
+    problem.line_sights.push_back(SightOf(pose, line, list[static_cast<size_t>(sight.feature)]));
   });
 }
 

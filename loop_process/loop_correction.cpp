@@ -4,7 +4,9 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <utility>
 
+#include "core/map/connected.h"
 #include "loop_process/map_edges.h"
 
 namespace plslam {
@@ -33,32 +35,16 @@ Matrix6d EdgeCovariance(const Map& map, const MapEdge& edge, const SE3& T_a_b, c
   return covariance + (forward ? measured : InverseCovariance(T_a_b.Inverse(), measured));
 }
 
-// Everything that is connected with a keyframe.
-std::set<int64_t> ConnectedWith(int64_t id, const std::vector<MapEdge>& edges) {
-  std::map<int64_t, std::vector<int64_t>> neighbours;
-  for (const MapEdge& edge : edges) {
-    neighbours[edge.a].push_back(edge.b);
-    neighbours[edge.b].push_back(edge.a);
-  }
-  std::set<int64_t> connected{id};
-  std::vector<int64_t> open{id};
-  while (!open.empty()) {
-    const int64_t at = open.back();
-    open.pop_back();
-    for (const int64_t next : neighbours[at]) {
-      if (connected.insert(next).second) open.push_back(next);
-    }
-  }
-  return connected;
-}
-
 // Where keyframes start that the loop connects with the rest for the first time: moved as a whole, those that began later.
 std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const std::vector<MapEdge>& edges) {
   std::map<int64_t, SE3> T_w_kf;
   for (const auto& [id, keyframe] : map.keyframes()) T_w_kf[id] = keyframe.T_w_kf;
-  const std::set<int64_t> old_side = ConnectedWith(loop.old_keyframe_id, edges);
+  std::vector<std::pair<int64_t, int64_t>> ties;
+  ties.reserve(edges.size());
+  for (const MapEdge& edge : edges) ties.emplace_back(edge.a, edge.b);
+  const std::set<int64_t> old_side = ConnectedWith(loop.old_keyframe_id, ties);
   if (old_side.contains(loop.keyframe_id)) return T_w_kf;
-  const std::set<int64_t> new_side = ConnectedWith(loop.keyframe_id, edges);
+  const std::set<int64_t> new_side = ConnectedWith(loop.keyframe_id, ties);
   const SE3 T_moved_w = T_w_kf.at(loop.old_keyframe_id) * loop.T_old_kf * T_w_kf.at(loop.keyframe_id).Inverse();
   const bool old_first = *old_side.begin() < *new_side.begin();
   for (const int64_t id : old_first ? new_side : old_side) {

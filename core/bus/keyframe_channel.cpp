@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/paged_subscription.h"
 #include "core/bus/pager.h"
 #include "plslam/keyframe_t.hpp"
 
@@ -122,21 +123,7 @@ void KeyframePublisher::Publish(const Keyframe& keyframe) {
   for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(channel_, std::move(page));
 }
 
-struct KeyframeSubscriber::State {
-  KeyframeAssembler assembler;
-  std::function<void(const Keyframe&)> handler;
-};
-
 KeyframeSubscriber::KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler, const Channel& channel)
-    : state_(std::make_shared<State>()) {
-  state_->handler = std::move(handler);
-  bus.Subscribe<keyframe_t>(channel, [&bus, weak = std::weak_ptr<State>(state_)](const keyframe_t& page) {
-    const auto state = weak.lock();
-    if (state == nullptr) return;
-    const auto outcome = state->assembler.Add(page);
-    if (outcome == PageOutcome::kNonsense || outcome == PageOutcome::kPassedOver) bus.CountRejected();
-    if (outcome == PageOutcome::kComplete) state->handler(state->assembler.Take());
-  });
-}
+    : subscription_(SubscribePaged<keyframe_t, KeyframeAssembler, Keyframe>(bus, channel, std::move(handler))) {}
 
 }  // namespace plslam::bus

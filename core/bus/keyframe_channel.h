@@ -40,8 +40,7 @@ class KeyframeSubscriber {
   KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler, const Channel& channel = kKeyframe);
 
  private:
-  struct State;
-  std::shared_ptr<State> state_;
+  std::shared_ptr<void> subscription_;
 };
 
 }  // namespace plslam::bus

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mutex>
 #include <stdexcept>
 #include <utility>
 
 #include "core/bus/convert.h"
 #include "core/bus/map_convert.h"
+#include "core/bus/paged_subscription.h"
 #include "core/bus/pager.h"
 
 namespace plslam::bus {
@@ -148,36 +148,15 @@ std::vector<loop_closure_t> CutIntoPages(const LoopClosure& closure, int64_t pag
 LoopClosureAssembler::LoopClosureAssembler()
     : PageAssembler({.head = Head, .same_head = SameHead, .append = Append}) {}
 
-struct LoopClosurePublisher::State {
-  std::mutex publishing;  // pages of two closures must not mix
-};
-
-LoopClosurePublisher::LoopClosurePublisher(Bus& bus) : bus_(bus), state_(std::make_shared<State>()) {}
-
 void LoopClosurePublisher::Publish(const LoopClosure& closure) {
   std::vector<loop_closure_t> pages = CutIntoPages(closure, bus_.page_bytes());
-  const std::lock_guard lock(state_->publishing);
+  const std::lock_guard lock(publishing_);
   for (loop_closure_t& page : pages) bus_.Publish(kLoopClosure, std::move(page));
 }
 
-struct LoopClosureSubscriber::State {
-  LoopClosureAssembler assembler;
-  std::function<void(const LoopClosure&)> handler;
-};
-
 LoopClosureSubscriber::LoopClosureSubscriber(Bus& bus, std::function<void(const LoopClosure&)> handler)
-    : state_(std::make_shared<State>()) {
-  state_->handler = std::move(handler);
-  bus.Subscribe<loop_closure_t>(kLoopClosure,
-                                [&bus, weak = std::weak_ptr<State>(state_)](const loop_closure_t& page) {
-                                  const auto state = weak.lock();
-                                  if (state == nullptr) return;
-                                  const PageOutcome outcome = state->assembler.Add(page);
-                                  if (outcome == PageOutcome::kNonsense || outcome == PageOutcome::kPassedOver)
-                                    bus.CountRejected();
-                                  if (outcome == PageOutcome::kComplete) state->handler(state->assembler.Take());
-                                });
-}
+    : subscription_(
+          SubscribePaged<loop_closure_t, LoopClosureAssembler, LoopClosure>(bus, kLoopClosure, std::move(handler))) {}
 
 relocalisation_t ToMessage(const Relocalisation& relocalisation) {
   relocalisation_t message{};

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <vector>
 
@@ -28,13 +29,12 @@ class LoopClosureAssembler : public PageAssembler<loop_closure_t, LoopClosure> {
 /// Sends what loop_process says. Safe from any thread.
 class LoopClosurePublisher {
  public:
-  explicit LoopClosurePublisher(Bus& bus);
+  explicit LoopClosurePublisher(Bus& bus) : bus_(bus) {}
   void Publish(const LoopClosure& closure);
 
  private:
-  struct State;
   Bus& bus_;
-  std::shared_ptr<State> state_;
+  std::mutex publishing_;  // pages of two closures must not mix
 };
 
 /// Hands every closure of every publisher to `handler`, in order, on the thread of `Bus::Run`. Pages that cannot be are
@@ -44,8 +44,7 @@ class LoopClosureSubscriber {
   LoopClosureSubscriber(Bus& bus, std::function<void(const LoopClosure&)> handler);
 
  private:
-  struct State;
-  std::shared_ptr<State> state_;
+  std::shared_ptr<void> subscription_;
 };
 
 /// The session and the time go into the header.

@@ -2,23 +2,15 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
-#include <exception>
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/worker.h"
 #include "core/geometry/rectification.h"
 #include "loop_process/vocabulary_files.h"
 #include "plslam/camera_t.hpp"
 
 namespace plslam {
-namespace {
-
-double NowMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-}  // namespace
 
 LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
     : process_(process),
@@ -31,8 +23,8 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       map_(process.bus(), [this](const MapUpdate& update, const MapReplica&) { Queue(update); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
-  judge_ = std::thread([this] { RunWorker(&LoopNode::JudgeUntilStopped); });
-  adjuster_ = std::thread([this] { RunWorker(&LoopNode::AdjustUntilStopped); });
+  judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });
+  adjuster_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { AdjustUntilStopped(); }); });
 }
 
 LoopNode::~LoopNode() {
@@ -68,15 +60,6 @@ void LoopNode::Queue(Arrival arrival) {
   changed_.notify_all();
 }
 
-// What goes wrong on a worker ends the process where the run loop sees it.
-void LoopNode::RunWorker(void (LoopNode::*work)()) {
-  try {
-    (this->*work)();
-  } catch (...) {
-    process_.bus().Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
-  }
-}
-
 void LoopNode::JudgeUntilStopped() {
   for (;;) {
     std::optional<Arrival> arrival;
@@ -87,7 +70,7 @@ void LoopNode::JudgeUntilStopped() {
       arrival = std::move(arrivals_.front());
       arrivals_.pop_front();
       process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
-      if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), NowMs);
+      if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
     }
     Send(Handle(*arrival));
   }
@@ -139,9 +122,9 @@ void LoopNode::AdjustUntilStopped() {
       problem = std::exchange(adjustment_, std::nullopt);
       stop_adjustment_ = false;
     }
-    const double began_ms = NowMs();
+    const double began_ms = bus::NowMs();
     LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_);
-    closure.correct_ms = NowMs() - began_ms;
+    closure.correct_ms = bus::NowMs() - began_ms;
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) return;

@@ -42,7 +42,6 @@ class LoopNode {
   void Queue(Arrival arrival);
 
   // On the workers.
-  void RunWorker(void (LoopNode::*work)());
   void JudgeUntilStopped();
   void AdjustUntilStopped();
   LoopService::Output Handle(const Arrival& arrival);

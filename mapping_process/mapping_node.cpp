@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/worker.h"
 #include "core/geometry/rectification.h"
 #include "mapping_process/map_files.h"
 #include "plslam/camera_t.hpp"
@@ -17,12 +18,6 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(200);
-
-double NowMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-double NowS() { return 1e-3 * NowMs(); }
 
 }  // namespace
 
@@ -42,7 +37,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   }
   process_.SetConfiguration(ToYaml("mapping", options_));
   if (!options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
-  worker_ = std::thread([this] { RunWorker(); });
+  worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
 MappingNode::~MappingNode() {
@@ -88,7 +83,7 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   }
   known_sessions_.insert(keyframe.session);
   Queue([&] {
-    queue_.Add(keyframe, NowMs());
+    queue_.Add(keyframe, bus::NowMs());
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
   });
   if (!keyframe.lockstep) stop_solve_ = true;
@@ -96,7 +91,7 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
 
 void MappingNode::OnClosure(const LoopClosure& closure) {
   Queue([&] {
-    queue_.OnSignOfLife(NowS());
+    queue_.OnSignOfLife(bus::NowS());
     queue_.Add(closure);
   });
 }
@@ -104,27 +99,18 @@ void MappingNode::OnClosure(const LoopClosure& closure) {
 void MappingNode::OnStatus(const status_t& message) {
   if (message.process != "loop") return;
   const std::lock_guard lock(mutex_);
-  queue_.OnSignOfLife(NowS());
+  queue_.OnSignOfLife(bus::NowS());
 }
 
 void MappingNode::OnTick() {
   bool given_up = false;
-  Queue([&] { given_up = queue_.GiveUp(NowS()); });
+  Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
   if (given_up) spdlog::warn("no loop_process is heard of: the map goes on without loops");
 }
 
 void MappingNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
   if (ours && message.verb == "save") Queue([&] { queue_.Save(message.argument); });
-}
-
-// What goes wrong on the worker ends the process where the run loop sees it.
-void MappingNode::RunWorker() {
-  try {
-    WorkUntilStopped();
-  } catch (...) {
-    process_.bus().Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
-  }
 }
 
 void MappingNode::WorkUntilStopped() {
@@ -158,7 +144,7 @@ std::optional<WorkQueue::Work> MappingNode::NextWork() {
   std::unique_lock lock(mutex_);
   std::optional<Work> work;
   changed_.wait(lock, [&] {
-    if (!stopping_) work = queue_.Take(NowS());
+    if (!stopping_) work = queue_.Take(bus::NowS());
     return stopping_ || work;
   });
   if (stopping_) return std::nullopt;
@@ -186,7 +172,7 @@ void MappingNode::Do(const Work& work) {
 }
 
 void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
-  const double began_ms = NowMs();
+  const double began_ms = bus::NowMs();
   const Keyframe* newest = nullptr;
   for (const WorkQueue::Arrived& arrived : batch) {
     std::string reason;
@@ -198,15 +184,15 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
     process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
   }
   if (newest == nullptr) return;
-  const double inserted_ms = NowMs();
+  const double inserted_ms = bus::NowMs();
   mapper_->Adjust(&stop_solve_);
-  const double adjusted_ms = NowMs();
+  const double adjusted_ms = bus::NowMs();
   mapper_->Cull();
   {
     const std::lock_guard lock(mutex_);
-    queue_.Inserted(*newest, NowS());
+    queue_.Inserted(*newest, bus::NowS());
   }
-  const double done_ms = NowMs();
+  const double done_ms = bus::NowMs();
   Publish({{"insert", inserted_ms - began_ms},
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
@@ -214,13 +200,13 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
 }
 
 void MappingNode::Correct(const Work& work) {
-  const double began_ms = NowMs();
+  const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
   const bool corrected = corrects && mapper_->Correct(work.closure, &reason);
   if (corrects && !corrected) spdlog::warn("a correction of the map is left: {}", reason);
   if (work.settles) mapper_->Settle();
-  Publish(corrected ? Stages{{"correct", NowMs() - began_ms}} : Stages{});
+  Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
 }
 
 void MappingNode::Publish(Stages stage_ms) {

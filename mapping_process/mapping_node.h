@@ -53,7 +53,6 @@ class MappingNode {
   void Queue(const Change& change);
 
   // On the worker.
-  void RunWorker();
   void WorkUntilStopped();
   std::optional<Work> NextWork();
   void BeginMap();

@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "core/io/kitti_dataset.h"
 #include "core/io/tum_dataset.h"
 #include "tests/fuzz/dataset_mutator.h"
+#include "tests/support/fuzzing.h"
 #include "tests/unit/io/dataset_folders.h"
 
 namespace plslam {
@@ -31,11 +31,6 @@ using Clock = std::chrono::steady_clock;
 
 // The tiny datasets need a few MB; the rest is room for an image that lies about its size, and for the decoders.
 constexpr int64_t kMemoryBound_mb = 256;
-
-double EnvironmentNumber(const char* name, double fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::atof(text);
-}
 
 // What the process has mapped now, plus the bound, becomes its limit: larger allocations fail, and are seen.
 class MemoryBound {
@@ -195,11 +190,11 @@ class Fuzzer {
 class DatasetFuzz : public testing::TestWithParam<Reader> {};
 
 TEST_P(DatasetFuzz, MutatedFolders) {
-  const double seconds = EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 5.0) / std::size(kReaders);
+  const double seconds = test::EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 5.0) / std::size(kReaders);
   const auto end = Clock::now() + std::chrono::duration<double>(seconds);
   Fuzzer fuzzer(GetParam());
   const MemoryBound bound;
-  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
+  auto seed = static_cast<uint64_t>(test::EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
   const QuietStderr quiet;
   do {
     fuzzer.RunCase(seed++);

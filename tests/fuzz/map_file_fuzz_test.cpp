@@ -1,15 +1,11 @@
 // Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be a
 // sound map that is saved as the same bytes, and memory must stay within a bound of the file.
-//
-// PLSLAM_FUZZ_SECONDS sets the duration of each test (default 2), PLSLAM_FUZZ_SEED the first seed (default 1). Each
-// case is made from its seed alone, which a failure names.
-#include <chrono>
-#include <cstdlib>
 #include <cstring>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/fuzzing.h"
 #include "tests/unit/bus/allocation_counter.h"
 #include "tests/unit/map_file/stored_maps.h"
 
@@ -18,28 +14,6 @@ namespace {
 
 using Random = std::mt19937_64;
 using ByteVector = std::vector<uint8_t>;
-
-double EnvironmentNumber(const char* name, double fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::atof(text);
-}
-
-/// Calls `one_case` with fresh generators until the time is over. It returns whether the case was accepted.
-template <class Case>
-void Fuzz(Case one_case) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 2.0));
-  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
-  const uint64_t first = seed;
-  uint64_t accepted = 0;
-  for (; Clock::now() < end && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    Random random(seed);
-    if (one_case(random)) ++accepted;
-  }
-  std::printf("  %lu cases, %lu accepted\n", static_cast<unsigned long>(seed - first),
-              static_cast<unsigned long>(accepted));
-}
 
 void Mutate(ByteVector& bytes, Random& random) {
   const uint64_t words[] = {0,
@@ -107,7 +81,7 @@ std::vector<ByteVector> SmallMaps() {
 
 TEST(MapFileFuzz, DamagedFilesAreRefused) {
   const std::vector<ByteVector> maps = SmallMaps();
-  Fuzz([&](Random& random) {
+  test::Fuzz([&](Random& random) {
     ByteVector bytes = maps[random() % maps.size()];
     const ByteVector whole = bytes;
     Mutate(bytes, random);
@@ -118,7 +92,7 @@ TEST(MapFileFuzz, DamagedFilesAreRefused) {
 
 TEST(MapFileFuzz, DamagedContentWithTheRightChecksumIsRefusedOrSound) {
   const std::vector<ByteVector> maps = SmallMaps();
-  Fuzz([&](Random& random) {
+  test::Fuzz([&](Random& random) {
     ByteVector bytes = maps[random() % maps.size()];
     Mutate(bytes, random);
     test::Sign(bytes);
@@ -127,7 +101,7 @@ TEST(MapFileFuzz, DamagedContentWithTheRightChecksumIsRefusedOrSound) {
 }
 
 TEST(MapFileFuzz, NoiseIsRefused) {
-  Fuzz([](Random& random) {
+  test::Fuzz([](Random& random) {
     ByteVector bytes(random() % 3000);
     for (uint8_t& byte : bytes) byte = static_cast<uint8_t>(random());
     if (random() % 2 == 0 && bytes.size() > 64) {

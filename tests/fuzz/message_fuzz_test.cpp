@@ -1,11 +1,6 @@
 // Mutates messages of all types: what the check of bytes lets through must decode within a bound of memory, and every
 // consumer (conversions, frames, keyframes, order and repair) must survive its content.
-//
-// PLSLAM_FUZZ_SECONDS sets the duration of each test (default 2), PLSLAM_FUZZ_SEED the first seed (default 1). Each
-// case is made from its seed alone, which a failure names.
-#include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -23,6 +18,7 @@
 #include "plslam/image_strip_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/map_update_t.hpp"
+#include "tests/support/fuzzing.h"
 #include "tests/unit/bus/allocation_counter.h"
 #include "tests/unit/bus/bus_fixture.h"
 #include "tests/unit/bus/map_owner.h"
@@ -31,28 +27,9 @@
 namespace plslam::bus {
 namespace {
 
+using plslam::test::Fuzz;
 using Random = std::mt19937_64;
 using ByteVector = std::vector<uint8_t>;
-
-double EnvironmentNumber(const char* name, double fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::atof(text);
-}
-
-/// Calls `one_case` with fresh generators until the time is over.
-template <class Case>
-void Fuzz(Case one_case) {
-  using Clock = std::chrono::steady_clock;
-  const auto end = Clock::now() + std::chrono::duration<double>(EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 2.0));
-  auto seed = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
-  const uint64_t first = seed;
-  for (; Clock::now() < end && !testing::Test::HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    Random random(seed);
-    one_case(random);
-  }
-  std::printf("  %lu cases\n", static_cast<unsigned long>(seed - first));
-}
 
 /// Flipped, set, inserted and removed bytes, extreme words, and truncation. The fingerprint mostly stays.
 void Mutate(ByteVector& bytes, Random& random) {

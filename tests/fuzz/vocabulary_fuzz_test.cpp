@@ -1,26 +1,17 @@
 // Mutates vocabularies: bytes that are one are used, all others refused with a sentence, within a bound of memory. Half of the
 // cases get a checksum that fits, so that what lies behind it is reached.
-//
-// PLSLAM_FUZZ_SECONDS sets the duration (default 2), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made from
-// its seed alone, which a failure names.
 #include <gtest/gtest.h>
 #include <sodium.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdlib>
 
 #include "core/places/vocabulary.h"
+#include "tests/support/fuzzing.h"
 #include "tests/unit/bus/allocation_counter.h"
 #include "tests/unit/places/random_places.h"
 
 namespace plslam {
 namespace {
-
-double EnvironmentNumber(const char* name, double fallback) {
-  const char* text = std::getenv(name);
-  return text == nullptr ? fallback : std::atof(text);
-}
 
 /// Mostly in the header and the shape of the tree, where a byte matters.
 size_t SomePlace(const std::string& bytes, std::mt19937_64& random) {
@@ -74,33 +65,31 @@ void Use(const Vocabulary& vocabulary, std::mt19937_64& random) {
   for (const int32_t node : nodes.node) ASSERT_TRUE(node >= 0 && node < vocabulary.tree().nodes());
 }
 
+/// True where the bytes are accepted.
+bool IsSoundOrRefused(const std::string& bytes, std::mt19937_64& random) {
+  bus::test::allocated = 0;
+  try {
+    const Vocabulary vocabulary = Vocabulary::FromBytes(bytes, "mutated");
+    EXPECT_LE(bus::test::allocated, 20 * bytes.size() + 10'000);
+    EXPECT_EQ(vocabulary.ToBytes(), bytes);
+    Use(vocabulary, random);
+    return true;
+  } catch (const std::runtime_error& error) {
+    EXPECT_LE(bus::test::allocated, 20 * bytes.size() + 10'000) << error.what();
+    EXPECT_EQ(std::string(error.what()).find("vocabulary mutated "), 0U) << error.what();
+    return false;
+  }
+}
+
 TEST(VocabularyFuzz, MutatedVocabulariesAreSoundOrRefused) {
-  using Clock = std::chrono::steady_clock;
   const std::string good = test::SmallVocabulary(WordKind::kPoints).ToBytes();
-  const auto end = Clock::now() + std::chrono::duration<double>(EnvironmentNumber("PLSLAM_FUZZ_SECONDS", 2.0));
-  const auto first = static_cast<uint64_t>(EnvironmentNumber("PLSLAM_FUZZ_SEED", 1.0));
-  uint64_t seed = first;
-  int accepted = 0;
-  for (; Clock::now() < end && !HasFailure(); ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    std::mt19937_64 random(seed);
+  const test::FuzzCounts counts = test::Fuzz([&](std::mt19937_64& random) {
     std::string bytes = good;
     Mutate(bytes, random);
     if (random() % 2 == 0) Sign(bytes);
-    bus::test::allocated = 0;
-    try {
-      const Vocabulary vocabulary = Vocabulary::FromBytes(bytes, "mutated");
-      ASSERT_LE(bus::test::allocated, 20 * bytes.size() + 10'000);
-      ASSERT_EQ(vocabulary.ToBytes(), bytes);
-      Use(vocabulary, random);
-      ++accepted;
-    } catch (const std::runtime_error& error) {
-      ASSERT_LE(bus::test::allocated, 20 * bytes.size() + 10'000) << error.what();
-      ASSERT_EQ(std::string(error.what()).find("vocabulary mutated "), 0U) << error.what();
-    }
-  }
-  std::printf("  %lu cases, %d accepted\n", static_cast<unsigned long>(seed - first), accepted);
-  EXPECT_GT(accepted, 0);
+    return IsSoundOrRefused(bytes, random);
+  });
+  EXPECT_GT(counts.accepted, 0U);
 }
 
 }  // namespace

@@ -30,11 +30,15 @@ function(plslam_library name)
   target_link_libraries(${name} PUBLIC plslam_flags ${ARG_LINK})
 endfunction()
 
+# All that a user runs, without tests and benchmarks.
+add_custom_target(plslam_programs)
+
 # plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin.
 function(plslam_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plslam_flags ${ARG_LINK})
+  add_dependencies(plslam_programs ${name})
 endfunction()
 
 # Folders of tests that read foreign bytes or run threads. Under a sanitizer they get the label `sanitized`, and the

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/version.h"
 
@@ -15,10 +16,12 @@ int main(int argc, char** argv) {
       "  plslam run /data/kitti/03 --out out/kitti_03 --features points\n"
       "  plslam run /data/euroc/MH_01 --out out/mh01 --pace realtime --record out/mh01.lcm\n"
       "  plslam replay out/mh01.lcm --out out/mh01_again\n"
+      "  plslam export out/mh01.plmap --format ply colmap\n"
       "plslam COMMAND --help tells the options of each.");
   plslam::Command command;
-  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
-                         plslam::AddSaveCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
+  for (const auto add :
+       {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
+        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
     add(&app, &command);
   }
   try {

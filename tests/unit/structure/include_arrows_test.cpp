@@ -40,7 +40,10 @@ const std::vector<Arrow> kArrows = {
     {"tools/evaluate/", {"core/"}},
     {"tools/evaluate/places", {"core/", "player/open_dataset.h", "tools/evaluate/", "tools/train_vocabulary/"}},
     {"tools/train_vocabulary/", {"core/", "player/open_dataset.h"}},
-    {"tools/plslam/", {"core/", "tools/evaluate/"}},
+    {"tools/evaluate/figures",
+     {"core/", "tools/evaluate/", "tools/export/keyframe_images.h", "tools/export/run_source.h"}},
+    {"tools/export/", {"core/", "player/open_dataset.h", "tools/pose_graph/export.h"}},
+    {"tools/plslam/", {"core/", "tools/evaluate/", "tools/export/export_command.h"}},
     {"tools/pose_graph/", {"core/"}},
 };
 

@@ -1,0 +1,182 @@
+#include "tools/export/export_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "core/io/atomic_file.h"
+#include "core/io/colmap_model.h"
+#include "core/io/map_camera.h"
+#include "core/io/map_obj.h"
+#include "core/io/map_ply.h"
+#include "tools/export/keyframe_images.h"
+#include "tools/export/run_source.h"
+#include "tools/pose_graph/export.h"
+
+namespace plslam {
+namespace {
+
+/// What is known while files are written.
+struct Export {
+  RunSource source;
+  std::unique_ptr<KeyframeImages> images;
+  std::string out;
+  std::vector<ExportedFile> files;
+
+  const Map& map() const { return source.map->map; }
+  std::string Path(const std::string& name) const { return out + "/" + name; }
+  void Told(const std::string& name, const std::string& what) { files.push_back({Path(name), what}); }
+};
+
+void ExportPly(Export& e) {
+  WriteFileAtomically(e.Path("map.ply"), MapPly(e.map()));
+  e.Told("map.ply", fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
+}
+
+void ExportObj(Export& e) {
+  WriteFileAtomically(e.Path("map.obj"), MapObj(e.map()));
+  e.Told("map.obj", fmt::format("{} points, {} lines, the way of {} keyframes", e.map().points().size(),
+                                e.map().lines().size(), e.map().keyframes().size()));
+}
+
+std::string ModelText(const ColmapModel& model) {
+  return fmt::format("{} images, {} points", model.images.size(), model.points.size());
+}
+
+ColmapModel ModelOf(const Export& e) { return ColmapOf(*e.source.map, MapCamera(*e.source.map, e.source.map_path)); }
+
+/// The images of the model, where the dataset has them.
+void ExportImages(Export& e) {
+  const std::string folder = e.Path("colmap/images");
+  std::filesystem::create_directories(folder);
+  size_t n = 0;
+  const auto names = KeyframeImageNames(e.map());
+  for (const auto& [id, keyframe] : e.map().keyframes()) {
+    const auto image = e.images->At(keyframe.t_ns);
+    if (!image) continue;
+    std::vector<uchar> png;
+    cv::imencode(".png", *image, png);
+    WriteFileAtomically(folder + "/" + names.at(id), std::string(png.begin(), png.end()));
+    ++n;
+  }
+  e.Told("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
+}
+
+void ExportColmap(Export& e) {
+  const ColmapModel model = ModelOf(e);
+  WriteColmapBinary(e.Path("colmap/sparse"), model);
+  e.Told("colmap/sparse", ModelText(model));
+  if (e.images) ExportImages(e);
+}
+
+void ExportColmapText(Export& e) {
+  const ColmapModel model = ModelOf(e);
+  WriteColmapText(e.Path("colmap/text"), model);
+  e.Told("colmap/text", ModelText(model));
+}
+
+void ExportG2o(Export& e) {
+  const G2oGraph<SE3> graph = G2oOf(e.map());
+  WriteG2o(e.Path("pose_graph.g2o"), graph);
+  e.Told("pose_graph.g2o", fmt::format("{} poses, {} edges", graph.graph.poses.size(), graph.graph.edges.size()));
+}
+
+void WriteTimes(const std::string& path, const Trajectory& trajectory) {
+  std::string text;
+  for (const TrajectoryPose& pose : trajectory) text += SecondsText(pose.t_ns) + "\n";
+  WriteFileAtomically(path, text);
+}
+
+void WritePoses(const std::string& name, TrajectoryFormat format, const Trajectory& trajectory,
+                const std::string& what, Export& e) {
+  const std::string file = name + (format == TrajectoryFormat::kTum     ? ".tum"
+                                   : format == TrajectoryFormat::kKitti ? ".kitti"
+                                                                        : ".euroc");
+  WriteTrajectory(e.Path(file), format, trajectory);
+  e.Told(file, fmt::format("{} {}", trajectory.size(), what));
+  if (format != TrajectoryFormat::kKitti) return;
+  WriteTimes(e.Path(name + "_times.txt"), trajectory);
+  e.Told(name + "_times.txt", "the times of that, in seconds");
+}
+
+void ExportPoses(TrajectoryFormat format, Export& e) {
+  if (!e.source.frames.empty()) WritePoses("trajectory", format, e.source.frames, "frames", e);
+  if (!e.source.map || e.map().keyframes().empty()) return;
+  Trajectory keyframes = TrajectoryOf(e.map());
+  const SE3 T_c_l = e.images ? e.images->T_l_c().Inverse() : SE3();
+  for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
+  WritePoses("keyframes", format, keyframes, "keyframes", e);
+}
+
+struct Writer {
+  ExportFormat format;
+  void (*write)(Export&);
+};
+
+const std::vector<Writer>& Writers() {
+  static const std::vector<Writer> kWriters{
+      {{"ply", "points and lines, binary (CloudCompare, MeshLab)", true}, ExportPly},
+      {{"obj", "points, lines and the way of the keyframes, text (Blender, MeshLab)", true}, ExportObj},
+      {{"colmap", "COLMAP's model, binary, and the images where there is a dataset", true}, ExportColmap},
+      {{"colmap-text", "the same model as text", true}, ExportColmapText},
+      {{"g2o", "pose graph", true}, ExportG2o},
+      {{"tum", "poses: t tx ty tz qx qy qz qw", false}, [](Export& e) { ExportPoses(TrajectoryFormat::kTum, e); }},
+      {{"kitti", "poses: rows of [R t], and their times", false},
+       [](Export& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
+      {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
+       [](Export& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }}};
+  return kWriters;
+}
+
+bool IsNamed(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void CheckNames(const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    const auto& all = Writers();
+    if (std::none_of(all.begin(), all.end(), [&](const Writer& w) { return w.format.name == name; })) {
+      throw std::runtime_error(fmt::format("'{}' is no format to export to", name));
+    }
+  }
+}
+
+}  // namespace
+
+const std::vector<ExportFormat>& ExportFormats() {
+  static const std::vector<ExportFormat> kFormats = [] {
+    std::vector<ExportFormat> formats;
+    for (const Writer& writer : Writers()) formats.push_back(writer.format);
+    return formats;
+  }();
+  return kFormats;
+}
+
+std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
+  CheckNames(request.formats);
+  Export e{ReadRunSource(request.source), nullptr, request.out, {}};
+  if (!request.dataset.empty() && e.source.map) {
+    const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
+    e.images = std::make_unique<KeyframeImages>(request.dataset, camera);
+  }
+  std::error_code error;
+  std::filesystem::create_directories(request.out, error);
+  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", request.out, error.message()));
+  for (const auto& [format, write] : Writers()) {
+    const bool named = IsNamed(request.formats, format.name);
+    if (!request.formats.empty() && !named) continue;
+    if (!format.needs_map || e.source.map) {
+      write(e);
+    } else if (named) {
+      throw std::runtime_error(fmt::format("{}: {} needs a map: plslam run --save-map FILE.plmap writes one",
+                                           request.source, format.name));
+    }
+  }
+  return e.files;
+}
+
+}  // namespace plslam

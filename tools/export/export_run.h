@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// A format that runs and maps can be exported to.
+struct ExportFormat {
+  std::string name;
+  std::string what;
+  bool needs_map = true;
+};
+
+/// All there are, in the order in which they are written.
+const std::vector<ExportFormat>& ExportFormats();
+
+struct ExportRequest {
+  /// Map file or folder of a run (run_source.h).
+  std::string source;
+  /// Folder to write to; it is made.
+  std::string out;
+  /// Names of formats; empty: all that the source has the content for.
+  std::vector<std::string> formats;
+  /// Where the images come from; empty: none are written, and poses are those of the rectified camera.
+  std::string dataset;
+};
+
+struct ExportedFile {
+  std::string path;
+  std::string what;
+};
+
+/// Writes the files of docs/exports.md. Throws std::runtime_error where the source does not have what a named format needs.
+std::vector<ExportedFile> ExportRun(const ExportRequest& request);
+
+}  // namespace plslam

@@ -1,0 +1,48 @@
+#include "tools/export/run_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The map of the folder; empty where there is none.
+std::string FindMap(const std::string& folder) {
+  std::vector<std::string> maps;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".plmap") maps.push_back(entry.path());
+  }
+  std::sort(maps.begin(), maps.end());
+  if (maps.size() > 1) {
+    throw std::runtime_error(fmt::format("{}: has {} maps: name one of them, {}", folder, maps.size(), maps.front()));
+  }
+  return maps.empty() ? "" : maps.front();
+}
+
+}  // namespace
+
+RunSource ReadRunSource(const std::string& path) {
+  RunSource source;
+  if (!fs::exists(path)) throw std::runtime_error(fmt::format("{}: there is no such file or folder", path));
+  if (!fs::is_directory(path)) {
+    source.map_path = path;
+  } else {
+    source.map_path = FindMap(path);
+    const std::string frames = (fs::path(path) / "trajectory.tum").string();
+    if (fs::exists(frames)) source.frames = ReadTrajectory(frames, TrajectoryFormat::kTum);
+    if (source.map_path.empty() && source.frames.empty()) {
+      throw std::runtime_error(
+          fmt::format("{}: has neither a map (.plmap) nor a trajectory.tum with poses in it", path));
+    }
+  }
+  if (!source.map_path.empty()) source.map = ReadMapFile(source.map_path);
+  return source;
+}
+
+}  // namespace plslam

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/io/map_file.h"
+#include "core/io/trajectory.h"
+
+namespace plslam {
+
+/// What a map file, or the folder of a run, has in it.
+struct RunSource {
+  /// Empty where there is no map.
+  std::string map_path;
+  std::optional<StoredMap> map;
+  /// T_w_l of all frames (`trajectory.tum` of the folder).
+  Trajectory frames;
+};
+
+/// `path` is a map file (.plmap), or a folder with one of them or a `trajectory.tum`, or both. Throws std::runtime_error
+/// where there is neither, or more than one map.
+RunSource ReadRunSource(const std::string& path);
+
+}  // namespace plslam

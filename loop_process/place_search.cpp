@@ -18,19 +18,6 @@ constexpr size_t kFewPairs = 100'000;
 constexpr int kGrid = 4;
 constexpr double kMinDepth_m = 0.05;
 
-template <class Kind>
-std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
-  std::vector<int64_t> ids;
-  for (const int64_t keyframe_id : keyframes) {
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id >= 0) ids.push_back(id);
-    }
-  }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
-}
-
 // Features of a keyframe that show a landmark: these, their places among all, and how they looked then.
 template <class Feature>
 struct Shown {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 
 #include "mapping_process/duplicates.h"
 #include "mapping_process/sights.h"
@@ -42,17 +41,6 @@ void FuseKind(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& f
 }
 
 template <class Kind>
-std::vector<int64_t> SeenFrom(const std::vector<int64_t>& keyframes, const Map& map) {
-  std::set<int64_t> ids;
-  for (const int64_t keyframe_id : keyframes) {
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id >= 0) ids.insert(id);
-    }
-  }
-  return {ids.begin(), ids.end()};
-}
-
-template <class Kind>
 void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
   std::erase_if(ids, [&](int64_t id) { return IsSeenBy(*Kind::Find(map, id), keyframe_id); });
 }
@@ -61,7 +49,7 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
                  const StereoCamera& camera, const MappingOptions& options, Map& map) {
   const double radius_px = kRadius * options.insertion.fuse_radius_px;
   for (const int64_t keyframe_id : to) {
-    LocalMap landmarks{SeenFrom<PointKind>(from, map), SeenFrom<LineKind>(from, map)};
+    LocalMap landmarks{SeenBy<PointKind>(from, map), SeenBy<LineKind>(from, map)};
     LeaveOutSeen<PointKind>(keyframe_id, map, landmarks.points);
     LeaveOutSeen<LineKind>(keyframe_id, map, landmarks.lines);
     MergeInto(keyframe_id, landmarks, {radius_px, radius_px}, features, camera, options.localisation, map);

@@ -1,8 +1,9 @@
 #include "vo_process/map_patch.h"
 
 #include <algorithm>
-#include <set>
 #include <utility>
+
+#include "core/localisation/landmark_kinds.h"
 
 namespace plslam {
 namespace {
@@ -18,37 +19,14 @@ const MapKeyframe* FindKeyframe(const Map& map, int64_t session, int64_t keyfram
   return nullptr;
 }
 
-void Collect(const std::vector<int64_t>& seen, std::set<int64_t>& ids) {
-  for (const int64_t id : seen) {
-    if (id >= 0) ids.insert(id);
-  }
-}
-
-struct Seen {
-  std::vector<const MapPoint*> points;
-  std::vector<const MapLine*> lines;
-};
-
-// By a keyframe and its best neighbours; ascending.
-Seen SeenAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
-  std::set<int64_t> point_ids;
-  std::set<int64_t> line_ids;
-  const auto collect = [&](int64_t id) {
-    Collect(map.LandmarksOf(id).points, point_ids);
-    Collect(map.LandmarksOf(id).lines, line_ids);
-  };
-  collect(keyframe_id);
-  int left = max_keyframes;
+// A keyframe and its best neighbours.
+std::vector<int64_t> Around(int64_t keyframe_id, const Map& map, int max_keyframes) {
+  std::vector<int64_t> keyframes{keyframe_id};
   for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, kMinShared)) {
-    if (--left <= 0) break;
-    collect(neighbour.keyframe_id);
+    if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
+    keyframes.push_back(neighbour.keyframe_id);
   }
-  Seen seen;
-  seen.points.reserve(point_ids.size());
-  for (const int64_t id : point_ids) seen.points.push_back(map.FindPoint(id));
-  seen.lines.reserve(line_ids.size());
-  for (const int64_t id : line_ids) seen.lines.push_back(map.FindLine(id));
-  return seen;
+  return keyframes;
 }
 
 }  // namespace
@@ -64,14 +42,15 @@ const KeyframeLog::Entry* KeyframeLog::Find(int64_t keyframe_id) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
-template <class Landmark>
-std::vector<Adopted<Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
-                                                  const std::vector<const Landmark*>& landmarks,
-                                                  std::vector<int64_t> Entry::*ids) const {
-  std::vector<Adopted<Landmark>> adopted;
-  for (const Landmark* landmark : landmarks) {
-    Adopted<Landmark>& entry = adopted.emplace_back(Adopted<Landmark>{landmark, {}});
-    for (const Sight& sight : landmark->sights) {
+template <class Kind>
+std::vector<Adopted<typename Kind::Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
+                                                                 const std::vector<int64_t>& keyframes,
+                                                                 std::vector<int64_t> Entry::*ids) const {
+  std::vector<Adopted<typename Kind::Landmark>> adopted;
+  for (const int64_t landmark_id : SeenBy<Kind>(keyframes, map)) {
+    auto& entry = adopted.emplace_back();
+    entry.landmark = Kind::Find(map, landmark_id);
+    for (const Sight& sight : entry.landmark->sights) {
       const MapKeyframe& keyframe = *map.FindKeyframe(sight.keyframe_id);
       if (keyframe.session != session) continue;
       const Entry* shown = Find(keyframe.session_keyframe_id);
@@ -89,21 +68,21 @@ std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session
                                                  int max_keyframes) const {
   const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
   if (center == nullptr) return std::nullopt;
-  const Seen seen = SeenAround(map, center->id, max_keyframes);
+  const std::vector<int64_t> keyframes = Around(center->id, map, max_keyframes);
   MapPatch patch;
   patch.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
-  patch.points = Adopt(map, session, seen.points, &Entry::point_ids);
-  patch.lines = Adopt(map, session, seen.lines, &Entry::line_ids);
+  patch.points = Adopt<PointKind>(map, session, keyframes, &Entry::point_ids);
+  patch.lines = Adopt<LineKind>(map, session, keyframes, &Entry::line_ids);
   return patch;
 }
 
 std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes) {
   if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
-  const Seen seen = SeenAround(map, keyframe_id, max_keyframes);
+  const std::vector<int64_t> keyframes = Around(keyframe_id, map, max_keyframes);
   MapPatch patch;
   patch.T_w_odom = T_w_odom;
-  for (const MapPoint* point : seen.points) patch.points.push_back({point, {}});
-  for (const MapLine* line : seen.lines) patch.lines.push_back({line, {}});
+  for (const int64_t id : SeenBy<PointKind>(keyframes, map)) patch.points.push_back({map.FindPoint(id), {}});
+  for (const int64_t id : SeenBy<LineKind>(keyframes, map)) patch.lines.push_back({map.FindLine(id), {}});
   return patch;
 }
 

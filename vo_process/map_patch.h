@@ -43,9 +43,10 @@ class KeyframeLog {
     std::vector<int64_t> line_ids;
   };
   const Entry* Find(int64_t keyframe_id) const;
-  template <class Landmark>
-  std::vector<Adopted<Landmark>> Adopt(const Map& map, int64_t session, const std::vector<const Landmark*>& landmarks,
-                                       std::vector<int64_t> Entry::*ids) const;
+  template <class Kind>
+  std::vector<Adopted<typename Kind::Landmark>> Adopt(const Map& map, int64_t session,
+                                                      const std::vector<int64_t>& keyframes,
+                                                      std::vector<int64_t> Entry::*ids) const;
 
   std::deque<Entry> entries_;
 };

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/bus/convert.h"
-#include "core/bus/loop_channel.h"
+#include "core/bus/worker.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/relocalisation_t.hpp"
@@ -24,14 +24,6 @@ namespace {
 constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
-// Fewer features are not worth asking about; and how long a question may remain without an answer in a live stream.
-constexpr size_t kLeastToAsk = 20;
-constexpr double kAskAgain_s = 2.0;
-constexpr int kMaxAsked = 60;
-
-double NowMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -65,7 +57,7 @@ void VoNode::Listen() {
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kMapTick, [this] {
-    const double now_s = 1e-3 * NowMs();
+    const double now_s = bus::NowS();
     const bool no_map = map_wait_.GiveUp(now_s);
     if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
     const bool no_answer = answer_wait_.GiveUp(now_s);
@@ -126,8 +118,8 @@ void VoNode::GoOn() {
 }
 
 void VoNode::OnStatus(const status_t& message) {
-  if (message.process == "mapping") map_wait_.OnSignOfLife(1e-3 * NowMs());
-  if (message.process == "loop") answer_wait_.OnSignOfLife(1e-3 * NowMs());
+  if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
+  if (message.process == "loop") answer_wait_.OnSignOfLife(bus::NowS());
 }
 
 void VoNode::OnMap() {
@@ -141,51 +133,9 @@ void VoNode::OnMap() {
   GoOn();
 }
 
-/// Live, a question that has not been answered for a while is asked anew.
-void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
-  const bool in_place =
-      result.state != TrackingState::kLost && (odometry_->is_in_map() || !options_.map.localise_only);
-  if (in_place) question_.reset();
-  // Adrift, somebody else may find out: a loop is closed.
-  n_asked_ = in_place ? 0 : n_asked_ + 1;
-  if (!map_ || !options_.relocalisation.enabled || in_place || map_->replica().map().keyframes().empty()) return;
-  if (odometry_->is_adrift() && n_asked_ > kMaxAsked) return;
-  const double now_s = 1e-3 * NowMs();
-  if (question_ && !frame.lockstep && now_s - question_->asked_s < kAskAgain_s) return;
-  if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;
-  Keyframe asked;
-  asked.session = session_;
-  asked.t_ns = frame.images.t_ns;
-  asked.frame_id = frame.images.frame_id;
-  asked.previous_keyframe_id = options_.map.localise_only ? -1 : last_keyframe_id_;
-  asked.keyframe_id = asked.previous_keyframe_id + 1;
-  asked.lockstep = frame.lockstep;
-  asked.features = result.features;
-  asked.point_landmark_ids.assign(asked.features.points.size(), -1);
-  asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
-  question_ = RelocalisationQuestion{frame.images.frame_id, result.T_odom_c, now_s};
-  questions_.Publish(asked);
-  Count("relocalisation.asked", 1);
-  if (frame.lockstep) answer_wait_.Begin(frame.images.frame_id, now_s);
-}
-
-void VoNode::OnRelocalisation(const relocalisation_t& message) {
-  const std::optional<Relocalisation> answer = bus::FromMessage(message);
-  const bool ours =
-      answer && question_ && answer->session == session_ && answer->frame_id == question_->frame_id && odometry_;
-  if (!ours) return;
-  const SE3 T_w_odom = answer->T_w_c * question_->T_odom_c.Inverse();
-  if (answer->found && odometry_->Relocalise(map_->replica().map(), answer->keyframe_id, T_w_odom)) {
-    Count("relocalisation.found", 1);
-  }
-  question_.reset();
-  answer_wait_.End();
-  GoOn();
-}
-
 void VoNode::AwaitMap(int64_t keyframe_id) {
   if (!map_ || !lockstep_ || keyframe_id == 0 || AdoptMap(keyframe_id - 1)) return;
-  map_wait_.Begin(keyframe_id - 1, 1e-3 * NowMs());
+  map_wait_.Begin(keyframe_id - 1, bus::NowS());
 }
 
 bool VoNode::AdoptMap(int64_t oldest_keyframe_id) {
@@ -213,7 +163,7 @@ void VoNode::Track(const Frame& frame) {
   if (!odometry_ || frame.images.t_ns < last_t_ns_) BeginSession();
   lockstep_ = frame.lockstep;
   last_t_ns_ = frame.images.t_ns;
-  StageTimer timer(NowMs);
+  StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {
     StereoFeatures features = SeeFeatures(frame.images, timer);
     return timer.Time("track",

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -45,6 +46,20 @@ int64_t LandmarkAt(const Map& map, const Sight& sight) {
   const std::vector<int64_t>& of = Kind::Of(map, sight.keyframe_id);
   const auto place = static_cast<size_t>(sight.feature);
   return place < of.size() ? of[place] : -1;
+}
+
+/// What any of the keyframes sees, each once, ascending.
+template <class Kind>
+std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
+  std::vector<int64_t> ids;
+  for (const int64_t keyframe_id : keyframes) {
+    for (const int64_t id : Kind::Of(map, keyframe_id)) {
+      if (id >= 0) ids.push_back(id);
+    }
+  }
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
 }
 
 /// Adds to `counts`, by keyframe, how many of the landmarks it sees; ids below zero do not count.

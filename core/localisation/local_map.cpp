@@ -11,14 +11,10 @@ namespace {
 template <class Kind>
 std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& associated,
                                   const Map& map) {
-  std::set<int64_t> ids;
-  for (const int64_t keyframe_id : keyframes) {
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id >= 0) ids.insert(id);
-    }
-  }
-  for (const int64_t id : associated) ids.erase(id);
-  return {ids.begin(), ids.end()};
+  const std::set<int64_t> known(associated.begin(), associated.end());
+  std::vector<int64_t> ids = SeenBy<Kind>(keyframes, map);
+  std::erase_if(ids, [&known](int64_t id) { return known.contains(id); });
+  return ids;
 }
 
 // A keyframe and those before it in its session, each counted once.

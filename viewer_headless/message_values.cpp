@@ -36,4 +36,10 @@ OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
   return features;
 }
 
+ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id) {
+  ProcessSample sample{message.process, message.state, t_s, frame_id, message.cpu_s, message.memory_mb, {}};
+  for (const counter_t& counter : message.counters) sample.counters.emplace_back(counter.name, counter.value);
+  return sample;
+}
+
 }  // namespace plslam

@@ -3,14 +3,18 @@
 #include <optional>
 
 #include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/recorder.h"
+#include "viewer_headless/report/process_log.h"
 
 namespace plslam {
 
 /// Messages as the plain values of this folder; nullopt where poses or covariances are none.
 std::optional<FramePose> ToFramePose(const pose_t& message);
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
+/// Heard at `t_s` by the listener's clock, when `frame_id` was the newest frame.
+ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);
 
 }  // namespace plslam

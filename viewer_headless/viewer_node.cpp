@@ -8,12 +8,9 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/bus/convert.h"
-#include "core/io/atomic_file.h"
 #include "plslam/ground_truth_t.hpp"
-#include "plslam/tracks_t.hpp"
 #include "viewer_headless/message_values.h"
 #include "viewer_headless/outputs.h"
 #include "viewer_headless/progress.h"
@@ -37,10 +34,7 @@ double Seconds() {
 }  // namespace
 
 ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
-    : process_(process),
-      options_(options),
-      overlays_(options.overlay_every),
-      on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
+    : process_(process), options_(options), on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
   PrepareOutputFolder(options_.out);
   if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
   Subscribe();
@@ -69,17 +63,13 @@ void ViewerNode::Subscribe() {
     dirty_ = true;
     quiet_ticks_ = 0;
   });
-  if (options_.overlay_every > 0) {
-    bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) {
-      if (overlays_.Wants(m.frame_id)) DrawPicture(overlays_.AddFeatures(m.frame_id, ToOverlayFeatures(m)));
-    });
-    frames_ = std::make_unique<bus::FrameSubscriber>(
-        bus, bus::FrameSubscriber::Mode::kBestEffort, [this](const auto& frame) { OnFrame(frame); },
-        // Called on the receiving thread: looks at nothing that changes.
-        [every = options_.overlay_every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
-  }
   map_ = std::make_unique<bus::MapSubscriber>(bus,
                                               [this](const MapUpdate& update, const MapReplica&) { OnMap(update); });
+  const Map& map = map_->replica().map();
+  report_ =
+      std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
+  pictures_ = std::make_unique<PictureNode>(bus, options_, [this] { Reject(); });
+  pictures_->SetSources(&map, report_->pictures());
   bus.Every(kTick, [this] { OnTick(); });
 }
 
@@ -90,7 +80,10 @@ void ViewerNode::OnCamera(const camera_t& message) {
   const std::optional<RigCalibration> rig = bus::FromMessage(message);
   if (!rig) return Reject();
   try {
-    rectifier_ = std::make_unique<Rectifier>(*rig);
+    auto rectifier = std::make_unique<Rectifier>(*rig);
+    pictures_->SetRectifier(rectifier.get());
+    report_->SetCamera(rectifier->camera());
+    rectifier_ = std::move(rectifier);
     dirty_ = dirty_ || written_;
   } catch (const std::exception& e) {
     spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
@@ -102,6 +95,7 @@ void ViewerNode::OnStream(const stream_t& message) {
   if (message.event == "begin") {
     if (written_) BeginAgain();
     announced_frames_ = message.n_frames;
+    report_->OnStream(message);
   } else if (message.event == "end") {
     recorder_.SetEnd(message.n_frames);
     quiet_ticks_ = 0;
@@ -115,6 +109,9 @@ void ViewerNode::BeginAgain() {
   recorder_ = {};
   written_ = dirty_ = vo_finished_ = false;
   history_.clear();
+  report_->BeginAgain();
+  pictures_->SetSources(&map_->replica().map(), report_->pictures());
+  pictures_->BeginAgain();
 }
 
 void ViewerNode::OnPose(const pose_t& message) {
@@ -123,16 +120,18 @@ void ViewerNode::OnPose(const pose_t& message) {
   if (recorder_.frames().size() == 1) process_.SetState("running");
   dirty_ = true;
   quiet_ticks_ = 0;
-  DrawPicture(overlays_.AddCaption(pose->frame_id, FrameCaption(*pose)));
+  pictures_->AddPose(*pose);
 }
 
 void ViewerNode::OnStatus(const status_t& message) {
   if (message.process == "vo") vo_finished_ = message.state == "finished";
   if (message.process == "mapping") mapping_heard_ = true;
+  report_->OnStatus(message);
 }
 
 void ViewerNode::OnMap(const MapUpdate& update) {
   mapping_heard_ = true;
+  report_->OnMap(update);
   if (update.settled) mapped_ = {update.session, update.session_keyframe_id};
   dirty_ = true;
   quiet_ticks_ = 0;
@@ -143,16 +142,6 @@ void ViewerNode::OnCommand(const command_t& message) {
   if (!ours || message.verb != "finish") return;
   if (dirty_) Write();
   process_.Finish();
-}
-
-void ViewerNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
-  if (!rectifier_) return;
-  try {
-    DrawPicture(overlays_.AddImage(frame.images.frame_id, rectifier_->RectifyLeft(frame.images.left)));
-  } catch (const std::runtime_error& e) {
-    spdlog::warn("frame {}: {}", frame.images.frame_id, e.what());
-    Reject();
-  }
 }
 
 void ViewerNode::OnTick() {
@@ -182,21 +171,17 @@ void ViewerNode::Write() {
   if (!rectifier_ && !recorder_.frames().empty()) {
     spdlog::warn("no camera was announced: trajectories are those of the rectified camera");
   }
-  WriteOutputs(options_.out, recorder_, map_->replica().map(),
-               rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity());
+  WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
+  report_->Write();
+  pictures_->EndFilm();
   written_ = true;
   dirty_ = false;
 }
 
 void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }
 
-void ViewerNode::DrawPicture(const std::optional<OverlayQueue::Ready>& ready) {
-  if (!ready) return;
-  std::vector<uchar> png;
-  cv::imencode(".png", DrawOverlay(ready->image, ready->features, ready->caption), png,
-               {cv::IMWRITE_PNG_COMPRESSION, 3});
-  WriteFileAtomically(fmt::format("{}/overlays/{:06}.png", options_.out, ready->frame_id),
-                      std::string(png.begin(), png.end()));
+Eigen::Quaterniond ViewerNode::q_l_c() const {
+  return rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity();
 }
 
 double ViewerNode::FramesPerSecond() {

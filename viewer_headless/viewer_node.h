@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/frame_channel.h"
 #include "core/bus/map_channel.h"
 #include "core/bus/process.h"
 #include "core/geometry/rectifier.h"
@@ -18,8 +17,9 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "viewer_headless/options.h"
-#include "viewer_headless/overlay_queue.h"
+#include "viewer_headless/picture_node.h"
 #include "viewer_headless/recorder.h"
+#include "viewer_headless/report_node.h"
 
 namespace plslam {
 
@@ -42,26 +42,25 @@ class ViewerNode {
   void OnPose(const pose_t& message);
   void OnStatus(const status_t& message);
   void OnCommand(const command_t& message);
-  void OnFrame(const bus::FrameSubscriber::Frame& frame);
   void OnMap(const MapUpdate& update);
   void OnTick();
 
   void BeginAgain();
+  Eigen::Quaterniond q_l_c() const;
   bool RunIsOver() const;
   bool MapIsComplete() const;
   void Write();
   void Reject();
-  void DrawPicture(const std::optional<OverlayQueue::Ready>& ready);
   void ShowProgress(bool last);
   double FramesPerSecond();
 
   bus::Process& process_;
   ViewerOptions options_;
   Recorder recorder_;
-  OverlayQueue overlays_;
-  std::unique_ptr<bus::FrameSubscriber> frames_;
   std::unique_ptr<bus::MapSubscriber> map_;
   std::unique_ptr<Rectifier> rectifier_;
+  std::unique_ptr<ReportNode> report_;
+  std::unique_ptr<PictureNode> pictures_;
   std::vector<uint8_t> camera_bytes_;
   int64_t announced_frames_ = -1;
   bool vo_finished_ = false;

@@ -13,16 +13,27 @@ bus::ProcessSpec ViewerProcess() {
   struct Arguments {
     std::optional<std::string> out;
     std::optional<int64_t> overlay_every;
+    std::optional<int64_t> serve;
+    std::optional<std::string> video;
+    bool no_report = false;
     bool quiet = false;
   };
   const auto arguments = std::make_shared<Arguments>();
   bus::ProcessSpec spec;
   spec.name = "viewer";
-  spec.description = "Listens to a run; writes trajectories, tables and pictures. Never needed by the others.";
+  spec.description =
+      "Listens to a run; writes trajectories, tables, pictures and a report. Never needed by the others.";
   spec.add_options = [arguments](CLI::App* app) {
     app->add_option("--out", arguments->out, "folder for the files")->type_name("DIR");
     app->add_option("--overlay-every", arguments->overlay_every, "a picture of the features every N frames; 0: none")
         ->check(CLI::NonNegativeNumber);
+    app->add_flag("--no-report", arguments->no_report, "no report.html");
+    app->add_option("--serve", arguments->serve,
+                    "show the run as it goes on http://127.0.0.1:PORT/ (this machine alone)")
+        ->check(CLI::Range(1, 65535))
+        ->type_name("PORT");
+    app->add_option("--video", arguments->video, "film the run into an MP4 file, or a folder of pictures")
+        ->type_name("FILE");
     app->add_flag("--quiet", arguments->quiet, "no progress line");
   };
   spec.make_node = [arguments](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
@@ -30,6 +41,9 @@ bus::ProcessSpec ViewerProcess() {
     config.Read("viewer", options);
     if (arguments->out) options.out = *arguments->out;
     if (arguments->overlay_every) options.overlay_every = *arguments->overlay_every;
+    if (arguments->serve) options.serve = *arguments->serve;
+    if (arguments->video) options.video = *arguments->video;
+    options.report = options.report && !arguments->no_report;
     options.quiet = options.quiet || arguments->quiet;
     process.SetConfiguration(ToYaml("viewer", options));
     return std::make_shared<ViewerNode>(process, options);

@@ -1,0 +1,58 @@
+#include "viewer_headless/film.h"
+
+#include <spdlog/spdlog.h>
+
+#include <exception>
+
+namespace plslam {
+namespace {
+
+TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path) {
+  TopViewScene scene;
+  scene.points.reserve(map.points().size());
+  for (const auto& [id, point] : map.points()) scene.points.push_back(point.p_w);
+  for (const auto& [id, line] : map.lines()) scene.segments.emplace_back(line.segment_w.p, line.segment_w.q);
+  scene.path = path;
+  return scene;
+}
+
+}  // namespace
+
+Film::~Film() {
+  try {
+    if (first_) {
+      Open(PictureRate_hz(0, 0, 0), first_->picture.size());
+      video_->Add(first_->picture);
+    }
+    if (video_) spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+  }
+}
+
+void Film::Open(double rate_hz, const cv::Size& size) {
+  video_ = std::make_unique<RunVideo>(path_, rate_hz, size);
+  if (video_->is_folder() && video_->path() != path_) {
+    spdlog::warn("{}: OpenCV cannot write MP4 files here; numbered pictures go to {}", path_, video_->path());
+  }
+}
+
+void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
+  positions_.push_back((pose.T_w_odom * pose.T_odom_c).translation());
+  window_.Include({positions_.back()});
+  const cv::Mat view = DrawTopView(SceneOf(map, positions_), window_, MapSizeBeside(overlay.size()));
+  const cv::Mat picture = Join(overlay, view);
+  if (!video_ && !first_) {
+    // The second one tells how many there are in a second.
+    first_ = Waiting{pose, picture};
+    return;
+  }
+  if (first_) {
+    Open(PictureRate_hz(first_->pose.t_ns, pose.t_ns, 1), first_->picture.size());
+    video_->Add(first_->picture);
+    first_.reset();
+  }
+  video_->Add(picture);
+}
+
+}  // namespace plslam

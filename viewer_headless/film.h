@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/map/map.h"
+#include "viewer_headless/recorder.h"
+#include "viewer_headless/video/run_video.h"
+#include "viewer_headless/video/top_view.h"
+
+namespace plslam {
+
+/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then.
+class Film {
+ public:
+  explicit Film(std::string path) : path_(std::move(path)) {}
+  /// Writes what waits for a second picture, and says in the log what there is.
+  ~Film();
+  Film(const Film&) = delete;
+  Film& operator=(const Film&) = delete;
+
+  /// `overlay` as DrawOverlay draws it. Throws std::runtime_error where nothing can be written.
+  void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
+
+ private:
+  struct Waiting {
+    FramePose pose;
+    cv::Mat picture;
+  };
+  void Open(double rate_hz, const cv::Size& size);
+
+  std::string path_;
+  TopViewWindow window_;
+  std::vector<Eigen::Vector3d> positions_;
+  std::optional<Waiting> first_;
+  std::unique_ptr<RunVideo> video_;
+};
+
+}  // namespace plslam

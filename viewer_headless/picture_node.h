@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/bus/frame_channel.h"
+#include "core/geometry/rectifier.h"
+#include "core/map/map.h"
+#include "viewer_headless/film.h"
+#include "viewer_headless/options.h"
+#include "viewer_headless/overlay_queue.h"
+#include "viewer_headless/recorder.h"
+#include "viewer_headless/report/picture_store.h"
+
+namespace plslam {
+
+/// Brings image, features and pose of frames together and hands the pictures to whom they are for: files in `overlays/`,
+/// the report, the film of the run. Best effort: what does not come is missing.
+class PictureNode {
+ public:
+  /// `rejected` is called for images that are none. Whoever is not wanted by the options costs nothing.
+  PictureNode(bus::Bus& bus, const ViewerOptions& options, std::function<void()> rejected);
+
+  /// From now on images are of that camera.
+  void SetRectifier(const Rectifier* rectifier) { rectifier_ = rectifier; }
+  /// A pose has come; `store` gets what the report wants, where there is one, `map` is what the film shows. Both stay.
+  void AddPose(const FramePose& pose);
+  void SetSources(const Map* map, PictureStore* store);
+  /// A new stream begins: its film replaces the one before.
+  void BeginAgain();
+  /// No more pictures of this run: the film gets its name.
+  void EndFilm() { film_.reset(); }
+
+ private:
+  void OnFrame(const bus::FrameSubscriber::Frame& frame);
+  void Use(const std::optional<OverlayQueue::Ready>& ready);
+  void WriteOverlay(int64_t frame_id, const cv::Mat& picture) const;
+
+  ViewerOptions options_;
+  std::function<void()> rejected_;
+  OverlayQueue queue_;
+  const Rectifier* rectifier_ = nullptr;
+  const Map* map_ = nullptr;
+  PictureStore* store_ = nullptr;
+  std::unique_ptr<Film> film_;
+  /// Poses whose pictures may still come.
+  std::map<int64_t, FramePose> poses_;
+  std::unique_ptr<bus::FrameSubscriber> frames_;
+};
+
+}  // namespace plslam

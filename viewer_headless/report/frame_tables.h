@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/map/map.h"
+#include "viewer_headless/recorder.h"
+#include "viewer_headless/report/report_data.h"
+
+namespace plslam {
+
+/// Frames in a report at most; of longer runs every 2nd, 4th, 8th, ... frame of the recording is there.
+inline constexpr size_t kMaxReportFrames = 20'000;
+
+/// Every so many-th frame (of `frames().begin()`, counted one by one) a report of this run has.
+int64_t FrameStride(const Recorder& recorder);
+
+/// What was published with each frame, from row `first_row` on (a row is a frame of the stride): `id`, `t_s` since the first
+/// frame, `session` (0, 1, ... in order of appearance), `state`, `keyframe` (1: became one), counts, `entropy_ratio`,
+/// `live` position in w as published, `odom` position by odometry alone (in the w of the first frame of the session),
+/// and `stages_ms`, as wide as `stage_names`.
+Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row);
+
+/// What the map makes of the frames at last.
+struct PathOfRun {
+  /// `p` and `q` (x, y, z, w) of T_w_c in the final map; where there is truth `truth` (position of the true camera,
+  /// aligned with the path by a rigid motion), `error_m`, `error_deg`, `live_error_m`; NaN where a frame has none.
+  Table table;
+  std::optional<double> ate_m;
+  std::optional<double> live_ate_m;
+  double length_m = 0.0;
+};
+PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride);
+
+}  // namespace plslam

@@ -1,0 +1,134 @@
+#include "viewer_headless/report/map_tables.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+namespace plslam {
+namespace {
+
+void Append(const Eigen::Vector3d& p, std::vector<float>& values) {
+  for (const double value : p) values.push_back(static_cast<float>(value));
+}
+
+int32_t Clamp32(int64_t value) { return static_cast<int32_t>(std::clamp<int64_t>(value, -1, 2'000'000'000)); }
+
+/// The frame of the first keyframe that sees it and is still there; -1: none.
+int32_t FirstSeen(const Map& map, const std::vector<Sight>& sights) {
+  for (const Sight& sight : sights) {
+    if (const MapKeyframe* keyframe = map.FindKeyframe(sight.keyframe_id)) return Clamp32(keyframe->frame_id);
+  }
+  return -1;
+}
+
+/// The landmarks that are shown, by id; those seen most often where there are too many.
+template <class Landmark>
+std::vector<const Landmark*> Choose(const std::map<int64_t, Landmark>& landmarks, size_t limit) {
+  std::vector<const Landmark*> chosen;
+  chosen.reserve(landmarks.size());
+  for (const auto& [id, landmark] : landmarks) chosen.push_back(&landmark);
+  if (chosen.size() <= limit) return chosen;
+  std::stable_sort(chosen.begin(), chosen.end(),
+                   [](const auto* a, const auto* b) { return a->sights.size() > b->sights.size(); });
+  chosen.resize(limit);
+  std::sort(chosen.begin(), chosen.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
+  return chosen;
+}
+
+void AppendPositions(const MapPoint& point, std::vector<float>& values) { Append(point.p_w, values); }
+void AppendPositions(const MapLine& line, std::vector<float>& values) {
+  Append(line.segment_w.p, values);
+  Append(line.segment_w.q, values);
+}
+
+template <class Landmark>
+Table LandmarkTable(const Map& map, const std::vector<const Landmark*>& landmarks, const std::string& name,
+                    int width) {
+  std::vector<float> positions;
+  std::vector<int32_t> seen;
+  std::vector<uint8_t> sights;
+  for (const Landmark* landmark : landmarks) {
+    AppendPositions(*landmark, positions);
+    seen.push_back(FirstSeen(map, landmark->sights));
+    sights.push_back(static_cast<uint8_t>(std::min<size_t>(255, landmark->sights.size())));
+  }
+  return {{name, width, std::move(positions)}, {"seen", 1, std::move(seen)}, {"sights", 1, std::move(sights)}};
+}
+
+using RowOfKeyframe = std::map<int64_t, int32_t>;
+
+Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
+  std::vector<int32_t> id, frame, parent;
+  std::vector<float> p, q;
+  for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
+    id.push_back(Clamp32(keyframe_id));
+    frame.push_back(Clamp32(keyframe.frame_id));
+    const auto row = rows.find(keyframe.parent_id);
+    parent.push_back(row == rows.end() ? -1 : row->second);
+    Append(keyframe.T_w_kf.translation(), p);
+    for (const double value : keyframe.T_w_kf.rotation().coeffs()) q.push_back(static_cast<float>(value));
+  }
+  return {{"id", 1, std::move(id)},
+          {"frame", 1, std::move(frame)},
+          {"parent", 1, std::move(parent)},
+          {"p", 3, std::move(p)},
+          {"q", 4, std::move(q)}};
+}
+
+struct Edge {
+  int32_t a;
+  int32_t b;
+  int32_t shared;
+};
+
+std::vector<Edge> CovisibilityEdges(const Map& map, const RowOfKeyframe& rows) {
+  std::vector<Edge> edges;
+  for (const auto& [id, row] : rows) {
+    for (const Map::Neighbour& neighbour : map.Neighbours(id, Map::kCovisible)) {
+      if (neighbour.keyframe_id > id) edges.push_back({row, rows.at(neighbour.keyframe_id), neighbour.shared});
+    }
+  }
+  std::stable_sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.shared > b.shared; });
+  return edges;
+}
+
+Table EdgeTable(const std::vector<Edge>& edges) {
+  std::vector<int32_t> ab, shared;
+  for (const Edge& edge : edges) {
+    ab.insert(ab.end(), {edge.a, edge.b});
+    shared.push_back(edge.shared);
+  }
+  return {{"ab", 2, std::move(ab)}, {"shared", 1, std::move(shared)}};
+}
+
+Table LoopTable(const Map& map, const RowOfKeyframe& rows) {
+  std::vector<int32_t> ab;
+  for (const LoopEdge& loop : map.loops()) {
+    const auto a = rows.find(loop.old_keyframe_id), b = rows.find(loop.keyframe_id);
+    if (a != rows.end() && b != rows.end()) ab.insert(ab.end(), {a->second, b->second});
+  }
+  return {{"ab", 2, std::move(ab)}};
+}
+
+void Note(size_t shown, size_t all, const char* what, std::vector<std::string>* notes) {
+  if (shown < all) notes->push_back(fmt::format("{} of {} {} are shown.", shown, all, what));
+}
+
+}  // namespace
+
+ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::string>* notes) {
+  RowOfKeyframe rows;
+  for (const auto& [id, keyframe] : map.keyframes()) rows.emplace(id, static_cast<int32_t>(rows.size()));
+  const auto points = Choose(map.points(), limits.points);
+  const auto segments = Choose(map.lines(), limits.segments);
+  std::vector<Edge> edges = CovisibilityEdges(map, rows);
+  Note(points.size(), map.points().size(), "points of the map, those that most keyframes see,", notes);
+  Note(segments.size(), map.lines().size(), "segments of the map, those that most keyframes see,", notes);
+  Note(std::min(limits.edges, edges.size()), edges.size(), "covisibility edges, the strongest,", notes);
+  edges.resize(std::min(limits.edges, edges.size()));
+  return {LandmarkTable(map, points, "p", 3), LandmarkTable(map, segments, "pq", 6), KeyframeTable(map, rows),
+          EdgeTable(edges), LoopTable(map, rows)};
+}
+
+}  // namespace plslam

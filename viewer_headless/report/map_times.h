@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/map/map_update.h"
+#include "viewer_headless/report/table.h"
+
+namespace plslam {
+
+/// Stage times of mapping_process by update of the map, in bounded memory: beyond 4000 rows every second one goes.
+class MapTimes {
+ public:
+  void Add(const MapUpdate& update, int64_t frame_id);
+
+  const std::vector<std::string>& stage_names() const { return stage_names_; }
+  /// `frame`: newest frame then; `stages_ms`, as wide as there are names, NaN where there was none;
+  /// `before_px`, `after_px`: reprojection error of the adjustment.
+  Table Times() const;
+
+ private:
+  struct Row {
+    int32_t frame = -1;
+    std::vector<float> stages_ms;
+    float before_px = 0.0F;
+    float after_px = 0.0F;
+  };
+
+  std::vector<std::string> stage_names_;
+  std::vector<Row> rows_;
+  int64_t every_ = 1;
+  int64_t heard_ = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,68 @@
+#include "viewer_headless/report/picture_store.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace plslam {
+namespace {
+
+constexpr int kPictureWidth_px = 512;
+constexpr int kKeyframeWidth_px = 320;
+constexpr int kQuality = 68;
+
+cv::Mat Shrink(const cv::Mat& image, int width_px) {
+  if (image.cols <= width_px) return image;
+  const int height_px = std::max(1, image.rows * width_px / image.cols);
+  cv::Mat small;
+  cv::resize(image, small, {width_px, height_px}, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+std::string Jpeg(const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  return {bytes.begin(), bytes.end()};
+}
+
+OverlayFeatures Scale(const OverlayFeatures& features, float scale) {
+  // Disparities stay: they stand for depth.
+  OverlayFeatures scaled = features;
+  for (OverlayPoint& point : scaled.points) point.px *= scale;
+  for (OverlaySegment& segment : scaled.segments) {
+    segment.p_px *= scale;
+    segment.q_px *= scale;
+  }
+  return scaled;
+}
+
+}  // namespace
+
+void PictureStore::Announce(int64_t n_frames) {
+  while (max_pictures_ > 0 && n_frames / stride_ > max_pictures_) stride_ *= 2;
+}
+
+void PictureStore::Add(int64_t frame_id, const cv::Mat& image, const OverlayFeatures& features) {
+  const cv::Mat small = Shrink(image, kPictureWidth_px);
+  const float scale = static_cast<float>(small.cols) / static_cast<float>(image.cols);
+  pictures_.insert_or_assign(frame_id,
+                             ReportPicture{frame_id, small.cols, small.rows, Jpeg(small), Scale(features, scale)});
+  while (static_cast<int64_t>(pictures_.size()) > max_pictures_) {
+    stride_ *= 2;
+    std::erase_if(pictures_, [this](const auto& picture) { return !Wants(picture.first); });
+  }
+}
+
+void PictureStore::AddKeyframe(int64_t frame_id, const cv::Mat& image) {
+  keyframes_.insert_or_assign(frame_id, Jpeg(Shrink(image, kKeyframeWidth_px)));
+  if (keyframes_.size() <= kMaxKeyframes) return;
+  bool drop = false;
+  std::erase_if(keyframes_, [&drop](const auto&) { return std::exchange(drop, !drop); });
+}
+
+std::string PictureStore::Keyframe(int64_t frame_id) const {
+  const auto found = keyframes_.find(frame_id);
+  return found == keyframes_.end() ? std::string() : found->second;
+}
+
+}  // namespace plslam

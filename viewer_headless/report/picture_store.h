@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "viewer_headless/report/report_data.h"
+
+namespace plslam {
+
+/// The pictures of a run that a report has room for. Of every `stride`-th frame the image with its features; the stride
+/// doubles whenever there are more than `max_pictures`. Of every keyframe a smaller image, for the pairs of loops; beyond
+/// `max_keyframes` every second one goes.
+class PictureStore {
+ public:
+  explicit PictureStore(int64_t max_pictures) : max_pictures_(max_pictures) {}
+
+  /// The stream is going to have so many frames: chooses the stride that will fit.
+  void Announce(int64_t n_frames);
+  bool Wants(int64_t frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id % stride_ == 0; }
+  int64_t stride() const { return stride_; }
+
+  /// `image` is the rectified left image, 8-bit grey.
+  void Add(int64_t frame_id, const cv::Mat& image, const OverlayFeatures& features);
+  void AddKeyframe(int64_t frame_id, const cv::Mat& image);
+
+  const std::map<int64_t, ReportPicture>& pictures() const { return pictures_; }
+  /// JPEG of the keyframe at that frame; empty where there is none.
+  std::string Keyframe(int64_t frame_id) const;
+
+ private:
+  static constexpr size_t kMaxKeyframes = 2000;
+
+  int64_t max_pictures_;
+  int64_t stride_ = 1;
+  std::map<int64_t, ReportPicture> pictures_;
+  std::map<int64_t, std::string> keyframes_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,82 @@
+#include "viewer_headless/report/process_log.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace plslam {
+namespace {
+
+constexpr size_t kMaxProcesses = 16;
+constexpr size_t kMaxCounters = 32;
+constexpr size_t kMaxSamples = 600;
+constexpr std::array kBusCounters{"bus.lost", "bus.repaired", "bus.resent", "bus.rejected", "bus.skipped"};
+
+bool IsShown(const std::string& counter) {
+  return counter.rfind("queue.", 0) == 0 ||
+         std::find(kBusCounters.begin(), kBusCounters.end(), counter) != kBusCounters.end();
+}
+
+template <class T>
+void KeepEverySecond(std::vector<T>& values) {
+  for (size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+  values.resize((values.size() + 1) / 2);
+}
+
+}  // namespace
+
+void ProcessLog::Add(const ProcessSample& sample) {
+  if (!std::isfinite(sample.t_s) || !std::isfinite(sample.cpu_s) || !std::isfinite(sample.memory_mb)) return;
+  if (processes_.empty()) first_t_s_ = sample.t_s;
+  if (!processes_.contains(sample.process) && processes_.size() >= kMaxProcesses) return;
+  Series& series = processes_[sample.process];
+  const bool changed = series.state != sample.state;
+  series.state = sample.state;
+  if (series.heard++ % series.every != 0 && !changed) return;
+  ProcessSample relative = sample;
+  relative.t_s -= first_t_s_;
+  Append(relative, series);
+  if (series.t_s.size() > kMaxSamples) Halve(series);
+}
+
+void ProcessLog::Append(const ProcessSample& sample, Series& series) {
+  series.t_s.push_back(static_cast<float>(sample.t_s));
+  series.frame.push_back(static_cast<int32_t>(std::clamp<int64_t>(sample.frame_id, -1, 2'000'000'000)));
+  series.cpu_s.push_back(static_cast<float>(sample.cpu_s));
+  series.memory_mb.push_back(static_cast<float>(sample.memory_mb));
+  for (const auto& [name, value] : sample.counters) {
+    if (!IsShown(name) || !std::isfinite(value)) continue;
+    if (!series.counters.contains(name) && series.counters.size() >= kMaxCounters) continue;
+    std::vector<float>& values = series.counters[name];
+    values.resize(series.t_s.size(), std::numeric_limits<float>::quiet_NaN());
+    values.back() = static_cast<float>(value);
+  }
+  for (auto& [name, values] : series.counters)
+    values.resize(series.t_s.size(), std::numeric_limits<float>::quiet_NaN());
+}
+
+void ProcessLog::Halve(Series& series) {
+  KeepEverySecond(series.t_s);
+  KeepEverySecond(series.frame);
+  KeepEverySecond(series.cpu_s);
+  KeepEverySecond(series.memory_mb);
+  for (auto& [name, values] : series.counters) KeepEverySecond(values);
+  series.every *= 2;
+}
+
+std::vector<ReportProcess> ProcessLog::Processes() const {
+  std::vector<ReportProcess> processes;
+  for (const auto& [name, series] : processes_) {
+    ReportProcess process{name, series.state, {}};
+    process.table = {{"t_s", 1, series.t_s},
+                     {"frame", 1, series.frame},
+                     {"cpu_s", 1, series.cpu_s},
+                     {"memory_mb", 1, series.memory_mb}};
+    for (const auto& [counter, values] : series.counters) process.table.push_back({counter, 1, values});
+    processes.push_back(std::move(process));
+  }
+  return processes;
+}
+
+}  // namespace plslam

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "viewer_headless/report/report_data.h"
+
+namespace plslam {
+
+/// What one status of a process says.
+struct ProcessSample {
+  std::string process;
+  std::string state;
+  double t_s = 0.0;       ///< by the clock of whoever listens
+  int64_t frame_id = -1;  ///< newest frame then
+  double cpu_s = 0.0;
+  double memory_mb = 0.0;
+  std::vector<std::pair<std::string, double>> counters;
+};
+
+/// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32 counters
+/// each (queues, and what the bus lost, repaired, sent again, rejected, skipped), and 600 samples, of which every second
+/// one goes when there are more. Numbers that are not finite are refused.
+class ProcessLog {
+ public:
+  void Add(const ProcessSample& sample);
+  std::vector<ReportProcess> Processes() const;
+
+ private:
+  struct Series {
+    std::string state;
+    std::vector<float> t_s;
+    std::vector<int32_t> frame;
+    std::vector<float> cpu_s;
+    std::vector<float> memory_mb;
+    /// One number for each sample; NaN where the status did not have it.
+    std::map<std::string, std::vector<float>> counters;
+    int64_t every = 1;
+    int64_t heard = 0;
+  };
+
+  static void Append(const ProcessSample& sample, Series& series);
+  static void Halve(Series& series);
+
+  std::map<std::string, Series> processes_;
+  double first_t_s_ = 0.0;
+};
+
+}  // namespace plslam

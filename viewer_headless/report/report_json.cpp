@@ -1,0 +1,161 @@
+#include "viewer_headless/report/report_json.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "viewer_headless/report/base64.h"
+
+namespace plslam {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const Table& table) {
+  Json json = Json::object();
+  for (const Column& column : table) {
+    json[column.name] = {
+        {"type", TypeName(column)}, {"width", column.width}, {"data", Base64(LittleEndianBytes(column))}};
+  }
+  return json;
+}
+
+template <class T>
+Json OrNull(const std::optional<T>& value) {
+  return value ? Json(*value) : Json();
+}
+
+Json ToJson(const RunFacts& f) {
+  Json json = {{"dataset", f.dataset},
+               {"pace", f.pace},
+               {"version", f.version},
+               {"finished", f.finished},
+               {"announced_frames", f.announced_frames},
+               {"frames", f.frames},
+               {"lost_frames", f.lost_frames},
+               {"skipped_frames", f.skipped_frames},
+               {"keyframes", f.keyframes},
+               {"points", f.points},
+               {"lines", f.lines},
+               {"loops", f.loops},
+               {"duration_s", f.duration_s},
+               {"length_m", f.length_m},
+               {"ate_m", OrNull(f.ate_m)},
+               {"live_ate_m", OrNull(f.live_ate_m)},
+               {"camera", nullptr}};
+  if (f.camera) {
+    json["camera"] = {{"width_px", f.camera->width_px}, {"height_px", f.camera->height_px},
+                      {"f_px", f.camera->f_px},         {"cx_px", f.camera->cx_px},
+                      {"cy_px", f.camera->cy_px},       {"baseline_m", f.camera->baseline_m}};
+  }
+  return json;
+}
+
+Json ToJson(const ReportMap& map) {
+  return {{"points", ToJson(map.points)},
+          {"segments", ToJson(map.segments)},
+          {"keyframes", ToJson(map.keyframes)},
+          {"edges", ToJson(map.edges)},
+          {"loop_edges", ToJson(map.loop_edges)}};
+}
+
+uint8_t Age(int age) { return static_cast<uint8_t>(std::clamp(age, 0, 255)); }
+
+/// Pixels in 32nds; what is outside is at the border, as the page clips there anyway.
+uint16_t Fixed(float px) { return static_cast<uint16_t>(std::lround(std::clamp(px, 0.0F, 2047.0F) * 32.0F)); }
+
+uint16_t FixedDisparity(float px) { return px < 0.0F ? uint16_t{65535} : Fixed(px); }
+
+bool IsFinite(const cv::Point2f& p) { return std::isfinite(p.x) && std::isfinite(p.y); }
+
+Json ToJson(const OverlayFeatures& features) {
+  std::vector<uint16_t> points, segments;
+  std::vector<uint8_t> point_ages, segment_ages, depths;
+  for (const OverlayPoint& p : features.points) {
+    if (!IsFinite(p.px) || !std::isfinite(p.disparity_px)) continue;
+    points.insert(points.end(), {Fixed(p.px.x), Fixed(p.px.y), FixedDisparity(p.disparity_px)});
+    point_ages.push_back(Age(p.age));
+  }
+  for (const OverlaySegment& s : features.segments) {
+    if (!IsFinite(s.p_px) || !IsFinite(s.q_px)) continue;
+    segments.insert(segments.end(), {Fixed(s.p_px.x), Fixed(s.p_px.y), Fixed(s.q_px.x), Fixed(s.q_px.y)});
+    segment_ages.push_back(Age(s.age));
+    depths.push_back(s.has_depth ? 1 : 0);
+  }
+  return ToJson(Table{{"points", 3, std::move(points)},
+                      {"point_ages", 1, std::move(point_ages)},
+                      {"segments", 4, std::move(segments)},
+                      {"segment_ages", 1, std::move(segment_ages)},
+                      {"segment_depths", 1, std::move(depths)}});
+}
+
+Json ToJson(const ReportPicture& p) {
+  return {{"frame", p.frame_id},
+          {"width_px", p.width_px},
+          {"height_px", p.height_px},
+          {"jpeg", Base64(p.jpeg)},
+          {"features", ToJson(p.features)}};
+}
+
+Json ToJson(const ReportLoop& l) {
+  return {{"old_keyframe", l.old_keyframe_id},
+          {"keyframe", l.keyframe_id},
+          {"old_frame", l.old_frame_id},
+          {"frame", l.frame_id},
+          {"points", l.n_points},
+          {"lines", l.n_lines},
+          {"distance_m", l.distance_m},
+          {"angle_deg", l.angle_deg},
+          {"score", l.score},
+          {"detect_ms", l.detect_ms},
+          {"correct_ms", l.correct_ms},
+          {"moved_m", l.moved_m},
+          {"old_jpeg", Base64(l.old_jpeg)},
+          {"jpeg", Base64(l.jpeg)}};
+}
+
+Json ToJson(const ReportCorrection& c) {
+  return {{"frame", c.frame_id}, {"moved_m", c.moved_m}, {"table", ToJson(c.table)}};
+}
+
+Json ToJson(const ReportProcess& p) { return {{"name", p.name}, {"state", p.state}, {"table", ToJson(p.table)}}; }
+
+template <class Row>
+Json ToJson(const std::vector<Row>& rows) {
+  Json json = Json::array();
+  for (const Row& row : rows) json.push_back(ToJson(row));
+  return json;
+}
+
+}  // namespace
+
+std::string ReportJson(const ReportData& data) {
+  const Json json = {{"facts", ToJson(data.facts)},
+                     {"next", data.next},
+                     {"whole", data.whole},
+                     {"stage_names", data.stage_names},
+                     {"map_stage_names", data.map_stage_names},
+                     {"first_row", data.first_row},
+                     {"frames", ToJson(data.frames)},
+                     {"path", data.path ? ToJson(*data.path) : Json()},
+                     {"map", data.map ? ToJson(*data.map) : Json()},
+                     {"map_times", ToJson(data.map_times)},
+                     {"loops", ToJson(data.loops)},
+                     {"corrections", ToJson(data.corrections)},
+                     {"processes", ToJson(data.processes)},
+                     {"pictures", ToJson(data.pictures)},
+                     {"notes", data.notes}};
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string safe;
+  safe.reserve(text.size());
+  for (const char c : text) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+}  // namespace plslam

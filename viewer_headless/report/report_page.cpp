@@ -1,0 +1,34 @@
+#include "viewer_headless/report/report_page.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace plslam {
+namespace {
+
+constexpr std::string_view kPlace = "\"PLSLAM_RUN_DATA\"";
+
+}  // namespace
+
+std::optional<std::string> ReadReportTemplate() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  if (error) return std::nullopt;
+  const auto file = program.parent_path().parent_path() / "share" / "plslam" / "report_template.html";
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  return std::string(std::istreambuf_iterator<char>(stream), {});
+}
+
+std::string FillTemplate(const std::string& page, std::string_view json) {
+  const size_t at = page.find(kPlace);
+  if (at == std::string::npos) throw std::runtime_error("report_template.html has no place for the data of a run");
+  std::string filled;
+  filled.reserve(page.size() + json.size());
+  filled.append(page, 0, at).append(json).append(page, at + kPlace.size());
+  return filled;
+}
+
+}  // namespace plslam

@@ -1,0 +1,103 @@
+#include "viewer_headless/report/report_recorder.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "viewer_headless/report/frame_tables.h"
+#include "viewer_headless/report/map_tables.h"
+
+namespace plslam {
+
+void ReportRecorder::Begin(const RunHead& head) {
+  head_ = head;
+  pictures_.Announce(head.announced_frames);
+}
+
+void ReportRecorder::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
+  ++n_map_updates_;
+  corrections_.Add(update, map, frame_id);
+  map_times_.Add(update, frame_id);
+}
+
+void ReportRecorder::Finish() {
+  finished_ = true;
+  // So that a live page gets the last state of everything.
+  ++n_map_updates_;
+}
+
+RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
+  RunFacts facts;
+  facts.dataset = head_.dataset;
+  facts.pace = head_.pace;
+  facts.version = PLSLAM_VERSION;
+  facts.announced_frames = head_.announced_frames;
+  facts.camera = camera_;
+  facts.frames = static_cast<int64_t>(recorder.frames().size());
+  facts.lost_frames = recorder.lost_frames();
+  facts.skipped_frames = recorder.skipped_frames();
+  const MapTotals totals = map.Totals();
+  facts.keyframes = totals.keyframes > 0 ? totals.keyframes : recorder.keyframes();
+  facts.points = totals.points;
+  facts.lines = totals.lines;
+  facts.loops = totals.loops;
+  if (recorder.frames().empty()) return facts;
+  const int64_t t_ns = recorder.frames().rbegin()->second.t_ns - recorder.frames().begin()->second.t_ns;
+  facts.duration_s = 1e-9 * static_cast<double>(t_ns);
+  return facts;
+}
+
+void ReportRecorder::AddPictures(int64_t after, ReportData* data) const {
+  for (auto at = pictures_.pictures().upper_bound(after); at != pictures_.pictures().end(); ++at) {
+    data->pictures.push_back(at->second);
+  }
+}
+
+void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const {
+  if (stride > 1)
+    data->notes.push_back(fmt::format("Every {}. of {} frames is shown.", stride, recorder.frames().size()));
+  if (pictures_.stride() > 1) {
+    data->notes.push_back(fmt::format("Of every {}. frame there is a picture.", pictures_.stride()));
+  }
+  if (corrections_.dropped() > 0) {
+    data->notes.push_back(
+        fmt::format("{} more corrections by loops, smaller than those shown, are left out.", corrections_.dropped()));
+  }
+  if (map.loops().size() > kMaxLoopPictures) {
+    data->notes.push_back(fmt::format("Only the newest {} loops have pictures.", kMaxLoopPictures));
+  }
+}
+
+ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+                                 const ReportSince& since) const {
+  const int64_t stride = FrameStride(recorder);
+  ReportData data;
+  data.whole = since.run != run_ || since.stride != stride;
+  const ReportSince from = data.whole ? ReportSince() : since;
+  data.facts = Facts(recorder, map);
+  data.facts.finished = finished_;
+  data.stage_names = recorder.stage_names();
+  data.first_row = from.rows;
+  data.frames = FrameTable(recorder, stride, from.rows);
+  AddPictures(from.picture, &data);
+  const int64_t rows = from.rows + static_cast<int64_t>(Rows(data.frames));
+  const int64_t picture = data.pictures.empty() ? from.picture : data.pictures.back().frame_id;
+  data.next = ReportSince{run_, stride, rows, n_map_updates_, picture}.Text();
+  AddNotes(recorder, map, stride, &data);
+  data.processes = processes_.Processes();
+  // Without a map nothing tells when the path changes.
+  if (n_map_updates_ > 0 && from.map_version == n_map_updates_) return data;
+  PathOfRun path = PathTable(recorder, map, q_l_c, stride);
+  data.facts.ate_m = path.ate_m;
+  data.facts.live_ate_m = path.live_ate_m;
+  data.facts.length_m = path.length_m;
+  data.path = std::move(path.table);
+  data.map = MapTables(map, {}, &data.notes);
+  data.map_stage_names = map_times_.stage_names();
+  data.map_times = map_times_.Times();
+  data.loops = loops_.Loops(map, corrections_, pictures_);
+  data.corrections = corrections_.corrections();
+  return data;
+}
+
+}  // namespace plslam

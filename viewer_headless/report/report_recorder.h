@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/map/map_update.h"
+#include "viewer_headless/recorder.h"
+#include "viewer_headless/report/correction_log.h"
+#include "viewer_headless/report/loop_log.h"
+#include "viewer_headless/report/map_times.h"
+#include "viewer_headless/report/picture_store.h"
+#include "viewer_headless/report/process_log.h"
+#include "viewer_headless/report/report_data.h"
+#include "viewer_headless/report/report_since.h"
+
+namespace plslam {
+
+/// What the run is and how its head stands, beside poses and map.
+struct RunHead {
+  std::string dataset;
+  std::string pace;
+  int64_t announced_frames = -1;
+};
+
+/// Collects during a run what a report needs beside the poses and the map, in bounded memory.
+class ReportRecorder {
+ public:
+  /// At most so many pictures of frames; `run` counts the streams.
+  explicit ReportRecorder(int64_t max_pictures, int64_t run = 0) : pictures_(max_pictures), run_(run) {}
+
+  void Begin(const RunHead& head);
+  void SetCamera(const StereoCamera& camera) { camera_ = camera; }
+  void Add(const ProcessSample& sample) { processes_.Add(sample); }
+  void Add(const LoopClosure& closure) { loops_.Add(closure); }
+  /// After `update` has come into `map`; `frame_id` is the newest frame.
+  void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
+  /// The run is over.
+  void Finish();
+  PictureStore& pictures() { return pictures_; }
+  const PictureStore& pictures() const { return pictures_; }
+
+  /// What of the run a page has not yet that has `since`.
+  ReportData Build(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c,
+                   const ReportSince& since) const;
+
+ private:
+  RunFacts Facts(const Recorder& recorder, const Map& map) const;
+  void AddPictures(int64_t after, ReportData* data) const;
+  void AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const;
+
+  RunHead head_;
+  std::optional<StereoCamera> camera_;
+  PictureStore pictures_;
+  ProcessLog processes_;
+  CorrectionLog corrections_;
+  LoopLog loops_;
+  MapTimes map_times_;
+  int64_t run_;
+  int64_t n_map_updates_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace plslam

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <string>
+
+namespace plslam {
+
+/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one, and else, or
+/// where the name does not end in ".mp4", a folder of numbered PNG files. The first picture decides the size (made even).
+class RunVideo {
+ public:
+  /// `rate_hz` pictures a second. Throws std::runtime_error where neither can be written.
+  RunVideo(const std::string& path, double rate_hz, const cv::Size& size);
+  /// The file has its name from here on; while it is written it ends in ".part.mp4".
+  ~RunVideo();
+  RunVideo(const RunVideo&) = delete;
+  RunVideo& operator=(const RunVideo&) = delete;
+
+  /// 8-bit BGR; of another size it is scaled.
+  void Add(const cv::Mat& picture);
+  /// The file, or the folder.
+  const std::string& path() const { return path_; }
+  bool is_folder() const;
+  int64_t pictures() const { return n_pictures_; }
+
+ private:
+  struct Film;
+
+  cv::Size size_;
+  std::string path_;
+  std::unique_ptr<Film> film_;
+  int64_t n_pictures_ = 0;
+};
+
+/// Pictures a second of the recording, by the times of two frames and how many lie between; 20 where they say nothing.
+double PictureRate_hz(int64_t t0_ns, int64_t t1_ns, int64_t n_frames);
+
+/// Two pictures in one: beside each other, or the second below the first where that is wide.
+cv::Mat Join(const cv::Mat& picture, const cv::Mat& map);
+/// The size of a map that `Join` puts beside a picture of this size.
+cv::Size MapSizeBeside(const cv::Size& picture);
+
+}  // namespace plslam

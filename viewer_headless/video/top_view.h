@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core.hpp>
+#include <vector>
+
+namespace plslam {
+
+/// What is seen from above: positions in metres in w, y (down) left out.
+struct TopViewScene {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> segments;
+  std::vector<Eigen::Vector3d> path;  ///< of the camera, in the order of time
+};
+
+/// The part of the ground that is drawn: it grows with the path and never shrinks, in steps, so that a film of it is calm.
+class TopViewWindow {
+ public:
+  void Include(const std::vector<Eigen::Vector3d>& path);
+  Eigen::Vector2d centre_m() const { return 0.5 * (low_ + high_); }
+  /// Side of the square that is to be seen.
+  double side_m() const { return side_m_; }
+
+ private:
+  bool empty_ = true;
+  Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
+  double side_m_ = 4.0;
+};
+
+/// 8-bit BGR, dark; x to the right, z (forward) up; with a bar of a round number of metres. Positions that are not finite are
+/// left out.
+cv::Mat DrawTopView(const TopViewScene& scene, const TopViewWindow& window, const cv::Size& size);
+
+}  // namespace plslam

@@ -63,6 +63,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
   transport.SetReceiver([this](std::string_view channel, ByteView bytes) { OnDatagram(channel, bytes); });
   transport.Listen(WireName(kRepairRequest));
   transport.Listen(WireName(kAnnounce));
+  transport.ListenToEnding(kStatus.name);
   receiver_ = std::thread([this] { ReceiveLoop(); });
 }
 
@@ -137,6 +138,11 @@ void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
 int Bus::ReaderCount(const Channel& channel) const { return impl_->ReaderCount(channel); }
 
 bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
+
+std::string Bus::Complaints() const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->rejections.Line(Impl::Now());
+}
 
 BusCounters Bus::counters() const {
   const std::lock_guard lock(impl_->mutex);

@@ -27,7 +27,8 @@ struct BusCounters {
   int64_t lost = 0;        ///< messages of ordered channels that were missed on the wire
   int64_t repaired = 0;    ///< of those, delivered after all
   int64_t resent = 0;      ///< our own, on request
-  int64_t rejected = 0;    ///< malformed, foreign schema, unauthenticated, oversized
+  int64_t rejected = 0;    ///< malformed, foreign schema, unauthenticated, oversized, replayed
+  int64_t unproven = 0;    ///< with a key: of processes that had not shown yet that they live
   int64_t duplicates = 0;  ///< replayed or sent twice
   int64_t skipped = 0;     ///< of kLatest channels, overtaken by newer ones
 };
@@ -79,6 +80,8 @@ class Bus {
   bool Flush(std::chrono::milliseconds limit);
 
   BusCounters counters() const;
+  /// One line on what has been rejected within the last minute and on other prefixes heard; empty where all is well.
+  std::string Complaints() const;
 
   /// Options as given.
   const BusOptions& options() const;

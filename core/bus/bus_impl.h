@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -14,8 +15,10 @@
 
 #include "core/bus/authenticator.h"
 #include "core/bus/bus.h"
+#include "core/bus/live_peers.h"
 #include "core/bus/ordered_reader.h"
 #include "core/bus/ordered_writer.h"
+#include "core/bus/rejections.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport.h"
 
@@ -111,6 +114,8 @@ struct Bus::Impl {
   std::string history_folder;
   bool temporary_folder = false;
   BusCounters counts;
+  Rejections rejections;
+  LivePeers peers;                    // with a key
   std::atomic<int64_t> nonsense = 0;  // counted by assemblers, on whatever thread
   std::atomic<int64_t> passed_over = 0;
   int64_t given_lost = 0;  // of readers dropped since
@@ -123,8 +128,16 @@ struct Bus::Impl {
   };
 
   bool Drop();
-  /// Checked message without its MAC; empty where it is to be rejected.
-  ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes) const;
+
+  // check.cpp
+  void Reject(Rejection why, std::string_view wire_name, int64_t now);
+  std::optional<Rejection> WhyNot(std::string_view wire_name, const MessageLayout& layout, ByteView bytes,
+                                  size_t* length) const;
+  /// Checked message without its MAC; empty where it is rejected.
+  ByteView Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes, int64_t now);
+  bool Lives(std::string_view wire_name, ByteView message, int64_t now);
+  void NoticePrefix(std::string_view wire_name, int64_t now);
+
   void Dispatch(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
   void DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message);
   void DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
@@ -134,6 +147,8 @@ struct Bus::Impl {
   OrderedReader* ReaderOf(Inbox& inbox, int64_t source, int64_t now);
   bool Ready(const Inbox& inbox) const;
   bool Drain(Inbox& inbox, OrderedReader& reader, int64_t now);
+
+  // control.cpp
   void OnHello(const std::string& channel, int64_t reader, Hello hello);
   void OnRepairRequest(ByteView message, int64_t now);
   void OnAnnounce(ByteView message, int64_t now);
@@ -141,12 +156,15 @@ struct Bus::Impl {
   void PollWriters(int64_t now, int64_t& next);
   void Announce(Outbox& outbox);
   void Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request);
+  void Greet(int64_t peer, bool question);
+  void OnGreeting(int64_t peer, int64_t addressee, int64_t kind);
   template <class T>
   void SendControl(const Channel& channel, T message);
   void SendOutgoing();
 
   const std::string request_name_ = WireName(kRepairRequest);
   const std::string announce_name_ = WireName(kAnnounce);
+  const std::string status_name_ = WireName(kStatus);
   const MessageLayout* request_layout_ = nullptr;
   const MessageLayout* announce_layout_ = nullptr;
   std::map<std::string, int64_t, std::less<>> control_seq_;

@@ -17,6 +17,7 @@ Outbox& Bus::Impl::OutboxOf(const Channel& channel) {
   if (channel.delivery == Delivery::kEvery || IsPaced(channel)) {
     outbox->writer = std::make_unique<OrderedWriter>(channel.retention, options.history_bytes, outbox->wire_name,
                                                      HistoryPath(channel), !temporary_folder);
+    outbox->writer->KeepReadersFor(2 * static_cast<int64_t>(options.give_up_s * 1e9));
     for (const auto& [reader, hello] : hellos[std::string(channel.name)]) {
       outbox->writer->OnHello(reader, hello.window, hello.heard);
     }

@@ -3,16 +3,11 @@
 #include <stdexcept>
 
 #include "core/bus/bus_impl.h"
-#include "plslam/announce_t.hpp"
-#include "plslam/repair_request_t.hpp"
 
 namespace plslam::bus {
 namespace {
 
 constexpr int64_t kMs = 1'000'000;
-constexpr int64_t kHelloPeriod = 300 * kMs;
-/// How soon a reader looks again whether its handlers have caught up.
-constexpr int64_t kStalledPeriod = 2 * kMs;
 /// Publishers remembered for each channel; one that was heard within kRemembered is not forgotten for a new one.
 constexpr size_t kMaxSources = 256;
 constexpr int64_t kRemembered = 60'000 * kMs;
@@ -51,7 +46,8 @@ void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_
     inbox.subscriptions.push_back(std::move(subscription));
     next_poll_ = 0;
   }
-  if (is_new) transport.Listen(wire_name);
+  // STATUS is listened to with any prefix as it is, and LCM would hand it over twice.
+  if (is_new && channel.name != kStatus.name) transport.Listen(wire_name);
   transport.Wake();
 }
 
@@ -83,20 +79,12 @@ bool Bus::Impl::Drop() {
   return static_cast<double>(drop_random_() >> 11) * 0x1p-53 < options.drop_fraction;
 }
 
-ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& layout, ByteView bytes) const {
-  if (bytes.size() > kMaxMessageBytes) return {};
-  const auto length = MessageLength(layout, bytes);
-  if (!length || *length < kWireHeaderBytes || !authenticator.Accept(wire_name, bytes, *length)) return {};
-  const WireHeader header = ReadHeader(bytes);
-  if (header.schema != kSchemaVersion || header.source == 0 || header.seq < 0) return {};
-  return bytes.first(*length);
-}
-
 void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
   const int64_t now = Now();
   {
     const std::lock_guard lock(mutex);
     if (Drop()) return;
+    NoticePrefix(wire_name, now);
     const bool is_request = wire_name == request_name_;
     const bool is_announce = !is_request && wire_name == announce_name_;
     const auto inbox = inboxes.find(wire_name);
@@ -105,15 +93,14 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
     const MessageLayout* layout = is_request    ? request_layout_
                                   : is_announce ? announce_layout_
                                                 : inbox->second.layout;
-    const ByteView message = Checked(wire_name, *layout, bytes);
-    if (message.empty()) {
-      ++counts.rejected;
-      return;
-    }
+    const ByteView message = Checked(wire_name, *layout, bytes, now);
+    if (message.empty()) return;
     ++counts.received;
-    if (is_request) OnRepairRequest(message, now);
-    if (is_announce) OnAnnounce(message, now);
-    if (inbox != inboxes.end()) Dispatch(inbox->second, ReadHeader(message), message, now);
+    if (Lives(wire_name, message, now)) {
+      if (is_request) OnRepairRequest(message, now);
+      if (is_announce) OnAnnounce(message, now);
+      if (inbox != inboxes.end()) Dispatch(inbox->second, ReadHeader(message), message, now);
+    }
   }
   SendOutgoing();
 }
@@ -152,7 +139,7 @@ OrderedReader* Bus::Impl::ReaderOf(Inbox& inbox, int64_t publisher, int64_t now)
     given_repaired += old->second.repaired();
     inbox.readers.erase(old);
   }
-  OrderedReader reader(transport.two_way(), options.queue_bytes, now);
+  OrderedReader reader(transport.two_way(), options.queue_bytes, now, static_cast<int64_t>(options.give_up_s * 1e9));
   return &inbox.readers.emplace(publisher, std::move(reader)).first->second;
 }
 
@@ -245,122 +232,6 @@ void Bus::Impl::PostNewest(Inbox::Latest& latest, size_t subscription, const std
     }
     s->deliver(*newest);
   });
-}
-
-void Bus::Impl::OnHello(const std::string& channel, int64_t reader, Hello hello) {
-  const auto rows = Channels();
-  if (std::none_of(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == channel; })) return;
-  Hellos& known = hellos[channel];
-  std::erase_if(known, [&](const auto& e) { return hello.heard - e.second.heard > kRemembered; });
-  if (known.size() < kMaxSources || known.contains(reader)) known[reader] = hello;
-  const auto found = outboxes.find(channel);
-  if (found == outboxes.end() || found->second->writer == nullptr) return;
-  OrderedWriter& writer = *found->second->writer;
-  writer.OnHello(reader, hello.window, hello.heard);
-  const bool ordered = found->second->channel.delivery == Delivery::kEvery;
-  if (ordered && writer.AnnounceDue(hello.heard)) Announce(*found->second);
-}
-
-void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
-  repair_request_t request;
-  if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
-  if (request.publisher == 0) return OnHello(request.channel, request.header.source, {now, request.window_bytes});
-  const auto found = outboxes.find(request.channel);
-  if (request.publisher != source || found == outboxes.end() || found->second->writer == nullptr) return;
-  Outbox& outbox = *found->second;
-  std::vector<SeqRange> ranges;
-  for (const range_t& range : request.ranges) ranges.push_back({range.first, range.last});
-  auto answer = outbox.writer->OnRequest(request.header.source, request.delivered, request.window_bytes, ranges, now);
-  counts.resent += static_cast<int64_t>(answer.resend.size());
-  for (Bytes& message : answer.resend) outgoing_.push_back({outbox.wire_name, std::move(message)});
-  if (answer.announce) Announce(outbox);
-  acknowledged.notify_all();
-}
-
-void Bus::Impl::OnAnnounce(ByteView bytes, int64_t now) {
-  announce_t announce;
-  if (announce.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
-  const auto found = inboxes.find(std::string(options.prefix).append(announce.channel));
-  if (found == inboxes.end() || !found->second.ordered) return;
-  Inbox& inbox = found->second;
-  OrderedReader* reader = ReaderOf(inbox, announce.header.source, now);
-  if (reader == nullptr) return;
-  reader->OnAnnounce(announce.first_seq, announce.next_seq, now);
-  Drain(inbox, *reader, now);
-  if (reader->poll_time() > now) return;
-  if (const auto request = reader->Poll(now)) Request(inbox, announce.header.source, *request);
-}
-
-void Bus::Impl::PollReaders(int64_t now, int64_t& next) {
-  for (auto& [name, inbox] : inboxes) {
-    if (!inbox.ordered && !inbox.paced) continue;
-    if (now >= inbox.next_hello && transport.two_way()) {
-      inbox.next_hello = now + kHelloPeriod;
-      Request(inbox, 0, {});
-    }
-    next = std::min(next, inbox.next_hello);
-    for (auto& [publisher, reader] : inbox.readers) {
-      if (reader.poll_time() <= now) {
-        if (const auto request = reader.Poll(now)) Request(inbox, publisher, *request);
-      }
-      if (reader.Front() != nullptr && !Drain(inbox, reader, now)) next = std::min(next, now + kStalledPeriod);
-      next = std::min(next, reader.poll_time());
-    }
-  }
-}
-
-void Bus::Impl::PollWriters(int64_t now, int64_t& next) {
-  for (auto& [name, outbox] : outboxes) {
-    if (outbox->channel.delivery != Delivery::kEvery) continue;
-    if (outbox->writer->AnnounceDue(now)) Announce(*outbox);
-    next = std::min(next, std::max(outbox->writer->announce_time(), now + kMs));
-  }
-}
-
-template <class T>
-void Bus::Impl::SendControl(const Channel& channel, T message) {
-  message.header.schema = kSchemaVersion;
-  message.header.source = source;
-  message.header.seq = control_seq_[std::string(channel.name)]++;
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  const std::string wire_name = WireName(channel);
-  authenticator.Append(wire_name, bytes);
-  outgoing_.push_back({wire_name, std::make_shared<const std::vector<uint8_t>>(std::move(bytes))});
-}
-
-void Bus::Impl::Announce(Outbox& outbox) {
-  announce_t announce{};
-  announce.channel = outbox.channel.name;
-  announce.next_seq = outbox.sent;
-  announce.first_seq = std::min(outbox.writer->history().first_seq(), outbox.sent);
-  if (transport.two_way() && outbox.channel.delivery == Delivery::kEvery) SendControl(kAnnounce, announce);
-}
-
-void Bus::Impl::Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request) {
-  repair_request_t message{};
-  message.channel = inbox.channel.name;
-  message.publisher = publisher;
-  message.delivered = request.delivered;
-  message.window_bytes = static_cast<int32_t>(std::min<int64_t>(transport.receive_window(), 1 << 30));
-  for (const SeqRange& range : request.ranges) {
-    range_t wire{};
-    wire.first = range.first;
-    wire.last = range.last;
-    message.ranges.push_back(wire);
-  }
-  message.n_ranges = static_cast<int32_t>(message.ranges.size());
-  SendControl(kRepairRequest, message);
-}
-
-void Bus::Impl::SendOutgoing() {
-  // Only the receiving thread touches the list, but sending must not hold the mutex: LCM may block.
-  std::vector<Outgoing> sending;
-  {
-    const std::lock_guard lock(mutex);
-    sending.swap(outgoing_);
-  }
-  for (const Outgoing& out : sending) transport.Send(out.wire_name, *out.bytes);
 }
 
 }  // namespace plslam::bus

@@ -47,7 +47,8 @@ History::~History() {
 void History::Append(Bytes message) {
   bytes_ += static_cast<int64_t>(message->size());
   memory_.push_back(std::move(message));
-  while (bytes_ > memory_limit_ && memory_.size() > 1) DropOldest();
+  const int64_t limit = retention_ == Retention::kNone ? 0 : memory_limit_;
+  while (bytes_ > limit && memory_.size() > 1) DropOldest();
 }
 
 void History::DropOldest() {

@@ -28,6 +28,7 @@ class History {
   /// kUnacknowledged: everything below `seq` is no longer needed. kAll ignores it.
   void Forget(int64_t seq);
 
+  Retention retention() const { return retention_; }
   int64_t first_seq() const { return first_seq_; }
   int64_t next_seq() const { return memory_first_ + static_cast<int64_t>(memory_.size()); }
   int64_t memory_bytes() const { return bytes_; }

@@ -21,6 +21,9 @@ struct BusOptions {
   std::string history_dir;
   /// Longest time that publishing waits for a slow reader; then the reader is left to repair until it has caught up.
   int64_t max_wait_ms = 1000;
+  /// How long a publisher that has fallen silent is waited for (a link may be cut) before the gaps in what came from it are
+  /// given up. Publishers keep messages twice as long for readers that have fallen silent.
+  double give_up_s = 30.0;
   /// What an ordered channel keeps in memory for repair; more goes to disk (kAll) or is forgotten (kUnacknowledged).
   int64_t history_bytes = 32'000'000;
   /// What may wait for this process's handlers; when it is full, publishers are held back.
@@ -38,6 +41,8 @@ void VisitFields(Visitor& visit, BusOptions& o) {
   visit("key_file", o.key_file, "file with a shared key of 64 hex digits; empty: no authentication");
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");
   visit("max_wait_ms", o.max_wait_ms, Bounds{0, 60000}, "longest wait of a publisher for a slow reader");
+  visit("give_up_s", o.give_up_s, Bounds{0.1, 3600},
+        "how long a publisher that fell silent may be cut off, not dead");
   visit("history_bytes", o.history_bytes, Bounds{200000, 4e9}, "memory for repair, of each ordered channel");
   visit("queue_bytes", o.queue_bytes, Bounds{200000, 4e9}, "memory for messages that wait for handlers");
   visit("drop_fraction", o.drop_fraction, Bounds{0, 0.9}, "received datagrams thrown away on purpose, for tests");

@@ -18,13 +18,19 @@ constexpr size_t kOneWayPatience = 256;
 
 }  // namespace
 
-OrderedReader::OrderedReader(bool two_way, int64_t buffer_bytes, int64_t now)
+OrderedReader::OrderedReader(bool two_way, int64_t buffer_bytes, int64_t now, int64_t silent_ns)
     : two_way_(two_way), buffer_limit_(buffer_bytes), heard_(now), progress_(now) {
+  times_.silent_ns = silent_ns;
   retry_pause_ = times_.retry_first_ns;
 }
 
-OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int64_t now) {
+void OrderedReader::Heard(int64_t now) {
+  if (now - heard_ > times_.absent_ns) progress_ = now;
   heard_ = now;
+}
+
+OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int64_t now) {
+  Heard(now);
   if (known_end_ > 0 && seq > known_end_ + kMaxJump) return Arrival::kRefused;
   if (known_end_ == 0 && !started_) {
     join_end_ = seq;
@@ -51,13 +57,14 @@ OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int
   return Arrival::kNew;
 }
 
-void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now) {
+void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now, std::optional<int64_t> join_seq) {
   if (first_seq < 0 || next_seq < first_seq || next_seq > std::max(known_end_, first_seq) + kMaxJump) return;
-  heard_ = now;
+  Heard(now);
   if (!started_) {
     if (known_end_ == 0) join_end_ = next_seq;
     // What is here may be older: the publisher has forgotten what everybody else has.
-    Start(buffer_.empty() ? first_seq : std::min(first_seq, buffer_.begin()->first), now);
+    const int64_t begin = std::clamp(join_seq.value_or(first_seq), first_seq, next_seq);
+    Start(buffer_.empty() ? begin : std::min(begin, buffer_.begin()->first), now);
   }
   if (next_seq > known_end_) {
     if (!HasGap()) progress_ = now;
@@ -194,12 +201,13 @@ std::optional<OrderedReader::Request> OrderedReader::Poll(int64_t now) {
 void OrderedReader::GiveUp(int64_t now) {
   if (Front() != nullptr) return;  // the reader's own queue is full: nothing is missing here
   const bool dead = now - heard_ > times_.silent_ns && now - progress_ > times_.silent_ns;
-  const bool hopeless = now - progress_ > times_.hopeless_ns;
+  const bool hopeless = now - heard_ <= times_.absent_ns && now - progress_ > times_.hopeless_ns;
   const bool one_way = !two_way_ && buffer_.size() > kOneWayPatience;
   if (!dead && !hopeless && !one_way) return;
   if (!started_) {
     if (buffer_.empty()) return;
     Start(buffer_.begin()->first, now);
+    if (dead) progress_ = heard_;  // nor for its other gaps
     return;
   }
   SkipTo(buffer_.empty() ? known_end_ : buffer_.begin()->first);
@@ -210,7 +218,7 @@ void OrderedReader::Schedule() {
   poll_time_ = ack_at_;
   if (!HasGap()) return;
   const bool fresh_gap = two_way_ && (ask_now_ || fresh_ || retry_at_ == kFar);
-  poll_time_ = fresh_gap ? 0 : std::min({poll_time_, retry_at_, progress_ + times_.silent_ns});
+  poll_time_ = fresh_gap ? 0 : std::min({poll_time_, retry_at_, progress_ + times_.hopeless_ns});
 }
 
 }  // namespace plslam::bus

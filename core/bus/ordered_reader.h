@@ -17,12 +17,15 @@ namespace plslam::bus {
 ///   OnMessage / OnAnnounce  ->  while (Front()) { deliver; Pop(); }  ->  Poll() says what to send
 class OrderedReader {
  public:
+  static constexpr int64_t kSilent_ns = 30'000'000'000;
+
   struct Times {
     int64_t retry_first_ns = 5'000'000;  ///< asked again after this without an answer, then doubled
     int64_t retry_max_ns = 200'000'000;
     int64_t ack_pause_ns = 2'000'000;      ///< small messages are acknowledged together
-    int64_t silent_ns = 3'000'000'000;     ///< a publisher not heard for longer is dead: its gaps are given up
+    int64_t silent_ns = kSilent_ns;        ///< a publisher not heard for longer is dead: its gaps are given up
     int64_t hopeless_ns = 10'000'000'000;  ///< so is a gap that a living publisher does not fill
+    int64_t absent_ns = 2'000'000'000;  ///< not heard for longer it is cut off, and its time for a gap stands still
   };
 
   /// What to tell the publisher.
@@ -34,11 +37,12 @@ class OrderedReader {
   enum class Arrival { kNew, kDuplicate, kRefused };
 
   /// `two_way` false: the publisher cannot be asked (a log); gaps are given up when much has come after them.
-  /// `buffer_bytes` bounds what is held out of order.
-  OrderedReader(bool two_way, int64_t buffer_bytes, int64_t now);
+  /// `buffer_bytes` bounds what is held out of order. `silent_ns`: see Times.
+  OrderedReader(bool two_way, int64_t buffer_bytes, int64_t now, int64_t silent_ns = kSilent_ns);
 
   Arrival OnMessage(int64_t seq, ByteView bytes, int64_t now);
-  void OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now);
+  /// `join_seq`: where to begin when nothing has come yet, if not at `first_seq`.
+  void OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now, std::optional<int64_t> join_seq = std::nullopt);
 
   /// The next message in order if it is there; nullptr else.
   Bytes Front() const;
@@ -61,6 +65,7 @@ class OrderedReader {
   static constexpr int64_t kFar = INT64_MAX;
 
   bool HasGap() const { return !started_ || expected_ + static_cast<int64_t>(buffer_.size()) < known_end_; }
+  void Heard(int64_t now);
   void Start(int64_t first, int64_t now);
   void Missed(int64_t from, int64_t to);
   void SkipTo(int64_t seq);

@@ -46,6 +46,7 @@ void OrderedWriter::LeaveBehind(size_t bytes, int64_t now) {
 }
 
 void OrderedWriter::Sent(Bytes message, int64_t now) {
+  if (history_.next_seq() == 0) greeted_at_ = now + times_.greeting_ns;
   cost_before_.push_back(total_cost_);
   if (cost_before_.size() > kCostsKept) cost_before_.pop_front();
   total_cost_ += WireCost(message->size());
@@ -111,14 +112,32 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
   return answer;
 }
 
-/// Forgets what every reader has, and readers long gone. Without any reader the bound of the history alone counts:
-/// one may come.
+/// Forgets what every reader has, and readers long gone. Without any reader, and while readers may not have been heard
+/// yet, the bound of the history alone counts.
 void OrderedWriter::Trim(int64_t now) {
   std::erase_if(readers_, [&](const auto& entry) { return now - entry.second.heard > times_.reader_kept_ns; });
-  if (readers_.empty()) return;
+  if (readers_.empty() || now < greeted_at_) return;
   int64_t least = std::numeric_limits<int64_t>::max();
   for (const auto& [id, reader] : readers_) least = std::min(least, reader.delivered);
   history_.Forget(least + 1);
+}
+
+/// Readers that are cut off, or dead, are kept messages for; a newcomer need not go through those.
+int64_t OrderedWriter::join_seq(int64_t now) const {
+  if (history_.retention() == Retention::kAll || now < greeted_at_) return history_.first_seq();
+  // Those who have said no more than that they read are newcomers themselves.
+  int64_t since = now - times_.join_heard_ns;
+  int64_t newest_word = std::numeric_limits<int64_t>::min();
+  for (const auto& [id, reader] : readers_) {
+    if (reader.delivered >= 0) newest_word = std::max(newest_word, reader.heard);
+  }
+  since = std::min(since, newest_word);
+  int64_t least = std::numeric_limits<int64_t>::max();
+  for (const auto& [id, reader] : readers_) {
+    if (reader.delivered >= 0 && reader.heard >= since) least = std::min(least, reader.delivered);
+  }
+  return least == std::numeric_limits<int64_t>::max() ? history_.first_seq()
+                                                      : std::max(history_.first_seq(), least + 1);
 }
 
 bool OrderedWriter::AnnounceDue(int64_t now) {

@@ -25,17 +25,27 @@ class OrderedWriter {
  public:
   struct Times {
     int64_t reader_alive_ns = 1'500'000'000;  ///< without a word for longer, a reader is not waited for
-    int64_t reader_kept_ns = 10'000'000'000;  ///< nor kept messages for, after this
-    int64_t announce_first_ns = 3'000'000;    ///< after sending, unless everybody has acknowledged by then
+    int64_t reader_kept_ns = 60'000'000'000;  ///< nor kept messages for, after this
+    /// After its first message a publisher forgets nothing for so long: those who read before it began may not have
+    /// been heard yet, as their first words can be lost (ten of them are said in this time).
+    int64_t greeting_ns = 3'000'000'000;
+    /// A newcomer begins where the slowest reader heard within this time stands: it may be that one, started again.
+    int64_t join_heard_ns = 3'000'000'000;
+    int64_t announce_first_ns = 3'000'000;  ///< after sending, unless everybody has acknowledged by then
     int64_t announce_period_ns = 1'000'000'000;
     int64_t resend_pause_ns = 2'000'000;  ///< the same message is not sent again sooner (several readers ask)
   };
 
   OrderedWriter(Retention retention, int64_t memory_bytes, std::string channel, std::string path, bool keep_file);
 
+  /// For how long after its last word messages are kept for a reader.
+  void KeepReadersFor(int64_t ns) { times_.reader_kept_ns = ns; }
+
   /// Number of the next message.
   int64_t next_seq() const { return history_.next_seq(); }
   const History& history() const { return history_; }
+  /// Where a reader begins that has nothing yet.
+  int64_t join_seq(int64_t now) const;
 
   /// Whether a message of that size may go now without filling some reader's buffer.
   bool WindowOpen(size_t bytes, int64_t now) const;
@@ -86,6 +96,7 @@ class OrderedWriter {
   std::deque<int64_t> cost_before_;  // total cost of all messages before each of the last ones
   int64_t total_cost_ = 0;
   std::map<int64_t, int64_t> resent_at_;
+  int64_t greeted_at_ = 0;  // nothing is forgotten before
   int64_t next_announce_ = 0;
   int announce_stage_ = 0;
 };

@@ -2,6 +2,8 @@
 
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "core/bus/process_usage.h"
 #include "core/config/config.h"
 #include "plslam/status_t.hpp"
@@ -19,10 +21,10 @@ std::string CutToFit(const std::string& yaml, size_t max_bytes) {
 }
 
 void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counters) {
-  const std::pair<const char*, int64_t> rows[] = {{"bus.sent", c.sent},       {"bus.received", c.received},
-                                                  {"bus.lost", c.lost},       {"bus.repaired", c.repaired},
-                                                  {"bus.resent", c.resent},   {"bus.rejected", c.rejected},
-                                                  {"bus.skipped", c.skipped}, {"bus.duplicates", c.duplicates}};
+  const std::pair<const char*, int64_t> rows[] = {
+      {"bus.sent", c.sent},         {"bus.received", c.received},     {"bus.lost", c.lost},
+      {"bus.repaired", c.repaired}, {"bus.resent", c.resent},         {"bus.rejected", c.rejected},
+      {"bus.skipped", c.skipped},   {"bus.duplicates", c.duplicates}, {"bus.unproven", c.unproven}};
   for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
 }
 
@@ -54,12 +56,14 @@ void StatusPublisher::Publish() {
   status.uptime_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   std::map<std::string, double> all;
   AddBusCounters(bus_.counters(), &all);
+  const std::string complaints = bus_.Complaints();
   const std::scoped_lock lock(mutex_);
   all.insert(counters_.begin(), counters_.end());
   for (const auto& [name, value] : all) status.counters.push_back({name, value});
   status.n_counters = static_cast<int32_t>(status.counters.size());
   status.state = state_;
-  status.reason = reason_.substr(0, kReasonBytes);
+  status.reason = reason_ + (reason_.empty() || complaints.empty() ? "" : "; ") + complaints;
+  status.reason.resize(std::min(status.reason.size(), kReasonBytes));
   status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
   bus_.Publish(kStatus, std::move(status));
 }

@@ -125,6 +125,8 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
 
 void Transport::Listen(const std::string& channel) { Subscribe(Quoted(channel)); }
 
+void Transport::ListenToEnding(std::string_view ending) { Subscribe(".*" + Quoted(std::string(ending))); }
+
 void Transport::ListenToAll() {
   {
     // LCM hands a message to each pattern that matches it: once is enough.

@@ -40,6 +40,8 @@ class Transport {
 
   /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
   void Listen(const std::string& channel);
+  /// All messages of channels whose name ends like this.
+  void ListenToEnding(std::string_view ending);
   /// All messages of all channels; `Listen` is then not needed any more.
   void ListenToAll();
 

@@ -127,6 +127,7 @@ TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
   BusOptions deaf = OptionsFor(url);
   deaf.drop_fraction = 0.5;
   deaf.drop_seed = 3;
+  deaf.give_up_s = 1.0;
   Waiter received;
   int64_t newest = -1;
   RunningBus reader(deaf, "reader");

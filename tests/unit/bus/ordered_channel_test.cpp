@@ -124,17 +124,58 @@ TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 3, 5}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
-  for (int64_t now = 0; now < 20'000 * kMs; now += 10 * kMs) {
+  for (int64_t now = 0; now < 60'000 * kMs; now += 10 * kMs) {
     reader.Poll(now);
     const Numbers more = Drain(reader, now);
     if (!more.empty()) {
-      EXPECT_GE(now, 3000 * kMs);
+      EXPECT_GE(now, 30'000 * kMs);
     }
     numbers.insert(numbers.end(), more.begin(), more.end());
   }
   EXPECT_EQ(numbers, (Numbers{0, 3, 5}));
   EXPECT_EQ(reader.lost(), 3);
   EXPECT_EQ(reader.repaired(), 0);
+}
+
+TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  // Nothing comes for 25 s; then announcements, and the message that was missing another 5 s later.
+  for (int64_t now = 0; now < 30'000 * kMs; now += 50 * kMs) {
+    if (now >= 25'000 * kMs) reader.OnAnnounce(0, 3, now);
+    reader.Poll(now);
+    for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
+  }
+  EXPECT_EQ(numbers, (Numbers{0}));
+  reader.OnMessage(1, *MessageOf(1), 30'000 * kMs);
+  for (const int64_t n : Drain(reader, 30'000 * kMs)) numbers.push_back(n);
+  EXPECT_EQ(numbers, (Numbers{0, 1, 2}));
+}
+
+TEST(OrderedReader, GivesUpWhatALivingPublisherDoesNotSend) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  for (int64_t now = 0; now < 12'000 * kMs; now += 50 * kMs) {
+    reader.OnAnnounce(0, 3, now);
+    reader.Poll(now);
+    for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
+    EXPECT_EQ(numbers.size(), now > 10'000 * kMs ? 2U : 1U) << now / kMs << " ms";
+  }
+}
+
+TEST(OrderedReader, NewcomerBeginsWhereItIsToldTo) {
+  OrderedReader newcomer(true, 1'000'000, 0), owed(true, 1'000'000, 0);
+  newcomer.OnAnnounce(10, 25, 0, 24);
+  EXPECT_EQ(newcomer.delivered(), 23);
+  owed.OnMessage(0, *MessageOf(0), 0);
+  Drain(owed, 0);
+  owed.OnAnnounce(1, 25, 0, 24);
+  EXPECT_EQ(owed.delivered(), 0);
+  OrderedReader lied_to(true, 1'000'000, 0);
+  lied_to.OnAnnounce(10, 25, 0, -7);
+  EXPECT_EQ(lied_to.delivered(), 9);
 }
 
 TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
@@ -215,12 +256,56 @@ TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
   writer.OnHello(7, 500'000, 0);
   writer.OnHello(8, 500'000, 0);
   for (int64_t n = 0; n < 10; ++n) writer.Sent(MessageOf(n), 0);
-  writer.OnRequest(7, 9, 500'000, {}, 0);
+  writer.OnRequest(7, 9, 500'000, {}, 4'000 * kMs);
   EXPECT_EQ(writer.history().first_seq(), 0);
-  writer.OnRequest(8, 5, 500'000, {}, 0);
+  writer.OnRequest(8, 5, 500'000, {}, 4'000 * kMs);
   EXPECT_EQ(writer.history().first_seq(), 6);
-  writer.OnRequest(7, 9, 500'000, {}, 11'000 * kMs);  // 8 has been gone for long
+  writer.OnRequest(7, 9, 500'000, {}, 60'000 * kMs);  // 8 may be cut off
+  EXPECT_EQ(writer.history().first_seq(), 6);
+  writer.OnRequest(7, 9, 500'000, {}, 64'001 * kMs);  // and has been gone for long
   EXPECT_EQ(writer.history().first_seq(), 10);
+}
+
+TEST(OrderedWriter, KeepsItsFirstMessagesForThoseWhoseFirstWordIsLost) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  writer.OnHello(7, 500'000, 0);
+  for (int64_t n = 0; n < 3; ++n) writer.Sent(MessageOf(n), n * kMs);
+  writer.OnRequest(7, 2, 500'000, {}, 5 * kMs);  // all that is known to read has everything
+  EXPECT_EQ(writer.join_seq(2'900 * kMs), 0);
+  const auto answer = writer.OnRequest(8, -1, 500'000, {{0, 2}}, 2'900 * kMs);
+  ASSERT_EQ(answer.resend.size(), 3U) << "another has been listening all the time";
+  writer.OnRequest(8, 2, 500'000, {}, 2'950 * kMs);
+  writer.OnRequest(7, 2, 500'000, {}, 3'100 * kMs);
+  EXPECT_EQ(writer.history().first_seq(), 3);
+}
+
+TEST(OrderedWriter, KeepsItsFirstMessagesWithinTheBoundOfMemory) {
+  OrderedWriter writer(Retention::kUnacknowledged, 10'000'000, "CHANNEL", "", false);
+  for (int64_t n = 0; n < 2000; ++n) writer.Sent(MessageOf(n, 60'000), 0);
+  EXPECT_LE(writer.history().memory_bytes(), 10'000'000);
+}
+
+TEST(OrderedWriter, NewcomersNeedNotGoThroughWhatIsKeptForTheDead) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  writer.Sent(MessageOf(0), 0);
+  writer.OnRequest(7, 0, 500'000, {}, 4'000 * kMs);
+  writer.OnRequest(8, 0, 500'000, {}, 4'000 * kMs);
+  for (int64_t n = 1; n < 10; ++n) writer.Sent(MessageOf(n), 4'000 * kMs);
+  writer.OnRequest(7, 8, 500'000, {}, 5'000 * kMs);
+  EXPECT_EQ(writer.join_seq(6'000 * kMs), 1) << "one that was heard 2 s ago: a newcomer may be that one, back again";
+  writer.OnRequest(7, 8, 500'000, {}, 7'500 * kMs);
+  EXPECT_EQ(writer.join_seq(7'500 * kMs), 9) << "where 7 stands";
+  EXPECT_EQ(writer.history().first_seq(), 1) << "kept for 8";
+  EXPECT_EQ(writer.join_seq(40'000 * kMs), 9) << "nobody lives: where the one heard last stood";
+  writer.OnHello(9, 500'000, 40'000 * kMs);
+  EXPECT_EQ(writer.join_seq(40'000 * kMs), 9);
+}
+
+TEST(OrderedWriter, TheFirstReaderOfAllGetsWhatIsKept) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  for (int64_t n = 0; n < 10; ++n) writer.Sent(MessageOf(n), 0);
+  writer.OnHello(9, 500'000, 40'000 * kMs);
+  EXPECT_EQ(writer.join_seq(40'000 * kMs), 0);
 }
 
 TEST(OrderedWriter, AnnouncesAfterSendingUntilAcknowledged) {
@@ -245,11 +330,12 @@ TEST(OrderedWriter, AnnouncesAfterSendingUntilAcknowledged) {
 /// One writer and some readers over a network that loses, repeats and reorders; simulated time.
 class LossyNetwork {
  public:
-  LossyNetwork(double loss, uint64_t seed) : loss_(loss), random_(seed) {}
+  LossyNetwork(double loss, uint64_t seed, Retention retention = Retention::kAll)
+      : loss_(loss), random_(seed), retention_(retention) {}
 
   /// Sends n messages of random sizes; true when all readers have delivered all of them, in order, once.
   bool Run(int n, int n_readers, int64_t limit) {
-    OrderedWriter writer = WriterOf();
+    OrderedWriter writer = WriterOf(retention_);
     std::vector<OrderedReader> readers(static_cast<size_t>(n_readers), OrderedReader(true, 10'000'000, 0));
     std::vector<Numbers> delivered(readers.size());
     std::vector<int64_t> hello(readers.size(), 0);
@@ -302,9 +388,8 @@ class LossyNetwork {
 
   void Announce(int64_t now, std::vector<OrderedReader>& readers, const OrderedWriter& writer) {
     for (OrderedReader& reader : readers) {
-      Send(now, [this, &reader, first = writer.history().first_seq(), next = writer.next_seq()] {
-        reader.OnAnnounce(first, next, now_);
-      });
+      Send(now, [this, &reader, first = writer.history().first_seq(), join = writer.join_seq(now),
+                 next = writer.next_seq()] { reader.OnAnnounce(first, next, now_, join); });
     }
   }
 
@@ -339,6 +424,7 @@ class LossyNetwork {
 
   double loss_;
   std::mt19937_64 random_;
+  Retention retention_;
   std::deque<Flight> flights_;
   int64_t now_ = 0;
 };
@@ -348,6 +434,13 @@ class OrderedChannel : public testing::TestWithParam<double> {};
 TEST_P(OrderedChannel, EveryMessageArrivesOnceAndInOrder) {
   for (uint64_t seed = 1; seed <= 5; ++seed) {
     EXPECT_TRUE(LossyNetwork(GetParam(), seed).Run(200, 2, 60'000 * kMs)) << "seed " << seed;
+  }
+}
+
+TEST_P(OrderedChannel, SoDoesEachOneOfAChannelThatForgets) {
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    EXPECT_TRUE(LossyNetwork(GetParam(), seed, Retention::kUnacknowledged).Run(50, 2, 20'000 * kMs))
+        << "seed " << seed;
   }
 }
 

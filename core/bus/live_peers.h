@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+
+namespace plslam::bus {
+
+/// Tells numbers that have been taken before from new ones. They may come out of order among the newest 64; older ones
+/// count as taken.
+class ReplayWindow {
+ public:
+  /// True the first time. Precondition: seq >= 0.
+  bool Take(int64_t seq);
+
+ private:
+  int64_t newest_ = -1;
+  uint64_t taken_ = 0;  // bit i: newest_ - i
+};
+
+/// Which other processes are known to live. A MAC proves who wrote a message, but not when: what was recorded from a
+/// process that is gone stays genuine. Each process draws its name (`source`) at random when it starts, so a genuine
+/// message that names ours was written after we started; its writer lives, and from then on the numbers of its
+/// messages tell new from old. Time in nanoseconds of any steady clock; not thread-safe.
+class LivePeers {
+ public:
+  static constexpr size_t kMaxPeers = 1024;
+
+  /// A genuine message of `source` named us.
+  void Prove(int64_t source, int64_t now);
+  bool Lives(int64_t source) const;
+
+  /// A genuine message of a source that has not named us yet.
+  struct Doubt {
+    bool ask = false;      ///< ask it now for a word that names us (at most 100 such questions in a second, in all)
+    bool forlorn = false;  ///< it has had ample time to answer
+  };
+  Doubt Hear(int64_t source, int64_t now);
+
+  /// Whether this request or announcement of `source` is a new one.
+  bool TakeRequest(int64_t source, int64_t seq, int64_t now) { return PeerOf(source, now).requests.Take(seq); }
+  bool TakeAnnouncement(int64_t source, int64_t seq, int64_t now) {
+    return PeerOf(source, now).announcements.Take(seq);
+  }
+
+ private:
+  struct Peer {
+    bool lives = false;
+    int64_t first = 0;  // heard
+    int64_t heard = 0;
+    int64_t ask_at = 0;
+    int64_t ask_pause = 0;
+    ReplayWindow requests;
+    ReplayWindow announcements;
+  };
+  Peer& PeerOf(int64_t source, int64_t now);
+
+  std::map<int64_t, Peer> peers_;
+  int64_t second_began_ = 0;  // in which `asked_` were asked
+  int asked_ = 0;
+};
+
+}  // namespace plslam::bus

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+
+namespace plslam::bus {
+
+/// Why a message is not taken.
+enum class Rejection {
+  kMalformed,     ///< sizes, strings or header that cannot be
+  kOversized,     ///< larger than any of ours
+  kOtherVersion,  ///< LCM's fingerprint is not that of our version of the type
+  kOtherSchema,   ///< `header_t.schema` is not ours
+  kNoKey,         ///< we have a key; it has no MAC
+  kOtherKey,      ///< we have a key; its MAC is not of that key, or the message has been altered
+  kReplayed,      ///< genuine once, but its sender does not answer: it is gone
+  kNumber         // of the above
+};
+
+/// What this process has had to reject, by reason, and what foreign traffic it hears: counted, told once in the log, and
+/// shown as one line in the status. Time in nanoseconds of any steady clock; not thread-safe.
+class Rejections {
+ public:
+  /// True for the first of its kind, which is worth a line in the log.
+  bool Count(Rejection why, std::string_view channel, int64_t now);
+  /// A process with another prefix is heard; true for the first word with that prefix.
+  bool OtherPrefix(std::string_view prefix, int64_t now);
+
+  /// "1204 messages with another key (bus.key_file), last on POSE; ..." of what happened within the last minute; empty
+  /// where nothing did.
+  std::string Line(int64_t now) const;
+
+  /// What is the matter with a message, as the end of a sentence.
+  static std::string_view Text(Rejection why);
+  static std::string PrefixText(std::string_view prefix);
+
+ private:
+  struct Row {
+    int64_t count = 0;
+    int64_t last = 0;
+    std::string channel;
+  };
+  std::array<Row, static_cast<size_t>(Rejection::kNumber)> rows_;
+  std::map<std::string, int64_t, std::less<>> prefixes_;  // when heard last
+};
+
+}  // namespace plslam::bus

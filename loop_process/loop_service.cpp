@@ -69,10 +69,13 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
 }
 
 void LoopService::JudgeWhatIsDue(Output& output) {
-  while (!due_.empty() && !on_its_way_) {
-    const auto [session, keyframe_id] = due_.front();
-    if (Newest(received_, session) < keyframe_id) return;
-    due_.pop_front();
+  while (!on_its_way_) {
+    // In order within a session; a robot whose keyframes are late does not hold up the others.
+    const auto next = std::find_if(due_.begin(), due_.end(),
+                                   [this](const auto& due) { return Newest(received_, due.first) >= due.second; });
+    if (next == due_.end()) return;
+    const auto [session, keyframe_id] = *next;
+    due_.erase(next);
     const double began_ms = now_ms_();
     LoopClosure closure = closer_.Judge(replica_.map(), session, keyframe_id);
     closure.session = session;

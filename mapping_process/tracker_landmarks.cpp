@@ -10,6 +10,8 @@ namespace {
 
 // Keyframes after which a landmark of the tracker that no longer comes is forgotten; it drops them much sooner.
 constexpr int64_t kRememberedKeyframes = 60;
+// Sessions, of which those that went on last are remembered.
+constexpr size_t kRememberedSessions = 16;
 
 template <class Kind, class Table>
 std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const std::vector<int64_t>& tracker_ids,
@@ -30,12 +32,13 @@ std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const
 }  // namespace
 
 Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
-  static const Table kNone;
-  const bool known = keyframe.session == session_;
+  static const Session kNone;
+  const auto known = sessions_.find(keyframe.session);
+  const Session& session = known == sessions_.end() ? kNone : known->second;
   return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, keyframe.point_landmark_ids,
-                              known ? points_ : kNone, map),
+                              session.points, map),
           ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,
-                             known ? lines_ : kNone, map)};
+                             session.lines, map)};
 }
 
 Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
@@ -44,13 +47,17 @@ Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
 }
 
 void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
-  if (keyframe.session != session_) {
-    session_ = keyframe.session;
-    points_.clear();
-    lines_.clear();
-  }
-  Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id, points_);
-  Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id, lines_);
+  Session& session = sessions_[keyframe.session];
+  session.learned = ++n_learned_;
+  Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id, session.points);
+  Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id, session.lines);
+  ForgetSessions();
+}
+
+void TrackerLandmarks::ForgetSessions() {
+  if (sessions_.size() <= kRememberedSessions) return;
+  sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
+                                   [](const auto& a, const auto& b) { return a.second.learned < b.second.learned; }));
 }
 
 void TrackerLandmarks::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,

@@ -27,12 +27,19 @@ class TrackerLandmarks {
     int64_t keyframe_id = -1;
   };
   using Table = std::map<int64_t, Entry>;
+  struct Session {
+    Table points;
+    Table lines;
+    int64_t learned = 0;
+  };
   static void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id,
                     Table& table);
 
-  int64_t session_ = 0;
-  Table points_;
-  Table lines_;
+  void ForgetSessions();
+
+  /// Several robots may be at work at once.
+  std::map<int64_t, Session> sessions_;
+  int64_t n_learned_ = 0;
 };
 
 }  // namespace plslam

@@ -76,7 +76,9 @@ std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes() {
   std::vector<Arrived> taken;
   while (!keyframes_.empty()) {
     const bool lockstep = keyframes_.front().keyframe.lockstep;
-    if (lockstep && !taken.empty()) break;
+    // An update names the newest keyframe of one session, whose tracker takes it over.
+    const bool same = taken.empty() || keyframes_.front().keyframe.session == taken.front().keyframe.session;
+    if (!same || (lockstep && !taken.empty())) break;
     taken.push_back(std::move(keyframes_.front()));
     keyframes_.pop_front();
     if (lockstep) break;

@@ -16,7 +16,7 @@ namespace plslam {
 
 /// What the owner of the map has to do, in an order that makes results repeatable. No clock and no thread: times are given.
 ///
-/// Of a live stream all keyframes that have come are inserted at once, and what loop_process says is taken over when it
+/// Of a live stream all keyframes of a session that have come are inserted at once, and what loop_process says is taken over when it
 /// comes. Of a lockstep stream each keyframe waits until loop_process has had its say about the one before and that is
 /// in the map; where no loop_process is heard of for a while, it goes on without.
 ///

@@ -49,8 +49,7 @@ void VoNode::Listen() {
   map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
     // In lockstep only what loop_process has had its say about: the same at every run.
     if (lockstep_ && !update.settled) return;
-    map_session_ = update.session;
-    map_keyframe_id_ = update.session_keyframe_id;
+    if (update.session == session_) map_keyframe_id_ = update.session_keyframe_id;
     OnMap();
   });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
@@ -139,7 +138,7 @@ void VoNode::AwaitMap(int64_t keyframe_id) {
 }
 
 bool VoNode::AdoptMap(int64_t oldest_keyframe_id) {
-  if (!odometry_ || map_session_ != session_ || map_keyframe_id_ < oldest_keyframe_id) return false;
+  if (!odometry_ || map_keyframe_id_ < oldest_keyframe_id) return false;
   if (odometry_->Adopt(map_->replica().map(), session_, map_keyframe_id_)) adopted_keyframe_id_ = map_keyframe_id_;
   return true;
 }
@@ -154,6 +153,7 @@ void VoNode::BeginSession() {
   map_wait_.End();
   answer_wait_.End();
   question_.reset();
+  map_keyframe_id_ = -1;
   adopted_keyframe_id_ = -1;
   last_keyframe_id_ = -1;
   odometry_.emplace(front_end_->camera(), options_);

@@ -88,8 +88,7 @@ class VoNode {
   std::optional<RelocalisationQuestion> question_;
   int n_asked_ = 0;
   bool lockstep_ = false;
-  /// The newest keyframe in the map.
-  int64_t map_session_ = 0;
+  /// The newest keyframe of the session in the map; other robots' may be in it too.
   int64_t map_keyframe_id_ = -1;
   int64_t adopted_keyframe_id_ = -1;
   int64_t last_keyframe_id_ = -1;

@@ -107,6 +107,17 @@ TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
   EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, true, 5))), Ids{});
 }
 
+TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
+  MapUpdate of_other = Update(0, false);
+  of_other.session = kSession + 1;
+  service_.OnUpdate(of_other);
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), (Ids{0, 1}));
+  Keyframe late = KeyframeOf(0);
+  late.session = kSession + 1;
+  EXPECT_EQ(service_.OnKeyframe(late).closures.size(), 1U);
+}
+
 TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {
   for (int64_t id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));

@@ -73,6 +73,16 @@ TEST_F(AssociationTest, WhatAnotherSessionLearntDoesNotCount) {
   EXPECT_EQ(tracker.Claims(WithPoints(2, 0, {500}, {12}), m_.map).points, (Ids{12}));
 }
 
+TEST_F(AssociationTest, WhatRobotsLearnInTurnStays) {
+  TrackerLandmarks tracker;
+  tracker.Learn(WithPoints(1, 0, {500}, {}), {{10}, {}});
+  tracker.Learn(WithPoints(2, 0, {500}, {}), {{20}, {}});
+  EXPECT_EQ(tracker.Claims(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{10}));
+  EXPECT_EQ(tracker.Claims(WithPoints(2, 1, {500}, {}), m_.map).points, (Ids{20}));
+  for (int64_t session = 3; session < 40; ++session) tracker.Learn(WithPoints(session, 0, {500}, {}), {{30}, {}});
+  EXPECT_EQ(tracker.Claims(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{-1})) << "sessions of long ago";
+}
+
 TEST_F(AssociationTest, LandmarksThatNoLongerComeAreForgotten) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});

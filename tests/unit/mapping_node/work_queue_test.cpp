@@ -108,6 +108,18 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
   EXPECT_TRUE(Take(Kind::kCorrect).settles);
 }
 
+TEST_F(WorkQueueTest, EachInsertionIsOfOneSessionSoThatItsTrackerHearsOfIt) {
+  Keyframe other = KeyframeOf(0, false);
+  other.session = kSession + 1;
+  queue_.Add(KeyframeOf(0, false), 0.0);
+  queue_.Add(KeyframeOf(1, false), 0.0);
+  queue_.Add(other, 0.0);
+  queue_.Add(KeyframeOf(2, false), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 2U);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.session, kSession + 1);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
+}
+
 TEST_F(WorkQueueTest, AfterARestartTheHistoriesOfBothMakeTheSameOrder) {
   queue_.Add(ClosureOf(0));
   queue_.Add(ClosureOf(1, LoopClosure::Kind::kLoop, true));

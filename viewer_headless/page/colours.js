@@ -1,0 +1,39 @@
+// Colours of data, apart from those of the page (style.css).
+
+function parse(hex) {
+  return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
+}
+
+// Perceptually even: dark blue over green to yellow ("viridis"), and violet over red to yellow ("plasma").
+const kHeight = ["#3b4cc0", "#5f7fe8", "#87b1f5", "#b6d0e6", "#e0c4b0", "#f0946f", "#d3523f"].map(parse);
+const kAge = ["#4a2c8f", "#3f5fa8", "#2f8a8f", "#3fae78", "#8fcf4d", "#f0e03a"].map(parse);
+
+export const scales = {
+  height: kHeight,
+  seen: kAge,
+  sights: kAge,
+};
+
+/** Colour of a share of 0 to 1, as [r, g, b]. */
+export function ramp(stops, share) {
+  const at = Math.min(1, Math.max(0, share)) * (stops.length - 1);
+  const i = Math.min(stops.length - 2, Math.floor(at));
+  const f = at - i;
+  return stops[i].map((value, k) => value * (1 - f) + stops[i + 1][k] * f);
+}
+
+export function css([r, g, b], alpha = 1) {
+  return `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)} / ${alpha})`;
+}
+
+export function cssGradient(stops) {
+  return `linear-gradient(to right, ${stops.map((stop) => css(stop)).join(", ")})`;
+}
+
+/** A colour that the style of the page gives a name. */
+export function themeColour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+}
+
+// Series of plots, told apart by hue and by lightness, on white and on black.
+export const series = ["#4c8dde", "#e0853d", "#43a888", "#c25b8e", "#9a7bd1", "#b8a032", "#7f8c99", "#d2604f"];

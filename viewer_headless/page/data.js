@@ -1,0 +1,134 @@
+// The data of a run as the viewer writes it, decoded: columns become typed arrays. A live page adds what comes later.
+
+const kArrays = { f32: Float32Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array };
+
+function bytesOf(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return bytes;
+}
+
+export function decodeTable(table) {
+  const columns = {};
+  for (const [name, { type, data }] of Object.entries(table ?? {})) columns[name] = new kArrays[type](bytesOf(data).buffer);
+  return columns;
+}
+
+function widthsOf(table) {
+  return Object.fromEntries(Object.entries(table).map(([name, column]) => [name, column.width]));
+}
+
+/** `more` behind the first `rows` rows of `table`; `width` numbers in a row, before and now. */
+function append(table, oldWidths, more, widths, rows) {
+  const result = {};
+  for (const [name, column] of Object.entries(more)) {
+    const width = widths[name];
+    const moreRows = column.length / width;
+    const joined = new column.constructor((rows + moreRows) * width);
+    if (joined instanceof Float32Array) joined.fill(NaN);
+    const old = table[name];
+    const oldWidth = oldWidths[name] ?? width;
+    // Stages that nobody knew of make the rows wider.
+    for (let row = 0; old && row < rows; ++row) {
+      joined.set(old.subarray(row * oldWidth, row * oldWidth + Math.min(width, oldWidth)), row * width);
+    }
+    joined.set(column, rows * width);
+    result[name] = joined;
+  }
+  return result;
+}
+
+export class Run {
+  constructor() {
+    this.facts = {};
+    this.next = "";
+    this.frames = {};
+    this.frameWidths = {};
+    this.path = null;
+    this.map = null;
+    this.stageNames = [];
+    this.mapStageNames = [];
+    this.mapTimes = {};
+    this.loops = [];
+    this.corrections = [];
+    this.processes = [];
+    this.pictures = [];
+    this.notes = [];
+  }
+
+  get rows() {
+    return this.frames.id?.length ?? 0;
+  }
+
+  /** Takes in the viewer's JSON; returns the names of what has changed. */
+  take(json) {
+    const changed = new Set(["facts", "frames", "processes"]);
+    if (json.whole) Object.assign(this, new Run());
+    // Figures that come with the path alone stay until the next path.
+    const kept = json.path ? {} : { ate_m: this.facts.ate_m, live_ate_m: this.facts.live_ate_m, length_m: this.facts.length_m };
+    this.facts = { ...json.facts, ...kept };
+    this.next = json.next;
+    this.stageNames = json.stage_names;
+    const widths = widthsOf(json.frames);
+    this.frames = append(this.frames, this.frameWidths, decodeTable(json.frames), widths, Math.min(json.first_row, this.rows));
+    this.frameWidths = widths;
+    this.processes = json.processes.map((p) => ({ ...p, table: decodeTable(p.table) }));
+    this.takePictures(json.pictures);
+    if (json.pictures.length) changed.add("pictures");
+    if (!json.path) return changed;
+    changed.add("map");
+    this.path = decodeTable(json.path);
+    this.map = Object.fromEntries(Object.entries(json.map).map(([name, table]) => [name, decodeTable(table)]));
+    this.mapStageNames = json.map_stage_names;
+    this.mapTimes = decodeTable(json.map_times);
+    this.loops = json.loops;
+    this.corrections = json.corrections.map((c) => ({ ...c, table: decodeTable(c.table) }));
+    this.notes = json.notes;
+    return changed;
+  }
+
+  takePictures(pictures) {
+    const known = new Set(this.pictures.map((p) => p.frame));
+    for (const picture of pictures) {
+      if (known.has(picture.frame)) continue;
+      this.pictures.push({ ...picture, features: decodeTable(picture.features) });
+    }
+    this.pictures.sort((a, b) => a.frame - b.frame);
+  }
+
+  /** The last row whose frame is not after `frame`; 0 where there is none. */
+  rowOf(frame) {
+    return Math.max(0, countUpTo(this.frames.id ?? [], frame) - 1);
+  }
+
+  /** The last row that is not after `t_s`. */
+  rowAt(t_s) {
+    return Math.max(0, countUpTo(this.frames.t_s ?? [], t_s) - 1);
+  }
+
+  /** Position in the map as it is at last, as far as it is known, else as published. */
+  position(row, out) {
+    const known = this.path && 3 * row + 2 < this.path.p.length;
+    const from = known ? this.path.p : this.frames.live;
+    for (let k = 0; k < 3; ++k) out[k] = from[3 * row + k];
+    return out;
+  }
+}
+
+/** How many of the ascending `values` are not above `limit`. */
+export function countUpTo(values, limit) {
+  let low = 0;
+  let high = values.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= limit) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+/** The data that stand in the page; null in a live page. */
+export function embeddedData() {
+  return JSON.parse(document.getElementById("run-data").textContent);
+}

@@ -1,0 +1,41 @@
+// Numbers for people.
+
+export function fixed(value, digits) {
+  return Number.isFinite(value) ? value.toFixed(digits) : "–";
+}
+
+export function count(value) {
+  return Number.isFinite(value) ? Math.round(value).toLocaleString("en").replaceAll(",", "\u202f") : "–";
+}
+
+/** Three digits that count, with the unit that fits a length. */
+export function metres(value) {
+  if (!Number.isFinite(value)) return "–";
+  if (Math.abs(value) >= 1000) return `${fixed(value / 1000, 2)} km`;
+  if (Math.abs(value) >= 10) return `${fixed(value, 1)} m`;
+  if (Math.abs(value) >= 1) return `${fixed(value, 2)} m`;
+  if (Math.abs(value) >= 0.1) return `${fixed(value * 100, 1)} cm`;
+  if (Math.abs(value) >= 0.01) return `${fixed(value * 100, 2)} cm`;
+  return `${fixed(value * 1000, 1)} mm`;
+}
+
+export function seconds(value) {
+  if (!Number.isFinite(value)) return "–";
+  const minutes = Math.floor(value / 60);
+  return minutes ? `${minutes}:${String(Math.floor(value % 60)).padStart(2, "0")} min` : `${fixed(value, 1)} s`;
+}
+
+export function median(values) {
+  const sorted = [...values].filter(Number.isFinite).sort((a, b) => a - b);
+  return sorted.length ? sorted[sorted.length >> 1] : NaN;
+}
+
+/** Values below which `low` and `high` of all lie: outliers must not take all the colours. */
+export function quantiles(values, low, high) {
+  const finite = Float32Array.from(values).filter(Number.isFinite).sort();
+  if (!finite.length) return [0, 1];
+  const at = (share) => finite[Math.floor(share * (finite.length - 1))];
+  return [at(low), at(high)];
+}
+
+export const states = ["initialising", "tracking", "weak", "lost", "recovered"];

@@ -1,0 +1,29 @@
+// What the colours of the points mean.
+import { byId, element } from "./element.js";
+import { cssGradient, scales } from "./colours.js";
+import { fixed } from "./format.js";
+
+const kTitles = { height: "height in m", seen: "first seen in frame", sights: "keyframes that see it" };
+
+export function showLegend(mode, range) {
+  const digits = mode === "height" && range && Math.abs(range[1] - range[0]) < 10 ? 1 : 0;
+  const box = byId("legend");
+  if (!range) return box.replaceChildren();
+  box.replaceChildren(
+    element("span", {}, kTitles[mode]),
+    element("i", { style: `background: ${cssGradient(scales[mode])}` }),
+    element("span", { class: "ends" }, element("b", {}, fixed(range[0], digits)), element("b", {}, fixed(range[1], digits))),
+  );
+}
+
+/** Buttons of which one is pressed; `choose(mode)`. */
+export function makeColourChoice(choose) {
+  const names = { height: "Height", seen: "Age", sights: "Sightings" };
+  const buttons = Object.entries(names).map(([mode, label]) =>
+    element("button", { type: "button", "data-mode": mode, "aria-pressed": mode === "height" ? "true" : "false",
+      onclick: () => {
+        for (const button of buttons) button.setAttribute("aria-pressed", button.dataset.mode === mode);
+        choose(mode);
+      } }, label));
+  byId("colours").append(...buttons);
+}

@@ -1,0 +1,92 @@
+// The frame of the moment with what was tracked in it, drawn sharp over the small picture.
+import { byId } from "./element.js";
+import { css, ramp, scales } from "./colours.js";
+import { countUpTo } from "./data.js";
+import { count, states } from "./format.js";
+
+const kOldAge = 20;
+const kNearDisparity = 64;
+const kNear = ["#3f6fe0", "#2fb6c8", "#58c24a", "#e8c832", "#e2483d"].map((hex) =>
+  [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
+
+function pointColour(disparity) {
+  if (disparity === 65535) return "rgb(190 190 190 / 0.8)";
+  return css(ramp(kNear, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
+}
+
+function drawSegments(context, { segments, segment_ages, segment_depths }, scale) {
+  for (let i = 0; i < segment_ages.length; ++i) {
+    const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4).map((x) => x);
+    const deep = segment_depths[i];
+    context.strokeStyle = deep ? css(ramp(scales.sights, segment_ages[i] / kOldAge)) : "rgb(200 200 200 / 0.7)";
+    context.lineWidth = deep ? 2.5 : 1;
+    context.setLineDash(deep ? [] : [4, 4]);
+    context.beginPath();
+    context.moveTo((u0 / 32) * scale, (v0 / 32) * scale);
+    context.lineTo((u1 / 32) * scale, (v1 / 32) * scale);
+    context.stroke();
+  }
+  context.setLineDash([]);
+}
+
+function drawPoints(context, { points, point_ages }, scale) {
+  context.lineWidth = 1.5;
+  for (let i = 0; i < point_ages.length; ++i) {
+    context.strokeStyle = pointColour(points[3 * i + 2]);
+    context.beginPath();
+    context.arc((points[3 * i] / 32) * scale, (points[3 * i + 1] / 32) * scale, point_ages[i] ? 3.5 : 2, 0, 2 * Math.PI);
+    context.stroke();
+  }
+}
+
+export class Picture {
+  constructor(layers) {
+    this.canvas = byId("frame");
+    this.layers = layers;
+    this.image = new Image();
+    this.image.onload = () => this.draw();
+    this.shown = null;
+  }
+
+  show(run, row) {
+    if (!run.rows) return;
+    const frame = run.frames.id[row];
+    const picture = this.find(run, frame);
+    byId("picture").classList.toggle("none", !picture);
+    const f = run.frames;
+    byId("frame-caption").textContent = [
+      `frame ${frame}`,
+      states[f.state[row]],
+      `${count(f.tracked_points[row])} points`,
+      `${count(f.tracked_lines[row])} lines tracked`,
+      f.keyframe[row] ? "keyframe" : null,
+      picture && picture.frame !== frame ? `picture of frame ${picture.frame}` : null,
+    ].filter(Boolean).join(" · ");
+    if (picture && picture !== this.shown) {
+      this.shown = picture;
+      this.image.src = `data:image/jpeg;base64,${picture.jpeg}`;
+    }
+  }
+
+  find(run, frame) {
+    const frames = run.pictures.map((p) => p.frame);
+    const at = countUpTo(frames, frame) - 1;
+    return run.pictures[Math.max(0, at)] ?? null;
+  }
+
+  draw() {
+    const picture = this.shown;
+    if (!picture) return;
+    const width = this.canvas.clientWidth || picture.width_px;
+    const density = Math.min(3, window.devicePixelRatio || 1);
+    const scale = width / picture.width_px;
+    this.canvas.style.aspectRatio = `${picture.width_px} / ${picture.height_px}`;
+    this.canvas.width = Math.round(width * density);
+    this.canvas.height = Math.round(picture.height_px * scale * density);
+    const context = this.canvas.getContext("2d");
+    context.scale(density, density);
+    context.drawImage(this.image, 0, 0, width, picture.height_px * scale);
+    if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale);
+    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale);
+  }
+}

@@ -1,0 +1,108 @@
+// One plot: title, legend with values at the cursor, axes with units, a line at the moment of the replay.
+import uPlot from "uplot";
+import { element } from "./element.js";
+import { themeColour } from "./colours.js";
+
+const kHeight = 190;
+
+function axis(label, values) {
+  const colour = () => themeColour("muted");
+  return {
+    label,
+    labelSize: 18,
+    labelFont: "11px system-ui, sans-serif",
+    font: "11px system-ui, sans-serif",
+    stroke: colour,
+    grid: { stroke: () => themeColour("grid"), width: 1 },
+    ticks: { stroke: () => themeColour("grid"), width: 1, size: 4 },
+    values,
+  };
+}
+
+/** A vertical line at `now()`. */
+function nowLine(now) {
+  const draw = (u) => {
+    const t = now();
+    if (t === null || t < u.scales.x.min || t > u.scales.x.max) return;
+    const x = Math.round(u.valToPos(t, "x", true));
+    u.ctx.save();
+    u.ctx.strokeStyle = themeColour("accent");
+    u.ctx.lineWidth = window.devicePixelRatio || 1;
+    u.ctx.beginPath();
+    u.ctx.moveTo(x, u.bbox.top);
+    u.ctx.lineTo(x, u.bbox.top + u.bbox.height);
+    u.ctx.stroke();
+    u.ctx.restore();
+  };
+  return { hooks: { draw } };
+}
+
+export class Plot {
+  /**
+   * spec: {title, unit, x: "s", xLabel, log, series: [{label, colour, fill, dash, points, width}], level, range}.
+   * `now()` is the time to mark or null, `seek(t)` goes there.
+   */
+  constructor(parent, spec, data, now, seek) {
+    this.figure = element("figure", { class: "plot" });
+    this.figure.append(element("figcaption", {}, spec.title, element("small", {}, spec.note ?? "")));
+    this.box = element("div", { class: "canvas" });
+    this.figure.append(this.box);
+    parent.append(this.figure);
+    const options = {
+      width: this.width(),
+      height: kHeight,
+      scales: { x: { time: false }, y: { distr: spec.log ? 3 : 1, range: spec.range } },
+      axes: [axis(spec.xLabel ?? "time in s"), { ...axis(spec.unit), size: 52 }],
+      series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s) => this.serie(s, spec))],
+      cursor: { y: false, focus: { prox: 16 }, sync: seek ? { key: "time" } : undefined },
+      legend: { live: true },
+      plugins: [nowLine(now)],
+      bands: spec.bands,
+    };
+    this.plot = new uPlot(options, data, this.box);
+    if (seek) this.plot.over.addEventListener("click", (event) => seek(this.plot.posToVal(event.offsetX, "x")));
+    // Asked once a size has settled, for a redraw within its own notice would be noticed again.
+    this.observer = new ResizeObserver(() => requestAnimationFrame(() => this.resize()));
+    this.observer.observe(this.figure);
+  }
+
+  serie(s, spec) {
+    return {
+      label: s.label,
+      stroke: s.colour,
+      fill: s.fill,
+      width: s.width ?? 1.6,
+      dash: s.dash,
+      points: { show: s.points === true, size: 4, stroke: s.colour, fill: s.colour },
+      paths: s.points === true ? () => null : s.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
+      spanGaps: s.spanGaps ?? false,
+      value: (_, v, __, i) => {
+        const shown = s.own && i !== null ? s.own[i] : v;
+        return shown === null || shown === undefined ? "–" : `${Number(shown.toPrecision(3))}`;
+      },
+    };
+  }
+
+  width() {
+    return Math.max(220, this.box.clientWidth || this.figure.clientWidth || 400);
+  }
+
+  resize() {
+    const width = this.width();
+    if (Math.abs(width - this.plot.width) >= 1) this.plot.setSize({ width, height: kHeight });
+  }
+
+  setData(data) {
+    this.plot.setData(data);
+  }
+
+  redraw() {
+    this.plot.redraw(false, true);
+  }
+
+  destroy() {
+    this.observer.disconnect();
+    this.plot.destroy();
+    this.figure.remove();
+  }
+}

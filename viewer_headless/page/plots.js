@@ -1,0 +1,46 @@
+// All plots of the page.
+import { byId, element } from "./element.js";
+import { Plot } from "./plot.js";
+import { plotsOf } from "./plot_data.js";
+
+export class Plots {
+  constructor(seek) {
+    this.parent = byId("plots");
+    this.seek = seek;
+    this.plots = new Map();
+    this.now = null;
+  }
+
+  /** Draws the plots of the run; those that are there and have the same series only get new data. */
+  setRun(run) {
+    const wanted = plotsOf(run);
+    const shape = JSON.stringify(wanted.map((p) => [p.key, p.spec.series.map((s) => s.label)]));
+    // Values of stacked series hang on the plot they were made for.
+    const reusable = shape === this.shape && !wanted.some((p) => p.spec.series.some((s) => s.own));
+    if (reusable) return wanted.forEach((p) => this.plots.get(p.key).setData(p.data));
+    this.shape = shape;
+    for (const plot of this.plots.values()) plot.destroy();
+    this.plots.clear();
+    if (!this.parent.querySelector("h2")) this.parent.append(element("h2", {}, "Figures"));
+    for (const { key, spec, data, wall } of wanted) {
+      const plot = new Plot(this.parent, spec, data, () => (wall ? null : this.now), wall ? null : this.seek);
+      plot.figure.dataset.plot = key;
+      this.plots.set(key, plot);
+    }
+  }
+
+  setNow(t) {
+    this.now = t;
+    if (this.pending) return;
+    this.pending = true;
+    // The picture and the map go first while a replay runs.
+    setTimeout(() => {
+      this.pending = false;
+      this.redraw();
+    }, 60);
+  }
+
+  redraw() {
+    for (const plot of this.plots.values()) plot.redraw();
+  }
+}

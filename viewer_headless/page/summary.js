@@ -1,0 +1,56 @@
+// The head of the page: what the run was, in a line of numbers.
+import { byId, element } from "./element.js";
+import { count, fixed, median, metres, seconds } from "./format.js";
+
+function totalStage(run) {
+  const width = run.frameWidths.stages_ms;
+  if (!run.stageNames.length) return NaN;
+  // A stage named "total" holds the others.
+  const total = run.stageNames.indexOf("total");
+  const totals = [];
+  for (let row = 0; row < run.rows; ++row) {
+    let sum = 0;
+    for (let i = 0; i < width; ++i) {
+      const ms = run.frames.stages_ms[row * width + i];
+      if (Number.isFinite(ms) && (total < 0 || i === total)) sum += ms;
+    }
+    totals.push(sum);
+  }
+  return median(totals);
+}
+
+function figures(run) {
+  const f = run.facts;
+  const tracked = f.frames ? (100 * (f.frames - f.lost_frames)) / f.frames : NaN;
+  const announced = !f.finished && f.announced_frames > 0 ? ` of ${count(f.announced_frames)}` : "";
+  return [
+    ["Frames", count(f.frames) + announced, seconds(f.duration_s)],
+    ["Tracked", `${fixed(tracked, tracked === 100 ? 0 : 1)} %`, f.lost_frames ? `${count(f.lost_frames)} lost` : "none lost"],
+    ["Path", metres(f.length_m), `${count(f.keyframes)} keyframes`],
+    f.ate_m != null && ["Error (ATE)", metres(f.ate_m), `${metres(f.live_ate_m)} as published`],
+    f.points > 0 && ["Map", count(f.points), `points, ${count(f.lines)} segments`],
+    f.points > 0 && ["Loops", count(f.loops), f.loops ? "closed" : "none found"],
+    ["Odometry", `${fixed(totalStage(run), 1)} ms`, "a frame, median"],
+  ].filter(Boolean);
+}
+
+export function showSummary(run) {
+  const f = run.facts;
+  byId("dataset").textContent = f.dataset || "unnamed run";
+  document.title = `${f.dataset || "run"} · PL-SLAM`;
+  byId("summary").replaceChildren(
+    ...figures(run).map(([name, value, more]) =>
+      element("div", {}, element("dt", {}, name), element("dd", {}, value, element("small", {}, more)))),
+  );
+}
+
+export function showKicker(run, state) {
+  const parts = ["PL-SLAM run", run.facts.pace, run.facts.version && `version ${run.facts.version}`, state];
+  byId("kicker").textContent = parts.filter(Boolean).join(" · ");
+}
+
+export function showNotes(run) {
+  const lead = "Positions are in the map's frame (x right, y down, z forward at the start), drawn with y up. The true path is " +
+    "aligned with the estimated one by a rigid motion.";
+  byId("notes").textContent = [lead, ...run.notes].join(" ");
+}

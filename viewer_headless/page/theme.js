@@ -1,0 +1,22 @@
+// Dark or light: as the system has it, or as chosen.
+import { byId } from "./element.js";
+
+function isDark() {
+  const chosen = document.documentElement.dataset.theme;
+  return chosen ? chosen === "dark" : window.matchMedia("(prefers-color-scheme: dark)").matches;
+}
+
+/** `changed()` is called when colours are others than before. */
+export function makeTheme(changed) {
+  const button = byId("theme");
+  const show = () => {
+    button.textContent = isDark() ? "☀" : "☾";
+    changed();
+  };
+  button.addEventListener("click", () => {
+    document.documentElement.dataset.theme = isDark() ? "light" : "dark";
+    show();
+  });
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
+  button.textContent = isDark() ? "☀" : "☾";
+}

@@ -17,6 +17,7 @@ void PlayerCommandLine::AddTo(void* app) {
   cli.add_option("--loop", loop_, "times to play it, with continuing time and frame ids (1)");
   cli.add_flag("--bounce", bounce_, "each time forth and back, so that the path closes");
   cli.add_flag("--skip-bad", skip_bad_, "pass over frames that cannot be read, and count them");
+  cli.add_flag("--resume", resume_, "go on behind the frames that have a pose on the bus: after a crash");
   cli.add_flag("--exit", exit_, "end when all is sent and acknowledged");
 }
 
@@ -38,6 +39,7 @@ PlayerOptions PlayerCommandLine::Options(const Config& config) const {
   options.bounce |= bounce_;
   options.skip_bad |= skip_bad_;
   options.exit |= exit_;
+  if (resume_) options.resume_after = "bus";
   return options;
 }
 

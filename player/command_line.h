@@ -27,6 +27,7 @@ class PlayerCommandLine {
   bool bounce_ = false;
   bool skip_bad_ = false;
   bool exit_ = false;
+  bool resume_ = false;
 };
 
 }  // namespace plslam

@@ -19,6 +19,9 @@ struct PlayerOptions {
   bool bounce = false;
   bool skip_bad = false;
   bool exit = false;
+  /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of: those
+  /// until there have been sent. Empty: from the start.
+  std::string resume_after;
 };
 
 template <class Visitor>
@@ -34,6 +37,8 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("bounce", o.bounce, "each time forth and back, so that the path closes");
   visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
   visit("exit", o.exit, "end when all is sent and acknowledged, instead of staying for late readers");
+  visit("resume_after", o.resume_after,
+        "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
 }
 
 }  // namespace plslam

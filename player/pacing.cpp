@@ -59,6 +59,19 @@ Pace ParsePace(const std::string& text) {
                                        kMinSpeed, kMaxSpeed));
 }
 
+ResumePoint ParseResumePoint(const std::string& text) {
+  ResumePoint point;
+  const char* end = text.data() + text.size();
+  const auto [at, id_error] = std::from_chars(text.data(), end, point.frame_id);
+  if (id_error == std::errc() && at != end && *at == '@' && point.frame_id >= 0) {
+    const auto [last, t_error] = std::from_chars(at + 1, end, point.t_ns);
+    if (t_error == std::errc() && last == end) return point;
+  }
+  throw std::runtime_error(fmt::format("player.resume_after: '{}' is not ID@T_NS", text));
+}
+
+std::string ToText(const ResumePoint& point) { return fmt::format("{}@{}", point.frame_id, point.t_ns); }
+
 PlayOrder::PlayOrder(const std::vector<int64_t>& times_ns, const PlayerOptions& options, double rate_hz)
     : pass_(Select(times_ns, options)),
       bounce_(options.bounce && pass_.size() > 1),
@@ -85,6 +98,17 @@ std::optional<PlayOrder::Item> PlayOrder::Next() {
   }
   ++step_;
   return Item{pass_[now].index, t_ns_};
+}
+
+int64_t PlayOrder::SkipTo(int64_t t_ns) {
+  int64_t skipped = 0;
+  for (;; ++skipped) {
+    const PlayOrder before = *this;
+    const auto item = Next();
+    if (item && item->t_ns <= t_ns) continue;
+    *this = before;
+    return skipped;
+  }
 }
 
 RealtimeClock::RealtimeClock(double speed, int64_t period_ns)

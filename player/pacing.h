@@ -18,6 +18,18 @@ struct Pace {
 /// From "lockstep", "realtime", "realtimex2", "realtimex0.5" (0.001 to 1000). Throws std::runtime_error.
 Pace ParsePace(const std::string& text);
 
+/// The newest frame that has been answered, where a player goes on that was started again.
+struct ResumePoint {
+  int64_t frame_id = -1;
+  int64_t t_ns = 0;
+
+  bool operator==(const ResumePoint&) const = default;
+};
+
+/// From "ID@T_NS", as `player.resume_after` says it. Throws std::runtime_error.
+ResumePoint ParseResumePoint(const std::string& text);
+std::string ToText(const ResumePoint& point);
+
 /// Frames in the order in which they are played, with continuing times: a pass over the dataset after another follows at
 /// the mean distance of frames; on the way back (`bounce`) times go on by the same distances.
 class PlayOrder {
@@ -34,6 +46,8 @@ class PlayOrder {
   /// Number of items in all.
   int64_t size() const { return size_; }
   std::optional<Item> Next();
+  /// Leaves out what is not later than `t_ns`; how many that is.
+  int64_t SkipTo(int64_t t_ns);
   /// Mean distance in time of the frames played.
   int64_t period_ns() const { return period_ns_; }
 

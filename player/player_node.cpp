@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <stdexcept>
@@ -33,6 +34,12 @@ constexpr int kTicksBeforeResend = 2;
 constexpr int kTicksOfDoubt = 5;
 constexpr milliseconds kFlushTick{500};
 constexpr const char* kReader = "vo";
+constexpr const char* kFromBus = "bus";
+// Where a player that is started again learns from the bus how far it was: how long no more poses come then, and how long
+// is waited for the first.
+constexpr milliseconds kPosesQuiet{1000};
+constexpr milliseconds kNoPoses{5000};
+constexpr milliseconds kResumeTick{50};
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
@@ -60,13 +67,15 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
       dataset_(Open(options)),
       order_(Order(*dataset_, options)),
       clock_(pace_.speed, order_.period_ns()),
-      publisher_(process.bus(), pace_.lockstep),
-      loader_(*dataset_, order_, kFramesAhead) {
+      publisher_(process.bus(), pace_.lockstep) {
   PlayerOptions shown = options_;
   process_.SetConfiguration(ToYaml("player", shown));
   process_.SetCounter("frames.total", static_cast<double>(order_.size()));
-  if (pace_.lockstep) {
-    process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) { turn_.OnPose(pose.frame_id); });
+  if (!options_.resume_after.empty() && options_.resume_after != kFromBus) ParseResumePoint(options_.resume_after);
+  if (pace_.lockstep || !options_.resume_after.empty()) {
+    process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) {
+      turn_.OnPose({pose.frame_id, pose.header.t_ns});
+    });
     process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
       if (status.process == kReader) turn_.OnReader(status.header.source);
     });
@@ -79,7 +88,10 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
 
 PlayerNode::~PlayerNode() {
   turn_.Stop();
-  loader_.Stop();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (loader_) loader_->Stop();
+  }
   sender_.join();
 }
 
@@ -92,9 +104,42 @@ void PlayerNode::Play() {
   }
 }
 
+/// Poses on the bus come from the history of vo_process, all at once.
+std::optional<ResumePoint> PlayerNode::WhereToResume() {
+  if (options_.resume_after.empty()) return std::nullopt;
+  if (options_.resume_after != kFromBus) return ParseResumePoint(options_.resume_after);
+  const auto began = Turn::Clock::now();
+  auto changed = began;
+  std::optional<ResumePoint> newest;
+  for (auto now = began; now - changed < (newest ? kPosesQuiet : kNoPoses); now = Turn::Clock::now()) {
+    if (!turn_.WaitUntil(now + kResumeTick)) return std::nullopt;
+    if (turn_.newest() == newest) continue;
+    newest = turn_.newest();
+    changed = Turn::Clock::now();
+  }
+  return newest;
+}
+
+bool PlayerNode::MakeLoader() {
+  const std::optional<ResumePoint> resume = WhereToResume();
+  if (resume) {
+    const int64_t skipped = order_.SkipTo(resume->t_ns);
+    n_sent_ = resume->frame_id + 1;
+    n_bad_ = std::max<int64_t>(0, skipped - n_sent_);
+    process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
+    spdlog::info("goes on behind frame {}", resume->frame_id);
+    turn_.Resume();
+  }
+  const std::scoped_lock lock(mutex_);
+  if (turn_.stopped()) return false;
+  loader_.emplace(*dataset_, order_, kFramesAhead);
+  return true;
+}
+
 void PlayerNode::SendAll() {
+  if (!MakeLoader()) return;
   PublishStream("begin", order_.size());
-  while (std::optional<LoadedFrame> frame = loader_.Next()) {
+  while (std::optional<LoadedFrame> frame = loader_->Next()) {
     if (!frame->error.empty()) {
       PassOver(*frame);
       continue;
@@ -112,11 +157,11 @@ void PlayerNode::SendAll() {
 
 bool PlayerNode::Send(const LoadedFrame& frame) {
   if (!pace_.lockstep && !WaitUntilDue(frame.images.t_ns)) return false;
-  turn_.Expect(frame.images.frame_id);
+  turn_.Expect({frame.images.frame_id, frame.images.t_ns});
   PublishTruth(frame);
   publisher_.Publish(frame.images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
-  if (n_sent_ == 1) process_.SetState("running");
+  if (!std::exchange(running_, true)) process_.SetState("running");
   return !pace_.lockstep || WaitForPose(frame);
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <thread>
 
@@ -21,6 +22,9 @@ namespace plslam {
 /// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and its status says
 /// so. A vo_process that starts anew in between gets the pending frame again (the old one may have taken it with it), so
 /// readers must expect a frame id twice. A frame that cannot be read ends the stream and the process, or is counted.
+///
+/// A player that is started in the place of one that was killed goes on behind the frames that have been answered
+/// (`resume_after`), with the same numbers and times.
 class PlayerNode {
  public:
   /// Throws where the dataset cannot be opened.
@@ -30,6 +34,8 @@ class PlayerNode {
  private:
   void Play();
   void SendAll();
+  bool MakeLoader();
+  std::optional<ResumePoint> WhereToResume();
   bool Send(const LoadedFrame& frame);
   bool WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
@@ -46,11 +52,13 @@ class PlayerNode {
   PlayOrder order_;
   RealtimeClock clock_;
   bus::FramePublisher publisher_;
-  FrameLoader loader_;
+  std::mutex mutex_;  // of `loader_`, which the sending thread makes
+  std::optional<FrameLoader> loader_;
   Turn turn_;
   int64_t n_sent_ = 0;
   int64_t n_bad_ = 0;
   int64_t n_late_ = 0;
+  bool running_ = false;
   std::thread sender_;
 };
 

@@ -2,18 +2,29 @@
 
 namespace plslam {
 
-void Turn::Expect(int64_t frame_id) {
+void Turn::Expect(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
-  expected_ = frame_id;
-  has_pose_ = false;
+  expected_ = frame;
+  has_pose_ = resumed_ && newest_ && newest_->frame_id >= frame.frame_id && newest_->t_ns >= frame.t_ns;
   new_reader_ = false;
 }
 
-void Turn::OnPose(int64_t frame_id) {
+void Turn::OnPose(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
-  if (expected_ != frame_id) return;
+  if (!newest_ || newest_->frame_id < frame.frame_id) newest_ = frame;
+  if (!expected_ || expected_->frame_id != frame.frame_id) return;
   has_pose_ = true;
   changed_.notify_all();
+}
+
+void Turn::Resume() {
+  const std::scoped_lock lock(mutex_);
+  resumed_ = true;
+}
+
+std::optional<ResumePoint> Turn::newest() const {
+  const std::scoped_lock lock(mutex_);
+  return newest_;
 }
 
 void Turn::OnReader(int64_t source) {

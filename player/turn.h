@@ -7,6 +7,8 @@
 #include <optional>
 #include <set>
 
+#include "player/pacing.h"
+
 namespace plslam {
 
 /// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that is
@@ -16,10 +18,14 @@ class Turn {
   using Clock = std::chrono::steady_clock;
   enum class Event { kPose, kNewReader, kTimeout, kStopped };
 
-  /// Frame `frame_id` is about to be sent; poses of other frames do not count.
-  void Expect(int64_t frame_id);
+  /// This frame is about to be sent; poses of other frames do not count.
+  void Expect(const ResumePoint& frame);
   /// A pose has come back.
-  void OnPose(int64_t frame_id);
+  void OnPose(const ResumePoint& frame);
+  /// From here on a pose that came before its frame was expected counts too: the stream is one that was begun earlier.
+  void Resume();
+  /// The frame with the highest number that a pose has come of.
+  std::optional<ResumePoint> newest() const;
   /// A vo_process with this source lives. The first one, and those seen already, are no news.
   void OnReader(int64_t source);
   void Stop();
@@ -33,7 +39,9 @@ class Turn {
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<int64_t> expected_;
+  std::optional<ResumePoint> expected_;
+  std::optional<ResumePoint> newest_;
+  bool resumed_ = false;
   bool has_pose_ = false;
   std::set<int64_t> readers_;
   bool new_reader_ = false;

@@ -16,6 +16,7 @@ FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
   report.session = message.header.session;
   report.frame_id = message.frame_id;
+  report.t_ns = message.header.t_ns;
   report.state = int{message.state};
   report.keyframe_id = message.keyframe_id;
   report.tracked_points = message.n_tracked_points;
@@ -39,8 +40,11 @@ ProcessStatus FromMessage(const status_t& message) {
 }  // namespace
 
 MonitorNode::MonitorNode(bus::Bus& bus) {
+  const int64_t own = bus.source();
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { processes_[m.pid] = FromMessage(m); });
-  bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { statistics_.AddFrame(FromMessage(m)); });
+  bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
+    if (m.header.source != own) statistics_.AddFrame(FromMessage(m));
+  });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
     total_frames_ = m.n_frames;
     bad_frames_ = m.n_bad;
@@ -54,8 +58,8 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
     const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;
     if (head) map_.Add(*head);
   });
-  bus.Subscribe<loop_closure_t>(bus::kLoopClosure, [this](const loop_closure_t& m) {
-    if (m.page == 0) {
+  bus.Subscribe<loop_closure_t>(bus::kLoopClosure, [this, own](const loop_closure_t& m) {
+    if (m.page == 0 && m.header.source != own) {
       loops_.Add(static_cast<LoopClosure::Kind>(m.kind), m.detect_ms, m.correct_ms);
     }
   });
@@ -66,8 +70,8 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
 bool MonitorNode::has_all() const {
   const RunStatistics& s = statistics_;
   const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
-  const bool has_map = map_.version() == 0 ||
-                       (map_.settled() && std::pair(map_.session(), map_.session_keyframe_id()) == s.last_keyframe());
+  const auto [session, keyframe_id] = s.last_keyframe();
+  const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.settled().Has(session, keyframe_id);
   return has_frames && has_map;
 }
 

@@ -22,7 +22,8 @@ struct ProcessStatus {
   MessageCounts messages;
 };
 
-/// Listens to the run of other processes and keeps its statistics.
+/// Listens to the run of other processes and keeps its statistics. What is said on `bus` itself does not count: it is
+/// what others have said before (HistoryKeeper).
 class MonitorNode {
  public:
   explicit MonitorNode(bus::Bus& bus);

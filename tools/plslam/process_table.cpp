@@ -1,5 +1,6 @@
 #include "tools/plslam/process_table.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 namespace plslam {
@@ -7,9 +8,13 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
+constexpr const char* kPlayer = "player";
+
 bool Always(const RunOptions&) { return true; }
 bool WithMap(const RunOptions& options) { return !options.no_mapping; }
 bool WithLoops(const RunOptions& options) { return !options.no_mapping && !options.no_loops; }
+bool OwnMap(const RunOptions& options) { return WithMap(options) && options.map_prefix.empty(); }
+bool OwnLoops(const RunOptions& options) { return WithLoops(options) && options.map_prefix.empty(); }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
 Arguments RecorderArguments(const RunOptions& options) {
@@ -83,12 +88,12 @@ constexpr ProcessRow kTable[] = {
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
      false, Always, ViewerArguments},
     {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
-     false, WithMap, MappingArguments},
+     false, OwnMap, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
-     false, WithLoops, NoArguments},
+     false, OwnLoops, NoArguments},
     {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      VoArguments},
-    {"player", "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
+    {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
      PlayerArguments},
 };
 
@@ -96,9 +101,17 @@ constexpr ProcessRow kTable[] = {
 
 std::span<const ProcessRow> ProcessTable() { return kTable; }
 
+std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame) {
+  if (name != kPlayer || newest_frame.first < 0) return {};
+  return {"--set", fmt::format("player.resume_after={}@{}", newest_frame.first, newest_frame.second)};
+}
+
 std::vector<std::string> CommonArguments(const RunOptions& options) {
   Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
   if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
+  if (!options.map_prefix.empty()) {
+    arguments.insert(arguments.end(), {"--map-prefix", options.map_prefix});
+  }
   if (!options.config_file.empty()) {
     arguments.insert(arguments.end(), {"--config", std::filesystem::absolute(options.config_file).string()});
   }

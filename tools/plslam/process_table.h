@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "tools/plslam/run_options.h"
@@ -25,6 +27,10 @@ struct ProcessRow {
 
 /// In the order of starting.
 std::span<const ProcessRow> ProcessTable();
+
+/// What a process is told beside its arguments when it is started again: the player, where to go on. `newest_frame`: number
+/// and time of the newest frame that has a pose; -1: none.
+std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame);
 
 /// Configuration, bus and parent, as RunProcess (core/bus/process.h) takes them.
 std::vector<std::string> CommonArguments(const RunOptions& options);

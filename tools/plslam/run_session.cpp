@@ -24,21 +24,30 @@ double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
 }
 
-Supervisor::Options SupervisorOptions(const RunOptions& options) {
-  return {std::filesystem::read_symlink("/proc/self/exe").parent_path(), options.out / "logs", options.max_restarts};
-}
-
 }  // namespace
 
 RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
     : options_(options),
       bus_(bus),
       monitor_(bus),
+      keeper_(bus, options.out),
       save_(bus),
-      supervisor_(SupervisorOptions(options)),
+      supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_) {
   bus_.Every(milliseconds(50), [this] { Tick(); });
+}
+
+Supervisor::Options RunSession::SupervisorOptions() {
+  Supervisor::Options options;
+  options.bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  options.logs = options_.out / "logs";
+  options.max_restarts = options_.max_restarts;
+  options.arguments_of_restart = [this](const std::string& name) {
+    return ArgumentsOfRestart(name, monitor_.statistics().newest_frame());
+  };
+  options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
+  return options;
 }
 
 void RunSession::Run() {
@@ -66,7 +75,7 @@ void RunSession::StartRows(bool last) {
 
 void RunSession::Tick() {
   const auto now = Clock::now();
-  TellReadiness();
+  TellReadiness(now);
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failure().empty()) BeginStop(supervisor_.failure());
   if (phase_ == Phase::kStarting) CheckStarted(now);
@@ -77,10 +86,10 @@ void RunSession::Tick() {
   ShowProgress(now);
 }
 
-void RunSession::TellReadiness() {
+void RunSession::TellReadiness(Clock::time_point now) {
   for (const ProcessReport& report : supervisor_.reports()) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
-    if (state == "ready" || state == "running") supervisor_.SetReady(report.name);
+    if (state == "ready" || state == "running") supervisor_.SetReady(report.name, now);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "tools/plslam/history_keeper.h"
 #include "tools/plslam/monitor_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
@@ -30,11 +31,12 @@ class RunSession {
 
  private:
   using Clock = std::chrono::steady_clock;
+  Supervisor::Options SupervisorOptions();
   enum class Phase { kStarting, kPlaying, kSettling, kSaving, kStopping };
 
   void StartRows(bool last);
   void Tick();
-  void TellReadiness();
+  void TellReadiness(Clock::time_point now);
   bool AllReady() const;
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
@@ -46,6 +48,7 @@ class RunSession {
   RunOptions options_;
   bus::Bus& bus_;
   MonitorNode monitor_;
+  HistoryKeeper keeper_;
   SaveNode save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;

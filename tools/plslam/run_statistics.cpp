@@ -17,6 +17,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   }
   if (frame.frame_id <= newest_frame_id_) return;
   newest_frame_id_ = frame.frame_id;
+  newest_t_ns_ = frame.t_ns;
   ++frames_;
   const bool estimated = frame.state == 1 || frame.state == 2 || frame.state == 4;
   if (estimated || (frame.state == 0 && frame.keyframe_id >= 0)) ++tracked_frames_;

@@ -15,6 +15,7 @@ namespace plslam {
 struct FrameReport {
   int64_t session = 0;
   int64_t frame_id = 0;
+  int64_t t_ns = 0;
   int state = 0;  ///< `pose_t.state`
   int64_t keyframe_id = -1;
   int tracked_points = 0;
@@ -41,6 +42,8 @@ class RunStatistics {
   int64_t landmark_points() const { return static_cast<int64_t>(points_.size()); }
   int64_t landmark_lines() const { return static_cast<int64_t>(lines_.size()); }
   const FrameReport& last() const { return last_; }
+  /// Number and time of the newest frame that has a pose; -1: none.
+  std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
   /// Session and number there of the newest keyframe; -1: none.
   std::pair<int64_t, int64_t> last_keyframe() const { return last_keyframe_; }
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
@@ -51,6 +54,7 @@ class RunStatistics {
   int64_t keyframes_ = 0;
   int64_t skipped_frames_ = 0;
   int64_t newest_frame_id_ = -1;
+  int64_t newest_t_ns_ = 0;
   FrameReport last_;
   std::pair<int64_t, int64_t> last_keyframe_{0, -1};
   std::map<std::string, QuantileSketch> stage_ms_;

@@ -92,6 +92,7 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
         {"cpu_ms_per_frame", frames > 0 ? Rounded(1e3 * report.cpu_s / static_cast<double>(frames), 1e-3) : 0.0},
         {"peak_memory_mb", Rounded(report.peak_memory_mb, 0.1)},
         {"restarts", report.restarts},
+        {"slowest_restart_s", Rounded(report.slowest_restart_s, 1e-3)},
         {"exit_code", report.exit_code ? json(*report.exit_code) : json(nullptr)}};
   }
   return processes;

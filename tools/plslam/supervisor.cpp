@@ -13,22 +13,34 @@ Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
 void Supervisor::Start(const std::string& name, const std::string& executable,
                        const std::vector<std::string>& arguments, Ending ending) {
   std::filesystem::remove(LogOf(name));
-  Child child{name, executable, arguments, ending, false, nullptr, std::nullopt, {}};
-  child.report.name = name;
+  Child child;
+  child.name = child.report.name = name;
+  child.executable = executable;
+  child.arguments = arguments;
+  child.ending = ending;
   Spawn(&child);
   children_.push_back(std::move(child));
 }
 
 void Supervisor::Spawn(Child* child) {
-  child->process =
-      std::make_unique<ChildProcess>(options_.bin / child->executable, child->arguments, LogOf(child->name));
+  std::vector<std::string> arguments = child->arguments;
+  if (child->report.restarts > 0 && options_.arguments_of_restart) {
+    for (std::string& more : options_.arguments_of_restart(child->name)) arguments.push_back(std::move(more));
+  }
+  child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name));
   child->start_at.reset();
+  child->ready_again = false;
   child->report.exit_code.reset();
 }
 
-void Supervisor::SetReady(const std::string& name) {
+void Supervisor::SetReady(const std::string& name, TimePoint now) {
   for (Child& child : children_) {
-    if (child.name == name) child.ready = true;
+    if (child.name != name || child.ready_again) continue;
+    child.ready = child.ready_again = true;
+    child.failed_starts = 0;
+    if (child.report.restarts == 0) continue;
+    const double took_s = std::chrono::duration<double>(now - child.ended_at).count();
+    child.report.slowest_restart_s = std::max(child.report.slowest_restart_s, took_s);
   }
 }
 
@@ -54,14 +66,24 @@ void Supervisor::Tick(TimePoint now) {
   if (signals_sent_ == 2 && waited > 2 * options_.patience) SignalAll(SIGKILL);
 }
 
+/// A player that says what is wrong with its dataset would say so again.
+bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
+  const bool crashed = child.ending == Ending::kRestart || end.code > 128;
+  return crashed && child.ready && child.report.restarts < options_.max_restarts;
+}
+
 void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
+  const pid_t pid = child->process->pid();
   child->process.reset();
+  child->ended_at = now;
+  if (options_.on_exit) options_.on_exit(pid);
   child->report.cpu_s += end.cpu_s;
   child->report.peak_memory_mb = std::max(child->report.peak_memory_mb, end.peak_memory_mb);
   child->report.exit_code = end.code;
   if (stopping_since_ || (child->ending == Ending::kMayEnd && end.code == 0)) return;
-  if (child->ending == Ending::kRestart && child->ready && child->report.restarts < options_.max_restarts) {
-    child->start_at = now + options_.first_pause * (1 << std::min(child->report.restarts, 10));
+  if (MayRestart(*child, end)) {
+    child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
+    ++child->failed_starts;
     return;
   }
   if (!failure_.empty()) return;

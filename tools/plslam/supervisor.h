@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,10 +20,13 @@ struct ProcessReport {
   int restarts = 0;
   /// Of the last start; nothing while it runs.
   std::optional<int> exit_code;
+  /// Longest time from the end of a process until the one in its place was ready.
+  double slowest_restart_s = 0.0;
 };
 
-/// Starts processes, starts those that crash again (with growing pauses, a bounded number of times), and stops all of
-/// them: SIGINT, then SIGTERM, then SIGKILL. Knows nothing of the bus; time is told by the caller.
+/// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets
+/// ready), and stops all of them: SIGINT, then SIGTERM, then SIGKILL. Knows nothing of the bus; time is told by the
+/// caller.
 class Supervisor {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -33,12 +37,16 @@ class Supervisor {
     int max_restarts = 5;        ///< of each process
     std::chrono::milliseconds first_pause{200};
     std::chrono::milliseconds patience{5000};  ///< after each of SIGINT and SIGTERM
+    /// Arguments of a process that is started again, behind those it had. May be empty.
+    std::function<std::vector<std::string>(const std::string& name)> arguments_of_restart;
+    /// A process with this id has ended. May be empty.
+    std::function<void(pid_t pid)> on_exit;
   };
 
   /// What a process may do by itself.
   enum class Ending {
     kRestart,  ///< it must run until stopped; where it ends it is started again
-    kMayEnd,   ///< it may end with exit code 0; anything else fails the run
+    kMayEnd,   ///< it may end with exit code 0; ended by a signal it is started again, any other code fails the run
   };
 
   explicit Supervisor(Options options);
@@ -47,7 +55,7 @@ class Supervisor {
   void Start(const std::string& name, const std::string& executable, const std::vector<std::string>& arguments,
              Ending ending);
   /// From here on a crash of this process leads to a restart; before (while it reads its options) to a failure.
-  void SetReady(const std::string& name);
+  void SetReady(const std::string& name, TimePoint now);
   /// -1 where it does not run.
   pid_t pid(const std::string& name) const;
 
@@ -69,13 +77,17 @@ class Supervisor {
     std::string executable;
     std::vector<std::string> arguments;
     Ending ending;
-    bool ready = false;
+    bool ready = false;        ///< was, once
+    bool ready_again = false;  ///< since the last start
+    int failed_starts = 0;     ///< in a row, that did not get ready
     std::unique_ptr<ChildProcess> process;
     std::optional<TimePoint> start_at;
+    TimePoint ended_at;
     ProcessReport report;
   };
 
   void Spawn(Child* child);
+  bool MayRestart(const Child& child, const ChildExit& end) const;
   void HandleExit(Child* child, const ChildExit& end, TimePoint now);
   void SignalAll(int signal);
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }

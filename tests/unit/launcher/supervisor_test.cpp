@@ -27,7 +27,7 @@ class SupervisorTest : public testing::Test {
   ~SupervisorTest() override { std::filesystem::remove_all(folder_); }
 
   Supervisor Make(int max_restarts = 3, milliseconds patience = milliseconds(5000)) const {
-    return Supervisor({folder_, folder_, max_restarts, milliseconds(1), patience});
+    return Supervisor({folder_, folder_, max_restarts, milliseconds(1), patience, nullptr, nullptr});
   }
 
   void Script(const std::string& name, const std::string& text) const {
@@ -97,7 +97,7 @@ TEST_F(SupervisorTest, CrashAfterReadyIsRestarted) {
   Supervisor supervisor = Make();
   std::filesystem::current_path(folder_);
   supervisor.Start("a", "crash", {}, Ending::kRestart);
-  supervisor.SetReady("a");
+  supervisor.SetReady("a", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
   EXPECT_EQ(supervisor.failure(), "");
   EXPECT_TRUE(Stopped(supervisor));
@@ -109,7 +109,7 @@ TEST_F(SupervisorTest, TooManyCrashesFail) {
   Script("crash", "exit 3");
   Supervisor supervisor = Make(2);
   supervisor.Start("a", "crash", {}, Ending::kRestart);
-  supervisor.SetReady("a");
+  supervisor.SetReady("a", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
   EXPECT_EQ(supervisor.failure(), "a ended with exit code 3");
   EXPECT_EQ(supervisor.restarts(), 2);
@@ -117,9 +117,9 @@ TEST_F(SupervisorTest, TooManyCrashesFail) {
 
 TEST_F(SupervisorTest, PausesGrow) {
   Script("crash", "exit 3");
-  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000)});
+  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
   supervisor.Start("a", "crash", {}, Ending::kRestart);
-  supervisor.SetReady("a");
+  supervisor.SetReady("a", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("a") < 0; }));
   const auto ended = Clock::now();
   supervisor.Tick(ended + std::chrono::minutes(59));
@@ -129,6 +129,44 @@ TEST_F(SupervisorTest, PausesGrow) {
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("a") < 0; }));
   supervisor.Tick(Clock::now() + std::chrono::minutes(61));
   EXPECT_EQ(supervisor.restarts(), 1) << "the second pause is twice as long";
+}
+
+TEST_F(SupervisorTest, PausesStayShortWhereTheProcessGetsReadyEachTime) {
+  Script("crash", "exit 3");
+  Supervisor supervisor({folder_, folder_, 9, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  supervisor.Start("a", "crash", {}, Ending::kRestart);
+  auto now = Clock::now();
+  for (int i = 0; i < 5; ++i) {
+    supervisor.SetReady("a", now);
+    const auto limit = Clock::now() + std::chrono::seconds(10);
+    while (supervisor.pid("a") > 0 && Clock::now() < limit) supervisor.Tick(now);
+    now += std::chrono::minutes(61);
+    supervisor.Tick(now);
+    ASSERT_EQ(supervisor.restarts(), i + 1);
+  }
+  supervisor.SetReady("a", now + std::chrono::minutes(9));
+  EXPECT_NEAR(supervisor.reports()[0].slowest_restart_s, 70 * 60, 1e-6) << "61 minutes of pause and 9 of starting";
+}
+
+TEST_F(SupervisorTest, OneThatMayEndIsRestartedAfterASignalButNotAfterAnError) {
+  Script("player", "echo \"$*\" >> starts; [ $(wc -l < starts) -ge 2 ] && exit 4; kill -9 $$");
+  std::vector<pid_t> ended;
+  Supervisor supervisor({folder_, folder_, 9, milliseconds(1), milliseconds(5000),
+                         [](const std::string& name) {
+                           return std::vector<std::string>{"again", name};
+                         },
+                         [&](pid_t pid) { ended.push_back(pid); }});
+  std::filesystem::current_path(folder_);
+  supervisor.Start("a", "player", {"first"}, Ending::kMayEnd);
+  const pid_t first = supervisor.pid("a");
+  supervisor.SetReady("a", Clock::now());
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.restarts(), 1);
+  EXPECT_EQ(supervisor.failure(), "a ended with exit code 4");
+  EXPECT_EQ(Read("starts"), "first\nfirst again a\n");
+  ASSERT_EQ(ended.size(), 2U);
+  EXPECT_EQ(ended[0], first);
+  std::filesystem::current_path("/");
 }
 
 TEST_F(SupervisorTest, EndOfAProcessThatMustRunIsACrash) {

@@ -35,6 +35,33 @@ TEST(PlayOrder, StartStopStride) {
   EXPECT_THAT(All({kTimes, options, 10.0}), ElementsAre(Pair(1, 110), Pair(3, 160)));
 }
 
+TEST(PlayOrder, SkipToGoesOnAsIfAllBeforeHadBeenPlayed) {
+  PlayerOptions options;
+  options.loop = 3;
+  options.bounce = true;
+  const auto all = All({kTimes, options, 10.0});
+  for (size_t n = 0; n <= all.size(); ++n) {
+    PlayOrder order(kTimes, options, 10.0);
+    EXPECT_EQ(order.SkipTo(n == 0 ? 99 : all[n - 1].second), static_cast<int64_t>(n));
+    for (size_t i = n; i < all.size(); ++i) {
+      const auto item = order.Next();
+      ASSERT_TRUE(item.has_value()) << i;
+      EXPECT_EQ(std::pair(item->index, item->t_ns), all[i]);
+    }
+    EXPECT_FALSE(order.Next().has_value());
+  }
+}
+
+TEST(ResumePoint, IsReadAsItIsWritten) {
+  const ResumePoint point{12, 1403636579763555584};
+  EXPECT_EQ(ParseResumePoint(ToText(point)), point);
+  EXPECT_EQ(ParseResumePoint("0@-5"), (ResumePoint{0, -5}));
+  for (const char* text : {"", "7", "7@", "@7", "-1@7", "7@8x", "x@8", "7 @8"}) {
+    EXPECT_THAT([&] { ParseResumePoint(text); }, ThrowsMessage<std::runtime_error>(HasSubstr("is not ID@T_NS")))
+        << text;
+  }
+}
+
 TEST(PlayOrder, LoopContinuesAtTheMeanDistance) {
   PlayerOptions options;
   options.start = 2;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -177,6 +178,38 @@ TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {
   ASSERT_TRUE(restarted.WaitFor([&] { return restarted.frame_ids_.size() >= 3; }));
   EXPECT_EQ(restarted.frame_ids_.front(), 0);
   EXPECT_EQ(restarted.frame_ids_.back(), 2);
+}
+
+TEST_F(PlayerNodeTest, OneThatIsStartedAgainGoesOnWhereAcknowledgementsEnded) {
+  Reader reader(true);
+  options_.stop = 2;
+  EXPECT_EQ(Player(options_).Join(), "");
+  options_.stop = -1;
+  options_.resume_after = "bus";
+  Player resumed(options_);
+  EXPECT_EQ(resumed.Join(), "");
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 4; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2));
+  EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 31, 62));
+  EXPECT_EQ(reader.streams_[3].n_frames, 3);
+}
+
+TEST_F(PlayerNodeTest, FrameThatWasAnsweredMeanwhileIsNotWaitedFor) {
+  Reader reader(true);
+  EXPECT_EQ(Player(options_).Join(), "");
+  const int64_t t_ns = OpenDataset(options_.dataset, "")->t_ns(0);
+  // Whoever started it had heard of the first pose only.
+  options_.resume_after = ToText({0, t_ns});
+  Player resumed(options_);
+  EXPECT_EQ(resumed.Join(), "");
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 4; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 1, 2)) << "who reads frames leaves those it has";
+}
+
+TEST_F(PlayerNodeTest, ResumePointThatIsNoneIsRefused) {
+  options_.resume_after = "seven";
+  bus::Process process("player", Loopback());
+  EXPECT_THROW(PlayerNode(process, options_), std::runtime_error);
 }
 
 TEST_F(PlayerNodeTest, BadFrameEndsTheStreamAndTheProcess) {

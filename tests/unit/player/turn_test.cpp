@@ -12,20 +12,20 @@ constexpr milliseconds kNow{0};
 
 TEST(Turn, OnlyThePoseOfTheExpectedFrameCounts) {
   Turn turn;
-  turn.OnPose(0);
-  turn.Expect(0);
+  turn.OnPose({0, 10 * 0});
+  turn.Expect({0, 10 * 0});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
-  turn.OnPose(1);
+  turn.OnPose({1, 10 * 1});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
-  turn.OnPose(0);
+  turn.OnPose({0, 10 * 0});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
-  turn.Expect(1);
+  turn.Expect({1, 10 * 1});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
 }
 
 TEST(Turn, FirstReaderIsNoNewsButALaterOneIs) {
   Turn turn;
-  turn.Expect(0);
+  turn.Expect({0, 10 * 0});
   turn.OnReader(11);
   turn.OnReader(11);
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
@@ -34,9 +34,25 @@ TEST(Turn, FirstReaderIsNoNewsButALaterOneIs) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said once";
 }
 
+TEST(Turn, PosesThatCameBeforeCountOnlyInAStreamThatIsResumed) {
+  Turn turn;
+  turn.OnPose({7, 70});
+  turn.OnPose({5, 50});
+  EXPECT_EQ(turn.newest(), (ResumePoint{7, 70}));
+  turn.Expect({6, 60});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  turn.Resume();
+  turn.Expect({6, 60});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+  turn.Expect({7, 71});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "a frame of this number, but of another stream";
+  turn.Expect({8, 80});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+}
+
 TEST(Turn, StopEndsEveryWait) {
   Turn turn;
-  turn.Expect(0);
+  turn.Expect({0, 10 * 0});
   turn.Stop();
   EXPECT_EQ(turn.WaitForPose(milliseconds(100000)), Event::kStopped);
   EXPECT_FALSE(turn.WaitUntil(Turn::Clock::now() + milliseconds(100000)));

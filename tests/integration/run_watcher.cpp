@@ -1,0 +1,109 @@
+#include "tests/integration/run_watcher.h"
+
+#include <chrono>
+
+#include "core/bus/worker.h"
+#include "plslam/pose_t.hpp"
+
+namespace plslam::test {
+namespace {
+
+constexpr int kLost = 3;
+
+bus::BusOptions On(const std::string& url) {
+  bus::BusOptions options;
+  options.url = url;
+  return options;
+}
+
+std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
+  std::map<int64_t, std::set<int64_t>> keyframes;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    keyframes[keyframe.session].insert(keyframe.session_keyframe_id);
+  }
+  return keyframes;
+}
+
+}  // namespace
+
+double Heard::Counter(const std::string& process, const std::string& name) const {
+  const auto found = status.find(process);
+  if (found == status.end()) return 0.0;
+  for (const counter_t& counter : found->second.counters) {
+    if (counter.name == name) return counter.value;
+  }
+  return 0.0;
+}
+
+RunWatcher::RunWatcher() : bus_(On(port_.Url()), "watcher") {
+  Listen();
+  thread_ = std::thread([this] { bus_.Run(); });
+}
+
+RunWatcher::~RunWatcher() {
+  bus_.Stop();
+  thread_.join();
+}
+
+template <class Change>
+void RunWatcher::Add(const Change& change) {
+  {
+    const std::scoped_lock lock(mutex_);
+    change(heard_);
+  }
+  changed_.notify_all();
+}
+
+void RunWatcher::Listen() {
+  bus_.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) {
+    Add([&](Heard& heard) {
+      heard.frames.insert(m.frame_id);
+      heard.newest_frame = std::max(heard.newest_frame, m.frame_id);
+      // A session is named after the process that began it.
+      if (m.header.source > m.header.session || m.header.session - m.header.source > 1000) return;
+      ++heard.poses[m.header.session][m.frame_id];
+      heard.publishers_of_poses.insert(m.header.source);
+      heard.pose_at_s.try_emplace(m.frame_id, bus::NowS());
+      if (m.state == kLost) ++heard.lost_frames;
+    });
+  });
+  bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
+    Add([&](Heard& heard) {
+      heard.status[m.process] = m;
+      heard.statuses.push_back(m);
+    });
+  });
+  keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
+    Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
+  });
+  map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&, const MapReplica& replica) {
+    auto keyframes = KeyframesOf(replica.map());
+    Add([&](Heard& heard) { heard.mapped = std::move(keyframes); });
+  });
+}
+
+bool RunWatcher::WaitFor(const std::function<bool(const Heard&)>& done, int limit_s) const {
+  std::unique_lock lock(mutex_);
+  return changed_.wait_for(lock, std::chrono::seconds(limit_s), [&] { return done(heard_); });
+}
+
+bool RunWatcher::WaitForFrame(int64_t frame_id, int limit_s) const {
+  return WaitFor([frame_id](const Heard& heard) { return heard.newest_frame >= frame_id; }, limit_s);
+}
+
+bool RunWatcher::WaitUntilReady(const std::string& process, pid_t pid, int limit_s) const {
+  return WaitFor(
+      [&](const Heard& heard) {
+        const auto found = heard.status.find(process);
+        return found != heard.status.end() && found->second.pid == pid &&
+               (found->second.state == "ready" || found->second.state == "running");
+      },
+      limit_s);
+}
+
+Heard RunWatcher::Get() const {
+  const std::scoped_lock lock(mutex_);
+  return heard_;
+}
+
+}  // namespace plslam::test

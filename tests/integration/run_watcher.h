@@ -1,0 +1,79 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/bus/bus.h"
+#include "core/bus/keyframe_channel.h"
+#include "core/bus/map_channel.h"
+#include "plslam/status_t.hpp"
+#include "tools/plslam/bus_url.h"
+
+namespace plslam::test {
+
+/// What a listener hears of a run.
+struct Heard {
+  /// How often each frame had a pose, by session; what is said again for the dead does not count.
+  std::map<int64_t, std::map<int64_t, int>> poses;
+  std::map<int64_t, double> pose_at_s;  ///< by frame: when, of the steady clock
+  std::set<int64_t> frames;
+  int64_t newest_frame = -1;
+  int64_t lost_frames = 0;
+  /// Numbers of the keyframes by session.
+  std::map<int64_t, std::set<int64_t>> keyframes;
+  /// The same, of those that are in the map.
+  std::map<int64_t, std::set<int64_t>> mapped;
+  /// Newest status by process name; all of them in order.
+  std::map<std::string, status_t> status;
+  std::vector<status_t> statuses;
+  std::set<int64_t> publishers_of_poses;
+
+  /// Of the newest status of a process; 0 where it has none of this name.
+  double Counter(const std::string& process, const std::string& name) const;
+};
+
+/// Listens to a run on a bus of its own, on a thread of its own, and lets a test wait for what it hears.
+class RunWatcher {
+ public:
+  /// On a private port of this machine.
+  RunWatcher();
+  ~RunWatcher();
+  RunWatcher(const RunWatcher&) = delete;
+  RunWatcher& operator=(const RunWatcher&) = delete;
+
+  std::string url() const { return port_.Url(); }
+
+  /// False where `done` does not become true within `limit_s`.
+  bool WaitFor(const std::function<bool(const Heard&)>& done, int limit_s = 60) const;
+  bool WaitForFrame(int64_t frame_id, int limit_s = 60) const;
+  /// A process of this name with this id says that it is ready or runs.
+  bool WaitUntilReady(const std::string& process, pid_t pid, int limit_s = 60) const;
+  Heard Get() const;
+
+ private:
+  void Listen();
+  template <class Change>
+  void Add(const Change& change);
+
+  PrivatePort port_;
+  bus::Bus bus_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable changed_;
+  Heard heard_;
+  std::unique_ptr<bus::KeyframeSubscriber> keyframes_;
+  std::unique_ptr<bus::MapSubscriber> map_;
+  std::thread thread_;
+};
+
+}  // namespace plslam::test

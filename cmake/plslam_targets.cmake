@@ -23,11 +23,16 @@ if(CCACHE_PROGRAM)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
 endif()
 
-# plslam_library(NAME SOURCES a.cpp ... LINK target ...): a static library of this tree.
+# plslam_library(NAME SOURCES a.cpp ... LINK target ...): a static library of this tree. Those of core and of the message
+# types are installed for other programs (plslam_install.cmake), without our warnings.
 function(plslam_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_link_libraries(${name} PUBLIC plslam_flags ${ARG_LINK})
+  target_link_libraries(${name} PUBLIC $<BUILD_INTERFACE:plslam_flags> ${ARG_LINK})
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(folder MATCHES "^(core|lcmtypes)(/|$)")
+    set_property(GLOBAL APPEND PROPERTY PLSLAM_CORE_LIBRARIES ${name})
+  endif()
 endfunction()
 
 # All that a user runs, without tests and benchmarks.
@@ -39,6 +44,11 @@ function(plslam_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plslam_flags ${ARG_LINK})
   add_dependencies(plslam_programs ${name})
+  # Those of tests/ are for developers, and not installed.
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(NOT folder MATCHES "^tests/")
+    set_property(GLOBAL APPEND PROPERTY PLSLAM_INSTALLED_PROGRAMS ${name})
+  endif()
 endfunction()
 
 # Folders of tests that read foreign bytes or run threads. Under a sanitizer they get the label `sanitized`, and the

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/version.h"
@@ -21,7 +22,7 @@ int main(int argc, char** argv) {
   plslam::Command command;
   for (const auto add :
        {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
-        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand}) {
+        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddDoctorCommand}) {
     add(&app, &command);
   }
   try {

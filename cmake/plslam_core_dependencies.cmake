@@ -1,0 +1,33 @@
+# What core and the message types link, and so does everybody who links them: this file is also part of the installed CMake
+# package. All of it is a Debian 12 package (scripts/setup installs them).
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d line_descriptor ximgproc)
+find_package(Ceres 2.1 REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+
+# Debian's LCM has no CMake package, and its pkg-config file asks for GLib's headers, which no user of it needs.
+if(NOT TARGET lcm::lcm)
+  find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp REQUIRED)
+  find_library(LCM_LIBRARY lcm REQUIRED)
+  add_library(lcm::lcm UNKNOWN IMPORTED)
+  set_target_properties(lcm::lcm PROPERTIES IMPORTED_LOCATION ${LCM_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${LCM_INCLUDE_DIR})
+endif()
+
+if(NOT TARGET sodium::sodium)
+  find_path(SODIUM_INCLUDE_DIR sodium.h REQUIRED)
+  find_library(SODIUM_LIBRARY sodium REQUIRED)
+  add_library(sodium::sodium UNKNOWN IMPORTED)
+  set_target_properties(sodium::sodium PROPERTIES IMPORTED_LOCATION ${SODIUM_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${SODIUM_INCLUDE_DIR})
+endif()
+
+# One include directory for all of OpenCV, as SYSTEM (imported) so that our warnings stay ours.
+if(NOT TARGET plslam_opencv)
+  add_library(plslam_opencv INTERFACE IMPORTED)
+  set_target_properties(plslam_opencv PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${OpenCV_INCLUDE_DIRS}")
+endif()

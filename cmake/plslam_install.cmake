@@ -1,0 +1,51 @@
+# What `cmake --install` puts where, and the CMake package of core. Included last: it installs what the other folders have
+# declared. Everything is relative to the prefix, and can be moved as a whole: the programs find share/plslam beside
+# their folder.
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
+get_property(programs GLOBAL PROPERTY PLSLAM_INSTALLED_PROGRAMS)
+get_property(libraries GLOBAL PROPERTY PLSLAM_CORE_LIBRARIES)
+
+# --- component runtime: programs, their data, manual, completion, units, documents
+install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/config/ DESTINATION share/plslam/config COMPONENT runtime
+        FILES_MATCHING PATTERN "*.yaml")
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/lcmtypes/ DESTINATION share/plslam/lcmtypes COMPONENT runtime
+        FILES_MATCHING PATTERN "*.lcm")
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion DESTINATION share
+        COMPONENT runtime)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/java DESTINATION share COMPONENT runtime OPTIONAL)
+install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md DESTINATION share/doc/plslam
+        COMPONENT runtime)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION share/doc/plslam COMPONENT runtime)
+# The units name the programs by the prefix, which is known only now.
+install(CODE "set(PLSLAM_UNITS ${CMAKE_SOURCE_DIR}/scripts/systemd)" COMPONENT runtime)
+install(SCRIPT ${CMAKE_SOURCE_DIR}/cmake/install_units.cmake COMPONENT runtime)
+
+# --- component dev: find_package(plslam), targets plslam::core, plslam::geometry, ...
+add_library(plslam_core INTERFACE)
+target_link_libraries(plslam_core INTERFACE ${libraries} plslam_lcmtypes)
+foreach(target ${libraries} plslam_lcmtypes plslam_core)
+  string(REPLACE "plslam_" "" exported ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${exported})
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "STATIC_LIBRARY")
+    target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:include/plslam>)
+    target_compile_features(${target} PUBLIC cxx_std_20)
+    # As in this tree, so that what stands in headers gives the same numbers.
+    target_compile_options(${target} INTERFACE $<INSTALL_INTERFACE:-ffp-contract=off>)
+  endif()
+endforeach()
+install(TARGETS ${libraries} plslam_lcmtypes plslam_core EXPORT plslam_targets
+        ARCHIVE DESTINATION lib/plslam COMPONENT dev)
+install(EXPORT plslam_targets FILE plslam-targets.cmake NAMESPACE plslam:: DESTINATION lib/cmake/plslam COMPONENT dev)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/core ${CMAKE_SOURCE_DIR}/lcmtypes DESTINATION include/plslam COMPONENT dev
+        FILES_MATCHING PATTERN "*.h")
+install(DIRECTORY ${CMAKE_BINARY_DIR}/lcmtypes/include/plslam DESTINATION include/plslam COMPONENT dev)
+include(CMakePackageConfigHelpers)
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/plslam-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_SOURCE_DIR}/cmake/plslam-config.cmake ${CMAKE_SOURCE_DIR}/cmake/plslam_core_dependencies.cmake
+              ${CMAKE_BINARY_DIR}/plslam-config-version.cmake
+        DESTINATION lib/cmake/plslam COMPONENT dev)
+
+include(plslam_package)

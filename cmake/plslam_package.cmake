@@ -1,0 +1,29 @@
+# Debian packages by `cpack` (in the build folder): plslam, the programs and what they need, with dependencies found by
+# dpkg-shlibdeps; and libplslam-dev, the CMake package of core.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME plslam)
+set(CPACK_PACKAGE_VENDOR "plslam")
+set(CPACK_PACKAGE_CONTACT "plslam <plslam@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stereo visual SLAM with points and lines, as LCM processes")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+    WORLD_READ WORLD_EXECUTE)
+set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+# lcm-logger, lcm-logplayer; lcm-spy with the jar of the types.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+    "Tracking, mapping, loop closing, a player of datasets and a viewer without display, as processes that talk over LCM.")
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libplslam-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
+    "libeigen3-dev, libopencv-dev, libopencv-contrib-dev, libceres-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libsodium-dev")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of plslam.")
+include(CPack)

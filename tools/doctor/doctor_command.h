@@ -1,0 +1,14 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace plslam {
+
+/// Adds the subcommand `doctor`, which, when chosen, sets `*command` to what returns the exit code.
+void AddDoctorCommand(CLI::App* app, std::function<int()>* command);
+
+}  // namespace plslam

@@ -1,0 +1,96 @@
+#include "tools/doctor/files_check.h"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <exception>
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "core/places/vocabulary.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kTooLittle_MB = 200.0;
+constexpr double kLittle_MB = 2000.0;
+constexpr std::array kPrograms = {"player", "vo_process", "mapping_process", "loop_process", "viewer_headless"};
+
+fs::path FolderOfPrograms() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+/// The folder itself, or the nearest one above it that is there.
+fs::path NearestThatIs(const fs::path& folder) {
+  std::error_code error;
+  fs::path path = fs::absolute(folder, error);
+  while (!fs::exists(path, error) && path.has_relative_path()) path = path.parent_path();
+  return path;
+}
+
+}  // namespace
+
+Findings CheckFolder(const fs::path& folder, const std::string& use, const std::string& mend) {
+  const fs::path there = NearestThatIs(folder);
+  const std::string name = there.string();
+  std::error_code error;
+  if (!fs::is_directory(there, error)) {
+    return {Problem("disk", fmt::format("{}, where {} are to go, is no folder", name, use), mend)};
+  }
+  if (access(there.c_str(), W_OK | X_OK) != 0) {
+    return {Problem("disk", fmt::format("{} cannot be written to {}: {}", use, name, std::strerror(errno)), mend)};
+  }
+  struct statvfs space {};
+  if (statvfs(there.c_str(), &space) != 0) {
+    return {Problem("disk", fmt::format("{} cannot be looked at: {}", name, std::strerror(errno)), mend)};
+  }
+  const double free_MB = 1e-6 * static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
+  const std::string what = fmt::format("{:.0f} MB are free for {} in {}", free_MB, use, name);
+  if (free_MB < kTooLittle_MB) return {Problem("disk", what, mend)};
+  if (free_MB < kLittle_MB) return {Advice("disk", what + ": little for a long run", mend)};
+  return {Good("disk", what)};
+}
+
+Findings CheckVocabulary(const std::string& name, const std::string& kind, const std::string& key) {
+  std::error_code error;
+  const fs::path shared = FolderOfPrograms().parent_path() / "share" / "plslam" / name;
+  const fs::path path = fs::exists(name, error) ? fs::path(name) : shared;
+  const std::string mend = fmt::format(
+      "train_vocabulary --kind {0} --out {0}.vocabulary synthetic:room synthetic:street   # and --set "
+      "{1}={0}.vocabulary",
+      kind, key);
+  if (!fs::exists(path, error)) {
+    return {Problem("vocabulary",
+                    fmt::format("{}: there is no vocabulary of {} here nor at {}: loop_process will not start", name,
+                                kind, shared.string()),
+                    mend)};
+  }
+  try {
+    const Vocabulary vocabulary = Vocabulary::Load(path.string());
+    return {Good("vocabulary", fmt::format("{}: {} words of {}", path.string(), vocabulary.words(), kind))};
+  } catch (const std::exception& damage) {
+    return {Problem("vocabulary", damage.what(), mend)};
+  }
+}
+
+Findings CheckPrograms() {
+  Findings findings;
+  for (const char* program : kPrograms) {
+    const fs::path path = FolderOfPrograms() / program;
+    if (access(path.c_str(), X_OK) == 0) continue;
+    findings.push_back(
+        Problem("programs", fmt::format("{} is not there, or cannot be run", path.string()),
+                "cmake --build build/release --target plslam_programs   # or install the package again"));
+  }
+  if (findings.empty()) {
+    findings.push_back(Good("programs", "all programs are in " + FolderOfPrograms().string()));
+  }
+  return findings;
+}
+
+}  // namespace plslam

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// kAdvice: it works, and would work better. kProblem: something does not work.
+enum class Verdict { kGood, kAdvice, kProblem };
+
+/// What one look at this host has shown.
+struct Finding {
+  std::string check;  ///< "multicast", "buffer", "port", "clock", "process", "disk", "vocabulary"
+  Verdict verdict = Verdict::kGood;
+  std::string what;  ///< one sentence
+  std::string mend;  ///< the command that mends it; empty where all is good
+};
+
+using Findings = std::vector<Finding>;
+
+Finding Good(const std::string& check, const std::string& what);
+Finding Advice(const std::string& check, const std::string& what, const std::string& mend);
+Finding Problem(const std::string& check, const std::string& what, const std::string& mend);
+
+/// `command` as a user who is not root gives it.
+std::string AsRoot(const std::string& command);
+
+bool HasProblem(const Findings& findings);
+
+/// One line for each finding and one below it for its command; `only_bad` leaves out what is good.
+std::string FindingsToText(const Findings& findings, bool only_bad);
+
+}  // namespace plslam

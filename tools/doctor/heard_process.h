@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/doctor/finding.h"
+
+namespace plslam {
+
+/// How a message is signed, seen from here.
+enum class Signature {
+  kNone,       ///< not at all
+  kGood,       ///< with our key
+  kUnchecked,  ///< with a key, and we have none
+  kWrong,      ///< with another key than ours
+};
+
+/// A process that has told its status.
+struct HeardProcess {
+  std::string prefix;
+  std::string process;
+  std::string host;
+  int64_t pid = 0;
+  std::string version;
+  std::string state;
+  std::string reason;
+  int64_t source = 0;
+  int schema = 0;
+  Signature signature = Signature::kNone;
+  std::map<std::string, double> counters;
+  /// Its wall clock less ours, where it tells its time (the counter `clock.utc_s`).
+  std::optional<double> clock_ahead_s;
+};
+
+/// What a few seconds of listening to everything have brought.
+struct Heard {
+  std::vector<HeardProcess> processes;
+  /// Messages on channels of ours whose type is not the one that this build knows, by channel with prefix.
+  std::map<std::string, int64_t> foreign_types;
+  /// Messages on channels that plslam does not have (other users of the bus).
+  int64_t other_channels = 0;
+  int64_t messages = 0;
+};
+
+/// What the host that asks has.
+struct OwnSide {
+  std::string url;
+  std::string prefix;
+  std::string version;
+  std::string host;
+  int schema = 0;
+  bool has_key = false;
+};
+
+/// What keeps the processes heard from working with each other and with this host.
+Findings CheckProcesses(const Heard& heard, const OwnSide& own);
+
+}  // namespace plslam

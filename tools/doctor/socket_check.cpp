@@ -1,0 +1,192 @@
+#include "tools/doctor/socket_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace plslam {
+namespace {
+
+/// What core/bus asks for where the kernel grants it.
+constexpr int kWantedBytes = 2'000'000;
+
+class Socket {
+ public:
+  Socket(int family, int type) : fd_(socket(family, type | SOCK_CLOEXEC, 0)) {}
+  ~Socket() { close(fd_); }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+std::vector<UdpSocket> UdpSockets() {
+  std::ifstream file("/proc/net/udp");
+  return ParseUdpSockets({std::istreambuf_iterator<char>(file), {}});
+}
+
+/// What the kernel really gives: it doubles the number for its own overhead, and cuts it at net.core.rmem_max.
+int GrantedBytes(int wanted) {
+  const Socket socket(AF_INET, SOCK_DGRAM);
+  int bytes = 0;
+  socklen_t length = sizeof bytes;
+  setsockopt(socket.fd(), SOL_SOCKET, SO_RCVBUF, &wanted, sizeof wanted);
+  getsockopt(socket.fd(), SOL_SOCKET, SO_RCVBUF, &bytes, &length);
+  return bytes / 2;
+}
+
+bool HoldsSocket(const std::filesystem::path& process, const std::string& wanted) {
+  std::error_code error;
+  for (auto fd = std::filesystem::directory_iterator(process / "fd", error);
+       !error && fd != std::filesystem::directory_iterator(); fd.increment(error)) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink(fd->path(), gone) == wanted) return true;
+  }
+  return false;
+}
+
+/// "name (process 123)" of whoever holds the UDP port, as far as this user may know.
+std::string HolderOf(int port, int* pid) {
+  const auto sockets = UdpSockets();
+  const auto it = std::find_if(sockets.begin(), sockets.end(), [&](const UdpSocket& s) { return s.port == port; });
+  if (it == sockets.end()) return "a program of another network namespace";
+  const std::string wanted = fmt::format("socket:[{}]", it->inode);
+  for (const auto& process : std::filesystem::directory_iterator("/proc")) {
+    const std::string id = process.path().filename();
+    if (id.find_first_not_of("0123456789") != std::string::npos || !HoldsSocket(process.path(), wanted)) continue;
+    std::ifstream comm(process.path() / "comm");
+    std::string name;
+    std::getline(comm, name);
+    *pid = std::stoi(id);
+    return fmt::format("{} (process {})", name, id);
+  }
+  return "a program of another user";
+}
+
+Findings CheckUdpPort(const BusAddress& address) {
+  const Socket socket(AF_INET, SOCK_DGRAM);
+  const int on = 1;
+  setsockopt(socket.fd(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_port = htons(static_cast<uint16_t>(address.port));
+  if (bind(socket.fd(), reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0) {
+    return {Good("port", fmt::format("UDP port {} can be shared with other LCM programs", address.port))};
+  }
+  if (errno != EADDRINUSE) {
+    return {Problem("port", fmt::format("UDP port {} cannot be opened: {}", address.port, std::strerror(errno)),
+                    fmt::format("export LCM_DEFAULT_URL=udpm://{}:{}?ttl={}", address.host, 7667, address.ttl))};
+  }
+  int pid = 0;
+  const std::string holder = HolderOf(address.port, &pid);
+  const std::string other_port =
+      fmt::format("export LCM_DEFAULT_URL=udpm://{}:{}?ttl={}", address.host, address.port + 1, address.ttl);
+  return {Problem("port",
+                  fmt::format("UDP port {} is held by {}, which does not share it as LCM does", address.port, holder),
+                  pid > 0 ? fmt::format("kill {}   # or, everywhere: {}", pid, other_port) : other_port)};
+}
+
+/// The greeting of LCM's tcpq protocol; false where the other side is no LCM relay, or says nothing for a second.
+bool Greets(int fd) {
+  static constexpr std::array<uint8_t, 8> kHello = {0x28, 0x76, 0x17, 0xfb, 0, 0, 0x01, 0};
+  static constexpr std::array<uint8_t, 4> kAnswer = {0x28, 0x76, 0x17, 0xfa};
+  if (send(fd, kHello.data(), kHello.size(), MSG_NOSIGNAL) != static_cast<ssize_t>(kHello.size())) return false;
+  std::array<uint8_t, 8> answer{};
+  pollfd readable = {fd, POLLIN, 0};
+  if (poll(&readable, 1, 1000) <= 0) return false;
+  if (recv(fd, answer.data(), answer.size(), MSG_WAITALL) != static_cast<ssize_t>(answer.size())) return false;
+  return std::equal(kAnswer.begin(), kAnswer.end(), answer.begin());
+}
+
+/// Why there is no connection to `host`; empty where there is one and an LCM relay speaks.
+std::string WhyNoRelay(const BusAddress& address) {
+  addrinfo hints{};
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  const int error = getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &found);
+  if (error != 0) return fmt::format("the host {} is not known: {}", address.host, gai_strerror(error));
+  const Socket socket(AF_INET, SOCK_STREAM);
+  const timeval limit{2, 0};
+  setsockopt(socket.fd(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
+  setsockopt(socket.fd(), SOL_SOCKET, SO_RCVTIMEO, &limit, sizeof limit);
+  const bool connected = connect(socket.fd(), found->ai_addr, found->ai_addrlen) == 0;
+  const int why = errno;
+  freeaddrinfo(found);
+  if (!connected) {
+    return fmt::format("nothing answers at {}:{}: {}", address.host, address.port,
+                       std::strerror(why == EINPROGRESS ? ETIMEDOUT : why));
+  }
+  if (!Greets(socket.fd())) return fmt::format("what answers at {}:{} is no LCM relay", address.host, address.port);
+  return "";
+}
+
+}  // namespace
+
+std::vector<UdpSocket> ParseUdpSockets(const std::string& table) {
+  std::vector<UdpSocket> sockets;
+  std::istringstream lines(table);
+  std::string line;
+  std::getline(lines, line);  // names of the columns
+  while (std::getline(lines, line)) {
+    std::istringstream stream(line);
+    const std::vector<std::string> columns{std::istream_iterator<std::string>(stream), {}};
+    if (columns.size() < 13 || columns[1].size() != 13) continue;
+    sockets.push_back({static_cast<int>(std::strtol(columns[1].c_str() + 9, nullptr, 16)),
+                       std::strtoll(columns[9].c_str(), nullptr, 10),
+                       std::strtoll(columns[12].c_str(), nullptr, 10)});
+  }
+  return sockets;
+}
+
+Findings CheckReceiveBuffer(const BusAddress& address) {
+  const int wanted = address.receive_buffer > 0 ? address.receive_buffer : kWantedBytes;
+  const int granted = GrantedBytes(wanted);
+  const std::string grow = AsRoot(fmt::format("sysctl -w net.core.rmem_max={}", std::max(wanted, kWantedBytes)));
+  Findings findings;
+  if (granted >= wanted) {
+    findings.push_back(Good("buffer", fmt::format("the kernel grants receive buffers of {} bytes", granted)));
+  } else {
+    findings.push_back(Advice("buffer",
+                              fmt::format("the kernel grants receive buffers of {} of {} bytes: bursts will be sent "
+                                          "again, which costs time",
+                                          granted, wanted),
+                              grow));
+  }
+  int64_t drops = 0;
+  for (const UdpSocket& socket : UdpSockets()) {
+    if (socket.port == address.port) drops += socket.drops;
+  }
+  if (drops > 0) {
+    findings.push_back(Advice("buffer",
+                              fmt::format("sockets on UDP port {} of this host have lost {} datagrams because their "
+                                          "buffers were full",
+                                          address.port, drops),
+                              granted < wanted ? grow : "nproc; uptime   # more work than processors?"));
+  }
+  return findings;
+}
+
+Findings CheckPort(const BusAddress& address) {
+  if (address.kind == BusAddress::Kind::kMulticast) return CheckUdpPort(address);
+  const std::string why = WhyNoRelay(address);
+  if (why.empty()) return {Good("port", fmt::format("an LCM relay answers at {}:{}", address.host, address.port))};
+  return {Problem("port", why,
+                  fmt::format("plslam relay --port {} --address 0.0.0.0 &   # on {}", address.port, address.host))};
+}
+
+}  // namespace plslam

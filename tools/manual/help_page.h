@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// An option, argument or command as `--help` shows it.
+struct HelpEntry {
+  std::vector<std::string> names;    ///< "-h", "--help"; of an argument or command: its name
+  std::string value;                 ///< what follows the names ("TEXT:{a,b} REQUIRED"); empty for flags
+  std::vector<std::string> choices;  ///< the only values, where there is such a list
+  std::string meaning;
+
+  bool TakesValue() const { return !value.empty(); }
+};
+
+/// One `--help` of a program that uses CLI11.
+struct HelpPage {
+  std::string command;  ///< "plslam run"
+  std::string purpose;
+  std::string usage;  ///< behind the name of the command
+  std::vector<HelpEntry> arguments;
+  std::vector<HelpEntry> options;
+  std::vector<HelpEntry> commands;
+  std::string footer;
+
+  /// Commands, and words that the footer names as such ("evaluate places --help").
+  std::vector<std::string> CommandNames() const;
+};
+
+/// Reads what `command --help` printed. Throws std::runtime_error with the line that is not understood: then the manual
+/// would lack something.
+HelpPage ParseHelp(const std::string& command, const std::string& text);
+
+}  // namespace plslam

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
@@ -19,6 +20,13 @@ constexpr uint64_t kNoPoint = ~uint64_t{0};
 double CentreX(const StereoCamera& camera) { return camera.cx_px + 0.5; }
 double CentreY(const StereoCamera& camera) { return camera.cy_px + 0.5; }
 
+/// qw qx qy qz tx ty tz, zeros without sign.
+std::array<double, 7> PoseNumbers(const ColmapImage& image) {
+  const Eigen::Quaterniond& q = image.T_c_w.rotation();
+  const Eigen::Vector3d& t = image.T_c_w.translation();
+  return {q.w() + 0.0, q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0};
+}
+
 void MakeFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -36,10 +44,9 @@ std::string ImagesText(const ColmapModel& model) {
   std::string text = "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# POINTS2D[] as (X, Y, POINT3D_ID)\n";
   const auto out = std::back_inserter(text);
   for (const ColmapImage& image : model.images) {
-    const Eigen::Quaterniond& q = image.T_c_w.rotation();
-    const Eigen::Vector3d& t = image.T_c_w.translation();
-    fmt::format_to(out, "{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {} {}\n", image.id, q.w(), q.x(),
-                   q.y(), q.z(), t.x(), t.y(), t.z(), kCameraId, image.name);
+    fmt::format_to(out, "{}", image.id);
+    for (const double value : PoseNumbers(image)) fmt::format_to(out, " {:.17g}", value);
+    fmt::format_to(out, " {} {}\n", kCameraId, image.name);
     const char* space = "";
     for (const ColmapFeature& feature : image.features) {
       fmt::format_to(out, "{}{:.17g} {:.17g} {}", space, feature.px.x(), feature.px.y(), feature.point_id);
@@ -76,9 +83,7 @@ std::string CamerasBytes(const ColmapModel& model) {
 
 void AppendImage(const ColmapImage& image, std::string& bytes) {
   AppendLittleEndian(static_cast<uint32_t>(image.id), bytes);
-  const Eigen::Quaterniond& q = image.T_c_w.rotation();
-  for (const double value : {q.w(), q.x(), q.y(), q.z()}) AppendLittleEndian(value, bytes);
-  for (const double value : image.T_c_w.translation()) AppendLittleEndian(value, bytes);
+  for (const double value : PoseNumbers(image)) AppendLittleEndian(value, bytes);
   AppendLittleEndian(kCameraId, bytes);
   bytes.append(image.name.c_str(), image.name.size() + 1);
   AppendLittleEndian(static_cast<uint64_t>(image.features.size()), bytes);

@@ -11,6 +11,8 @@
 
 #include "core/io/atomic_file.h"
 #include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/compare/compare_command.h"
+#include "tools/evaluate/figures/figures_command.h"
 #include "tools/evaluate/places/places_command.h"
 #include "tools/evaluate/plot.h"
 #include "tools/evaluate/table.h"
@@ -108,11 +110,17 @@ int Evaluate(const Arguments& a) {
 }  // namespace
 
 int RunEvaluate(int argc, char** argv) {
-  if (argc > 1 && std::string_view(argv[1]) == "places") return RunEvaluatePlaces(argc - 1, argv + 1);
+  const std::string_view first = argc > 1 ? argv[1] : "";
+  if (first == "places") return RunEvaluatePlaces(argc - 1, argv + 1);
+  if (first == "compare") return RunEvaluateCompare(argc - 1, argv + 1);
+  if (first == "figures") return RunEvaluateFigures(argc - 1, argv + 1);
   CLI::App app("Compares an estimated trajectory with the truth. docs/metrics.md defines the numbers.", "evaluate");
   Arguments arguments;
   AddOptions(app, arguments);
-  app.footer("`evaluate places DATASET...` judges place recognition instead; see `evaluate places --help`.");
+  app.footer(
+      "Instead of that, `evaluate compare RUN...` sets runs side by side, `evaluate figures RUN` draws a run for "
+      "print,\n"
+      "and `evaluate places DATASET...` judges place recognition; each has its --help.");
   try {
     app.parse(argc, argv);
     return Evaluate(arguments);

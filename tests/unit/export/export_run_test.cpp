@@ -1,0 +1,91 @@
+#include "tools/export/export_run.h"
+
+#include <gmock/gmock.h>
+
+#include "core/io/g2o.h"
+#include "core/io/trajectory.h"
+#include "tests/support/data_folder.h"
+#include "tests/unit/export/shell.h"
+#include "tests/unit/export/small_map.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+std::string ErrorOf(const ExportRequest& request) {
+  try {
+    ExportRun(request);
+  } catch (const std::runtime_error& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+std::vector<std::string> NamesOf(const std::vector<ExportedFile>& files) {
+  std::vector<std::string> names;
+  for (const ExportedFile& file : files) names.push_back(std::filesystem::path(file.path).filename());
+  return names;
+}
+
+TEST(ExportRun, AMapGivesAllFormats) {
+  const ScratchFolder folder;
+  WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
+  const auto files = ExportRun({folder.Path("a.plmap"), folder.Path("out"), {}, ""});
+  EXPECT_THAT(NamesOf(files),
+              testing::ElementsAre("map.ply", "map.obj", "sparse", "text", "pose_graph.g2o", "keyframes.tum",
+                                   "keyframes.kitti", "keyframes_times.txt", "keyframes.euroc"));
+  for (const ExportedFile& file : files) EXPECT_TRUE(std::filesystem::exists(file.path)) << file.path;
+  const G2oFile graph = ReadG2o(folder.Path("out/pose_graph.g2o"));
+  EXPECT_EQ(std::get<G2oGraph<SE3>>(graph.content).ids.size(), 3U);
+  const Trajectory keyframes =
+      ReadTrajectory(folder.Path("out/keyframes.kitti"), folder.Path("out/keyframes_times.txt"));
+  ASSERT_EQ(keyframes.size(), 3U);
+  EXPECT_EQ(keyframes[2].t_ns, 2'000'000'005);
+  EXPECT_NEAR(keyframes[2].T_a_b.translation().z(), 0.8, 1e-9);
+}
+
+TEST(ExportRun, AFolderWithoutMapGivesItsTrajectoryOnly) {
+  const ScratchFolder folder;
+  WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{7, SE3()}, {8, SE3()}});
+  const std::string out = folder.Path("to");
+  EXPECT_THAT(NamesOf(ExportRun({folder.Path(""), out, {}, ""})),
+              testing::ElementsAre("trajectory.tum", "trajectory.kitti", "trajectory_times.txt", "trajectory.euroc"));
+  EXPECT_THAT(ErrorOf({folder.Path(""), out, {"ply"}, ""}), HasSubstr("ply needs a map: plslam run --save-map"));
+}
+
+TEST(ExportRun, WhatIsNotThereIsToldInASentence) {
+  const ScratchFolder folder;
+  const std::string out = folder.Path("out");
+  EXPECT_THAT(ErrorOf({folder.Path("none"), out, {}, ""}), HasSubstr("none: there is no such file or folder"));
+  EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has neither a map (.plmap) nor a trajectory.tum"));
+  EXPECT_THAT(ErrorOf({folder.Write("bad.plmap", "PLSLAMAP"), out, {}, ""}), HasSubstr("bad.plmap"));
+  EXPECT_EQ(ErrorOf({folder.Path(""), out, {"stl"}, ""}), "'stl' is no format to export to");
+  folder.Write("worse.plmap", "");
+  EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has 2 maps: name one of them"));
+}
+
+TEST(ExportRun, ImagesOfAnotherCameraAreRefused) {
+  const ScratchFolder folder;
+  WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
+  EXPECT_THAT(ErrorOf({folder.Path("a.plmap"), folder.Path("out"), {}, "synthetic:room?size=160x120&frames=3"}),
+              HasSubstr("is not that of the map (640 x 480 px, focal length 400 px"));
+}
+
+TEST(ExportProgram, TellsItsFilesAndItsErrors) {
+  const ScratchFolder folder;
+  WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
+  const std::string plslam = (test::BinaryFolder() / "plslam").string() + " export " + folder.Path("");
+  const auto good = test::Shell(folder, plslam + "/a.plmap --format obj tum");
+  EXPECT_EQ(good.exit_code, 0) << good.error;
+  EXPECT_THAT(good.out, HasSubstr("a_export/map.obj: 61 points, 4 lines, the way of 3 keyframes\n"));
+  const auto bad = test::Shell(folder, plslam + "/a.plmap --format stl");
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.error, HasSubstr("stl"));
+  const auto none = test::Shell(folder, plslam + "/none.plmap");
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.error, HasSubstr("none.plmap: there is no such file or folder"));
+}
+
+}  // namespace
+}  // namespace plslam

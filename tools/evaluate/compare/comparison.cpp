@@ -1,0 +1,128 @@
+#include "tools/evaluate/compare/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace plslam {
+namespace {
+
+constexpr size_t kNamedOptions = 3;
+
+std::string ValueOf(const RunRecord& run, const std::string& option) {
+  const auto value = run.options.find(option);
+  return value == run.options.end() ? "-" : value->second;
+}
+
+std::vector<std::string> DifferingOptions(const std::vector<RunRecord>& runs) {
+  std::set<std::string> names;
+  for (const RunRecord& run : runs) {
+    for (const auto& [name, value] : run.options) names.insert(name);
+  }
+  std::vector<std::string> differing;
+  for (const std::string& name : names) {
+    const auto differs = [&](const RunRecord& run) { return ValueOf(run, name) != ValueOf(runs.front(), name); };
+    if (std::any_of(runs.begin(), runs.end(), differs)) differing.push_back(name);
+  }
+  return differing;
+}
+
+/// The last part of each name, or the whole where that says too little.
+std::string ShortName(const std::string& option, const std::vector<std::string>& options) {
+  const std::string last = option.substr(option.rfind('.') + 1);
+  const auto has_same_end = [&](const std::string& other) { return other.substr(other.rfind('.') + 1) == last; };
+  return std::count_if(options.begin(), options.end(), has_same_end) == 1 ? last : option;
+}
+
+std::string LabelOf(const RunRecord& run, const std::vector<std::string>& differing) {
+  if (differing.empty()) return "all alike";
+  std::string label;
+  for (size_t i = 0; i < std::min(differing.size(), kNamedOptions); ++i) {
+    label +=
+        fmt::format("{}{}={}", i == 0 ? "" : ", ", ShortName(differing[i], differing), ValueOf(run, differing[i]));
+  }
+  if (differing.size() > kNamedOptions) label += fmt::format(", and {} more", differing.size() - kNamedOptions);
+  return label;
+}
+
+RunGroup* FindGroup(std::vector<RunGroup>& groups, const RunRecord& run) {
+  const auto group = std::find_if(groups.begin(), groups.end(), [&](const RunGroup& g) {
+    return g.dataset == run.dataset && g.runs.front().options == run.options;
+  });
+  return group == groups.end() ? nullptr : &*group;
+}
+
+/// Behind the last group of its dataset.
+RunGroup& AddGroup(std::vector<RunGroup>& groups, RunGroup group) {
+  auto place = groups.end();
+  while (place != groups.begin() && std::prev(place)->dataset != group.dataset) --place;
+  if (place == groups.begin()) place = groups.end();
+  return *groups.insert(place, std::move(group));
+}
+
+void Summarise(RunGroup& group) {
+  for (size_t i = 0; i < Metrics().size(); ++i) {
+    std::vector<double> values;
+    for (const RunRecord& run : group.runs) {
+      if (run.completed && run.values[i]) values.push_back(*run.values[i]);
+    }
+    group.metrics.push_back(SpreadOf(std::move(values), Metrics()[i].larger_is_better));
+  }
+  group.failed = static_cast<int>(
+      std::count_if(group.runs.begin(), group.runs.end(), [](const RunRecord& run) { return !run.completed; }));
+}
+
+/// Where more options differ than labels name, equal labels get a number.
+void TellApart(std::vector<RunGroup>& groups) {
+  std::map<std::pair<std::string, std::string>, int> seen;
+  for (RunGroup& group : groups) {
+    const int n = ++seen[{group.dataset, group.label}];
+    if (n > 1) group.label += fmt::format(" [{}]", n);
+  }
+}
+
+}  // namespace
+
+Spread SpreadOf(std::vector<double> values, bool larger_is_better) {
+  Spread spread;
+  spread.n = static_cast<int>(values.size());
+  if (values.empty()) return spread;
+  std::sort(values.begin(), values.end());
+  const size_t middle = values.size() / 2;
+  spread.median = values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
+  spread.worst = larger_is_better ? values.front() : values.back();
+  spread.spread = values.back() - values.front();
+  return spread;
+}
+
+const RunRecord* RunGroup::Typical() const {
+  const RunRecord* typical = nullptr;
+  double least = 0.0;
+  for (const RunRecord& run : runs) {
+    if (!run.completed) continue;
+    const double distance = run.values[0] ? std::abs(*run.values[0] - metrics[0].median) : 1e300;
+    if (typical == nullptr || distance < least) {
+      typical = &run;
+      least = distance;
+    }
+  }
+  return typical;
+}
+
+std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs) {
+  std::vector<RunGroup> groups;
+  if (runs.empty()) return groups;
+  const std::vector<std::string> differing = DifferingOptions(runs);
+  for (const RunRecord& run : runs) {
+    RunGroup* group = FindGroup(groups, run);
+    if (group == nullptr) group = &AddGroup(groups, {run.dataset, LabelOf(run, differing), {}, 0, {}});
+    group->runs.push_back(run);
+  }
+  for (RunGroup& group : groups) Summarise(group);
+  TellApart(groups);
+  return groups;
+}
+
+}  // namespace plslam

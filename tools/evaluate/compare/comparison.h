@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/compare/run_record.h"
+
+namespace plslam {
+
+/// Of a metric over the runs of a group that were completed and tell it.
+struct Spread {
+  int n = 0;
+  double median = 0.0;  ///< mean of the two middle values where `n` is even
+  double worst = 0.0;
+  double spread = 0.0;  ///< largest less smallest
+};
+
+Spread SpreadOf(std::vector<double> values, bool larger_is_better);
+
+/// Runs of one dataset with the same options.
+struct RunGroup {
+  std::string dataset;
+  /// The options that differ among all the runs compared ("features=points"); "all alike" where none do.
+  std::string label;
+  std::vector<RunRecord> runs;
+  int failed = 0;
+  /// As Metrics() has them.
+  std::vector<Spread> metrics;
+
+  /// The completed run whose first metric is nearest to the median, at a tie the first; nullptr where there is none.
+  const RunRecord* Typical() const;
+};
+
+/// Groups in the order in which their first runs come; groups of one dataset follow each other.
+std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs);
+
+}  // namespace plslam

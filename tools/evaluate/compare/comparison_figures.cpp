@@ -1,0 +1,90 @@
+#include "tools/evaluate/compare/comparison_figures.h"
+
+#include <array>
+#include <filesystem>
+#include <optional>
+
+#include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/compare/dot_figure.h"
+#include "tools/evaluate/figures/top_view.h"
+
+namespace plslam {
+namespace {
+
+const Ink kTruth{30, 30, 30};
+/// Keys of the metrics that have a figure.
+constexpr std::array<const char*, 5> kShown{"ate_m", "t_rel_percent", "vo_ms", "cpu_ms", "memory_mb"};
+
+std::optional<Trajectory> TryRead(const std::string& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  try {
+    return ReadTrajectory(path, TrajectoryFormat::kTum);
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+std::vector<Eigen::Vector3d> Moved(const Trajectory& trajectory, const SE3& T_to_from) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const TrajectoryPose& pose : trajectory) positions.push_back(T_to_from * pose.T_a_b.translation());
+  return positions;
+}
+
+/// Everything in the w of the first run, which the truth joins with the others; without truth, as it is.
+std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
+  std::vector<NamedPath> paths;
+  std::optional<SE3> T_w_truth;
+  for (size_t i = 0; i < groups.size(); ++i) {
+    const RunRecord* run = groups[i]->Typical();
+    if (run == nullptr) continue;
+    const auto estimate = TryRead(run->folder + "/trajectory.tum");
+    const auto truth = TryRead(run->folder + "/groundtruth.tum");
+    if (!estimate || estimate->empty()) continue;
+    SE3 T_w_estimate;
+    if (truth && !truth->empty()) {
+      const SE3 T_truth_estimate = EvaluateTrajectory(*estimate, *truth, {}).alignment.T_truth_estimate;
+      if (!T_w_truth) {
+        T_w_truth = T_truth_estimate.Inverse();
+        paths.push_back({"truth", Moved(*truth, *T_w_truth), {kTruth, 1.8, false}});
+      }
+      T_w_estimate = *T_w_truth * T_truth_estimate;
+    }
+    paths.push_back({groups[i]->label, Moved(*estimate, T_w_estimate), {InkOf(i), 0.9, false}});
+  }
+  return paths;
+}
+
+std::string AxisName(const Metric& metric) {
+  return metric.unit.empty() ? metric.name : metric.name + " [" + metric.unit + "]";
+}
+
+std::vector<DotRow> RowsOf(const std::vector<const RunGroup*>& groups, size_t metric) {
+  std::vector<DotRow> rows;
+  for (size_t i = 0; i < groups.size(); ++i) {
+    DotRow row{groups[i]->label, {}, groups[i]->metrics[metric].median, InkOf(i)};
+    for (const RunRecord& run : groups[i]->runs) {
+      if (run.completed && run.values[metric]) row.values.push_back(*run.values[metric]);
+    }
+    if (!row.values.empty()) rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+bool IsShown(const Metric& metric) { return std::find(kShown.begin(), kShown.end(), metric.key) != kShown.end(); }
+
+}  // namespace
+
+std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups) {
+  std::vector<NamedDrawing> figures;
+  const std::vector<NamedPath> paths = PathsOf(groups);
+  if (!paths.empty()) figures.push_back({"trajectories", TopView("typical runs", paths, nullptr)});
+  for (size_t i = 0; i < Metrics().size(); ++i) {
+    if (!IsShown(Metrics()[i])) continue;
+    const std::vector<DotRow> rows = RowsOf(groups, i);
+    if (!rows.empty())
+      figures.push_back({Metrics()[i].key, DotFigure(Metrics()[i].name, AxisName(Metrics()[i]), rows)});
+  }
+  return figures;
+}
+
+}  // namespace plslam

@@ -1,0 +1,154 @@
+#include "tools/evaluate/compare/run_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <stdexcept>
+
+namespace plslam {
+namespace {
+
+using nlohmann::json;
+using Value = std::optional<double>;
+
+/// The number at a path of names ("accuracy/ate_m"); nullopt where there is none.
+Value At(const json& summary, const std::string& path) {
+  const json::json_pointer pointer("/" + path);
+  if (!summary.contains(pointer) || !summary[pointer].is_number()) return std::nullopt;
+  return summary[pointer].get<double>();
+}
+
+/// Of the benchmark's lengths; of short ones where the path has none of those.
+Value TRel(const json& s) {
+  for (const char* part : {"accuracy/kitti/", "accuracy/kitti_short/"}) {
+    if (At(s, std::string(part) + "segments").value_or(0.0) > 0.0) return At(s, std::string(part) + "t_rel_percent");
+  }
+  return std::nullopt;
+}
+
+Value KeyframeRmse(const json& s) {
+  if (At(s, "accuracy/keyframes/moving").value_or(0.0) <= 0.0) return std::nullopt;
+  return At(s, "accuracy/keyframes/relative_rmse");
+}
+
+Value TrackedPercent(const json& s) {
+  const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
+  if (!frames || !tracked || *frames <= 0.0) return std::nullopt;
+  return 100.0 * *tracked / *frames;
+}
+
+Value SumOverProcesses(const json& s, const char* name) {
+  Value sum;
+  for (const auto& [process, report] : s.value("processes", json::object()).items()) {
+    if (report.contains(name) && report[name].is_number()) sum = sum.value_or(0.0) + report[name].get<double>();
+  }
+  return sum;
+}
+
+struct MetricRow {
+  Metric metric;
+  Value (*read)(const json& summary);
+};
+
+const std::vector<MetricRow>& Rows() {
+  static const std::vector<MetricRow> kRows{
+      {{"ate_m", "ATE", "m", 4, false}, [](const json& s) { return At(s, "accuracy/ate_m"); }},
+      {{"live_ate_m", "live ATE", "m", 4, false}, [](const json& s) { return At(s, "accuracy_live_ate_m"); }},
+      {{"t_rel_percent", "t_rel", "%", 3, false}, TRel},
+      {{"keyframe_relative_rmse", "keyframes, relative RMSE", "", 4, false}, KeyframeRmse},
+      {{"tracked_percent", "tracked", "%", 1, true}, TrackedPercent},
+      {{"keyframes", "keyframes", "", 0, false}, [](const json& s) { return At(s, "keyframes"); }},
+      {{"loops", "loops", "", 0, true}, [](const json& s) { return At(s, "loops"); }},
+      {{"vo_ms", "odometry", "ms a frame", 1, false}, [](const json& s) { return At(s, "stage_ms/total/median"); }},
+      {{"vo_p95_ms", "odometry, 95 %", "ms a frame", 1, false},
+       [](const json& s) { return At(s, "stage_ms/total/p95"); }},
+      {{"cpu_ms", "CPU", "ms a frame", 1, false},
+       [](const json& s) { return SumOverProcesses(s, "cpu_ms_per_frame"); }},
+      {{"memory_mb", "memory", "MB", 0, false}, [](const json& s) { return SumOverProcesses(s, "peak_memory_mb"); }},
+      {{"wall_s", "run", "s", 1, false}, [](const json& s) { return At(s, "wall_s"); }}};
+  return kRows;
+}
+
+/// Says where and what, not how: the last part of an option's name that is left out.
+bool IsIncidental(const std::string& name) {
+  static const std::array<const char*, 9> kEnds{".dataset", ".out",  ".seed",          ".drop_seed",  ".file",
+                                                ".load",    ".save", ".overlay_every", ".history_dir"};
+  return std::any_of(kEnds.begin(), kEnds.end(), [&](const char* end) { return name.ends_with(end); });
+}
+
+void Flatten(const json& value, const std::string& name, std::map<std::string, std::string>& options) {
+  if (value.is_object()) {
+    for (const auto& [key, member] : value.items()) Flatten(member, name.empty() ? key : name + "." + key, options);
+  } else if (!IsIncidental(name)) {
+    options[name] = value.is_string() ? value.get<std::string>() : value.dump();
+  }
+}
+
+std::map<std::string, std::string> OptionsOf(const json& summary) {
+  std::map<std::string, std::string> options;
+  std::string processes;
+  for (const auto& [process, sections] : summary.value("configuration", json::object()).items()) {
+    // What is shown and how it is sent does not make the result.
+    if (process == "viewer" || !sections.is_object()) continue;
+    if (process != "player") processes += (processes.empty() ? "" : "+") + process;
+    for (const auto& [section, values] : sections.items()) {
+      if (section != "bus") Flatten(values, section, options);
+    }
+  }
+  options["processes"] = processes;
+  options["version"] = summary.value("version", "");
+  return options;
+}
+
+/// "synthetic:room?rate=10&seed=2&size=376x240" without "seed=2&".
+std::string WithoutSeed(const std::string& dataset) {
+  const size_t question = dataset.find('?');
+  if (!dataset.starts_with("synthetic:") || question == std::string::npos) return dataset;
+  std::string kept, rest = dataset.substr(question + 1);
+  while (!rest.empty()) {
+    const size_t end = std::min(rest.find('&'), rest.size());
+    const std::string option = rest.substr(0, end);
+    if (!option.starts_with("seed=")) kept += (kept.empty() ? "?" : "&") + option;
+    rest = end < rest.size() ? rest.substr(end + 1) : "";
+  }
+  return dataset.substr(0, question) + kept;
+}
+
+}  // namespace
+
+const std::vector<Metric>& Metrics() {
+  static const std::vector<Metric> kMetrics = [] {
+    std::vector<Metric> metrics;
+    for (const MetricRow& row : Rows()) metrics.push_back(row.metric);
+    return metrics;
+  }();
+  return kMetrics;
+}
+
+RunRecord RecordOf(const json& summary, const std::string& folder) {
+  RunRecord record;
+  record.folder = folder;
+  record.dataset = WithoutSeed(summary.value("dataset", ""));
+  record.completed = summary.value("completed", false);
+  record.reason = summary.value("reason", "");
+  record.options = OptionsOf(summary);
+  for (const MetricRow& row : Rows()) record.values.push_back(row.read(summary));
+  return record;
+}
+
+RunRecord ReadRunRecord(const std::string& folder) {
+  const std::string path = folder + "/summary.json";
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(path + ": cannot be opened; is this the folder of a run?");
+  const json summary = json::parse(file, nullptr, false);
+  if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
+  try {
+    return RecordOf(summary, folder);
+  } catch (const json::exception& e) {
+    throw std::runtime_error(fmt::format("{}: is not the summary of a run: {}", path, e.what()));
+  }
+}
+
+}  // namespace plslam

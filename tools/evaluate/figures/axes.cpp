@@ -1,0 +1,132 @@
+#include "tools/evaluate/figures/axes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+const Ink kFrame{90, 90, 90};
+const Ink kGrid{225, 225, 225};
+constexpr double kRow_pt = 10.0;
+constexpr double kMarkSpacing_pt = 34.0;
+
+std::vector<double> LinearMarks(const Range& range, int max_marks) {
+  std::vector<double> marks;
+  const double step = MarkDistance(range.max - range.min, max_marks);
+  const double last = std::floor(range.max / step + 1e-9);
+  for (double k = std::ceil(range.min / step - 1e-9); k <= last; ++k) marks.push_back(k * step);
+  return marks;
+}
+
+std::vector<double> PowersOfTen(const Range& range) {
+  std::vector<double> marks;
+  for (double k = std::ceil(std::log10(range.min) - 1e-9); k <= std::log10(range.max) + 1e-9; ++k) {
+    marks.push_back(std::pow(10.0, k));
+  }
+  return marks;
+}
+
+std::string MarkText(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
+
+}  // namespace
+
+Axes::Axes(Drawing& drawing, const Box& area, const Range& x, const Range& y, bool log_x)
+    : drawing_(drawing), area_(area), x_(x), y_(y), log_x_(log_x) {}
+
+Place Axes::At(double x, double y) const {
+  const double share = log_x_ ? std::log(x / x_.min) / std::log(x_.max / x_.min) : (x - x_.min) / (x_.max - x_.min);
+  return {area_.corner.x() + area_.size.x() * share,
+          area_.corner.y() + area_.size.y() * (y_.max - y) / (y_.max - y_.min)};
+}
+
+bool Axes::Contains(double x, double y) const { return x >= x_.min && x <= x_.max && y >= y_.min && y <= y_.max; }
+
+void Axes::MarkX(double value) {
+  const double x = At(value, y_.min).x();
+  drawing_.shapes.emplace_back(
+      DrawnSegments{{{Place(x, area_.corner.y()), Place(x, area_.Bottom())}}, {kGrid, 0.5, false}});
+  AddText(drawing_, {x, area_.Bottom() + 1.35 * kType_pt}, MarkText(value), 0.5);
+}
+
+void Axes::MarkY(double value) {
+  const double y = At(x_.min, value).y();
+  drawing_.shapes.emplace_back(
+      DrawnSegments{{{Place(area_.corner.x(), y), Place(area_.Right(), y)}}, {kGrid, 0.5, false}});
+  AddText(drawing_, {area_.corner.x() - 3.0, y + 0.35 * kType_pt}, MarkText(value), 1.0);
+}
+
+void Axes::DrawGrid(const std::string& x_name, const std::string& y_name) {
+  const int max_marks = std::max(2, static_cast<int>(area_.size.x() / kMarkSpacing_pt));
+  for (const double mark : log_x_ ? PowersOfTen(x_) : LinearMarks(x_, max_marks)) MarkX(mark);
+  if (!y_name.empty()) {
+    const int max_y_marks = std::max(2, static_cast<int>(area_.size.y() / (0.6 * kMarkSpacing_pt)));
+    for (const double mark : LinearMarks(y_, max_y_marks)) MarkY(mark);
+  }
+  AddText(drawing_, {area_.corner.x() + 0.5 * area_.size.x(), area_.Bottom() + 2.7 * kType_pt}, x_name, 0.5);
+  AddText(drawing_, {area_.corner.x() - 3.0, area_.corner.y() - 4.0}, y_name, 0.5);
+}
+
+void Axes::DrawFrame() {
+  const Place a = area_.corner, b(area_.Right(), area_.Bottom());
+  drawing_.shapes.emplace_back(
+      DrawnPath{{a, {b.x(), a.y()}, b, {a.x(), b.y()}, a}, {kFrame, 0.6, false}, std::nullopt});
+}
+
+void Axes::DrawPath(const std::vector<Eigen::Vector2d>& data, const Stroke& stroke) {
+  DrawnPath path{{}, stroke, std::nullopt};
+  for (const Eigen::Vector2d& d : data) path.places.push_back(At(d.x(), d.y()));
+  drawing_.shapes.emplace_back(std::move(path));
+}
+
+void Axes::DrawDots(const std::vector<Eigen::Vector2d>& data, double radius_pt, const Ink& ink) {
+  DrawnDots dots{{}, radius_pt, ink};
+  for (const Eigen::Vector2d& d : data) {
+    if (Contains(d.x(), d.y())) dots.places.push_back(At(d.x(), d.y()));
+  }
+  drawing_.shapes.emplace_back(std::move(dots));
+}
+
+void Axes::DrawSegments(const std::vector<std::array<Eigen::Vector2d, 2>>& data, const Stroke& stroke) {
+  DrawnSegments segments{{}, stroke};
+  for (const auto& [p, q] : data) {
+    if (!Contains(p.x(), p.y()) || !Contains(q.x(), q.y())) continue;
+    segments.segments.push_back({At(p.x(), p.y()), At(q.x(), q.y())});
+  }
+  drawing_.shapes.emplace_back(std::move(segments));
+}
+
+void AddText(Drawing& drawing, const Place& at, const std::string& text, double anchor, double size_pt,
+             const Ink& ink) {
+  if (!text.empty()) drawing.shapes.emplace_back(DrawnText{at, text, size_pt, anchor, ink});
+}
+
+void AddTitle(Drawing& drawing, const std::string& title) {
+  constexpr double kLargest_pt = 8.0, kWidth_pt = kColumn_pt - 4.0;
+  const double fitting_pt = kLargest_pt * kWidth_pt / std::max(TextWidth(title, kLargest_pt), 1.0);
+  const double size_pt = std::clamp(fitting_pt, kType_pt - 1.0, kLargest_pt);
+  std::string text = title;
+  while (text.size() > 4 && TextWidth(text, size_pt) > kWidth_pt) text = text.substr(0, text.size() - 4) + "...";
+  AddText(drawing, {2.0, 11.0}, text, 0.0, size_pt, {0, 0, 0});
+}
+
+double AddLegend(Drawing& drawing, const Place& at, double width_pt, const std::vector<LegendEntry>& entries) {
+  constexpr double kSample_pt = 14.0, kGap_pt = 4.0, kBetween_pt = 10.0;
+  Place place = at;
+  for (const LegendEntry& entry : entries) {
+    const double width = kSample_pt + kGap_pt + TextWidth(entry.name, kType_pt);
+    if (place.x() > at.x() && place.x() + width > at.x() + width_pt) place = {at.x(), place.y() + kRow_pt};
+    const Place left(place.x(), place.y() - 0.35 * kType_pt), right(place.x() + kSample_pt, left.y());
+    if (entry.stroke.width_pt > 0.0) drawing.shapes.emplace_back(DrawnSegments{{{left, right}}, entry.stroke});
+    if (entry.dot_pt > 0.0) {
+      drawing.shapes.emplace_back(DrawnDots{{0.5 * (left + right)}, entry.dot_pt, entry.stroke.ink});
+    }
+    AddText(drawing, {right.x() + kGap_pt, place.y()}, entry.name);
+    place.x() += width + kBetween_pt;
+  }
+  return place.y() + kRow_pt;
+}
+
+}  // namespace plslam

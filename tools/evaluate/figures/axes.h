@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/evaluate/chart.h"
+#include "tools/evaluate/figures/drawing.h"
+
+namespace plslam {
+
+/// Width of a column of a two-column journal, and the size of small type in it.
+inline constexpr double kColumn_pt = 252.0;
+inline constexpr double kType_pt = 7.0;
+
+/// A box in a drawing.
+struct Box {
+  Place corner = Place::Zero();
+  Place size = Place::Zero();
+
+  double Right() const { return corner.x() + size.x(); }
+  double Bottom() const { return corner.y() + size.y(); }
+};
+
+/// What stands in a legend: a sample of a line, or of dots where `stroke.width_pt` is 0.
+struct LegendEntry {
+  std::string name;
+  Stroke stroke;
+  double dot_pt = 0.0;
+};
+
+/// One pair of axes in a drawing. Ranges must not be empty; `log_x` takes the logarithm of x, which must be positive.
+class Axes {
+ public:
+  Axes(Drawing& drawing, const Box& area, const Range& x, const Range& y, bool log_x = false);
+
+  Place At(double x, double y) const;
+  bool Contains(double x, double y) const;
+
+  /// Grid, marks and frame; the name of x below, that of y above the axis, level, as all text is.
+  void DrawGrid(const std::string& x_name, const std::string& y_name);
+  void DrawFrame();
+  void DrawPath(const std::vector<Eigen::Vector2d>& data, const Stroke& stroke);
+  /// Those within the axes.
+  void DrawDots(const std::vector<Eigen::Vector2d>& data, double radius_pt, const Ink& ink);
+  /// Those with both ends within the axes.
+  void DrawSegments(const std::vector<std::array<Eigen::Vector2d, 2>>& data, const Stroke& stroke);
+
+ private:
+  void MarkX(double value);
+  void MarkY(double value);
+
+  Drawing& drawing_;
+  Box area_;
+  Range x_;
+  Range y_;
+  bool log_x_;
+};
+
+void AddText(Drawing& drawing, const Place& at, const std::string& text, double anchor = 0.0,
+             double size_pt = kType_pt, const Ink& ink = {40, 40, 40});
+
+/// The title of a figure at column width, in its first line: smaller, and cut short, where it is too long.
+void AddTitle(Drawing& drawing, const std::string& title);
+
+/// Rows of entries from `at` (left end of the first base line), as many in a row as fit into `width_pt`. Returns the base
+/// line of the row after.
+double AddLegend(Drawing& drawing, const Place& at, double width_pt, const std::vector<LegendEntry>& entries);
+
+}  // namespace plslam

@@ -1,0 +1,219 @@
+#include "tools/evaluate/figures/figures_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "core/io/atomic_file.h"
+#include "core/io/map_camera.h"
+#include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/figures/pair_figure.h"
+#include "tools/evaluate/figures/runtime_figure.h"
+#include "tools/evaluate/figures/similarity_figure.h"
+#include "tools/evaluate/figures/top_view.h"
+#include "tools/export/keyframe_images.h"
+#include "tools/export/run_source.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// 600 dots an inch.
+constexpr double kPixelsPerPt = 600.0 / 72.0;
+
+struct Arguments {
+  std::string run;
+  std::string map;
+  std::string dataset;
+  std::string out;
+  std::string title;
+  std::vector<int64_t> pair;
+  std::string points = "config/orb.vocabulary";
+  std::string lines = "config/lbd.vocabulary";
+};
+
+/// What the figures are drawn from.
+struct Material {
+  RunSource source;
+  nlohmann::json summary;
+  Trajectory truth;
+  std::string dataset;
+  std::string title;
+  std::string out;
+
+  bool HasMap() const { return source.map && !source.map->map.keyframes().empty(); }
+};
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  app.add_option("run", a.run, "folder of a run")->required();
+  app.add_option("--map", a.map, "map of the run [the .plmap in its folder]")->type_name("FILE");
+  app.add_option("--dataset", a.dataset, "where the images are [what the run's summary names]");
+  app.add_option("--out", a.out, "folder for the figures [figures in the run's]")->type_name("DIR");
+  app.add_option("--title", a.title, "of all figures [the dataset's name]");
+  app.add_option("--pair", a.pair, "two keyframes of the map to show [of a loop, else neighbours]")->expected(2);
+  app.add_option("--points", a.points, "vocabulary of points, for the similarities");
+  app.add_option("--lines", a.lines, "vocabulary of lines");
+}
+
+nlohmann::json ReadJson(const std::string& path) {
+  std::ifstream file(path);
+  auto json = nlohmann::json::parse(file, nullptr, false);
+  if (json.is_discarded() || !json.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
+  return json;
+}
+
+/// "kitti_03" of a folder, "street" of a built-in world.
+std::string LastPart(const std::string& location) {
+  const std::string world = "synthetic:";
+  if (location.starts_with(world)) return location.substr(world.size(), location.find('?') - world.size());
+  const fs::path path = fs::path(location).lexically_normal();
+  return path.filename().empty() ? path.parent_path().filename().string() : path.filename().string();
+}
+
+RunSource ReadSource(const Arguments& a) {
+  if (a.map.empty()) return ReadRunSource(a.run);
+  RunSource source;
+  source.map_path = a.map;
+  source.map = ReadMapFile(a.map);
+  if (fs::exists(a.run + "/trajectory.tum")) source.frames = ReadTrajectory(a.run + "/trajectory.tum");
+  return source;
+}
+
+Material Collect(const Arguments& a) {
+  if (!fs::is_directory(a.run)) throw std::runtime_error(a.run + ": is not the folder of a run");
+  Material m{ReadSource(a), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
+  if (fs::exists(a.run + "/summary.json")) m.summary = ReadJson(a.run + "/summary.json");
+  if (fs::exists(a.run + "/groundtruth.tum")) m.truth = ReadTrajectory(a.run + "/groundtruth.tum");
+  if (m.dataset.empty()) m.dataset = m.summary.value("dataset", "");
+  if (m.title.empty()) m.title = LastPart(m.dataset.empty() ? a.run : m.dataset);
+  if (m.out.empty()) m.out = (fs::path(a.run) / "figures").string();
+  fs::create_directories(m.out);
+  return m;
+}
+
+void Write(const Drawing& drawing, const std::string& name, const Material& m) {
+  WriteFileAtomically(m.out + "/" + name + ".svg", ToSvg(drawing));
+  std::vector<uchar> png;
+  cv::imencode(".png", ToPicture(drawing, kPixelsPerPt), png);
+  WriteFileAtomically(m.out + "/" + name + ".png", std::string(png.begin(), png.end()));
+  fmt::print("{}/{}.svg, .png\n", m.out, name);
+}
+
+void Skip(const std::string& name, const std::string& why) { fmt::print("{}: left out: {}\n", name, why); }
+
+std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory) {
+  std::vector<Eigen::Vector3d> positions;
+  for (const TrajectoryPose& pose : trajectory) positions.push_back(pose.T_a_b.translation());
+  return positions;
+}
+
+/// The truth where it lies in w when the estimate is aligned with it.
+std::vector<Eigen::Vector3d> TruthInMap(const Accuracy& accuracy, const Trajectory& truth) {
+  std::vector<Eigen::Vector3d> positions;
+  const SE3 T_w_truth = accuracy.alignment.T_truth_estimate.Inverse();
+  for (const TrajectoryPose& pose : truth) positions.push_back(T_w_truth * pose.T_a_b.translation());
+  return positions;
+}
+
+void DrawTopView(const Material& m) {
+  if (m.source.frames.empty()) return Skip("top_view", "the run has no trajectory.tum");
+  const Accuracy accuracy = EvaluateTrajectory(m.source.frames, m.truth, EvaluateOptions{});
+  std::vector<NamedPath> paths;
+  std::string title = m.title;
+  if (!accuracy.pairs.empty()) {
+    paths.push_back({"truth", TruthInMap(accuracy, m.truth), {{214, 39, 40}, 1.6, false}});
+    title += fmt::format(": ATE {:.3g} m", accuracy.ate_m.rmse);
+  }
+  paths.push_back({"estimate (o start)", PositionsOf(m.source.frames), {{31, 80, 180}, 0.9, false}});
+  Write(TopView(title, paths, m.HasMap() ? &m.source.map->map : nullptr), "top_view", m);
+}
+
+void DrawCovisibility(const Material& m) {
+  if (!m.HasMap()) return Skip("covisibility", "there is no map (plslam run --save-map)");
+  const MapTotals totals = m.source.map->map.Totals();
+  const std::string title = fmt::format("{}: {} keyframes, {} loops", m.title, totals.keyframes, totals.loops);
+  Write(CovisibilityFigure(title, m.source.map->map), "covisibility", m);
+}
+
+void DrawSimilarity(const Material& m, const Arguments& a) {
+  if (!m.HasMap()) return Skip("similarity", "there is no map (plslam run --save-map)");
+  if (!fs::exists(a.points) || !fs::exists(a.lines)) {
+    return Skip("similarity", fmt::format("there are no vocabularies {} and {}", a.points, a.lines));
+  }
+  const std::string title = m.title + ": similarity of keyframes";
+  Write(SimilarityFigure(title, *m.source.map, a.points, a.lines), "similarity", m);
+}
+
+std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
+  if (!a.pair.empty()) {
+    for (const int64_t id : a.pair) {
+      if (map.FindKeyframe(id) == nullptr) throw std::runtime_error(fmt::format("the map has no keyframe {}", id));
+    }
+    return {a.pair[0], a.pair[1]};
+  }
+  return PairWorthShowing(map).value_or(std::pair<int64_t, int64_t>{-1, -1});
+}
+
+void DrawPair(const Material& m, const Arguments& a) {
+  if (!m.HasMap()) return Skip("keyframe_pair", "there is no map (plslam run --save-map)");
+  const StoredMap& stored = *m.source.map;
+  const auto [first, second] = PairOf(a, stored.map);
+  if (first < 0) return Skip("keyframe_pair", "no two keyframes share a landmark");
+  if (!stored.features.contains(first) || !stored.features.contains(second)) {
+    return Skip("keyframe_pair", "the map has no features of the keyframes");
+  }
+  const auto shown = [&](const KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
+    const MapKeyframe& keyframe = stored.map.keyframes().at(id);
+    const auto image = images.At(keyframe.t_ns);
+    if (!image) return std::nullopt;
+    return PairedImage{fmt::format("keyframe {}, frame {}", id, keyframe.frame_id), *image, &stored.features.at(id)};
+  };
+  try {
+    const KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
+    const auto a_shown = shown(images, first), b_shown = shown(images, second);
+    if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
+    Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);
+  } catch (const DatasetError& e) {
+    Skip("keyframe_pair", e.what());
+  }
+}
+
+void DrawRuntime(const Material& m) {
+  if (m.summary.empty()) return Skip("runtime", "the run has no summary.json");
+  Write(RuntimeFigure(m.title, m.summary), "runtime", m);
+}
+
+}  // namespace
+
+int RunEvaluateFigures(int argc, char** argv) {
+  CLI::App app("Draws figures of a run for print, as PNG and SVG. docs/metrics.md says what they show.",
+               "evaluate figures");
+  Arguments arguments;
+  AddOptions(app, arguments);
+  app.footer(
+      "Example:\n  plslam run synthetic:room --out out/room --save-map out/room/map.plmap\n"
+      "  evaluate figures out/room");
+  try {
+    app.parse(argc, argv);
+    const Material material = Collect(arguments);
+    DrawTopView(material);
+    DrawCovisibility(material);
+    DrawSimilarity(material, arguments);
+    DrawPair(material, arguments);
+    DrawRuntime(material);
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "evaluate figures: {}\n", e.what());
+    return 1;
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,71 @@
+#include "tools/evaluate/figures/similarity_figure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
+
+#include "core/places/place_recogniser.h"
+#include "tools/evaluate/figures/axes.h"
+#include "tools/evaluate/figures/keyframe_similarities.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kGap_pt = 6.0;
+constexpr double kMatrix_pt = (kColumn_pt - 4.0 - 2.0 * kGap_pt) / 3.0;
+constexpr double kTop_pt = 30.0;
+constexpr int kMostKeyframes = 400;
+
+float FullScale(const SimilarityMatrix& matrix) {
+  std::vector<float> values;
+  for (int row = 0; row < matrix.size; ++row) {
+    for (int column = 0; column < row; ++column) values.push_back(matrix.At(row, column));
+  }
+  if (values.empty()) return 1.0F;
+  const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 199 / 200);
+  std::nth_element(values.begin(), place, values.end());
+  return std::max(*place, 1e-6F);
+}
+
+cv::Mat Coloured(const SimilarityMatrix& matrix, float scale) {
+  cv::Mat grey(matrix.size, matrix.size, CV_8UC1), coloured;
+  for (int row = 0; row < matrix.size; ++row) {
+    for (int column = 0; column < matrix.size; ++column) {
+      grey.at<uchar>(row, column) = cv::saturate_cast<uchar>(255.0F * matrix.At(row, column) / scale);
+    }
+  }
+  cv::applyColorMap(grey, coloured, cv::COLORMAP_VIRIDIS);
+  return coloured;
+}
+
+void DrawMatrix(const SimilarityMatrix& matrix, const std::string& name, double left, int step, Drawing& drawing) {
+  const float scale = FullScale(matrix);
+  AddText(drawing, {left, kTop_pt - 4.0}, fmt::format("{}: 0 to {:.2g}", name, scale));
+  const Place corner(left, kTop_pt), size(kMatrix_pt, kMatrix_pt);
+  if (matrix.size > 0) drawing.shapes.emplace_back(DrawnImage{corner, size, Coloured(matrix, scale)});
+  const Range range{0.0, std::max(1.0, static_cast<double>(matrix.size * step))};
+  Axes axes(drawing, {corner, size}, range, range);
+  axes.DrawFrame();
+  AddText(drawing, {left, kTop_pt + kMatrix_pt + 9.0}, "0");
+  AddText(drawing, {left + kMatrix_pt, kTop_pt + kMatrix_pt + 9.0}, fmt::format("{:g}", range.max), 1.0);
+  AddText(drawing, {left + 0.5 * kMatrix_pt, kTop_pt + kMatrix_pt + 9.0}, "keyframes", 0.5);
+}
+
+}  // namespace
+
+Drawing SimilarityFigure(const std::string& title, const StoredMap& stored, const std::string& point_vocabulary,
+                         const std::string& line_vocabulary) {
+  const PlaceRecogniser recogniser(Vocabulary::Load(point_vocabulary), Vocabulary::Load(line_vocabulary),
+                                   PlaceOptions{});
+  const KeyframeSimilarities similarities = SimilaritiesOf(stored, recogniser, kMostKeyframes);
+  Drawing drawing;
+  drawing.size = {kColumn_pt, kTop_pt + kMatrix_pt + 14.0};
+  AddTitle(drawing, title);
+  DrawMatrix(similarities.points, "points", 2.0, similarities.step, drawing);
+  DrawMatrix(similarities.lines, "lines", 2.0 + kMatrix_pt + kGap_pt, similarities.step, drawing);
+  DrawMatrix(similarities.merged, "both", 2.0 + 2.0 * (kMatrix_pt + kGap_pt), similarities.step, drawing);
+  return drawing;
+}
+
+}  // namespace plslam

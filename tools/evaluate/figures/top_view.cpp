@@ -1,0 +1,141 @@
+#include "tools/evaluate/figures/top_view.h"
+
+#include <fmt/format.h>
+
+#include "tools/evaluate/figures/plan.h"
+
+namespace plslam {
+namespace {
+
+const Ink kLandmark{178, 178, 178};
+const Ink kLandmarkLine{120, 120, 120};
+constexpr size_t kMostPoints = 20000;
+constexpr double kLegendLine_pt = 22.0;
+
+/// Title and legend over axes of equal scale around `around`; the drawing has its size then.
+Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
+           const std::vector<Eigen::Vector2d>& around, Drawing& drawing) {
+  AddTitle(drawing, title);
+  const double top = AddLegend(drawing, {2.0, kLegendLine_pt}, kColumn_pt - 4.0, legend);
+  const Plan plan = PlanAround(around, top + 6.0);
+  drawing.size = {kColumn_pt, plan.height_pt};
+  return plan;
+}
+
+/// Every so many-th point, so that no more than kMostPoints are drawn.
+size_t StepOf(const Map& map) { return (map.points().size() + kMostPoints - 1) / kMostPoints; }
+
+void DrawLandmarks(const Map& map, const ViewDirections& view, Axes& axes) {
+  std::vector<Eigen::Vector2d> points;
+  const size_t step = StepOf(map);
+  size_t i = 0;
+  for (const auto& [id, point] : map.points()) {
+    if (i++ % step == 0) points.push_back(view(point.p_w));
+  }
+  axes.DrawDots(points, 0.35, kLandmark);
+  std::vector<std::array<Eigen::Vector2d, 2>> segments;
+  for (const auto& [id, line] : map.lines()) segments.push_back({view(line.segment_w.p), view(line.segment_w.q)});
+  axes.DrawSegments(segments, {kLandmarkLine, 0.5, false});
+}
+
+std::vector<LegendEntry> LegendOf(const std::vector<NamedPath>& paths, const Map* map) {
+  std::vector<LegendEntry> legend;
+  for (const NamedPath& path : paths) legend.push_back({path.name, path.stroke, 0.0});
+  if (map == nullptr) return legend;
+  const size_t step = StepOf(*map);
+  const std::string points = step > 1 ? fmt::format("points (1 in {})", step) : "points";
+  if (!map->points().empty()) legend.push_back({points, {kLandmark, 0.0, false}, 1.0});
+  if (!map->lines().empty()) legend.push_back({"lines", {kLandmarkLine, 0.5, false}, 0.0});
+  return legend;
+}
+
+void DrawRing(const Place& at, const Ink& ink, Drawing& drawing) {
+  drawing.shapes.emplace_back(DrawnDots{{at}, 2.8, ink});
+  drawing.shapes.emplace_back(DrawnDots{{at}, 1.7, {255, 255, 255}});
+}
+
+using Edges = std::vector<std::array<Eigen::Vector2d, 2>>;
+
+/// Pairs of keyframes that share as many landmarks, but fewer than `below`.
+Edges SharedEdges(const Map& map, const ViewDirections& view, int min_shared, int below) {
+  Edges edges;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    for (const Map::Neighbour& other : map.Neighbours(id, min_shared)) {
+      if (other.keyframe_id <= id || other.shared >= below) continue;
+      edges.push_back(
+          {view(keyframe.T_w_kf.translation()), view(map.keyframes().at(other.keyframe_id).T_w_kf.translation())});
+    }
+  }
+  return edges;
+}
+
+Edges EdgesBetween(const Map& map, const ViewDirections& view,
+                   const std::vector<std::pair<int64_t, int64_t>>& pairs) {
+  Edges edges;
+  for (const auto& [a, b] : pairs) {
+    const MapKeyframe *first = map.FindKeyframe(a), *second = map.FindKeyframe(b);
+    if (first == nullptr || second == nullptr) continue;
+    edges.push_back({view(first->T_w_kf.translation()), view(second->T_w_kf.translation())});
+  }
+  return edges;
+}
+
+Edges TreeEdges(const Map& map, const ViewDirections& view) {
+  std::vector<std::pair<int64_t, int64_t>> pairs;
+  for (const auto& [id, keyframe] : map.keyframes()) pairs.emplace_back(id, keyframe.parent_id);
+  return EdgesBetween(map, view, pairs);
+}
+
+Edges LoopEdges(const Map& map, const ViewDirections& view) {
+  std::vector<std::pair<int64_t, int64_t>> pairs;
+  for (const LoopEdge& loop : map.loops()) pairs.emplace_back(loop.old_keyframe_id, loop.keyframe_id);
+  return EdgesBetween(map, view, pairs);
+}
+
+}  // namespace
+
+Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map) {
+  std::vector<Eigen::Vector3d> all;
+  for (const NamedPath& path : paths) all.insert(all.end(), path.positions_w.begin(), path.positions_w.end());
+  const ViewDirections view = ViewOf(all);
+  Drawing drawing;
+  const Plan plan = Begin(title, LegendOf(paths, map), view(all), drawing);
+  Axes axes(drawing, plan.area, plan.x, plan.y);
+  axes.DrawGrid(view.right_name, view.up_name);
+  if (map != nullptr) DrawLandmarks(*map, view, axes);
+  for (const NamedPath& path : paths) axes.DrawPath(view(path.positions_w), path.stroke);
+  if (!paths.empty() && !paths.back().positions_w.empty()) {
+    const Eigen::Vector2d start = view(paths.back().positions_w.front());
+    DrawRing(axes.At(start.x(), start.y()), paths.back().stroke.ink, drawing);
+  }
+  axes.DrawFrame();
+  return drawing;
+}
+
+Drawing CovisibilityFigure(const std::string& title, const Map& map) {
+  std::vector<Eigen::Vector3d> all;
+  for (const auto& [id, keyframe] : map.keyframes()) all.push_back(keyframe.T_w_kf.translation());
+  const ViewDirections view = ViewOf(all);
+  const Stroke covisible{{150, 214, 150}, 0.4, false}, essential{{20, 140, 60}, 0.6, false};
+  const Stroke tree{{60, 60, 60}, 0.6, false}, loop{{214, 39, 40}, 1.3, false};
+  const Edges loops = LoopEdges(map, view);
+  std::vector<LegendEntry> legend{{"20 shared landmarks", covisible, 0.0},
+                                  {"100 and more", essential, 0.0},
+                                  {"spanning tree", tree, 0.0},
+                                  {"keyframes", {{31, 80, 180}, 0.0, false}, 1.4}};
+  if (!loops.empty()) legend.push_back({"loops", loop, 0.0});
+  Drawing drawing;
+  const Plan plan = Begin(title, legend, view(all), drawing);
+  Axes axes(drawing, plan.area, plan.x, plan.y);
+  axes.DrawGrid(view.right_name, view.up_name);
+  axes.DrawSegments(SharedEdges(map, view, Map::kCovisible, Map::kEssential), covisible);
+  axes.DrawSegments(SharedEdges(map, view, Map::kEssential, 1 << 30), essential);
+  axes.DrawSegments(TreeEdges(map, view), tree);
+  axes.DrawDots(view(all), 1.2, {31, 80, 180});
+  axes.DrawSegments(loops, loop);
+  for (const auto& [from, to] : loops) axes.DrawDots({from, to}, 1.5, loop.ink);
+  axes.DrawFrame();
+  return drawing;
+}
+
+}  // namespace plslam

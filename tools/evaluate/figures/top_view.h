@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/map/map.h"
+#include "tools/evaluate/figures/drawing.h"
+
+namespace plslam {
+
+/// A trajectory of a figure, positions in w.
+struct NamedPath {
+  std::string name;
+  std::vector<Eigen::Vector3d> positions_w;
+  Stroke stroke;
+};
+
+/// Trajectories from above, at column width and equal scale, the last on top; with the landmarks of `map` (may be null)
+/// below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.
+Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map);
+
+/// The covisibility graph (PL-SLAM fig. 4): keyframes, edges between those that share 20 landmarks in light green, 100
+/// (essential graph) in dark green, the spanning tree, and closed loops in red.
+Drawing CovisibilityFigure(const std::string& title, const Map& map);
+
+}  // namespace plslam

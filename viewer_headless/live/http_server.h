@@ -18,8 +18,8 @@ struct HttpResponse {
   std::string body;
 };
 
-/// Serves GET on 127.0.0.1 and nowhere else, from a thread of its own, to at most 16 connections that may be idle for
-/// 15 s; everything else is refused without a look at it. Requests that name another host are refused too, so that a
+/// Serves GET on 127.0.0.1 and nowhere else, from a thread of its own, to 16 connections at a time that may be idle for
+/// 15 s (others wait); other methods are refused. So are requests that name another host, so that a
 /// page of the network cannot read it through a browser here.
 class HttpServer {
  public:

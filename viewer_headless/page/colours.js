@@ -4,9 +4,9 @@ function parse(hex) {
   return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255);
 }
 
-// Perceptually even: dark blue over green to yellow ("viridis"), and violet over red to yellow ("plasma").
-const kHeight = ["#3b4cc0", "#5f7fe8", "#87b1f5", "#b6d0e6", "#e0c4b0", "#f0946f", "#d3523f"].map(parse);
-const kAge = ["#4a2c8f", "#3f5fa8", "#2f8a8f", "#3fae78", "#8fcf4d", "#f0e03a"].map(parse);
+// Low is cold and high is warm; young is violet and old is yellow. Neither fades on white or on black.
+const kHeight = ["#2f55a8", "#2f86b5", "#35a08c", "#86a944", "#d6983a", "#c9503c"].map(parse);
+const kAge = ["#6a3fb5", "#4a6fc4", "#2f93a0", "#3fae78", "#8fc24d", "#e0c93a"].map(parse);
 
 export const scales = {
   height: kHeight,

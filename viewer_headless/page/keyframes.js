@@ -30,7 +30,7 @@ export function putFrustum(corners, depth, p, q, out, at) {
 export class Keyframes {
   constructor(world) {
     this.objects = {};
-    for (const [name, opacity] of Object.entries({ keyframes: 0.75, covisibility: 0.16, essential: 0.5, loopEdges: 1 })) {
+    for (const [name, opacity] of Object.entries({ keyframes: 0.75, covisibility: 0.16, essential: 0.28, loopEdges: 1 })) {
       const object = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ transparent: true, opacity, depthWrite: false }));
       object.frustumCulled = false;
       this.objects[name] = object;

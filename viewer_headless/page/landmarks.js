@@ -14,7 +14,7 @@ const kVertex = `
     vTint = tint;
     vec4 p = modelViewMatrix * vec4(position, 1.0);
     gl_Position = projectionMatrix * p;
-    gl_PointSize = clamp(size * pixels / max(1e-6, -p.z), 1.6 * pixels, 5.0 * pixels);
+    gl_PointSize = clamp(size * pixels / max(1e-6, -p.z), 2.2 * pixels, 5.5 * pixels);
   }`;
 const kFragment = `
   varying vec3 vTint;
@@ -54,7 +54,7 @@ export class Landmarks {
   setRun(run, size) {
     if (!run.map || run.map === this.map) return;
     this.map = run.map;
-    this.pointMaterial.uniforms.size.value = size * 1.2;
+    this.pointMaterial.uniforms.size.value = size * 1.6;
     this.pointData = sortBySeen(run.map.points, "p", 3);
     this.segmentData = sortBySeen(run.map.segments, "pq", 6);
     this.fill(this.points, this.pointData.positions);

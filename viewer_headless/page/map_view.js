@@ -51,6 +51,7 @@ export class MapView {
     this.camera.updateProjectionMatrix();
     this.parts.paths.setResolution(width, height);
     this.parts.correction.setResolution(width, height);
+    if (this.pristine) this.lookAtAll(this.fromAbove);
     this.invalidate();
   }
 
@@ -73,7 +74,7 @@ export class MapView {
     this.parts.landmarks.colour(run, this.colourMode);
     this.applyLayers();
     this.setRow(this.row);
-    if (first || this.pristine) this.lookAtAll();
+    if (first || this.pristine) this.lookAtAll(this.fromAbove);
   }
 
   applyLayers() {
@@ -100,8 +101,9 @@ export class MapView {
 
   /** Looks at everything obliquely from behind, or from above. */
   lookAtAll(fromAbove = false) {
+    this.fromAbove = fromAbove;
     const centre = this.box.getCenter(new Vector3());
-    const distance = (0.62 * this.size) / Math.tan((0.5 * this.camera.fov * Math.PI) / 180) / Math.min(1, this.camera.aspect);
+    const distance = (0.5 * this.size) / Math.tan((0.5 * this.camera.fov * Math.PI) / 180) / Math.min(1, this.camera.aspect);
     const direction = fromAbove ? new Vector3(0, 1, 0.001) : new Vector3(-0.35, 0.75, 0.8);
     this.controls.target.copy(centre);
     this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);

@@ -52,7 +52,7 @@ export class Plot {
       width: this.width(),
       height: kHeight,
       scales: { x: { time: false }, y: { distr: spec.log ? 3 : 1, range: spec.range } },
-      axes: [axis(spec.xLabel ?? "time in s"), { ...axis(spec.unit), size: 52 }],
+      axes: [{ ...axis(spec.xLabel ?? "time in s"), size: 28, labelGap: -2 }, { ...axis(spec.unit), size: 52 }],
       series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s) => this.serie(s, spec))],
       cursor: { y: false, focus: { prox: 16 }, sync: seek ? { key: "time" } : undefined },
       legend: { live: true },

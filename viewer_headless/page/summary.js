@@ -36,8 +36,11 @@ function figures(run) {
 
 export function showSummary(run) {
   const f = run.facts;
-  byId("dataset").textContent = f.dataset || "unnamed run";
-  document.title = `${f.dataset || "run"} · PL-SLAM`;
+  // A folder is known by its last name, a built-in world by all that was said of it.
+  const name = f.dataset?.startsWith("/") ? f.dataset.split("/").filter(Boolean).pop() : f.dataset;
+  byId("dataset").textContent = name || "unnamed run";
+  byId("dataset").title = f.dataset ?? "";
+  document.title = `${name || "run"} · PL-SLAM`;
   byId("summary").replaceChildren(
     ...figures(run).map(([name, value, more]) =>
       element("div", {}, element("dt", {}, name), element("dd", {}, value, element("small", {}, more)))),

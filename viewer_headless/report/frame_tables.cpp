@@ -67,7 +67,8 @@ struct FrameColumns {
 
 int64_t FrameStride(const Recorder& recorder) {
   int64_t stride = 1;
-  while (recorder.frames().size() / static_cast<size_t>(stride) > kMaxReportFrames) stride *= 2;
+  const auto n = static_cast<int64_t>(recorder.frames().size());
+  while ((n + stride - 1) / stride > static_cast<int64_t>(kMaxReportFrames)) stride *= 2;
   return stride;
 }
 

@@ -1,0 +1,111 @@
+#include "viewer_headless/report/report_json.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "viewer_headless/report/base64.h"
+#include "viewer_headless/report/report_page.h"
+#include "viewer_headless/report/report_since.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+/// Bit by bit, as slow as can be: what RFC 4648 says.
+std::string SlowBase64(const std::string& bytes) {
+  const std::string alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bits, text;
+  for (const unsigned char byte : bytes) {
+    for (int bit = 7; bit >= 0; --bit) bits += ((byte >> bit) & 1) != 0 ? '1' : '0';
+  }
+  while (bits.size() % 6 != 0) bits += '0';
+  for (size_t i = 0; i < bits.size(); i += 6) text += alphabet[std::stoul(bits.substr(i, 6), nullptr, 2)];
+  while (text.size() % 4 != 0) text += '=';
+  return text;
+}
+
+TEST(ReportJson, Base64AsTheRfcSays) {
+  EXPECT_EQ(Base64(""), "");
+  EXPECT_EQ(Base64("f"), "Zg==");
+  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
+  std::string bytes;
+  for (int i = 0; i < 256; ++i) {
+    bytes += static_cast<char>(i);
+    ASSERT_EQ(Base64(bytes), SlowBase64(bytes)) << bytes.size() << " bytes";
+  }
+}
+
+TEST(ReportJson, ColumnsAreLittleEndian) {
+  EXPECT_EQ(LittleEndianBytes({"", 1, std::vector<int32_t>{1, -2}}), std::string("\1\0\0\0\xfe\xff\xff\xff", 8));
+  EXPECT_EQ(LittleEndianBytes({"", 1, std::vector<uint16_t>{0x1234}}), "\x34\x12");
+  EXPECT_EQ(LittleEndianBytes({"", 1, std::vector<float>{1.0F}}), std::string("\0\0\x80\x3f", 4));
+  EXPECT_EQ(TypeName({"", 1, std::vector<float>{}}), "f32");
+  EXPECT_EQ(TypeName({"", 1, std::vector<uint8_t>{}}), "u8");
+}
+
+TEST(ReportJson, NothingAtAllIsStillWhole) {
+  const auto json = nlohmann::json::parse(ReportJson({}));
+  EXPECT_TRUE(json["whole"]);
+  EXPECT_TRUE(json["path"].is_null());
+  EXPECT_TRUE(json["map"].is_null());
+  EXPECT_TRUE(json["facts"]["ate_m"].is_null());
+  EXPECT_EQ(json["pictures"].size(), 0U);
+}
+
+TEST(ReportJson, NamesCannotEndThePage) {
+  ReportData data;
+  data.facts.dataset = "</script><script>alert(1)</script>\xff\xfe";
+  data.processes.push_back({"</script>", "running", {{"<b>", 1, std::vector<float>{1.0F}}}});
+  const std::string text = ReportJson(data);
+  EXPECT_EQ(text.find('<'), std::string::npos);
+  const auto json = nlohmann::json::parse(text);
+  EXPECT_THAT(json["facts"]["dataset"].get<std::string>(), HasSubstr("</script><script>alert(1)</script>"));
+  EXPECT_TRUE(json["processes"][0]["table"].contains("<b>"));
+}
+
+TEST(ReportJson, FeaturesThatAreNoneAreLeftOut) {
+  ReportPicture picture;
+  picture.features.points = {{{10.5F, 3.0F}, 2.0F, 300}, {{NAN, 1.0F}, 1.0F, 1}, {{5.0F, -7.0F}, -1.0F, 0}};
+  picture.features.segments = {{{1, 2}, {INFINITY, 4}, true, 1}, {{1, 2}, {3, 4}, true, 7}};
+  ReportData data;
+  data.pictures.push_back(picture);
+  const auto features = nlohmann::json::parse(ReportJson(data))["pictures"][0]["features"];
+  const std::vector<uint16_t> points{336, 96, 64, 160, 0, 65535};
+  EXPECT_EQ(features["points"]["data"], Base64(LittleEndianBytes({"", 3, points})));
+  EXPECT_EQ(features["point_ages"]["data"], Base64(std::string("\xff\0", 2)));
+  EXPECT_EQ(features["segment_ages"]["data"], Base64("\7"));
+}
+
+TEST(ReportJson, NumbersThatAreNotFiniteAreNull) {
+  ReportData data;
+  data.facts.length_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(nlohmann::json::parse(ReportJson(data))["facts"]["length_m"].is_null());
+}
+
+TEST(ReportPage, DataTakeTheirPlace) {
+  EXPECT_EQ(FillTemplate("<a>\"PLSLAM_RUN_DATA\"</a>", "{\"$&\": 1}"), "<a>{\"$&\": 1}</a>");
+  EXPECT_THROW(FillTemplate("<a></a>", "{}"), std::runtime_error);
+}
+
+TEST(ReportSince, ItsTextComesBack) {
+  const ReportSince since{3, 2, 250, 17, 96};
+  EXPECT_EQ(since.Text(), "3.2.250.17.96");
+  EXPECT_EQ(ReportSince::Parse(since.Text()), since);
+  EXPECT_EQ(ReportSince::Parse(""), ReportSince());
+  EXPECT_EQ(ReportSince::Parse(ReportSince().Text()), ReportSince());
+}
+
+TEST(ReportSince, NonsenseIsRefused) {
+  for (const char* text :
+       {"1", "1.2.3.4", "1.2.3.4.5.6", "1.2.3.4.", ".1.2.3.4", "a.b.c.d.e", "1.2.3.4.99999999999999999999",
+        "1.2.-9.4.5", "1 .2.3.4.5", "1.2.3.4.5\n", "../../etc/passwd", "0x1.2.3.4.5"}) {
+    EXPECT_FALSE(ReportSince::Parse(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,199 @@
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <random>
+
+#include "tests/unit/viewer/frame_poses.h"
+#include "tests/unit/viewer/report_columns.h"
+#include "viewer_headless/report/frame_tables.h"
+#include "viewer_headless/report/map_tables.h"
+#include "viewer_headless/report/rigid_alignment.h"
+
+namespace plslam {
+namespace {
+
+using testing::ElementsAre;
+
+const Eigen::Quaterniond kNoTurn = Eigen::Quaterniond::Identity();
+
+SE3 Random(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  Vector6d x;
+  for (double& value : x) value = normal(random);
+  return SE3::Exp(x);
+}
+
+TEST(RigidAlignment, FindsTheMotionBetweenTwoCopies) {
+  std::mt19937 random(3);
+  const SE3 T_a_b = Random(random);
+  std::vector<SE3> a, b;
+  for (int i = 0; i < 20; ++i) {
+    b.push_back(Random(random));
+    a.push_back(T_a_b * b.back());
+  }
+  EXPECT_LT((AlignPoses(a, b).Inverse() * T_a_b).Log().norm(), 1e-9);
+}
+
+TEST(RigidAlignment, StraightPathsFewPosesAndNone) {
+  std::mt19937 random(4);
+  const SE3 T_a_b = Random(random);
+  std::vector<SE3> a, b;
+  EXPECT_LT(AlignPoses(a, b).Log().norm(), 1e-12);
+  for (int i = 0; i < 5; ++i) {
+    b.push_back(SE3(kNoTurn, {0, 0, 1.0 * i}));
+    a.push_back(T_a_b * b.back());
+    EXPECT_LT((AlignPoses(a, b).Inverse() * T_a_b).Log().norm(), 1e-9) << a.size() << " poses on a line";
+  }
+}
+
+TEST(FrameTable, RowsSayWhatWasPublished) {
+  Recorder recorder;
+  for (int64_t id = 0; id < 5; ++id) {
+    FramePose pose = SomePose(id, id == 3 ? TrackingState::kLost : TrackingState::kTracking);
+    pose.T_w_odom = SE3(kNoTurn, {id >= 2 ? 1.0 : 0.0, 0, 0});
+    pose.keyframe_id = id == 2 ? 1 : -1;
+    ASSERT_TRUE(recorder.AddPose(pose));
+  }
+  const Table table = FrameTable(recorder, 1, 0);
+  EXPECT_EQ(Rows(table), 5U);
+  EXPECT_THAT(Numbers<int32_t>(table, "id"), ElementsAre(0, 1, 2, 3, 4));
+  EXPECT_THAT(Numbers<uint8_t>(table, "state"), ElementsAre(1, 1, 1, 3, 1));
+  EXPECT_THAT(Numbers<uint8_t>(table, "keyframe"), ElementsAre(0, 0, 1, 0, 0));
+  EXPECT_FLOAT_EQ(Numbers<float>(table, "t_s").at(4), 0.4F);
+  EXPECT_FLOAT_EQ(Numbers<float>(table, "live").at(3 * 2), 1.0F) << "as the map was then";
+  EXPECT_FLOAT_EQ(Numbers<float>(table, "odom").at(3 * 2), 0.0F) << "as the session began";
+  EXPECT_EQ(Numbers<float>(table, "stages_ms").size(), 10U);
+  EXPECT_THAT(Numbers<int32_t>(FrameTable(recorder, 1, 3), "id"), ElementsAre(3, 4));
+  EXPECT_THAT(Numbers<int32_t>(FrameTable(recorder, 2, 1), "id"), ElementsAre(2, 4));
+  EXPECT_EQ(Rows(FrameTable(Recorder(), 1, 0)), 0U);
+}
+
+TEST(FrameTable, LongRunsAreThinnedOut) {
+  Recorder recorder;
+  FramePose pose = SomePose(0);
+  const auto add = [&](size_t n) {
+    for (size_t i = 0; i < n; ++i, ++pose.frame_id) recorder.AddPose(pose);
+  };
+  add(kMaxReportFrames);
+  EXPECT_EQ(FrameStride(recorder), 1);
+  add(1);
+  EXPECT_EQ(FrameStride(recorder), 2);
+  add(kMaxReportFrames);
+  EXPECT_EQ(FrameStride(recorder), 4);
+  EXPECT_EQ(Rows(FrameTable(recorder, 4, 0)), (recorder.frames().size() + 3) / 4);
+  EXPECT_EQ(Rows(FrameTable(recorder, 4, 10'000)), 1U);
+}
+
+TEST(PathTable, ErrorsAreThoseAfterAlignment) {
+  Recorder recorder;
+  std::mt19937 random(5);
+  const SE3 T_truth_w = Random(random);
+  // A curve, and a truth that is a centimetre off, up and down in turn, in a frame of its own.
+  for (int64_t id = 0; id < 40; ++id) {
+    const double angle = 0.15 * static_cast<double>(id);
+    FramePose pose = SomePose(id);
+    pose.T_odom_c = SE3(ExpSO3({0, angle, 0}), {3.0 * std::sin(angle), 0, 3.0 * std::cos(angle)});
+    recorder.AddPose(pose);
+    const SE3 off(kNoTurn, {0, id % 2 == 0 ? 0.01 : -0.01, 0});
+    recorder.AddTruth(id, {pose.t_ns, T_truth_w * off * pose.T_odom_c});
+  }
+  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  ASSERT_TRUE(path.ate_m);
+  EXPECT_NEAR(*path.ate_m, 0.01, 2e-5);
+  EXPECT_NEAR(*path.live_ate_m, 0.01, 2e-5);
+  EXPECT_EQ(Rows(path.table), 40U);
+  const std::vector<float> error_m = Numbers<float>(path.table, "error_m");
+  double sum = 0.0;
+  for (const float e : error_m) sum += double{e} * double{e};
+  EXPECT_NEAR(std::sqrt(sum / 40.0), *path.ate_m, 1e-6);
+  EXPECT_LT(Numbers<float>(path.table, "error_deg").at(17), 0.1F);
+  EXPECT_NEAR(path.length_m, 39 * 2 * 3.0 * std::sin(0.075), 1e-9);
+}
+
+TEST(PathTable, WithoutTruthThereAreNoErrors) {
+  Recorder recorder;
+  for (int64_t id = 0; id < 3; ++id) recorder.AddPose(SomePose(id));
+  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  EXPECT_FALSE(path.ate_m);
+  EXPECT_EQ(FindColumn(path.table, "truth"), nullptr);
+  EXPECT_EQ(Rows(PathTable(Recorder(), Map(), kNoTurn, 1).table), 0U);
+}
+
+TEST(PathTable, FramesWithoutTruthAndLostOnesHaveNone) {
+  Recorder recorder;
+  for (int64_t id = 0; id < 6; ++id) {
+    const FramePose pose = SomePose(id, id == 2 ? TrackingState::kLost : TrackingState::kTracking);
+    recorder.AddPose(pose);
+    if (id != 4) recorder.AddTruth(id, {pose.t_ns, pose.T_odom_c});
+  }
+  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  const std::vector<float> error_m = Numbers<float>(path.table, "error_m");
+  ASSERT_EQ(error_m.size(), 6U);
+  EXPECT_TRUE(std::isnan(error_m[2]));
+  EXPECT_TRUE(std::isnan(error_m[4]));
+  EXPECT_NEAR(error_m[5], 0.0, 1e-6);
+  EXPECT_TRUE(std::isnan(Numbers<float>(path.table, "truth").at(3 * 4)));
+}
+
+/// Three keyframes at frames 0, 10, 20; point i is seen by the first 1 + i % 3 of them.
+Map SmallMap(int n_points) {
+  Map map;
+  for (int64_t id = 0; id < 3; ++id) {
+    MapKeyframe keyframe;
+    keyframe.id = id;
+    keyframe.frame_id = 10 * id;
+    keyframe.parent_id = id - 1;
+    keyframe.T_w_kf = SE3(kNoTurn, {0, 0, 1.0 * static_cast<double>(id)});
+    map.Put(keyframe);
+  }
+  for (int i = 0; i < n_points; ++i) {
+    MapPoint point;
+    point.id = i;
+    point.p_w = {1.0 * i, 2, 3};
+    for (int64_t id = 0; id <= i % 3; ++id) point.sights.push_back({id, i});
+    map.Put(point);
+  }
+  MapLine line;
+  line.id = 0;
+  line.segment_w = {{1, 2, 3}, {4, 5, 6}};
+  line.sights = {{1, 0}, {2, 0}};
+  map.Put(line);
+  map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()});
+  map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 77, .T_old_kf = SE3()});
+  return map;
+}
+
+TEST(MapTables, SayWhatIsInTheMap) {
+  std::vector<std::string> notes;
+  const ReportMap tables = MapTables(SmallMap(60), {}, &notes);
+  EXPECT_EQ(Rows(tables.points), 60U);
+  EXPECT_THAT(Numbers<float>(tables.segments, "pq"), ElementsAre(1, 2, 3, 4, 5, 6));
+  EXPECT_THAT(Numbers<int32_t>(tables.segments, "seen"), ElementsAre(10));
+  EXPECT_THAT(Numbers<uint8_t>(tables.segments, "sights"), ElementsAre(2));
+  EXPECT_THAT(Numbers<int32_t>(tables.keyframes, "parent"), ElementsAre(-1, 0, 1));
+  // 0 and 1 share two of three points, 0 and 2 (as 1 and 2, with the line) a third.
+  EXPECT_THAT(Numbers<int32_t>(tables.edges, "ab"), ElementsAre(0, 1, 1, 2, 0, 2));
+  EXPECT_THAT(Numbers<int32_t>(tables.edges, "shared"), ElementsAre(40, 21, 20));
+  EXPECT_THAT(Numbers<int32_t>(tables.loop_edges, "ab"), ElementsAre(0, 2)) << "keyframe 77 is gone";
+  EXPECT_THAT(notes, testing::IsEmpty());
+}
+
+TEST(MapTables, WhatIsLeftOutIsSaid) {
+  std::vector<std::string> notes;
+  const ReportMap tables = MapTables(SmallMap(60), {.points = 25, .segments = 0, .edges = 1}, &notes);
+  EXPECT_EQ(Rows(tables.points), 25U);
+  EXPECT_THAT(Numbers<uint8_t>(tables.points, "sights"), testing::Each(testing::Ge(2))) << "those seen most often";
+  EXPECT_EQ(Rows(tables.segments), 0U);
+  EXPECT_THAT(Numbers<int32_t>(tables.edges, "shared"), ElementsAre(40));
+  ASSERT_EQ(notes.size(), 3U);
+  EXPECT_THAT(notes[0], testing::HasSubstr("25 of 60 points"));
+}
+
+TEST(MapTables, EmptyMap) {
+  std::vector<std::string> notes;
+  const ReportMap tables = MapTables(Map(), {}, &notes);
+  EXPECT_EQ(Rows(tables.points) + Rows(tables.segments) + Rows(tables.keyframes) + Rows(tables.edges), 0U);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,110 @@
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <opencv2/videoio.hpp>
+
+#include "tests/unit/trajectory/text_file.h"
+#include "viewer_headless/video/run_video.h"
+#include "viewer_headless/video/top_view.h"
+
+namespace plslam {
+namespace {
+
+TEST(RunVideo, AnMp4FileThatOpenCvReadsBack) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("deep/film.mp4");
+  std::string written;
+  {
+    RunVideo video(file, 10.0, {161, 121});
+    if (video.is_folder()) GTEST_SKIP() << "OpenCV has no FFmpeg that writes MP4 here";
+    for (int i = 0; i < 12; ++i) video.Add(cv::Mat(121, 161, CV_8UC3, cv::Scalar::all(20 * i)));
+    EXPECT_FALSE(std::filesystem::exists(file)) << "not before it is whole";
+    EXPECT_EQ(video.pictures(), 12);
+    written = video.path();
+  }
+  EXPECT_EQ(written, file);
+  cv::VideoCapture capture(file);
+  ASSERT_TRUE(capture.isOpened());
+  cv::Mat picture;
+  int n = 0;
+  for (; capture.read(picture); ++n) EXPECT_NEAR(cv::mean(picture)[1], 20 * n, 6.0) << "picture " << n;
+  EXPECT_EQ(n, 12);
+  EXPECT_EQ(picture.size(), cv::Size()) << "read to the end";
+  EXPECT_NEAR(capture.get(cv::CAP_PROP_FPS), 10.0, 0.01);
+}
+
+TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
+  const ScratchFolder folder;
+  {
+    RunVideo video(folder.Path("film"), 10.0, {64, 48});
+    EXPECT_TRUE(video.is_folder());
+    video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
+    video.Add(cv::Mat(96, 128, CV_8UC3, cv::Scalar::all(9)));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
+  EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000001.png")));
+}
+
+TEST(RunVideo, WhereNothingCanBeWrittenItSaysSo) {
+  const ScratchFolder folder;
+  const std::string file = folder.Write("file", "");
+  EXPECT_THROW(RunVideo(file + "/film.mp4", 10.0, {64, 48}), std::runtime_error);
+  EXPECT_THROW(RunVideo(file + "/film", 10.0, {64, 48}), std::runtime_error);
+}
+
+TEST(RunVideo, RateOfTheRecording) {
+  EXPECT_DOUBLE_EQ(PictureRate_hz(0, 100'000'000, 1), 10.0);
+  EXPECT_DOUBLE_EQ(PictureRate_hz(0, 0, 1), 20.0);
+  EXPECT_DOUBLE_EQ(PictureRate_hz(5, 1, 1), 20.0);
+  EXPECT_DOUBLE_EQ(PictureRate_hz(0, 1, 1), 120.0);
+}
+
+TEST(RunVideo, PictureAndMapFitTogether) {
+  for (const cv::Size size : {cv::Size(640, 400), cv::Size(1241, 420), cv::Size(300, 300), cv::Size(200, 500)}) {
+    const cv::Size map = MapSizeBeside(size);
+    const cv::Mat joined = Join(cv::Mat(size, CV_8UC3), cv::Mat(map, CV_8UC3));
+    EXPECT_EQ(joined.total(), cv::Mat(size, CV_8UC3).total() + cv::Mat(map, CV_8UC3).total());
+  }
+}
+
+TEST(TopView, PathGoesUpAndIsSeen) {
+  TopViewScene scene;
+  for (int i = 0; i <= 10; ++i) scene.path.push_back({0.0, 0.0, 1.0 * i});
+  TopViewWindow window;
+  window.Include(scene.path);
+  EXPECT_GE(window.side_m(), 13.0);
+  const cv::Mat empty = DrawTopView({}, window, {200, 200});
+  const cv::Mat drawn = DrawTopView(scene, window, {200, 200});
+  cv::Mat difference;
+  cv::absdiff(empty, drawn, difference);
+  // In the middle column, above and below the centre, and nowhere far from it.
+  EXPECT_GT(cv::sum(difference(cv::Rect(97, 40, 6, 60)))[0], 0.0);
+  EXPECT_GT(cv::sum(difference(cv::Rect(97, 100, 6, 60)))[0], 0.0);
+  EXPECT_EQ(cv::sum(difference(cv::Rect(0, 0, 60, 200)))[0], 0.0);
+}
+
+TEST(TopView, NothingAndNonsense) {
+  TopViewScene scene;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  scene.points = {{nan, 0, 0}, {1e300, 0, 0}, {0, 0, 0}};
+  scene.path = {{nan, nan, nan}, {1e18, 0, -1e18}, {0, 0, 0}};
+  scene.segments = {{{nan, 0, 0}, {1, 0, 1}}};
+  TopViewWindow window;
+  window.Include(scene.path);
+  EXPECT_TRUE(std::isfinite(window.side_m()));
+  EXPECT_EQ(DrawTopView(scene, window, {64, 64}).size(), cv::Size(64, 64));
+  EXPECT_EQ(DrawTopView({}, TopViewWindow(), {64, 64}).size(), cv::Size(64, 64));
+}
+
+TEST(TopView, TheWindowNeverShrinks) {
+  TopViewWindow window;
+  double side_m = 0.0;
+  for (int i = 0; i < 100; ++i) {
+    window.Include({{std::sin(i) * i, 0, std::cos(i) * i}});
+    EXPECT_GE(window.side_m(), side_m);
+    side_m = window.side_m();
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <chrono>
+#include <iostream>
+
+#include "tests/integration/by_hand.h"
+#include "tests/integration/recorded_run.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/lossy_lan.h"
+
+namespace plslam {
+namespace {
+
+using test::ByHand;
+using test::LossyLan;
+using test::StatusListener;
+using test::WholeRun;
+
+constexpr int kFrames = 60;
+constexpr const char* kWorld = "synthetic:room?frames=60&size=376x240";
+constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=1";
+
+/// What a run gives.
+struct Outcome {
+  test::RecordedRun log;
+  std::string trajectory, keyframes, map;
+  double seconds = 0.0;
+};
+
+template <class Run>
+Outcome OutcomeOf(const Run& run, double seconds) {
+  return {test::ReadRecordedRun(run.log()), run.Read("trajectory.tum"), run.Read("keyframes.tum"),
+          run.Read("map.ply"), seconds};
+}
+
+/// All on this machine, by `plslam run`.
+void PlayHere(const std::vector<std::string>& options, Outcome* outcome) {
+  WholeRun run;
+  std::vector<std::string> arguments = {"run", kWorld, "--record", run.log()};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  ASSERT_EQ(run.Run(arguments), 0) << run.Logs();
+  *outcome = OutcomeOf(run, run.Summary()["wall_s"]);
+}
+
+/// Each process on a host of its own, one packet a message.
+void PlayOver(const LossyLan& lan, Outcome* outcome) {
+  ByHand run(kUrl);
+  run.SetCommon({"--set", "bus.max_message_bytes=1200", "--set", "vo.map.wait_s=60", "--set",
+                 "vo.relocalisation.wait_s=60", "--set", "mapping.loops.wait_s=60"});
+  bus::BusOptions options;
+  options.url = kUrl;
+  StatusListener listener(lan.host(5), options);
+  run.Start(lan.host(0), "plslam", {"record", run.log()});
+  run.Start(lan.host(1), "viewer_headless", {"--set", "viewer.out=" + run.out().string()});
+  run.Start(lan.host(2), "mapping_process");
+  run.Start(lan.host(3), "loop_process");
+  run.Start(lan.host(4), "vo_process");
+  for (const char* process : {"recorder", "viewer", "mapping", "loop", "vo"}) {
+    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << "\n" << run.Logs();
+  }
+  const auto began = std::chrono::steady_clock::now();
+  run.Start(lan.host(5), "player", {kWorld, "--set", "player.exit=true"});
+  ASSERT_TRUE(listener.WaitForFrame(kFrames - 1, 200)) << run.Logs();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
+  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  EXPECT_TRUE(run.StopAll()) << run.Logs();
+  *outcome = OutcomeOf(run, took.count());
+}
+
+/// Percent of packets dropped, and as many doubled, and as many that overtake; all others are 1 ms late.
+class LossyRun : public testing::TestWithParam<int> {};
+
+TEST_P(LossyRun, GivesTheSameBits) {
+  const int percent = GetParam();
+  if (percent != 5 && getenv("PLSLAM_LONG_TESTS") == nullptr) {
+    GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  }
+  const std::string obstacle = LossyLan::Obstacle();
+  Outcome whole, lossy;
+  const double share = percent / 100.0;
+  if (obstacle.empty()) {
+    const LossyLan lan(6, {share, share, share, std::chrono::milliseconds(1)});
+    ASSERT_NO_FATAL_FAILURE(PlayOver(lan, &lossy));
+    std::cout << fmt::format("{} packets delivered, {} lost\n", lan.delivered(), lan.lost());
+    EXPECT_EQ(lan.lost() > 0, percent > 0);
+  } else {
+    std::cout << "no network of our own (" << obstacle
+              << "): datagrams are dropped within the processes, not doubled nor delayed\n";
+    ASSERT_NO_FATAL_FAILURE(PlayHere({"--set", fmt::format("bus.drop_fraction={}", share)}, &lossy));
+  }
+  ASSERT_NO_FATAL_FAILURE(PlayHere({}, &whole));
+  std::cout << fmt::format("{} % lost, doubled, overtaking: {:.1f} frames/s; on one undisturbed machine {:.1f}\n",
+                           percent, kFrames / lossy.seconds, kFrames / whole.seconds);
+  EXPECT_EQ(lossy.log.Count("POSE"), kFrames);
+  EXPECT_GE(lossy.log.sequence_numbers.size(), 4U);
+  for (const auto& [key, numbers] : lossy.log.sequence_numbers) {
+    EXPECT_EQ(lossy.log.Gaps(key.first), 0) << key.first;
+  }
+  EXPECT_EQ(whole.trajectory, lossy.trajectory);
+  EXPECT_EQ(whole.keyframes, lossy.keyframes);
+  EXPECT_TRUE(whole.map == lossy.map);
+  EXPECT_TRUE(whole.log.map_bytes == lossy.log.map_bytes);
+  EXPECT_TRUE(whole.log.poses == lossy.log.poses);
+}
+
+INSTANTIATE_TEST_SUITE_P(Percent, LossyRun, testing::Values(0, 1, 5, 20));
+
+}  // namespace
+}  // namespace plslam

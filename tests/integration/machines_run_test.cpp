@@ -1,0 +1,115 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <chrono>
+#include <iostream>
+#include <thread>
+
+#include "tests/integration/by_hand.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/network_host.h"
+
+namespace plslam {
+namespace {
+
+using test::ByHand;
+using test::Lan;
+using test::NetworkHost;
+using test::StatusListener;
+using test::WholeRun;
+
+constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=1";
+constexpr int kFrames = 150;
+const std::string kWorld = fmt::format("synthetic:room?frames={}&size=376x240", kFrames);
+
+/// How long partners in lockstep wait for one that is out of reach.
+const std::vector<std::string> kPatience = {"--set", "vo.map.wait_s=60",       "--set", "vo.relocalisation.wait_s=60",
+                                            "--set", "mapping.loops.wait_s=60"};
+
+/// Which host each process runs on.
+struct Plan {
+  int n_hosts;
+  int tracking;  ///< player and vo_process
+  int mapping;   ///< mapping_process and loop_process
+  int viewer;
+  int cut;  ///< the host whose cable is pulled for 5 s; -1: none
+};
+
+bus::BusOptions ListenerOptions() {
+  bus::BusOptions options;
+  options.url = kUrl;
+  return options;
+}
+
+void StartAllButThePlayer(ByHand* run, const Lan& lan, const Plan& plan) {
+  run->SetCommon(kPatience);
+  run->Start(lan.host(plan.viewer), "viewer_headless", {"--set", "viewer.out=" + run->out().string()});
+  run->Start(lan.host(plan.mapping), "mapping_process");
+  run->Start(lan.host(plan.mapping), "loop_process");
+  run->Start(lan.host(plan.tracking), "vo_process");
+}
+
+/// Pulls the cable in the middle of the run.
+void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
+  if (host < 0) return;
+  ASSERT_TRUE(listener->WaitForFrame(kFrames / 3));
+  lan.SetLink(host, false);
+  std::this_thread::sleep_for(std::chrono::seconds(5));  // the fault itself
+  lan.SetLink(host, true);
+}
+
+void ExpectTheSameAsOnOneMachine(const ByHand& run) {
+  WholeRun single;
+  ASSERT_EQ(single.Run({"run", kWorld}), 0) << single.Logs();
+  EXPECT_EQ(single.Summary()["tracked_frames"], kFrames);
+  for (const char* file : {"trajectory.tum", "trajectory_live.tum", "keyframes.tum", "map.ply"}) {
+    EXPECT_FALSE(run.Read(file).empty()) << file;
+    EXPECT_TRUE(run.Read(file) == single.Read(file)) << file;
+  }
+}
+
+void PlayOnSeveralMachines(const Plan& plan) {
+  if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
+  const Lan lan(plan.n_hosts);
+  ByHand run(kUrl);
+  // It listens where the player is: there it hears poses whatever cable is pulled.
+  StatusListener listener(lan.host(plan.tracking), ListenerOptions());
+  StartAllButThePlayer(&run, lan, plan);
+  for (const char* process : {"viewer", "mapping", "loop", "vo"}) {
+    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << " cannot be heard\n" << run.Logs();
+  }
+  const auto began = std::chrono::steady_clock::now();
+  run.Start(lan.host(plan.tracking), "player", {kWorld, "--set", "player.exit=true"});
+  CutFor5s(lan, plan.cut, &listener);
+  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
+  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  std::cout << fmt::format("{} hosts{}: {} frames in {:.1f} s\n", plan.n_hosts,
+                           plan.cut >= 0 ? fmt::format(", host {} cut off for 5 s", plan.cut) : "", kFrames,
+                           took.count());
+  EXPECT_TRUE(run.StopAll()) << run.Logs();
+  ExpectTheSameAsOnOneMachine(run);
+}
+
+bool LongTests() { return getenv("PLSLAM_LONG_TESTS") != nullptr; }
+
+TEST(Machines, ThreeWithTheMappersCableOutFor5s) { PlayOnSeveralMachines({3, 0, 1, 2, 1}); }
+
+TEST(Machines, Two) {
+  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PlayOnSeveralMachines({2, 0, 1, 0, -1});
+}
+
+TEST(Machines, ThreeWithTheViewersCableOutFor5s) {
+  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PlayOnSeveralMachines({3, 0, 1, 2, 2});
+}
+
+TEST(Machines, ThreeWithTheTrackersCableOutFor5s) {
+  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PlayOnSeveralMachines({3, 0, 1, 2, 0});
+}
+
+}  // namespace
+}  // namespace plslam

@@ -6,6 +6,7 @@
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/version.h"
+#include "tools/rectify_check/rectify_check_command.h"
 
 int main(int argc, char** argv) {
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
@@ -18,11 +19,14 @@ int main(int argc, char** argv) {
       "  plslam run /data/euroc/MH_01 --out out/mh01 --pace realtime --record out/mh01.lcm\n"
       "  plslam replay out/mh01.lcm --out out/mh01_again\n"
       "  plslam export out/mh01.plmap --format ply colmap\n"
-      "plslam COMMAND --help tells the options of each.");
+      "  plslam doctor\n"
+      "plslam COMMAND --help tells the options of each. Exit code 0: done; 1: not done, and one sentence on standard "
+      "error "
+      "says why.");
   plslam::Command command;
-  for (const auto add :
-       {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
-        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddDoctorCommand}) {
+  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
+                         plslam::AddSaveCommand, plslam::AddExportCommand, plslam::AddRelayCommand,
+                         plslam::AddProcessesCommand, plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand}) {
     add(&app, &command);
   }
   try {

@@ -1,0 +1,174 @@
+#include "tools/rectify_check/rectify_check_command.h"
+
+#include <algorithm>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/features/feature_extractor.h"
+#include "core/features/feature_mask.h"
+#include "core/geometry/rectifier.h"
+#include "core/io/atomic_file.h"
+#include "player/open_dataset.h"
+#include "tools/rectify_check/rectify_picture.h"
+#include "tools/rectify_check/row_errors.h"
+
+namespace plslam {
+namespace {
+
+struct CheckOptions {
+  std::string dataset;
+  std::string kind;
+  std::string out = "rectify_check.png";
+  int frame = -1;
+  int frames = 5;
+  bool quiet = false;
+  bool json = false;
+};
+
+struct Pair {
+  cv::Mat left;
+  cv::Mat right;
+  std::vector<RowMatch> matches;
+};
+
+class PairReader {
+ public:
+  explicit PairReader(const Dataset& dataset)
+      : dataset_(dataset),
+        rectifier_(dataset.rig()),
+        left_mask_(rectifier_.left_mask()),
+        right_mask_(rectifier_.right_mask()),
+        extractor_(PointsOnly()) {}
+
+  const Rectifier& rectifier() const { return rectifier_; }
+
+  Pair Read(int index) {
+    const StereoImages images = dataset_.Read(index);
+    Pair pair{rectifier_.RectifyLeft(images.left), rectifier_.RectifyRight(images.right), {}};
+    ImageFeatures left = extractor_.Extract(pair.left), right = extractor_.Extract(pair.right);
+    left_mask_.RemoveOutside(left);
+    right_mask_.RemoveOutside(right);
+    pair.matches = MatchAcrossRows(left, right, pair.left.rows);
+    return pair;
+  }
+
+ private:
+  static FeatureOptions PointsOnly() {
+    FeatureOptions options;
+    options.features = "points";
+    return options;
+  }
+
+  const Dataset& dataset_;
+  Rectifier rectifier_;
+  FeatureMask left_mask_;
+  FeatureMask right_mask_;
+  FeatureExtractor extractor_;
+};
+
+/// `n` of `size` frames, evenly spread.
+std::vector<int> SpreadFrames(int size, int n) {
+  std::vector<int> frames;
+  n = std::min(n, size);
+  for (int i = 0; i < n; ++i) frames.push_back(static_cast<int>((2LL * i + 1) * size / (2LL * n)));
+  return frames;
+}
+
+void WritePicture(const std::string& path, const cv::Mat& picture) {
+  std::vector<uchar> png;
+  cv::imencode(".png", picture, png);
+  WriteFileAtomically(path, std::string(png.begin(), png.end()));
+}
+
+void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict, const Rectifier& rectifier) {
+  const StereoCamera& camera = rectifier.camera();
+  if (o.json) {
+    const nlohmann::ordered_json json = {{"usable", verdict.usable},
+                                         {"verdict", verdict.sentence},
+                                         {"picture", o.out},
+                                         {"matches", e.matches},
+                                         {"median_px", e.median_px},
+                                         {"median_abs_px", e.median_abs_px},
+                                         {"p95_abs_px", e.p95_abs_px},
+                                         {"offset_px", e.offset_px},
+                                         {"roll_deg", e.roll_deg},
+                                         {"scale_percent", e.scale_percent},
+                                         {"behind", e.behind},
+                                         {"rectified_already", rectifier.IsIdentity()},
+                                         {"focal_length_px", camera.f_px},
+                                         {"baseline_m", camera.baseline_m}};
+    fmt::print("{}\n", json.dump(2));
+    return;
+  }
+  fmt::print("{}\n", verdict.sentence);
+  if (o.quiet) return;
+  fmt::print("rectified camera: {} x {} px, focal length {:.1f} px, baseline {:.4f} m{}\n", camera.width_px,
+             camera.height_px, camera.f_px, camera.baseline_m,
+             rectifier.IsIdentity() ? " (the pair is taken as rectified already)" : "");
+  fmt::print("row errors of {} points: median {:+.2f} px, 95 % below {:.2f} px\n", e.matches, e.median_px,
+             e.p95_abs_px);
+  fmt::print("fitted: offset {:+.2f} px, roll {:+.3f} deg, scale {:+.3f} %\npicture: {}\n", e.offset_px, e.roll_deg,
+             e.scale_percent, o.out);
+}
+
+int Check(const CheckOptions& o) {
+  const auto dataset = OpenDataset(o.dataset, o.kind);
+  if (dataset->rig().kind == RigCalibration::Kind::kRgbd) {
+    throw std::runtime_error(o.dataset + ": a depth camera has no second image whose rows could be checked");
+  }
+  if (dataset->size() == 0) throw std::runtime_error(o.dataset + ": has no frames");
+  const int shown = o.frame >= 0 ? o.frame : dataset->size() / 2;
+  if (shown >= dataset->size()) {
+    throw std::runtime_error(fmt::format("--frame {}: {} has {} frames", shown, o.dataset, dataset->size()));
+  }
+  PairReader reader(*dataset);
+  std::vector<RowMatch> all;
+  for (const int frame : SpreadFrames(dataset->size(), o.frames)) {
+    const std::vector<RowMatch> matches = reader.Read(frame).matches;
+    all.insert(all.end(), matches.begin(), matches.end());
+  }
+  const RowErrors errors = MeasureRows(all, reader.rectifier().camera());
+  const RowVerdict verdict = JudgeRows(errors);
+  const Pair pair = reader.Read(shown);
+  WritePicture(o.out,
+               DrawRectification(pair.left, pair.right, pair.matches,
+                                 fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,
+                                             pair.matches.size(), errors.median_abs_px, errors.p95_abs_px)));
+  Print(o, errors, verdict, reader.rectifier());
+  return verdict.usable ? 0 : 1;
+}
+
+}  // namespace
+
+void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
+  auto options = std::make_shared<CheckOptions>();
+  auto* sub =
+      app->add_subcommand("rectify-check", "measures how well a stereo calibration makes rows agree, and draws it");
+  sub->add_option("dataset", options->dataset, "folder, LCM log, or built-in world")->required();
+  sub->add_option("--kind", options->kind, "format: kitti, euroc, images, log, synthetic [found by looking]");
+  sub->add_option("--out", options->out, "picture to write (PNG)")->type_name("FILE")->capture_default_str();
+  sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(CLI::NonNegativeNumber);
+  sub->add_option("--frames", options->frames, "frames that are measured, evenly spread")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  sub->add_flag("--quiet", options->quiet, "only the verdict");
+  sub->add_flag("--json", options->json, "verdict and numbers as JSON");
+  sub->footer(
+      "Points are matched by their looks alone, so that rows that disagree show. In the picture each line should "
+      "meet the\n"
+      "same thing on both sides; green points agree to a pixel, red ones are off by more than two.\n"
+      "Examples:\n"
+      "  plslam rectify-check my_camera --out my_camera.png\n"
+      "  plslam rectify-check /data/euroc/MH_01 --frame 300 --json\n"
+      "Exit code 0 where rows agree to a pixel, 1 where they do not, or too little is seen to tell.");
+  sub->callback([=] { *command = [options] { return Check(*options); }; });
+}
+
+}  // namespace plslam

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace plslam {
+
+/// Adds the subcommand `rectify-check`, which, when chosen, sets `*command` to what returns the exit code.
+void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command);
+
+}  // namespace plslam

@@ -24,7 +24,7 @@ class ReplayWindow {
 /// messages tell new from old. Time in nanoseconds of any steady clock; not thread-safe.
 class LivePeers {
  public:
-  static constexpr size_t kMaxPeers = 1024;
+  static constexpr size_t kMaxPeers = 256;
 
   /// A genuine message of `source` named us.
   void Prove(int64_t source, int64_t now);

@@ -26,17 +26,17 @@ std::string_view Rejections::Text(Rejection why) {
     case Rejection::kMalformed:
       return "malformed";
     case Rejection::kOversized:
-      return "larger than messages may be";
+      return "too large";
     case Rejection::kOtherVersion:
-      return "of another version of the message type";
+      return "of another version";
     case Rejection::kOtherSchema:
-      return "of another schema version";
+      return "of another schema";
     case Rejection::kNoKey:
-      return "without a key (bus.key_file)";
+      return "without bus.key_file";
     case Rejection::kOtherKey:
-      return "with another key (bus.key_file), or altered";
+      return "altered or with another bus.key_file";
     case Rejection::kReplayed:
-      return "replayed from a process that is gone";
+      return "replayed";
     case Rejection::kNumber:
       break;
   }
@@ -44,7 +44,7 @@ std::string_view Rejections::Text(Rejection why) {
 }
 
 std::string Rejections::PrefixText(std::string_view prefix) {
-  return fmt::format("processes with prefix '{}' are on this network too", Plain(prefix));
+  return fmt::format("processes with prefix '{}' are heard too", Plain(prefix));
 }
 
 bool Rejections::Count(Rejection why, std::string_view channel, int64_t now) {
@@ -69,15 +69,14 @@ bool Rejections::OtherPrefix(std::string_view prefix, int64_t now) {
 
 std::string Rejections::Line(int64_t now) const {
   std::string line;
-  const auto add = [&](const std::string& text) { line += (line.empty() ? "" : "; ") + text; };
+  const auto add = [&](const std::string& text) { line += (line.empty() ? "messages rejected: " : ", ") + text; };
   for (size_t i = 0; i < rows_.size(); ++i) {
     const Row& row = rows_[i];
     if (row.count == 0 || now - row.last > kShown) continue;
-    add(fmt::format("{} messages rejected as {}, last on {}", row.count, Text(static_cast<Rejection>(i)),
-                    row.channel));
+    add(fmt::format("{} {} ({})", row.count, Text(static_cast<Rejection>(i)), row.channel));
   }
   for (const auto& [prefix, last] : prefixes_) {
-    if (now - last <= kShown) add(PrefixText(prefix));
+    if (now - last <= kShown) line += (line.empty() ? "" : "; ") + PrefixText(prefix);
   }
   return line;
 }

@@ -29,11 +29,11 @@ class Rejections {
   /// A process with another prefix is heard; true for the first word with that prefix.
   bool OtherPrefix(std::string_view prefix, int64_t now);
 
-  /// "1204 messages with another key (bus.key_file), last on POSE; ..." of what happened within the last minute; empty
+  /// "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" of what happened within the last minute; empty
   /// where nothing did.
   std::string Line(int64_t now) const;
 
-  /// What is the matter with a message, as the end of a sentence.
+  /// What is the matter with a message: "it is ...".
   static std::string_view Text(Rejection why);
   static std::string PrefixText(std::string_view prefix);
 

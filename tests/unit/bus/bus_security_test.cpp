@@ -1,4 +1,5 @@
 #include <fstream>
+#include <mutex>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -124,6 +125,129 @@ TEST_F(BusSecurity, ReplayedMessagesAreDroppedAndCounted) {
   ASSERT_TRUE(received.Reaches(2));
   ASSERT_TRUE(Eventually([&] { return reader->counters().duplicates == 2; }));
   EXPECT_EQ(received.value(), 2);
+}
+
+/// Everything that is on the wire while it lives.
+class Eavesdropper {
+ public:
+  explicit Eavesdropper(const std::string& url) : bus_(Options(url), "eavesdropper") {
+    bus_->SubscribeRest([this](std::string_view channel, ByteView bytes) {
+      const std::lock_guard lock(mutex_);
+      heard_.emplace_back(std::string(channel), std::vector<uint8_t>(bytes.begin(), bytes.end()));
+    });
+    bus_.Start();
+  }
+  using Messages = std::vector<std::pair<std::string, std::vector<uint8_t>>>;
+  Messages heard(const std::string& channel = "") const {
+    const std::lock_guard lock(mutex_);
+    Messages messages;
+    for (const auto& message : heard_) {
+      if (channel.empty() || message.first == channel) messages.push_back(message);
+    }
+    return messages;
+  }
+
+ private:
+  static BusOptions Options(const std::string& url) {
+    BusOptions options;
+    options.url = url;
+    return options;
+  }
+  mutable std::mutex mutex_;
+  Messages heard_;
+  RunningBus bus_;
+};
+
+TEST_F(BusSecurity, WithAKeyWhatThePublisherSaidBeforeItDiedIsNotBelieved) {
+  Eavesdropper eavesdropper(url_);
+  {
+    Waiter received;
+    RunningBus reader(Options(KeyFile('a')), "reader");
+    reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
+    reader.Start();
+    Bus publisher(Options(KeyFile('a')), "publisher");
+    for (int i = 0; i < 5; ++i) publisher.Publish(kPose, pose_t{});
+    ASSERT_TRUE(received.Reaches(5));
+    ASSERT_TRUE(Eventually([&] { return eavesdropper.heard("POSE").size() >= 5; }));
+  }
+  const auto recording = eavesdropper.heard();
+  std::vector<int64_t> frames;
+  Waiter received;
+  RunningBus reader(Options(KeyFile('a')), "reader, started again");
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    frames.push_back(pose.frame_id);
+    received.Add();
+  });
+  reader.Start();
+  for (int round = 0; round < 3; ++round) {
+    for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
+  }
+  ASSERT_TRUE(Eventually([&] { return reader->counters().unproven >= 15; })) << reader->counters().unproven;
+  Bus publisher(Options(KeyFile('a')), "publisher, started again");
+  pose_t pose{};
+  pose.frame_id = 77;
+  publisher.Publish(kPose, pose);
+  ASSERT_TRUE(received.Reaches(1));
+  reader.Join();
+  EXPECT_EQ(frames, std::vector<int64_t>{77});
+}
+
+TEST_F(BusSecurity, WithAKeyReadersThatDiedAreNotWaitedFor) {
+  Eavesdropper eavesdropper(url_);
+  {
+    RunningBus reader(Options(KeyFile('a')), "reader");
+    reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
+    reader.Start();
+    ASSERT_TRUE(Eventually([&] { return !eavesdropper.heard("REPAIR_REQUEST").empty(); }));
+  }
+  Bus publisher(Options(KeyFile('a')), "publisher");
+  const auto recording = eavesdropper.heard("REPAIR_REQUEST");
+  for (int round = 0; round < 20; ++round) {
+    for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
+  }
+  ASSERT_TRUE(Eventually([&] { return publisher.counters().duplicates >= 19; }));
+  EXPECT_EQ(publisher.ReaderCount(kPose), 0);
+}
+
+TEST_F(BusSecurity, WithAKeyRequestsCountOnce) {
+  Eavesdropper eavesdropper(url_);
+  Waiter received;
+  RunningBus reader(Options(KeyFile('a')), "reader");
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
+  reader.Start();
+  Bus publisher(Options(KeyFile('a')), "publisher");
+  for (int i = 0; i < 50; ++i) publisher.Publish(kPose, pose_t{});
+  ASSERT_TRUE(received.Reaches(50));
+  ASSERT_TRUE(Eventually([&] { return !eavesdropper.heard("REPAIR_REQUEST").empty(); }));
+  const int64_t resent = publisher.counters().resent, duplicates = publisher.counters().duplicates;
+  int64_t replayed = 0;
+  const auto recording = eavesdropper.heard();
+  for (int round = 0; round < 2; ++round) {  // hellos from before the publisher began are new to it, once
+    for (const auto& [channel, bytes] : recording) {
+      if (channel != "REPAIR_REQUEST" && channel != "POSE") continue;
+      wire_.Send(channel, bytes);
+      if (round == 0) replayed += channel == "REPAIR_REQUEST" && ReadHeader(bytes).source == reader->source() ? 1 : 0;
+    }
+  }
+  ASSERT_TRUE(Eventually([&] { return publisher.counters().duplicates >= duplicates + replayed; }));
+  EXPECT_EQ(publisher.counters().resent, resent);
+  EXPECT_EQ(received.value(), 50);
+}
+
+TEST_F(BusSecurity, ComplaintsNameTheKindInOneLine) {
+  RunningBus reader(Options(KeyFile('a')), "reader");
+  reader->Subscribe<pose_t>(kPose, [](const pose_t&) {});
+  reader.Start();
+  EXPECT_EQ(reader->Complaints(), "");
+  auto other_version = Encoded(42, 0);
+  other_version[3] ^= 1;  // LCM's fingerprint of the type
+  wire_.Send("POSE", other_version);
+  wire_.Send("POSE", Encoded(42, 0));
+  wire_.Send("robot2/STATUS", Encoded(42, 0));
+  ASSERT_TRUE(Eventually([&] { return reader->Complaints().find("robot2/") != std::string::npos; }));
+  EXPECT_EQ(reader->Complaints(),
+            "messages rejected: 1 of another version (POSE), 1 without bus.key_file (POSE); processes with "
+            "prefix 'robot2/' are heard too");
 }
 
 TEST_F(BusSecurity, MalformedDatagramsAreRejectedAndHarmless) {

@@ -29,9 +29,9 @@ constexpr milliseconds kWaitingTick{1000};
 // A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time again
 // from us.
 constexpr int kTicksBeforeResend = 2;
-// And so does one whose first word was lost, so that the bus had forgotten the frame when it joined: after this time
-// without a pose, whoever has the frame already passes over it.
-constexpr int kTicksOfDoubt = 5;
+// A link that is cut for longer than the bus holds out may cost vo_process a part of the frame: so much longer than that
+// without a pose it gets the frame again. Whoever has it already passes over it.
+constexpr int kTicksBeyondTheBus = 12;
 constexpr milliseconds kFlushTick{500};
 constexpr const char* kReader = "vo";
 constexpr const char* kFromBus = "bus";
@@ -166,7 +166,8 @@ bool PlayerNode::Send(const LoadedFrame& frame) {
 }
 
 bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
-  int ticks_to_resend = kTicksOfDoubt;
+  const int ticks_of_doubt = static_cast<int>(process_.bus().options().give_up_s) + kTicksBeyondTheBus;
+  int ticks_to_resend = ticks_of_doubt;
   for (bool waiting = false;;) {
     const Turn::Event event = turn_.WaitForPose(kWaitingTick);
     if (event == Turn::Event::kStopped) return false;
@@ -178,7 +179,7 @@ bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
       ticks_to_resend = kTicksBeforeResend;
     } else if (--ticks_to_resend == 0) {
       publisher_.Publish(frame.images);
-      ticks_to_resend = kTicksOfDoubt;
+      ticks_to_resend = ticks_of_doubt;
     }
     if (!std::exchange(waiting, true)) {
       process_.SetState("running", fmt::format("waiting for the pose of frame {}", frame.images.frame_id));

@@ -41,7 +41,8 @@ Value TrackedPercent(const json& s) {
 
 Value SumOverProcesses(const json& s, const char* name) {
   Value sum;
-  for (const auto& [process, report] : s.value("processes", json::object()).items()) {
+  const json processes = s.value("processes", json::object());
+  for (const auto& [process, report] : processes.items()) {
     if (report.contains(name) && report[name].is_number()) sum = sum.value_or(0.0) + report[name].get<double>();
   }
   return sum;
@@ -89,7 +90,8 @@ void Flatten(const json& value, const std::string& name, std::map<std::string, s
 std::map<std::string, std::string> OptionsOf(const json& summary) {
   std::map<std::string, std::string> options;
   std::string processes;
-  for (const auto& [process, sections] : summary.value("configuration", json::object()).items()) {
+  const json configuration = summary.value("configuration", json::object());
+  for (const auto& [process, sections] : configuration.items()) {
     // What is shown and how it is sent does not make the result.
     if (process == "viewer" || !sections.is_object()) continue;
     if (process != "player") processes += (processes.empty() ? "" : "+") + process;

@@ -19,7 +19,7 @@ struct NamedPath {
 /// below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.
 Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map);
 
-/// The covisibility graph (PL-SLAM fig. 4): keyframes, edges between those that share 20 landmarks in light green, 100
+/// The covisibility graph (PL-SLAM fig. 3): keyframes, edges between those that share 20 landmarks in light green, 100
 /// (essential graph) in dark green, the spanning tree, and closed loops in red.
 Drawing CovisibilityFigure(const std::string& title, const Map& map);
 

@@ -17,6 +17,8 @@ int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
 
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   Output output;
+  // Said again in the name of a tracker that has died, or by a mapping_process that has been started again.
+  if (!known_.insert({keyframe.session, keyframe.keyframe_id}).second) return output;
   closer_.AddKeyframe(keyframe);
   int64_t& received = received_.try_emplace(keyframe.session, kNone).first->second;
   received = std::max(received, keyframe.keyframe_id);

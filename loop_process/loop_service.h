@@ -5,6 +5,8 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/map/keyframe.h"
@@ -59,6 +61,7 @@ class LoopService {
   MapReplica replica_;
   /// Newest keyframe by session: that came, that was judged, that is settled in the map.
   std::map<int64_t, int64_t> received_;
+  std::set<std::pair<int64_t, int64_t>> known_;
   std::map<int64_t, int64_t> judged_;
   std::map<int64_t, int64_t> settled_;
   /// Keyframes to be judged: (session, number there).

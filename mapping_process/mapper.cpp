@@ -70,6 +70,10 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
 
 StoredMap Mapper::Store() {
   trial_ = {};
+  return Snapshot();
+}
+
+StoredMap Mapper::Snapshot() const {
   StoredMap stored;
   stored.map = map_;
   stored.features = features_;

@@ -64,6 +64,9 @@ class Mapper {
   /// All that is needed to go on, but for `rig`. Landmarks on trial are acquitted, here too: so this mapper and one that
   /// goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
+  /// The same as it is, for a mapper that goes on after a crash of this one: nothing changes here, but there landmarks on
+  /// trial are acquitted, and the tracker's own landmarks forgotten.
+  StoredMap Snapshot() const;
 
   const Map& map() const { return map_; }
   int64_t version() const { return version_; }

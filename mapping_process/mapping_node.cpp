@@ -4,6 +4,8 @@
 
 #include <chrono>
 #include <exception>
+#include <filesystem>
+#include <map>
 #include <utility>
 
 #include "core/bus/convert.h"
@@ -25,7 +27,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     : process_(process),
       options_(options),
       publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
-      queue_(options.loops),
+      queue_(options.loops, options.state_file.empty() ? 0 : options.state_every),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
@@ -36,7 +38,12 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     process_.bus().Every(kTick, [this] { OnTick(); });
   }
   process_.SetConfiguration(ToYaml("mapping", options_));
-  if (!options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
+  if (!options_.state_file.empty() && std::filesystem::exists(options_.state_file)) {
+    stored_ = ReadMapFile(options_.state_file);
+    restored_ = true;
+  } else if (!options_.map_file.empty()) {
+    stored_ = ReadMapFile(options_.map_file);
+  }
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -129,13 +136,24 @@ void MappingNode::BeginMap() {
     mapper_.emplace(*camera_, options_);
     return;
   }
-  CheckCamera(*stored_, *camera_, options_.map_file);
-  bus::KeyframePublisher keyframes(process_.bus());
-  for (const Keyframe& keyframe : KeyframesOf(*stored_)) keyframes.Publish(keyframe);
+  const std::string& file = restored_ ? options_.state_file : options_.map_file;
+  CheckCamera(*stored_, *camera_, file);
+  if (restored_) RestoreQueue();
+  const std::vector<Keyframe> keyframes = KeyframesOf(*stored_);
+  const auto send = [&] {
+    bus::KeyframePublisher publisher(process_.bus());
+    for (const Keyframe& keyframe : keyframes) publisher.Publish(keyframe);
+  };
+  // After a crash trackers wait for the map, and most of the others have the features.
+  if (!restored_) send();
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Settle();
   publisher_.Publish(mapper_->Whole());
-  spdlog::info("{}: {} keyframes, {} points, {} lines", options_.map_file, mapper_->map().keyframes().size(),
+  if (restored_) {
+    process_.SetState("running");
+    send();
+  }
+  spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
 }
@@ -168,6 +186,8 @@ void MappingNode::Do(const Work& work) {
       return;
     case Work::Kind::kSave:
       return Save(work.path);
+    case Work::Kind::kKeepState:
+      return KeepState();
   }
 }
 
@@ -236,6 +256,26 @@ void MappingNode::Save(const std::string& path) {
   } catch (const std::exception& error) {
     spdlog::error("the map cannot be saved: {}", error.what());
     process_.SetCounter("map.failed_saves", static_cast<double>(++n_failed_saves_));
+  }
+}
+
+/// What is in the map need not come again.
+void MappingNode::RestoreQueue() {
+  std::map<int64_t, int64_t> newest;
+  for (const auto& [session, stored] : stored_->sessions) newest[session] = stored.session_keyframe_id;
+  const std::lock_guard lock(mutex_);
+  queue_.Restore(newest, stored_->newest_session);
+}
+
+/// Where it cannot be written the process goes on; what a crash would cost is then more.
+void MappingNode::KeepState() {
+  try {
+    StoredMap stored = mapper_->Snapshot();
+    stored.rig = CameraBytes(*camera_);
+    WriteMapFile(options_.state_file, stored);
+    process_.SetCounter("state.written", static_cast<double>(++n_states_));
+  } catch (const std::exception& error) {
+    if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
 }
 

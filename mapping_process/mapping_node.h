@@ -31,6 +31,9 @@ class status_t;
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
 /// map is of one camera: keyframes of sessions that began with another are counted and left.
 ///
+/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on in it,
+/// and asks the trackers only for what came after.
+///
 /// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their features.
 class MappingNode {
  public:
@@ -59,7 +62,9 @@ class MappingNode {
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
   void Correct(const Work& work);
+  void RestoreQueue();
   void Save(const std::string& path);
+  void KeepState();
   void Publish(Stages stage_ms);
   void CountMap();
 
@@ -83,10 +88,13 @@ class MappingNode {
 
   // The worker's.
   std::optional<StoredMap> stored_;
+  bool restored_ = false;  ///< it is the state of one that has crashed
   std::optional<Mapper> mapper_;
   int64_t n_ignored_ = 0;
   int64_t n_saves_ = 0;
   int64_t n_failed_saves_ = 0;
+  int64_t n_states_ = 0;
+  bool state_failed_ = false;
   std::thread worker_;
   bus::KeyframeSubscriber keyframes_;
   std::unique_ptr<bus::LoopClosureSubscriber> closures_;

@@ -51,6 +51,9 @@ struct MappingOptions {
   LoopUseOptions loops;
   std::string map_file;
   bool localise_only = false;
+  /// What is needed to go on after a crash, written now and then. Empty: all is built anew from the history of keyframes.
+  std::string state_file;
+  int state_every = 100;
 };
 
 template <class Visitor>
@@ -102,6 +105,10 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("loops", o.loops, "corrections by loop_process");
   visit("map_file", o.map_file, "a saved map to go on from; empty: none");
   visit("localise_only", o.localise_only, "the map stays as it is: keyframes do not enter it");
+  visit("state_file", o.state_file,
+        "kept up to date, and read when the process is started again after a crash; empty: none");
+  visit("state_every", o.state_every, Bounds{1, 1000000},
+        "keyframes after which it is written, and before each new session");
 }
 
 }  // namespace plslam

@@ -5,8 +5,27 @@
 
 namespace plslam {
 
+void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+  restored_ = inserted_ = arrived_ = newest_by_session;
+  const auto newest = inserted_.find(newest_session);
+  if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true};
+}
+
+void WorkQueue::Add(const Keyframe& keyframe, double now_ms) {
+  const auto [newest, first] = arrived_.try_emplace(keyframe.session, keyframe.keyframe_id);
+  if (!first && keyframe.keyframe_id <= newest->second) return;
+  newest->second = keyframe.keyframe_id;
+  keyframes_.push_back({keyframe, now_ms});
+}
+
 void WorkQueue::Add(const LoopClosure& closure) {
-  if (options_.enabled) closures_.push_back(closure);
+  if (!options_.enabled) return;
+  const auto restored = restored_.find(closure.session);
+  if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
+  // Said again in the name of a loop_process that has died: one keyframe may have several answers, each of one map.
+  const Answer answer{closure.session, closure.session_keyframe_id, closure.map_source, closure.map_version,
+                      static_cast<int>(closure.kind)};
+  if (answers_.insert(answer).second) closures_.push_back(closure);
 }
 
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
@@ -27,12 +46,26 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kSettle;
     return work;
   }
+  if (IsStateDue()) {
+    inserted_since_state_ = 0;
+    work.kind = Work::Kind::kKeepState;
+    return work;
+  }
   if (keyframes_.empty() || (newest_.lockstep && !newest_.settled)) return std::nullopt;
   work.keyframes = TakeKeyframes();
   return work;
 }
 
+// Where all has been said about what is in the map: then what is said again after a crash can be told from what is new. A new
+// session may mean that the tracker of the last one has died, and nobody else has its keyframes.
+bool WorkQueue::IsStateDue() const {
+  if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.settled) return false;
+  return inserted_since_state_ >= state_every_ ||
+         (!keyframes_.empty() && !inserted_.contains(keyframes_.front().keyframe.session));
+}
+
 void WorkQueue::Inserted(const Keyframe& keyframe, double now_s) {
+  ++inserted_since_state_;
   inserted_[keyframe.session] = keyframe.keyframe_id;
   newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false};
   wait_.End();

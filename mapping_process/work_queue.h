@@ -4,7 +4,9 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/bus/partner_wait.h"
@@ -36,6 +38,7 @@ class WorkQueue {
       kSettle,        ///< loop_process has nothing to say about the newest keyframe
       kPublishWhole,  ///< somebody lacks the map
       kSave,          ///< the map, to `path`
+      kKeepState,     ///< the map as it is is worth keeping for whoever is started in our place
     };
     Kind kind = Kind::kInsert;
     std::vector<Arrived> keyframes;
@@ -44,9 +47,16 @@ class WorkQueue {
     std::string path;
   };
 
-  explicit WorkQueue(const LoopUseOptions& options) : options_(options), wait_(options.wait_s) {}
+  /// `state_every`: keyframes after which the state is worth keeping; it is, too, before a new session. 0: never.
+  explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
+      : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
-  void Add(const Keyframe& keyframe, double now_ms) { keyframes_.push_back({keyframe, now_ms}); }
+  /// The map has these keyframes, by session the newest, and all that was said about them.
+  void Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
+
+  /// One that came before, from whomever, is passed over.
+  void Add(const Keyframe& keyframe, double now_ms);
+  /// What was said before the map was restored, about what is in it, is passed over.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
   void Save(const std::string& path) { saves_.push_back(path); }
@@ -65,6 +75,8 @@ class WorkQueue {
   size_t n_keyframes() const { return keyframes_.size(); }
 
  private:
+  /// Session, keyframe, map (publisher, version) and kind of a closure.
+  using Answer = std::tuple<int64_t, int64_t, int64_t, int64_t, int>;
   struct Newest {
     int64_t session = 0;
     int64_t keyframe_id = -1;
@@ -76,6 +88,7 @@ class WorkQueue {
   bool IsAboutNewest(const LoopClosure& closure) const;
   std::optional<Work> TakeClosure(double now_s);
   std::vector<Arrived> TakeKeyframes();
+  bool IsStateDue() const;
 
   LoopUseOptions options_;
   bus::PartnerWait wait_;
@@ -86,6 +99,12 @@ class WorkQueue {
   /// Newest keyframe of each session that is in the map.
   std::map<int64_t, int64_t> inserted_;
   Newest newest_;
+  /// The same when the map was restored, and newest that has come.
+  std::map<int64_t, int64_t> restored_;
+  std::map<int64_t, int64_t> arrived_;
+  std::set<Answer> answers_;
+  int state_every_;
+  int inserted_since_state_ = 0;
 };
 
 }  // namespace plslam

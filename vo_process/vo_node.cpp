@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -24,6 +25,7 @@ namespace {
 constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
+constexpr size_t kRecentFrames = 16;
 
 }  // namespace
 
@@ -100,7 +102,10 @@ void VoNode::OnFrame(const Frame& frame) {
 }
 
 bool VoNode::IsRepeated(const Frame& frame) const {
-  return frame.source == last_source_ && frame.images.frame_id <= last_frame_id_;
+  if (frame.source == last_source_) return frame.images.frame_id <= last_frame_id_;
+  // A player that was started in the place of another may not have heard of the last poses.
+  const std::pair named(frame.images.frame_id, frame.images.t_ns);
+  return named.first > 0 && std::find(recent_.begin(), recent_.end(), named) != recent_.end();
 }
 
 bool VoNode::IsWaiting() const {
@@ -156,6 +161,7 @@ void VoNode::BeginSession() {
   map_keyframe_id_ = -1;
   adopted_keyframe_id_ = -1;
   last_keyframe_id_ = -1;
+  recent_.clear();
   odometry_.emplace(front_end_->camera(), options_);
 }
 
@@ -181,6 +187,8 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) Count("keyframes", 1);
   last_frame_id_ = frame.images.frame_id;
   last_source_ = frame.source;
+  recent_.emplace_back(frame.images.frame_id, frame.images.t_ns);
+  if (recent_.size() > kRecentFrames) recent_.pop_front();
   FinishIfDone();
 }
 

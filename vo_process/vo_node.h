@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/bus/frame_channel.h"
@@ -77,6 +79,8 @@ class VoNode {
   int64_t last_t_ns_ = 0;
   int64_t last_frame_id_ = -1;
   int64_t last_source_ = 0;
+  /// The newest frames of the session: number and time.
+  std::deque<std::pair<int64_t, int64_t>> recent_;
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;

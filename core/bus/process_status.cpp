@@ -1,5 +1,7 @@
 #include "core/bus/process_status.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -41,6 +43,24 @@ StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& o
   const auto limit = static_cast<size_t>(options.max_message_bytes);
   max_configuration_bytes_ = limit > kStatusBytes ? limit - kStatusBytes : 0;
   bus_.Every(std::chrono::milliseconds(1000), [this] { Publish(); });
+  bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
+}
+
+// One that we replace may have said a last word; twice with time between means that it lives.
+void StatusPublisher::OnStatus(const status_t& other) {
+  static constexpr std::chrono::milliseconds kApart{1500};
+  static constexpr size_t kMaxNamesakes = 64;
+  if (told_of_namesake_ || other.process != process_ || other.header.source == bus_.source()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (namesakes_.size() >= kMaxNamesakes) namesakes_.clear();
+  const auto first = namesakes_.try_emplace(other.header.source, now).first->second;
+  if (now - first < kApart || other.state == "stopping") return;
+  told_of_namesake_ = true;
+  const std::string told =
+      fmt::format("another {} runs on this bus: process {} on {}", process_, other.pid, other.host);
+  spdlog::warn("{}", told);
+  const std::scoped_lock lock(mutex_);
+  if (reason_.empty()) reason_ = told;
 }
 
 void StatusPublisher::Publish() {

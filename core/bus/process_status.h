@@ -1,15 +1,23 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
 
 #include "core/bus/bus.h"
 
+namespace plslam {
+class status_t;
+}
+
 namespace plslam::bus {
 
 /// The face of a process to the world: publishes `status_t` at 1 Hz and on each change of state. Safe from any thread.
+///
+/// Another process of the same name on the same bus is told, once, in the log and as the reason of the state: two that do the
+/// same work for the same readers are a mistake, but which of them is meant only their owner knows.
 class StatusPublisher {
  public:
   /// Starts in state "starting". The bus outlives it, and is not run any more once it is gone.
@@ -23,12 +31,17 @@ class StatusPublisher {
 
  private:
   void Publish();
+  void OnStatus(const status_t& other);
 
   const std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
   const std::string process_;
   Bus& bus_;
   std::string bus_configuration_;
   size_t max_configuration_bytes_ = 0;
+
+  /// Others of our name that were heard once, and whether one has been told of. On the thread of the bus.
+  std::map<int64_t, std::chrono::steady_clock::time_point> namesakes_;
+  bool told_of_namesake_ = false;
 
   mutable std::mutex mutex_;  // guards what follows, and keeps states in order on the wire
   std::string state_ = "starting";

@@ -142,6 +142,9 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
   const std::scoped_lock lock(mutex);
   if (!problem.empty()) return;
   problem = fmt::format("{}: {}", folder, why);
+  // The room is for those who need it more.
+  entries.clear();
+  if (file >= 0 && ftruncate(file, 0) != 0) spdlog::warn("{}: {}", folder, std::strerror(errno));
   spdlog::warn("what the processes say is kept no further, for one that starts after another has died: {}", problem);
 }
 

@@ -1,6 +1,11 @@
 #include "tools/plslam/monitor_node.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "core/bus/map_pages.h"
+#include "core/bus/worker.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
 #include "plslam/map_update_t.hpp"
@@ -11,6 +16,11 @@
 
 namespace plslam {
 namespace {
+
+// A queue that is worth telling; status comes every second.
+constexpr double kWorthSaying = 5.0;
+constexpr double kSilent_s = 2.5;
+constexpr double kDead_s = 10.0;
 
 FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
@@ -27,12 +37,13 @@ FrameReport FromMessage(const pose_t& message) {
 }
 
 ProcessStatus FromMessage(const status_t& message) {
-  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}};
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, bus::NowS()};
   for (const counter_t& counter : message.counters) {
     const auto value = static_cast<int64_t>(counter.value);
     if (counter.name == "bus.lost") status.messages.lost = value;
     if (counter.name == "bus.repaired") status.messages.repaired = value;
     if (counter.name == "bus.rejected") status.messages.rejected = value;
+    if (counter.name.starts_with("queue.")) status.queue = std::max(status.queue, counter.value);
   }
   return status;
 }
@@ -41,7 +52,11 @@ ProcessStatus FromMessage(const status_t& message) {
 
 MonitorNode::MonitorNode(bus::Bus& bus) {
   const int64_t own = bus.source();
-  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { processes_[m.pid] = FromMessage(m); });
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
+    const ProcessStatus& status = processes_[m.pid] = FromMessage(m);
+    double& longest = longest_queue_[m.process];
+    longest = std::max(longest, status.queue);
+  });
   bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
     if (m.header.source != own) statistics_.AddFrame(FromMessage(m));
   });
@@ -78,6 +93,22 @@ bool MonitorNode::has_all() const {
 std::string MonitorNode::StateOf(int64_t pid) const {
   const auto found = processes_.find(pid);
   return found == processes_.end() ? "" : found->second.state;
+}
+
+Lag MonitorNode::LagAt(double now_s) const {
+  Lag lag{"", longest_queue_};
+  double furthest = kWorthSaying;
+  for (const auto& [pid, status] : processes_) {
+    const double silent_s = now_s - status.heard_s;
+    // One that has died has said nothing for long; the one in its place speaks for it.
+    if (silent_s > kDead_s || status.state == "stopping") continue;
+    if (silent_s > kSilent_s)
+      return {fmt::format("{}: silent for {:.0f} s", status.process, silent_s), longest_queue_};
+    if (status.queue < furthest) continue;
+    furthest = status.queue;
+    lag.text = fmt::format("{}: {:.0f} waiting", status.process, status.queue);
+  }
+  return lag;
 }
 
 MessageCounts MonitorNode::messages() const {

@@ -20,6 +20,16 @@ struct ProcessStatus {
   std::string reason;
   std::string configuration;
   MessageCounts messages;
+  double queue = 0.0;  ///< longest of its queues
+  double heard_s = 0.0;
+};
+
+/// Who keeps up, and who does not.
+struct Lag {
+  /// "mapping: 12 waiting", "loop: silent for 4 s" of the one furthest behind; empty where none is.
+  std::string text;
+  /// Longest queue so far by process name.
+  std::map<std::string, double> longest_queue;
 };
 
 /// Listens to the run of other processes and keeps its statistics. What is said on `bus` itself does not count: it is
@@ -43,6 +53,9 @@ class MonitorNode {
   bool stream_ended() const { return stream_ended_; }
   int64_t bad_frames() const { return bad_frames_; }
 
+  /// `now_s`: steady time.
+  Lag LagAt(double now_s) const;
+
   /// Sums over all processes.
   MessageCounts messages() const;
 
@@ -51,6 +64,7 @@ class MonitorNode {
   MapStatistics map_;
   LoopStatistics loops_;
   std::map<int64_t, ProcessStatus> processes_;
+  std::map<std::string, double> longest_queue_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;
   bool stream_ended_ = false;

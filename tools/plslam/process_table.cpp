@@ -63,6 +63,7 @@ Arguments MappingArguments(const RunOptions& options) {
   if (options.no_loops) settings.Add("loops.enabled", std::string("false"));
   if (!options.map.empty()) settings.Add("map_file", std::filesystem::absolute(options.map).string());
   settings.Add("localise_only", options.localise_only);
+  settings.Add("state_file", StateFileOf(options).string());
   return settings.Take();
 }
 
@@ -100,6 +101,10 @@ constexpr ProcessRow kTable[] = {
 }  // namespace
 
 std::span<const ProcessRow> ProcessTable() { return kTable; }
+
+std::filesystem::path StateFileOf(const RunOptions& options) {
+  return std::filesystem::absolute(options.out / ".mapping_state.plmap");
+}
 
 std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame) {
   if (name != kPlayer || newest_frame.first < 0) return {};

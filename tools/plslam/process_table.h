@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <string_view>
@@ -24,6 +25,9 @@ struct ProcessRow {
   /// Arguments of its own; those that all processes share come from CommonArguments.
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
+
+/// Where mapping_process keeps what it needs after a crash; of this run only.
+std::filesystem::path StateFileOf(const RunOptions& options);
 
 /// In the order of starting.
 std::span<const ProcessRow> ProcessTable();

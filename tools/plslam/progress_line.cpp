@@ -15,6 +15,7 @@ std::string FormatProgress(const Progress& p, int width) {
   if (p.skipped_frames > 0) line += fmt::format("  skipped {}", p.skipped_frames);
   line += fmt::format("  gaps {}", p.lost_messages);
   if (p.restarts > 0) line += fmt::format("  restarts {}", p.restarts);
+  if (!p.lag.empty()) line += "  " + p.lag;
   return line.substr(0, static_cast<size_t>(width > 0 ? width : 0));
 }
 

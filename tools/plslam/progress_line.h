@@ -17,6 +17,8 @@ struct Progress {
   int64_t lost_messages = 0;
   int64_t skipped_frames = 0;
   int restarts = 0;
+  /// Who does not keep up, if anybody.
+  std::string lag;
 };
 
 /// One line of text, without a line end, at most `width` characters long.

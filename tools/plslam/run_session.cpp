@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/bus/worker.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam {
@@ -51,8 +52,10 @@ Supervisor::Options RunSession::SupervisorOptions() {
 }
 
 void RunSession::Run() {
+  std::filesystem::remove(StateFileOf(options_));
   StartRows(false);
   bus_.Run();
+  std::filesystem::remove(StateFileOf(options_));
   progress_line_.Clear();
 }
 
@@ -159,7 +162,7 @@ void RunSession::ShowProgress(Clock::time_point now) {
   progress_line_.Show({s.frames(), monitor_.total_frames(), static_cast<double>(s.frames()) / played_s,
                        s.last().tracked_points, s.last().tracked_lines, s.keyframes(),
                        TrackingStateName(s.last().state), monitor_.messages().lost, s.skipped_frames(),
-                       supervisor_.restarts()});
+                       supervisor_.restarts(), monitor_.LagAt(bus::NowS()).text});
 }
 
 RunSummary RunSession::Summary() const {
@@ -174,6 +177,11 @@ RunSummary RunSession::Summary() const {
   summary.loops = &monitor_.loops();
   summary.messages = monitor_.messages();
   summary.processes = supervisor_.reports();
+  const Lag lag = monitor_.LagAt(bus::NowS());
+  for (ProcessReport& report : summary.processes) {
+    const auto longest = lag.longest_queue.find(report.name);
+    if (longest != lag.longest_queue.end()) report.longest_queue = longest->second;
+  }
   for (const auto& [pid, status] : monitor_.processes())
     summary.configurations[status.process] = status.configuration;
   return summary;

@@ -93,6 +93,7 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
         {"peak_memory_mb", Rounded(report.peak_memory_mb, 0.1)},
         {"restarts", report.restarts},
         {"slowest_restart_s", Rounded(report.slowest_restart_s, 1e-3)},
+        {"longest_queue", report.longest_queue},
         {"exit_code", report.exit_code ? json(*report.exit_code) : json(nullptr)}};
   }
   return processes;
@@ -175,10 +176,12 @@ std::string SummaryToText(const json& s) {
     text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "loops, ms a keyframe", "median", "95 %");
     text += QuantilesToText(s["loop_closing"]);
   }
-  text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB", "restarts");
+  text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB",
+                      "restarts", "queue");
   for (const auto& [name, p] : s["processes"].items()) {
-    text += fmt::format("  {:<24} {:>9.2f} {:>9.2f} {:>9.0f} {:>9}\n", name, p["cpu_ms_per_frame"].get<double>(),
-                        p["cpu_s"].get<double>(), p["peak_memory_mb"].get<double>(), p["restarts"].get<int>());
+    text += fmt::format("  {:<24} {:>9.2f} {:>9.2f} {:>9.0f} {:>9} {:>9}\n", name,
+                        p["cpu_ms_per_frame"].get<double>(), p["cpu_s"].get<double>(),
+                        p["peak_memory_mb"].get<double>(), p["restarts"].get<int>(), p["longest_queue"].get<int>());
   }
   return text;
 }

@@ -22,6 +22,8 @@ struct ProcessReport {
   std::optional<int> exit_code;
   /// Longest time from the end of a process until the one in its place was ready.
   double slowest_restart_s = 0.0;
+  /// What waited in its queues at most, as its status told; the supervisor does not know.
+  double longest_queue = 0.0;
 };
 
 /// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets

@@ -33,7 +33,7 @@ TEST(RunSummary, JsonHasTheKeysThatUsersReadByName) {
   summary.statistics = &statistics;
   summary.accuracy = json{{"ate_m", 0.01}};
   summary.messages = {3, 2, 1};
-  summary.processes = {{"vo", 0.5, 80.0, 1, 0, 0.4}};
+  summary.processes = {{"vo", 0.5, 80.0, 1, 0, 0.4, 3.0}};
   summary.configurations["vo"] = "vo:\n  enabled: true\n  name: \"7\"\n  list: [1, 2.5]\n";
   const json result = SummaryToJson(summary);
   EXPECT_EQ(result["frames"], 2);
@@ -128,7 +128,7 @@ TEST(RunSummary, RunWithoutAFrame) {
   RunSummary summary;
   summary.statistics = &statistics;
   summary.reason = "vo ended with exit code 1";
-  summary.processes = {{"vo", 0.5, 80.0, 1, {}, 0.0}};
+  summary.processes = {{"vo", 0.5, 80.0, 1, {}, 0.0, 0.0}};
   const json result = SummaryToJson(summary);
   EXPECT_EQ(result["processes"]["vo"]["cpu_ms_per_frame"], 0.0);
   EXPECT_TRUE(result["processes"]["vo"]["exit_code"].is_null());

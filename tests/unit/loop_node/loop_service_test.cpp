@@ -86,6 +86,18 @@ TEST_F(Service, EachKeyframeIsJudgedOnceWhenMapAndFeaturesAreThereInEitherOrder)
   EXPECT_EQ(Judged(service_.OnUpdate(Update(1, true))), Ids{});
 }
 
+TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
+  service_.OnKeyframe(KeyframeOf(0));
+  service_.OnUpdate(Update(0, false));
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  // In any order: what a publisher had lost may come in its place later.
+  service_.OnKeyframe(KeyframeOf(2));
+  service_.OnUpdate(Update(0, true));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), (Ids{1, 2}));
+  service_.OnKeyframe(KeyframeOf(1));
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(2))), Ids{});
+}
+
 TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllJudged) {
   for (int64_t id = 0; id < 4; ++id) service_.OnKeyframe(KeyframeOf(id, false));
   EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), (Ids{3}));

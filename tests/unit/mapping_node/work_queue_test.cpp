@@ -159,5 +159,68 @@ TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsSettled) {
   ExpectNothing();
 }
 
+TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  EXPECT_EQ(queue_.n_keyframes(), 1U);
+  Take(Kind::kInsert);
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  EXPECT_EQ(queue_.n_keyframes(), 0U);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
+  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
+  ExpectNothing();
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kAdjustment));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles) << "another one about the same keyframe";
+}
+
+TEST_F(WorkQueueTest, LiveLoopThatIsSaidAgainIsTakenOnce) {
+  queue_.Add(KeyframeOf(0, false), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+  Take(Kind::kCorrect);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
+  queue_.Restore({{kSession, 4}, {kSession - 1, 9}}, kSession);
+  for (int64_t id = 0; id < 6; ++id) queue_.Add(KeyframeOf(id, true), 0.0);
+  for (int64_t id = 0; id < 5; ++id) queue_.Add(ClosureOf(id, LoopClosure::Kind::kLoop));
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 5);
+  ExpectNothing();
+  queue_.Add(ClosureOf(5));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  ExpectNothing();
+}
+
+TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
+  WorkQueue queue({.enabled = true, .wait_s = 5.0}, 2);
+  const auto insert = [&](const Keyframe& keyframe) {
+    queue.Add(keyframe, 0.0);
+    const auto work = queue.Take(0.0);
+    ASSERT_TRUE(work && work->kind == Kind::kInsert);
+    queue.Inserted(keyframe, 0.0);
+  };
+  insert(KeyframeOf(0, true));
+  queue.Add(ClosureOf(0));
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCorrect);
+  EXPECT_FALSE(queue.Take(0.0)) << "one keyframe is not worth it";
+  insert(KeyframeOf(1, true));
+  EXPECT_FALSE(queue.Take(0.0)) << "not all has been said";
+  queue.Add(ClosureOf(1));
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCorrect);
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState);
+  EXPECT_FALSE(queue.Take(0.0)) << "once";
+  insert(KeyframeOf(2, true));
+  queue.Add(ClosureOf(2));
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCorrect);
+  Keyframe other = KeyframeOf(0, true);
+  other.session = kSession + 1;
+  queue.Add(other, 0.0);
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState) << "before the new session";
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
+}
+
 }  // namespace
 }  // namespace plslam

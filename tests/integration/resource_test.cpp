@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/integration/run_watcher.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Heard;
+using test::RunWatcher;
+using test::WholeRun;
+using testing::HasSubstr;
+
+const std::string kWorld = "synthetic:room?size=160x120&frames=40";
+const std::string kLongWorld = "synthetic:room?size=376x240&frames=400";
+
+std::vector<std::string> HalfWritten(const fs::path& folder) {
+  std::vector<std::string> names;
+  if (!fs::exists(folder)) return names;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const bool empty = entry.is_regular_file() && entry.path().extension() != ".log" && entry.file_size() == 0;
+    if (entry.path().extension() == ".part" || empty) names.push_back(entry.path().string());
+  }
+  return names;
+}
+
+/// How many lines say that something went wrong.
+int Sentences(const std::string& log, const std::string& of) {
+  int count = 0;
+  for (size_t at = log.find(of); at != std::string::npos; at = log.find(of, at + 1)) ++count;
+  return count;
+}
+
+/// A file system of its own, of so many KiB, for what `command` does; that is a line for sh in which $1 is its folder.
+/// nullopt where this machine does not allow it, else the exit code.
+std::optional<int> OnASmallDisk(const fs::path& folder, int kib, const std::string& command) {
+  fs::create_directories(folder);
+  const std::string mount = fmt::format("mount -t tmpfs -o size={}k none '{}'", kib, folder.string());
+  const auto with = [&](const std::string& line) {
+    // In a name space of its own: nobody else sees it, and it goes with its last process.
+    const std::string quoted = fmt::format("unshare --mount --map-root-user sh -c \"{} && {}\" >> '{}.sh.log' 2>&1",
+                                           mount, line, folder.string());
+    const int status = std::system(quoted.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  if (with("true") != 0) return std::nullopt;
+  return with(command);
+}
+
+std::string Plslam() { return (test::BinaryFolder() / "plslam").string(); }
+
+std::string ReadFile(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
+  const WholeRun run;
+  const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
+  // What is on the disk at the end is copied out of the name space.
+  const auto code = OnASmallDisk(
+      disk, 96,
+      fmt::format(
+          "{} run '{}' --out '{}' --overlay-every 1 --max-restarts 1; code=\\$?; cp -r '{}' '{}'; exit \\$code",
+          Plslam(), kWorld, disk.string(), disk.string(), found.string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadFile(run.folder() / "disk.sh.log");
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(log, HasSubstr("No space left on device"));
+  EXPECT_EQ(Sentences(log, "plslam: error: "), 1) << log;
+  EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
+}
+
+TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
+  const WholeRun run;
+  const fs::path disk = run.folder() / "disk";
+  const auto code =
+      OnASmallDisk(disk, 64,
+                   fmt::format("{} run '{}' --out '{}' --set bus.history_dir='{}' --set bus.history_bytes=200000",
+                               Plslam(), kWorld, run.out().string(), disk.string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  EXPECT_EQ(*code, 0) << ReadFile(run.folder() / "disk.sh.log");
+  EXPECT_EQ(run.Summary()["tracked_frames"], 40);
+}
+
+TEST(Resources, FoldersThatCannotBeWrittenAreNamed) {
+  WholeRun history, out;
+  EXPECT_EQ(history.Run({"run", kWorld, "--set", "bus.history_dir=/proc/nowhere"}), 1);
+  EXPECT_THAT(history.Logs(), HasSubstr("bus.history_dir: /proc/nowhere is no folder that can be written to"));
+  const fs::path file = out.folder() / "a file";
+  std::ofstream(file) << "in the way";
+  const std::string log = (out.folder() / "log").string();
+  ChildProcess child(test::BinaryFolder() / "plslam", {"run", kWorld, "--out", (file / "out").string()}, log);
+  std::optional<ChildExit> end;
+  ASSERT_TRUE(WholeRun::WaitFor([&] {
+    end = child.Poll();
+    return end.has_value();
+  }));
+  EXPECT_EQ(end->code, 1);
+  EXPECT_THAT(ReadFile(log), HasSubstr("a file"));
+  EXPECT_EQ(Sentences(ReadFile(log), "error"), 1) << ReadFile(log);
+}
+
+void ExpectCleanInterrupt(WholeRun& run) {
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["reason"], "interrupted") << summary.dump(1);
+  EXPECT_THAT(HalfWritten(run.out()), testing::IsEmpty());
+  for (const char* name : {"player", "vo_process", "mapping_process", "loop_process", "viewer_headless"}) {
+    EXPECT_EQ(run.PidOf(name), -1) << name;
+  }
+}
+
+TEST(Resources, InterruptBeforeAllAreReady) {
+  WholeRun run;
+  run.Start({"run", kLongWorld});
+  // The first process has been started; none has said a word.
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return fs::exists(run.out() / "logs" / "viewer.log"); }));
+  ExpectCleanInterrupt(run);
+  EXPECT_EQ(run.Summary()["frames"], 0);
+}
+
+TEST(Resources, InterruptWhileTheLastKeyframesAreSettled) {
+  WholeRun run;
+  const RunWatcher watcher;
+  run.Start({"run", kWorld, "--url", watcher.url()});
+  ASSERT_TRUE(watcher.WaitForFrame(39)) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  EXPECT_EQ(run.Summary()["frames"], 40);
+  EXPECT_THAT(HalfWritten(run.out()), testing::IsEmpty());
+}
+
+TEST(Resources, TwoOfOneNameOnOneBusAreTold) {
+  const WholeRun folder;
+  const RunWatcher watcher;
+  const auto start = [&](const char* log) {
+    return std::make_unique<ChildProcess>(test::BinaryFolder() / "vo_process",
+                                          std::vector<std::string>{"--url", watcher.url()}, folder.folder() / log);
+  };
+  const auto first = start("first.log"), second = start("second.log");
+  EXPECT_TRUE(watcher.WaitFor([](const Heard& heard) {
+    return heard.status.contains("vo") &&
+           heard.status.at("vo").reason.find("another vo runs on this bus: process ") == 0;
+  }));
+  const auto told = [&] {
+    return Sentences(ReadFile(folder.folder() / "first.log"), "another vo runs") == 1 &&
+           Sentences(ReadFile(folder.folder() / "second.log"), "another vo runs") == 1;
+  };
+  EXPECT_TRUE(WholeRun::WaitFor(told)) << "once each";
+  EXPECT_FALSE(first->Poll() || second->Poll()) << "both run on";
+}
+
+TEST(Resources, PortOfTheRelayInUseIsOneSentence) {
+  WholeRun first, second;
+  first.Start({"relay", "--port", "0"});
+  std::string port;
+  ASSERT_TRUE(WholeRun::WaitFor([&] {
+    const std::string log = first.Logs();
+    const size_t at = log.find("tcpq://127.0.0.1:");
+    const size_t end = at == std::string::npos ? at : log.find('\n', at);
+    if (end != std::string::npos) port = log.substr(at + 17, end - at - 17);
+    return !port.empty();
+  })) << first.Logs();
+  second.Start({"relay", "--port", port});
+  EXPECT_EQ(second.Wait(20), 1) << second.Logs();
+  EXPECT_THAT(second.Logs(), HasSubstr(port));
+  EXPECT_EQ(Sentences(second.Logs(), "error: "), 1) << second.Logs();
+}
+
+}  // namespace
+}  // namespace plslam

@@ -30,13 +30,25 @@ std::vector<Eigen::Vector3d> Moved(const Trajectory& trajectory, const SE3& T_to
   return positions;
 }
 
+/// The typical run of the group, if it played that (empty: anything), else the first completed one that did; or nullptr.
+const RunRecord* RunThatPlayed(const RunGroup& group, const std::string& played) {
+  const RunRecord* typical = group.Typical();
+  if (typical == nullptr || played.empty() || typical->played == played) return typical;
+  for (const RunRecord& run : group.runs) {
+    if (run.completed && run.played == played) return &run;
+  }
+  return nullptr;
+}
+
 /// Everything in the w of the first run, which the truth joins with the others; without truth, as it is.
 std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
   std::vector<NamedPath> paths;
   std::optional<SE3> T_w_truth;
+  std::string played;
   for (size_t i = 0; i < groups.size(); ++i) {
-    const RunRecord* run = groups[i]->Typical();
+    const RunRecord* run = RunThatPlayed(*groups[i], played);
     if (run == nullptr) continue;
+    played = run->played;
     const auto estimate = TryRead(run->folder + "/trajectory.tum");
     const auto truth = TryRead(run->folder + "/groundtruth.tum");
     if (!estimate || estimate->empty()) continue;
@@ -77,7 +89,7 @@ bool IsShown(const Metric& metric) { return std::find(kShown.begin(), kShown.end
 std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups) {
   std::vector<NamedDrawing> figures;
   const std::vector<NamedPath> paths = PathsOf(groups);
-  if (!paths.empty()) figures.push_back({"trajectories", TopView("typical runs", paths, nullptr)});
+  if (!paths.empty()) figures.push_back({"trajectories", TopView("trajectories", paths, nullptr)});
   for (size_t i = 0; i < Metrics().size(); ++i) {
     if (!IsShown(Metrics()[i])) continue;
     const std::vector<DotRow> rows = RowsOf(groups, i);

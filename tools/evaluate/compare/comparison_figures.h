@@ -13,8 +13,8 @@ struct NamedDrawing {
   Drawing drawing;
 };
 
-/// Of groups of one dataset: the typical trajectory of each from above with the truth, and dots for the errors, the time of
-/// odometry, CPU and memory. What no run tells is left out. Reads the trajectories of the runs; those that are missing or
+/// Of groups of one dataset: the typical trajectory of the first from above with the truth, and those of the others' runs
+/// of the same (the same seed of a built-in world, whose ways differ); dots for the errors, the time of odometry, CPU and memory. What no run tells is left out. Reads the trajectories of the runs; those that are missing or
 /// cannot be read are left out too.
 std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups);
 

@@ -132,7 +132,8 @@ const std::vector<Metric>& Metrics() {
 RunRecord RecordOf(const json& summary, const std::string& folder) {
   RunRecord record;
   record.folder = folder;
-  record.dataset = WithoutSeed(summary.value("dataset", ""));
+  record.played = summary.value("dataset", "");
+  record.dataset = WithoutSeed(record.played);
   record.completed = summary.value("completed", false);
   record.reason = summary.value("reason", "");
   record.options = OptionsOf(summary);

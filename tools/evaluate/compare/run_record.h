@@ -24,7 +24,8 @@ const std::vector<Metric>& Metrics();
 /// What is compared of a run.
 struct RunRecord {
   std::string folder;
-  /// Without the seed of built-in worlds, which is no difference that matters.
+  /// What was played, and that without the seed of built-in worlds, which is no difference that matters.
+  std::string played;
   std::string dataset;
   bool completed = false;
   /// Why it is not completed.

@@ -24,14 +24,16 @@ export class FatLine {
     this.material.resolution.set(width, height);
   }
 
-  /** `at(row)` gives [x, y, z] or null. */
-  setPath(rows, at) {
+  /** `at(row)` gives [x, y, z] or null; steps below `minStep` are taken together. */
+  setPath(rows, at, minStep = 0) {
     const pairs = [];
     this.rows = [];
     let previous = null;
     for (let row = 0; row < rows; ++row) {
       const p = at(row);
       if (previous && p) {
+        const short = Math.hypot(p[0] - previous[0], p[1] - previous[1], p[2] - previous[2]) < minStep;
+        if (short && row < rows - 1) continue;
         pairs.push(...previous, ...p);
         this.rows.push(row);
       }

@@ -15,7 +15,7 @@ export class MapView {
   constructor(layers) {
     this.canvas = byId("map");
     this.layers = layers;
-    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: "high-performance", preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.scene = new Scene();
     // The map has y down and z forward.

@@ -25,18 +25,19 @@ export class Paths {
     for (const line of Object.values(this.lines)) line.setResolution(width, height);
   }
 
-  setRun(run) {
+  setRun(run, size) {
+    const step = size / 3000;
     const lost = (row) => run.frames.state[row] === 3;
     this.lines.path.setPath(run.rows, (row) => {
       const p = run.position(row, [0, 0, 0]);
       return lost(row) || !p.every(Number.isFinite) ? null : p;
-    });
-    this.lines.truth.setPath(run.rows, (row) => rowOf(run.path?.truth, row));
-    this.lines.live.setPath(run.rows, (row) => (lost(row) ? null : rowOf(run.frames.live, row)));
+    }, step);
+    this.lines.truth.setPath(run.rows, (row) => rowOf(run.path?.truth, row), step);
+    this.lines.live.setPath(run.rows, (row) => (lost(row) ? null : rowOf(run.frames.live, row)), step);
     this.lines.odom.setPath(run.rows, (row) => {
       const sameSession = row === 0 || run.frames.session[row] === run.frames.session[row - 1];
       return sameSession ? rowOf(run.frames.odom, row) : null;
-    });
+    }, step);
   }
 
   show(layers) {

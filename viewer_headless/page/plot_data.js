@@ -140,7 +140,8 @@ export function plotsOf(run) {
   const t = Array.from(run.frames.t_s);
   // Times that do not grow (a stream played again) would fold the plots.
   for (let i = 1; i < t.length; ++i) t[i] = Math.max(t[i], t[i - 1] + 1e-6);
-  const always = new Set(["repairs"]);
+  // That nothing waited and nothing was lost is worth a look.
+  const always = new Set(["repairs", "queues"]);
   const all = [...errors(run, t), tracked(run, t), entropy(run, t), odometryStages(run, t), mappingStages(run, t), queues(run), repairs(run), processors(run), memory(run)];
   const kept = new Set(onlyWithNumbers(all));
   return all.filter((p) => p && (kept.has(p) || (always.has(p.key) && p.data[0].length > 1)));

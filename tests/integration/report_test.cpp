@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "core/io/atomic_file.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+#include "viewer_headless/report/report_json.h"
+#include "viewer_headless/report/report_page.h"
+#include "viewer_headless/report/report_recorder.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+
+/// A program in PATH; empty where there is none.
+std::string Find(const std::string& program) {
+  std::istringstream path(getenv("PATH") != nullptr ? getenv("PATH") : "");
+  for (std::string folder; std::getline(path, folder, ':');) {
+    if (access((folder + "/" + program).c_str(), X_OK) == 0) return folder + "/" + program;
+  }
+  return "";
+}
+
+/// Why the pages cannot be tested here; empty where they can.
+std::string Missing() {
+  for (const char* program : {"node", "chromium", "chromedriver"}) {
+    if (Find(program).empty()) return std::string("no ") + program + " here: the page of reports is not tested";
+  }
+  if (!std::filesystem::exists(test::BinaryFolder().parent_path() / "share/plslam/report_template.html")) {
+    return "built without node and npm: there are no reports";
+  }
+  return "";
+}
+
+/// Runs a script of tests/report with the programs it needs; what it prints on failure goes to the test.
+void RunScript(const std::string& script, std::vector<std::string> arguments, const std::filesystem::path& log) {
+  arguments.insert(arguments.begin(), {(test::SourceFolder() / "tests/report" / script).string(),
+                                       Find("chromedriver"), Find("chromium")});
+  ChildProcess process(Find("node"), arguments, log);
+  WholeRun::WaitFor([&] { return process.Poll().has_value(); });
+  std::ifstream file(log);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_TRUE(process.Poll().has_value()) << script << " has not ended\n" << text;
+  std::printf("%s", text.c_str());
+  EXPECT_EQ(process.Poll()->code, 0) << script << ": see the lines that begin with FAIL above";
+}
+
+int FreePort() {
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
+  getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+  close(fd);
+  return ntohs(address.sin_port);
+}
+
+TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun run;
+  const std::string port = std::to_string(FreePort());
+  // Longer than anybody watches.
+  run.Start(
+      {"run", "synthetic:room?frames=5000&size=376x240", "--pace", "realtime", "--set", "viewer.serve=" + port});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return run.Logs().find("live page: ") != std::string::npos; })) << run.Logs();
+  RunScript("check_live.mjs", {"http://127.0.0.1:" + port + "/"}, run.folder() / "live.log");
+  run.process().Signal(SIGINT);
+  ASSERT_NE(run.Wait(), -1) << run.Logs();
+  ASSERT_TRUE(std::filesystem::exists(run.out() / "report.html")) << run.Logs();
+  EXPECT_LT(std::filesystem::file_size(run.out() / "report.html"), 8'000'000U);
+  RunScript("check_report.mjs", {(run.out() / "report.html").string()}, run.folder() / "report.log");
+}
+
+/// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked for, and
+/// a loop at the end.
+class BigRun {
+ public:
+  BigRun(int64_t n_points, int64_t n_segments) : random_(7) {
+    for (int64_t id = 0; id < kFrames; ++id) AddFrame(id);
+    for (int64_t id = 0; id < kKeyframes; ++id) map_.Put(Keyframe(id, 1.0));
+    for (int64_t id = 0; id < n_points; ++id) AddPoint(id);
+    for (int64_t id = 0; id < n_segments; ++id) AddSegment(id);
+    map_.TakeChanges();
+    MapUpdate update = WholeMap(map_);
+    update.version = 1;
+    report_.Add(update, map_, kFrames);
+    Close();
+    report_.Finish();
+  }
+
+  std::string Json() const {
+    return ReportJson(report_.Build(recorder_, map_, Eigen::Quaterniond::Identity(), ReportSince()));
+  }
+
+ private:
+  static constexpr int64_t kFrames = 2000;
+  static constexpr int64_t kKeyframes = 400;
+
+  /// Frame `id`, with a share of the drift that the loop removes.
+  static SE3 Pose(int64_t id, double drift) {
+    const double share = static_cast<double>(id) / static_cast<double>(kFrames);
+    const double angle = 2.0 * M_PI * share;
+    const double radius = 80.0 + 10.0 * std::sin(5.0 * angle) + 8.0 * drift * share;
+    return SE3(ExpSO3({0, angle, 0}),
+               {radius * std::sin(angle), 2.0 * std::sin(2.0 * angle), radius * std::cos(angle)});
+  }
+
+  void AddFrame(int64_t id) {
+    FramePose pose;
+    pose.frame_id = id;
+    pose.t_ns = id * 100'000'000;
+    pose.state = TrackingState::kTracking;
+    pose.T_odom_c = Pose(id, 1.0);
+    pose.keyframe_id = id % 5 == 0 ? id / 5 : -1;
+    pose.entropy_ratio = 1.0;
+    pose.counts = {900, 120, 400, 60, 0};
+    pose.stages_ms = {{"features", 9.0}, {"track", 3.0}};
+    recorder_.AddPose(pose);
+    recorder_.AddTruth(id, {pose.t_ns, Pose(id, 0.0)});
+  }
+
+  static MapKeyframe Keyframe(int64_t id, double drift) {
+    MapKeyframe keyframe;
+    keyframe.id = keyframe.session_keyframe_id = id;
+    keyframe.frame_id = 5 * id;
+    keyframe.parent_id = id - 1;
+    keyframe.T_w_kf = Pose(5 * id, drift);
+    keyframe.T_odom_kf = Pose(5 * id, 1.0);
+    return keyframe;
+  }
+
+  Eigen::Vector3d Near(int64_t keyframe_id) {
+    std::normal_distribution<double> normal;
+    return Pose(5 * keyframe_id, 0.0) * Eigen::Vector3d(8.0 * normal(random_), 2.0 * normal(random_), 8.0);
+  }
+
+  std::vector<Sight> Sights(int64_t keyframe_id, int64_t id) {
+    std::vector<Sight> sights;
+    for (int64_t k = keyframe_id; k < std::min(kKeyframes, keyframe_id + 2 + id % 9); ++k) {
+      sights.push_back({k, feature_[static_cast<size_t>(k)]++});
+    }
+    return sights;
+  }
+
+  void AddPoint(int64_t id) {
+    MapPoint point;
+    point.id = id;
+    point.p_w = Near(id % kKeyframes);
+    point.sights = Sights(id % kKeyframes, id);
+    map_.Put(point);
+  }
+
+  void AddSegment(int64_t id) {
+    MapLine line;
+    line.id = id;
+    line.segment_w.p = Near(id % kKeyframes);
+    line.segment_w.q = line.segment_w.p + Eigen::Vector3d(0, id % 3 == 0 ? 0 : 2.5, id % 3 == 0 ? 1.5 : 0);
+    const std::vector<Sight> sights = Sights(id % kKeyframes, id);
+    line.sights = sights;
+    map_.Put(line);
+  }
+
+  void Close() {
+    map_.Add(LoopEdge{
+        .old_keyframe_id = 0, .keyframe_id = kKeyframes - 1, .T_old_kf = SE3(), .n_points = 90, .n_lines = 12});
+    for (int64_t id = 0; id < kKeyframes; ++id) map_.SetPose(id, Pose(5 * id, 0.0), Matrix6d::Zero());
+    MapUpdate update = ChangedPart(map_, map_.TakeChanges());
+    update.version = 2;
+    update.base_version = 1;
+    report_.Add(update, map_, kFrames - 1);
+  }
+
+  std::mt19937 random_;
+  std::vector<int32_t> feature_ = std::vector<int32_t>(kKeyframes, 0);
+  Recorder recorder_;
+  Map map_;
+  ReportRecorder report_{0};
+};
+
+TEST(Report, AHundredThousandPointsStayFluid) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  const auto page = ReadReportTemplate();
+  ASSERT_TRUE(page) << "it should stand beside this program too";
+  const std::string folder = testing::TempDir() + "big report " + std::to_string(getpid());
+  std::filesystem::create_directories(folder);
+  const std::string file = folder + "/report.html";
+  WriteFileAtomically(file, FillTemplate(*page, BigRun(100'000, 10'000).Json()));
+  std::printf("     %.1f MB\n", 1e-6 * static_cast<double>(std::filesystem::file_size(file)));
+  EXPECT_LT(std::filesystem::file_size(file), 8'000'000U);
+  RunScript("check_report.mjs", {file, "fluid"}, folder + "/report.log");
+  if (!HasFailure()) std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace plslam

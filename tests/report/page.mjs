@@ -1,0 +1,89 @@
+// What the checks ask a page of reports for.
+import { decodePng, eachPixel } from "./png.mjs";
+
+export class Check {
+  constructor() {
+    this.failures = 0;
+  }
+
+  /** Prints what is wrong with its numbers, and goes on. */
+  that(good, what) {
+    if (!good) ++this.failures;
+    console.log(`${good ? "ok  " : "FAIL"} ${what}`);
+  }
+}
+
+const kNear = 60;
+
+export class Page {
+  constructor(browser) {
+    this.browser = browser;
+  }
+
+  async open(url) {
+    await this.browser.resize(1100, 800);
+    await this.browser.go(url);
+    await this.browser.until("return !!window.plslam && window.plslam.run.rows > 0", "data of a run");
+    await this.settle();
+  }
+
+  /** Until the map has been drawn twice more and the picture is loaded. */
+  async settle() {
+    await this.browser.run(`
+      const wait = () => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+      document.getElementById("stage").scrollIntoView();
+      return wait().then(wait).then(() => new Promise((resolve) => setTimeout(resolve, 30)));`);
+  }
+
+  box(selector) {
+    return this.browser.run("return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()", selector);
+  }
+
+  text(selector) {
+    return this.browser.run("return document.querySelector(arguments[0]).textContent", selector);
+  }
+
+  click(selector) {
+    return this.browser.run("document.querySelector(arguments[0]).click()", selector);
+  }
+
+  /** As a hand that moves it. */
+  slide(selector, value) {
+    return this.browser.run(`const slider = document.querySelector(arguments[0]);
+      slider.value = arguments[1];
+      slider.dispatchEvent(new Event("input", { bubbles: true }));`, selector, value);
+  }
+
+  async switch(layer, on) {
+    await this.browser.run(`const box = document.querySelector("[name=" + arguments[0] + "]");
+      if (box.checked !== arguments[1]) box.click();`, layer, on);
+    await this.settle();
+  }
+
+  /** Of an element as it is on the screen: pixels near a colour of the style, colours in all, pixels unlike the corner. */
+  async look(selector, names = []) {
+    const wanted = await this.browser.run(`return arguments[0].map((name) => {
+      const hex = getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+      return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+    })`, names);
+    const box = await this.box(selector);
+    const seen = { colours: new Set(), drawn: 0, near: Object.fromEntries(names.map((name) => [name, 0])) };
+    let ground = null;
+    eachPixel(decodePng(await this.browser.screenshot()), box, (r, g, b) => {
+      ground ??= [r, g, b];
+      seen.colours.add((r << 16) | (g << 8) | b);
+      if (Math.abs(r - ground[0]) + Math.abs(g - ground[1]) + Math.abs(b - ground[2]) > kNear) ++seen.drawn;
+      names.forEach((name, i) => {
+        const [wr, wg, wb] = wanted[i];
+        if (Math.abs(r - wr) + Math.abs(g - wg) + Math.abs(b - wb) < kNear) ++seen.near[name];
+      });
+    });
+    return { ...seen, colours: seen.colours.size };
+  }
+
+  /** Errors of the console since the last call. */
+  async errors() {
+    const entries = await this.browser.log();
+    return entries.filter((entry) => entry.level === "SEVERE").map((entry) => entry.message);
+  }
+}

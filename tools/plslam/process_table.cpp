@@ -46,6 +46,8 @@ Arguments ViewerArguments(const RunOptions& options) {
   Settings settings("viewer");
   settings.Add("out", std::filesystem::absolute(options.out).string());
   settings.Add("overlay_every", options.overlay_every);
+  settings.Add("serve", options.serve);
+  if (!options.video.empty()) settings.Add("video", std::filesystem::absolute(options.video).string());
   return settings.Take();
 }
 

@@ -114,6 +114,10 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_flag("--skip-bad", o->skip_bad, "pass over frames that cannot be read, and count them");
   sub->add_option("--overlay-every", o->overlay_every, "a picture of the tracked features every N frames; 0: none")
       ->check(CLI::NonNegativeNumber);
+  sub->add_option("--serve", o->serve, "show the run as it goes on http://127.0.0.1:PORT/ (this machine alone)")
+      ->check(CLI::Range(1, 65535))
+      ->type_name("PORT");
+  sub->add_option("--video", o->video, "film the run into an MP4 file, or a folder of pictures")->type_name("FILE");
   sub->add_option("--url", o->url, "LCM URL [a private port of this machine]");
   sub->add_option("--prefix", o->prefix, "in front of each channel name");
   sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")

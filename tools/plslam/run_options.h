@@ -29,6 +29,9 @@ struct RunOptions {
   bool bounce = false;
   bool skip_bad = false;
   int64_t overlay_every = -1;
+  /// Port of the live page, -1: none; and the film of the run, empty: none.
+  int64_t serve = -1;
+  std::filesystem::path video;
   std::string url;
   std::string prefix;
   /// Event log of all traffic; empty: none.

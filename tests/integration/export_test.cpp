@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -19,7 +20,7 @@ constexpr const char* kWorld = "synthetic:room?frames=40&size=376x240";
 
 std::string Program(const std::string& name) { return (BinaryFolder() / name).string(); }
 
-std::string Quoted(const std::filesystem::path& path) { return "'" + path.string() + "'"; }
+std::string Quoted(const std::filesystem::path& path) { return fmt::format("'{}'", path.string()); }
 
 /// A short run that left its map in its folder.
 class RunWithMap {
@@ -41,16 +42,15 @@ TEST(ExportOfARun, OpensInColmapAtTheErrorThatMappingReached) {
   ASSERT_TRUE(made.ok()) << made.run().Logs();
   const ScratchFolder folder;
   const std::string source = Quoted(made.out());
-  const auto exported = Shell(
-      folder, Program("plslam") + " export " + source + " --dataset '" + kWorld + "' --out " + folder.Path("to"));
+  const auto exported = Shell(folder, fmt::format("{} export {} --dataset '{}' --out {}", Program("plslam"), source,
+                                                  kWorld, folder.Path("to")));
   ASSERT_EQ(exported.exit_code, 0) << exported.error;
   const auto keyframes = made.run().Summary()["map"]["keyframes"].get<int>();
-  EXPECT_THAT(exported.out,
-              HasSubstr(std::to_string(keyframes) + " of " + std::to_string(keyframes) + " rectified images"));
+  EXPECT_THAT(exported.out, HasSubstr(fmt::format("{0} of {0} rectified images", keyframes)));
   std::filesystem::create_directories(folder.Path("adjusted"));
-  const auto adjusted = Shell(folder, "QT_QPA_PLATFORM=offscreen colmap bundle_adjuster --input_path " +
-                                          folder.Path("to/colmap/sparse") + " --output_path " +
-                                          folder.Path("adjusted") + " --BundleAdjustment.max_num_iterations 1");
+  const auto adjusted = Shell(folder, fmt::format("QT_QPA_PLATFORM=offscreen colmap bundle_adjuster --input_path {} "
+                                                  "--output_path {} --BundleAdjustment.max_num_iterations 1",
+                                                  folder.Path("to/colmap/sparse"), folder.Path("adjusted")));
   const std::string told = adjusted.out + adjusted.error;
   std::smatch cost;
   ASSERT_TRUE(std::regex_search(told, cost, std::regex(R"(Initial cost : ([0-9.e+-]+) \[px\])"))) << told;
@@ -62,10 +62,11 @@ TEST(FiguresOfARun, AllOfThemAsPictureAndDrawing) {
   const RunWithMap made;
   ASSERT_TRUE(made.ok()) << made.run().Logs();
   const ScratchFolder folder;
-  const std::string vocabularies = " --points " + Quoted(SourceFolder() / "config/orb.vocabulary") + " --lines " +
-                                   Quoted(SourceFolder() / "config/lbd.vocabulary");
-  const auto drawn = Shell(folder, Program("evaluate") + " figures " + Quoted(made.out()) + vocabularies + " --out " +
-                                       folder.Path("figures"));
+  const std::string vocabularies =
+      fmt::format("--points {} --lines {}", Quoted(SourceFolder() / "config/orb.vocabulary"),
+                  Quoted(SourceFolder() / "config/lbd.vocabulary"));
+  const std::string figures = fmt::format("{} figures {}", Program("evaluate"), Quoted(made.out()));
+  const auto drawn = Shell(folder, fmt::format("{} {} --out {}", figures, vocabularies, folder.Path("figures")));
   ASSERT_EQ(drawn.exit_code, 0) << drawn.error;
   for (const char* name : {"top_view", "covisibility", "similarity", "keyframe_pair", "runtime"}) {
     const std::string stem = folder.Path(std::string("figures/") + name);
@@ -76,8 +77,7 @@ TEST(FiguresOfARun, AllOfThemAsPictureAndDrawing) {
     cv::Mat ink = picture.reshape(1, 1) < 200;
     EXPECT_GT(cv::countNonZero(ink), 20000) << name;
   }
-  const auto again = Shell(folder, Program("evaluate") + " figures " + Quoted(made.out()) +
-                                       " --points none --dataset " + folder.Path("none"));
+  const auto again = Shell(folder, fmt::format("{} --points none --dataset {}", figures, folder.Path("none")));
   EXPECT_EQ(again.exit_code, 0) << again.error;
   EXPECT_THAT(again.out, AllOf(HasSubstr("similarity: left out: there are no vocabularies none"),
                                HasSubstr("keyframe_pair: left out: ")));
@@ -88,7 +88,8 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
   ASSERT_EQ(points.Run({"run", kWorld, "--features", "points"}), 0) << points.Logs();
   ASSERT_EQ(both.Run({"run", kWorld}), 0) << both.Logs();
   const ScratchFolder folder;
-  const std::string compare = Program("evaluate") + " compare " + Quoted(points.out()) + " " + Quoted(both.out());
+  const std::string compare =
+      fmt::format("{} compare {} {}", Program("evaluate"), Quoted(points.out()), Quoted(both.out()));
   const auto text = Shell(folder, compare + " --html " + folder.Path("page.html"));
   ASSERT_EQ(text.exit_code, 0) << text.error;
   EXPECT_THAT(text.out, AllOf(HasSubstr("features=points, 1 run\n"), HasSubstr("features=both, 1 run\n")));
@@ -108,8 +109,8 @@ TEST(PaperTables, ThePapersNumbersBesideOursAndWhatIsAbsentSaysSo) {
   std::vector<ChosenFrame> frames;
   for (int i = 0; i < dataset->size(); ++i) frames.push_back({i, false});
   WriteImageFolder(*dataset, frames, folder.Path("root/lt-easy"));
-  const auto made = Shell(folder, "PLSLAM_BIN=" + Quoted(BinaryFolder()) + " " +
-                                      Quoted(SourceFolder() / "scripts/paper_tables") + " " + folder.Path("root"));
+  const auto made = Shell(folder, fmt::format("PLSLAM_BIN={} {} {}", Quoted(BinaryFolder()),
+                                              Quoted(SourceFolder() / "scripts/paper_tables"), folder.Path("root")));
   ASSERT_EQ(made.exit_code, 0) << made.error;
   // P-SLAM of the paper failed; ours has numbers, and where a room has too few lines L-SLAM may fail.
   EXPECT_TRUE(std::regex_search(
@@ -121,7 +122,7 @@ TEST(PaperTables, ThePapersNumbersBesideOursAndWhatIsAbsentSaysSo) {
       << made.out;
   EXPECT_TRUE(std::regex_search(made.out, std::regex(R"(\nVO\n +P-SLAM +12\.2 ms +8\.7 ms +8\.1 / \d+\.\d ms\n)")))
       << made.out;
-  EXPECT_THAT(made.out, HasSubstr("absent          absent          1 present"));
+  EXPECT_TRUE(std::regex_search(made.out, std::regex(R"(\nsequences +absent +absent +1 present\n)"))) << made.out;
 }
 
 }  // namespace

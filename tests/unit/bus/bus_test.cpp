@@ -122,6 +122,24 @@ TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   EXPECT_EQ(reader->counters().lost, 0);
 }
 
+TEST(Bus, WhoeverIsHeardLateMissesNothingThatOthersHave) {
+  const std::string url = PrivateUrl();
+  static_assert(kCommand.retention == Retention::kUnacknowledged);
+  Waiter first, second;
+  RunningBus prompt(OptionsFor(url), "prompt");
+  prompt->Subscribe<command_t>(kCommand, [&](const command_t&) { first.Add(); });
+  prompt.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  ASSERT_TRUE(test::WaitForReaders(publisher, kCommand, 1));
+  for (int i = 0; i < 10; ++i) publisher.Publish(kCommand, command_t{});
+  ASSERT_TRUE(first.Reaches(10));
+  ASSERT_TRUE(publisher.Flush(std::chrono::seconds(10))) << "all known readers have acknowledged all";
+  RunningBus late(OptionsFor(url), "late");
+  late->Subscribe<command_t>(kCommand, [&](const command_t&) { second.Add(); });
+  late.Start();
+  EXPECT_TRUE(second.Reaches(10)) << second.value();
+}
+
 TEST(Bus, ReaderKnowsWhenAPublisherDiedWithItsHistory) {
   const std::string url = PrivateUrl();
   BusOptions deaf = OptionsFor(url);

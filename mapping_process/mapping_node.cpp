@@ -20,6 +20,9 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(200);
+// After a restart, until nobody is taken to have more to tell of what was before.
+constexpr std::chrono::milliseconds kHistoryQuiet(400);
+constexpr double kLongestHistory_ms = 5000.0;
 
 }  // namespace
 
@@ -38,12 +41,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     process_.bus().Every(kTick, [this] { OnTick(); });
   }
   process_.SetConfiguration(ToYaml("mapping", options_));
-  if (!options_.state_file.empty() && std::filesystem::exists(options_.state_file)) {
-    stored_ = ReadMapFile(options_.state_file);
-    restored_ = true;
-  } else if (!options_.map_file.empty()) {
-    stored_ = ReadMapFile(options_.map_file);
-  }
+  ReadState();
+  if (!restored_ && !options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -127,6 +126,7 @@ void MappingNode::WorkUntilStopped() {
     if (stopping_) return;
   }
   BeginMap();
+  if (restored_) AwaitHistories();
   while (const std::optional<Work> work = NextWork()) Do(*work);
 }
 
@@ -138,7 +138,6 @@ void MappingNode::BeginMap() {
   }
   const std::string& file = restored_ ? options_.state_file : options_.map_file;
   CheckCamera(*stored_, *camera_, file);
-  if (restored_) RestoreQueue();
   const std::vector<Keyframe> keyframes = KeyframesOf(*stored_);
   const auto send = [&] {
     bus::KeyframePublisher publisher(process_.bus());
@@ -156,6 +155,17 @@ void MappingNode::BeginMap() {
   spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
+}
+
+/// Of several publishers some answer sooner: work begins when nothing more has come for a while, or much later.
+void MappingNode::AwaitHistories() {
+  std::unique_lock lock(mutex_);
+  const double until_ms = bus::NowMs() + kLongestHistory_ms;
+  for (size_t before = queue_.n_keyframes() + 1; before != queue_.n_keyframes() && bus::NowMs() < until_ms;) {
+    before = queue_.n_keyframes();
+    changed_.wait_for(lock, kHistoryQuiet, [this] { return stopping_; });
+    if (stopping_) return;
+  }
 }
 
 std::optional<WorkQueue::Work> MappingNode::NextWork() {
@@ -259,8 +269,16 @@ void MappingNode::Save(const std::string& path) {
   }
 }
 
-/// What is in the map need not come again.
-void MappingNode::RestoreQueue() {
+/// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.
+void MappingNode::ReadState() {
+  if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
+  try {
+    stored_ = ReadMapFile(options_.state_file);
+  } catch (const std::exception& error) {
+    spdlog::warn("all is built anew from the history: {}", error.what());
+    return;
+  }
+  restored_ = true;
   std::map<int64_t, int64_t> newest;
   for (const auto& [session, stored] : stored_->sessions) newest[session] = stored.session_keyframe_id;
   const std::lock_guard lock(mutex_);

@@ -46,6 +46,7 @@ class MappingNode {
   using Work = WorkQueue::Work;
   using Stages = std::vector<std::pair<std::string, double>>;
 
+  void ReadState();
   void OnCamera(const camera_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnClosure(const LoopClosure& closure);
@@ -59,10 +60,10 @@ class MappingNode {
   void WorkUntilStopped();
   std::optional<Work> NextWork();
   void BeginMap();
+  void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
   void Correct(const Work& work);
-  void RestoreQueue();
   void Save(const std::string& path);
   void KeepState();
   void Publish(Stages stage_ms);

@@ -1,6 +1,8 @@
 #include "mapping_process/work_queue.h"
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 #include <utility>
 
 namespace plslam {
@@ -15,7 +17,7 @@ void WorkQueue::Add(const Keyframe& keyframe, double now_ms) {
   const auto [newest, first] = arrived_.try_emplace(keyframe.session, keyframe.keyframe_id);
   if (!first && keyframe.keyframe_id <= newest->second) return;
   newest->second = keyframe.keyframe_id;
-  keyframes_.push_back({keyframe, now_ms});
+  keyframes_[keyframe.source].push_back({keyframe, now_ms});
 }
 
 void WorkQueue::Add(const LoopClosure& closure) {
@@ -51,17 +53,17 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kKeepState;
     return work;
   }
-  if (keyframes_.empty() || (newest_.lockstep && !newest_.settled)) return std::nullopt;
+  if (Next() == nullptr || (newest_.lockstep && !newest_.settled)) return std::nullopt;
   work.keyframes = TakeKeyframes();
   return work;
 }
 
 // Where all has been said about what is in the map: then what is said again after a crash can be told from what is new. A new
 // session may mean that the tracker of the last one has died, and nobody else has its keyframes.
-bool WorkQueue::IsStateDue() const {
+bool WorkQueue::IsStateDue() {
   if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.settled) return false;
   return inserted_since_state_ >= state_every_ ||
-         (!keyframes_.empty() && !inserted_.contains(keyframes_.front().keyframe.session));
+         (Next() != nullptr && !inserted_.contains(Next()->front().keyframe.session));
 }
 
 void WorkQueue::Inserted(const Keyframe& keyframe, double now_s) {
@@ -105,15 +107,29 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
   }
 }
 
+size_t WorkQueue::n_keyframes() const {
+  return std::transform_reduce(keyframes_.begin(), keyframes_.end(), size_t{0}, std::plus<>(),
+                               [](const auto& of_publisher) { return of_publisher.second.size(); });
+}
+
+std::deque<WorkQueue::Arrived>* WorkQueue::Next() {
+  std::deque<Arrived>* oldest = nullptr;
+  for (auto& [publisher, keyframes] : keyframes_) {
+    if (keyframes.empty()) continue;
+    if (oldest == nullptr || keyframes.front().keyframe.t_ns < oldest->front().keyframe.t_ns) oldest = &keyframes;
+  }
+  return oldest;
+}
+
 std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes() {
   std::vector<Arrived> taken;
-  while (!keyframes_.empty()) {
-    const bool lockstep = keyframes_.front().keyframe.lockstep;
+  while (std::deque<Arrived>* next = Next()) {
+    const bool lockstep = next->front().keyframe.lockstep;
     // An update names the newest keyframe of one session, whose tracker takes it over.
-    const bool same = taken.empty() || keyframes_.front().keyframe.session == taken.front().keyframe.session;
+    const bool same = taken.empty() || next->front().keyframe.session == taken.front().keyframe.session;
     if (!same || (lockstep && !taken.empty())) break;
-    taken.push_back(std::move(keyframes_.front()));
-    keyframes_.pop_front();
+    taken.push_back(std::move(next->front()));
+    next->pop_front();
     if (lockstep) break;
   }
   return taken;

@@ -22,6 +22,9 @@ namespace plslam {
 /// comes. Of a lockstep stream each keyframe waits until loop_process has had its say about the one before and that is
 /// in the map; where no loop_process is heard of for a while, it goes on without.
 ///
+/// Of several publishers the oldest keyframe goes first: after a restart one tells of a tracker that has died, and another of
+/// the one in its place, which can only join a map that has what was before.
+///
 /// What loop_process said comes again to a process that is started again, and so do the keyframes: about each keyframe it
 /// is taken over once that is in the map.
 class WorkQueue {
@@ -72,7 +75,7 @@ class WorkQueue {
   /// The keyframe is in the map now.
   void Inserted(const Keyframe& keyframe, double now_s);
 
-  size_t n_keyframes() const { return keyframes_.size(); }
+  size_t n_keyframes() const;
 
  private:
   /// Session, keyframe, map (publisher, version) and kind of a closure.
@@ -87,12 +90,14 @@ class WorkQueue {
   bool IsInserted(const LoopClosure& closure) const;
   bool IsAboutNewest(const LoopClosure& closure) const;
   std::optional<Work> TakeClosure(double now_s);
+  /// The publisher whose next keyframe is the oldest; nullptr: none has any.
+  std::deque<Arrived>* Next();
   std::vector<Arrived> TakeKeyframes();
-  bool IsStateDue() const;
+  bool IsStateDue();
 
   LoopUseOptions options_;
   bus::PartnerWait wait_;
-  std::deque<Arrived> keyframes_;
+  std::map<int64_t, std::deque<Arrived>> keyframes_;  // by publisher
   std::deque<LoopClosure> closures_;
   std::deque<std::string> saves_;
   bool asked_ = false;

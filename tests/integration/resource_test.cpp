@@ -108,7 +108,7 @@ TEST(Resources, FoldersThatCannotBeWrittenAreNamed) {
   }));
   EXPECT_EQ(end->code, 1);
   EXPECT_THAT(ReadFile(log), HasSubstr("a file"));
-  EXPECT_EQ(Sentences(ReadFile(log), "error"), 1) << ReadFile(log);
+  EXPECT_EQ(Sentences(ReadFile(log), "error: "), 1) << ReadFile(log);
 }
 
 void ExpectCleanInterrupt(WholeRun& run) {

@@ -71,6 +71,7 @@ void RunWatcher::Listen() {
     Add([&](Heard& heard) {
       heard.status[m.process] = m;
       heard.statuses.push_back(m);
+      if (m.state == "ready" || m.state == "running") heard.ready.emplace(m.process, m.pid);
     });
   });
   keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
@@ -92,13 +93,7 @@ bool RunWatcher::WaitForFrame(int64_t frame_id, int limit_s) const {
 }
 
 bool RunWatcher::WaitUntilReady(const std::string& process, pid_t pid, int limit_s) const {
-  return WaitFor(
-      [&](const Heard& heard) {
-        const auto found = heard.status.find(process);
-        return found != heard.status.end() && found->second.pid == pid &&
-               (found->second.state == "ready" || found->second.state == "running");
-      },
-      limit_s);
+  return WaitFor([&](const Heard& heard) { return heard.ready.contains({process, pid}); }, limit_s);
 }
 
 Heard RunWatcher::Get() const {

@@ -38,6 +38,8 @@ struct Heard {
   std::map<std::string, status_t> status;
   std::vector<status_t> statuses;
   std::set<int64_t> publishers_of_poses;
+  /// Names and ids of processes that have said that they are ready, or run.
+  std::set<std::pair<std::string, int64_t>> ready;
 
   /// Of the newest status of a process; 0 where it has none of this name.
   double Counter(const std::string& process, const std::string& name) const;
@@ -57,7 +59,7 @@ class RunWatcher {
   /// False where `done` does not become true within `limit_s`.
   bool WaitFor(const std::function<bool(const Heard&)>& done, int limit_s = 60) const;
   bool WaitForFrame(int64_t frame_id, int limit_s = 60) const;
-  /// A process of this name with this id says that it is ready or runs.
+  /// A process of this name with this id has said that it is ready, or runs.
   bool WaitUntilReady(const std::string& process, pid_t pid, int limit_s = 60) const;
   Heard Get() const;
 

@@ -34,6 +34,12 @@ void RemoveOldOutputs(const std::filesystem::path& out) {
   }
 }
 
+void MakeFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder.string(), error.message()));
+}
+
 /// Hands a signal on to the session while there is one.
 class SessionDoor {
  public:
@@ -74,7 +80,7 @@ int Report(const RunOptions& options, const RunSession& session) {
 
 int Run(RunOptions options) {
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  std::filesystem::create_directories(options.out / "logs");
+  MakeFolder(options.out / "logs");
   RemoveOldOutputs(options.out);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
@@ -120,6 +126,12 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--video", o->video, "film the run into an MP4 file, or a folder of pictures")->type_name("FILE");
   sub->add_option("--url", o->url, "LCM URL [a private port of this machine]");
   sub->add_option("--prefix", o->prefix, "in front of each channel name");
+  sub->add_option(
+         "--map-prefix", o->map_prefix,
+         "prefix of the mapping_process and loop_process of several robots; then none of its own are started")
+      ->needs("--url")
+      ->excludes("--map")
+      ->excludes("--save-map");
   sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")
       ->check(CLI::NonNegativeNumber);
   sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal");

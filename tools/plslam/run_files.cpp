@@ -1,10 +1,8 @@
 #include "tools/plslam/run_files.h"
 
-#include <fmt/format.h>
-
-#include <fstream>
 #include <utility>
 
+#include "core/io/atomic_file.h"
 #include "core/io/pose_covariance.h"
 #include "core/io/trajectory.h"
 #include "tools/evaluate/accuracy.h"
@@ -58,12 +56,7 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {
-  const auto path = out / "summary.json", temporary = out / "summary.json.part";
-  std::ofstream file(temporary);
-  file << summary.dump(2) << "\n";
-  file.close();
-  if (!file) throw std::runtime_error(fmt::format("{} cannot be written", temporary.string()));
-  std::filesystem::rename(temporary, path);
+  WriteFileAtomically((out / "summary.json").string(), summary.dump(2) + "\n");
 }
 
 }  // namespace plslam

@@ -91,7 +91,7 @@ TEST(QuantileSketch, FewAndOddValues) {
 }
 
 TEST(ProgressLine, FitsTheWidth) {
-  Progress progress{120, 400, 31.25, 210, 74, 9, "tracking", 0, 0, 0};
+  Progress progress{120, 400, 31.25, 210, 74, 9, "tracking", 0, 0, 0, ""};
   EXPECT_EQ(FormatProgress(progress, 200),
             "frame 120/400  31.2/s  tracking  points 210  lines 74  keyframes 9  gaps 0");
   progress.total_frames = -1;

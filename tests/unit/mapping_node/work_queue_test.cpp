@@ -183,6 +183,36 @@ TEST_F(WorkQueueTest, LiveLoopThatIsSaidAgainIsTakenOnce) {
   ExpectNothing();
 }
 
+TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
+  const auto of = [](int64_t source, int64_t session, int64_t id, int64_t t_ns) {
+    Keyframe keyframe = KeyframeOf(id, true);
+    keyframe.source = source;
+    keyframe.session = session;
+    keyframe.t_ns = t_ns;
+    return keyframe;
+  };
+  // The living tracker answers before the one who tells of the dead.
+  queue_.Add(of(1, 200, 0, 50), 0.0);
+  queue_.Add(of(1, 200, 1, 60), 0.0);
+  queue_.Add(of(2, 100, 0, 10), 0.0);
+  queue_.Add(of(2, 100, 1, 40), 0.0);
+  EXPECT_EQ(queue_.n_keyframes(), 4U);
+  for (const int64_t t_ns : {10, 40, 50, 60}) {
+    const auto work = Take(Kind::kInsert);
+    ASSERT_EQ(work.keyframes.size(), 1U);
+    const Keyframe& keyframe = work.keyframes[0].keyframe;
+    EXPECT_EQ(keyframe.t_ns, t_ns);
+    LoopClosure said = ClosureOf(keyframe.keyframe_id);
+    said.session = keyframe.session;
+    queue_.Add(said);
+    Take(Kind::kCorrect);
+  }
+  // Of one publisher the order is that of coming, also where time goes back.
+  queue_.Add(of(1, 300, 0, 90), 0.0);
+  queue_.Add(of(1, 301, 0, 5), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.t_ns, 90);
+}
+
 TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
   queue_.Restore({{kSession, 4}, {kSession - 1, 9}}, kSession);
   for (int64_t id = 0; id < 6; ++id) queue_.Add(KeyframeOf(id, true), 0.0);

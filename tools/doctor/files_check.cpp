@@ -6,6 +6,7 @@
 #include <exception>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -79,18 +80,14 @@ Findings CheckVocabulary(const std::string& name, const std::string& kind, const
 }
 
 Findings CheckPrograms() {
-  Findings findings;
+  std::vector<std::string> missing;
   for (const char* program : kPrograms) {
-    const fs::path path = FolderOfPrograms() / program;
-    if (access(path.c_str(), X_OK) == 0) continue;
-    findings.push_back(
-        Problem("programs", fmt::format("{} is not there, or cannot be run", path.string()),
-                "cmake --build build/release --target plslam_programs   # or install the package again"));
+    if (access((FolderOfPrograms() / program).c_str(), X_OK) != 0) missing.emplace_back(program);
   }
-  if (findings.empty()) {
-    findings.push_back(Good("programs", "all programs are in " + FolderOfPrograms().string()));
-  }
-  return findings;
+  const std::string folder = FolderOfPrograms().string();
+  if (missing.empty()) return {Good("programs", "all programs are in " + folder)};
+  return {Problem("programs", fmt::format("not in {}, or not to be run: {}", folder, fmt::join(missing, ", ")),
+                  "scripts/build release plslam_programs   # or install the package again")};
 }
 
 }  // namespace plslam

@@ -1,14 +1,13 @@
 #include "tools/manual/bash_completion.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace plslam {
 namespace {
 
 std::string Joined(const std::vector<std::string>& words, const char* separator) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
-  return text;
+  return fmt::format("{}", fmt::join(words, separator));
 }
 
 /// What stands behind an option: words of a list, folders, or files.

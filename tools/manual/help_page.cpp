@@ -87,7 +87,7 @@ class HelpParser {
     }
     if (continues) {
       std::string& meaning = entries_->back().meaning;
-      meaning += (meaning.empty() ? "" : " ") + Trim(line);
+      meaning += fmt::format("{}{}", meaning.empty() ? "" : " ", Trim(line));
       return;
     }
     const std::string left = line.substr(0, kColumn);

@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace plslam {
 namespace {
@@ -19,7 +20,7 @@ std::string Escaped(const std::string& text) {
       out += c;
     }
   }
-  return (out.starts_with('.') || out.starts_with('\'') ? "\\&" : "") + out;
+  return out.starts_with('.') || out.starts_with('\'') ? fmt::format("\\&{}", out) : out;
 }
 
 std::string Upper(std::string text) {
@@ -27,17 +28,11 @@ std::string Upper(std::string text) {
   return text;
 }
 
-std::string Joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 void AppendEntries(const std::vector<HelpEntry>& entries, std::string* out) {
   for (const HelpEntry& entry : entries) {
-    *out += fmt::format(".TP\n\\fB{}\\fR", Escaped(Joined(entry.names)));
+    *out += fmt::format(".TP\n\\fB{}\\fR", Escaped(fmt::format("{}", fmt::join(entry.names, ", "))));
     if (entry.TakesValue()) *out += fmt::format(" \\fI{}\\fR", Escaped(entry.value));
-    *out += "\n" + Escaped(entry.meaning.empty() ? "(no more to say)" : entry.meaning) + "\n";
+    *out += fmt::format("\n{}\n", entry.meaning.empty() ? "\\&" : Escaped(entry.meaning));
   }
 }
 
@@ -45,7 +40,8 @@ void AppendEntries(const std::vector<HelpEntry>& entries, std::string* out) {
 void AppendVerbatim(const std::string& text, std::string* out) {
   *out += ".PP\n.nf\n";
   std::istringstream lines(text);
-  for (std::string line; std::getline(lines, line);) *out += (line.empty() ? "\\&" : Escaped(line)) + "\n";
+  for (std::string line; std::getline(lines, line);)
+    *out += fmt::format("{}\n", line.empty() ? "\\&" : Escaped(line));
   *out += ".fi\n";
 }
 

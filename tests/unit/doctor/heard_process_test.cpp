@@ -1,0 +1,107 @@
+#include "tools/doctor/heard_process.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+HeardProcess Vo() {
+  HeardProcess p;
+  p.process = "vo";
+  p.host = "robot";
+  p.pid = 17;
+  p.version = "0.1.0";
+  p.state = "running";
+  p.source = 1;
+  p.schema = 1;
+  return p;
+}
+
+OwnSide Own() { return {"udpm://239.255.76.67:7667?ttl=1", "", "0.1.0", "here", 1, false}; }
+
+/// What is not good, as text.
+std::string Complaints(const Heard& heard, const OwnSide& own) {
+  return FindingsToText(CheckProcesses(heard, own), true);
+}
+std::string Complaints(const HeardProcess& p, const OwnSide& own = Own()) {
+  return Complaints(Heard{{p}, {}, 0, 1}, own);
+}
+
+TEST(HeardProcess, NothingToComplainAbout) {
+  EXPECT_EQ(Complaints(Vo()), "");
+  EXPECT_EQ(Complaints(Heard{}, Own()), "");
+}
+
+TEST(HeardProcess, KeysThatDoNotFit) {
+  HeardProcess p = Vo();
+  OwnSide with_key = Own();
+  with_key.has_key = true;
+  EXPECT_THAT(Complaints(p, with_key), HasSubstr("does not sign its messages, and a key is set here"));
+  p.signature = Signature::kUnchecked;
+  EXPECT_THAT(Complaints(p), HasSubstr("signs its messages, and no key is set here"));
+  p.signature = Signature::kWrong;
+  EXPECT_THAT(Complaints(p, with_key), HasSubstr("has another key"));
+  p.signature = Signature::kGood;
+  EXPECT_EQ(Complaints(p, with_key), "");
+  p.signature = Signature::kWrong;
+  p.prefix = "other/";
+  EXPECT_THAT(Complaints(p, with_key), testing::Not(HasSubstr("key"))) << "another robot's key is its own business";
+}
+
+TEST(HeardProcess, VersionsThatDoNotFit) {
+  HeardProcess p = Vo();
+  p.version = "0.0.9";
+  EXPECT_THAT(Complaints(p), HasSubstr("advice   vo on robot (process 17) is version 0.0.9"));
+  p.schema = 7;
+  EXPECT_THAT(Complaints(p), HasSubstr("PROBLEM  vo on robot (process 17) speaks version 7 of the messages"));
+  EXPECT_THAT(Complaints(Heard{{Vo()}, {{"POSE", 40}}, 0, 41}, Own()),
+              HasSubstr("40 messages on POSE are of another type"));
+}
+
+TEST(HeardProcess, OnlyAnotherPrefixIsHeard) {
+  HeardProcess p = Vo();
+  p.prefix = "robot1/";
+  EXPECT_THAT(Complaints(p), HasSubstr("processes with the prefix 'robot1/' are heard, and none with ours ('')"));
+  EXPECT_THAT(Complaints(p), HasSubstr("plslam doctor --prefix robot1/"));
+  EXPECT_EQ(Complaints(Heard{{p, Vo()}, {}, 0, 2}, Own()), "") << "two robots side by side";
+}
+
+TEST(HeardProcess, TwoMapsUnderOnePrefix) {
+  HeardProcess a = Vo(), b = Vo();
+  a.process = b.process = "mapping";
+  b.source = 2;
+  b.pid = 18;
+  EXPECT_THAT(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), HasSubstr("mend: ssh robot kill 18"));
+  b.prefix = "robot1/";
+  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), "");
+  b.prefix = "";
+  a.process = b.process = "vo";
+  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), "") << "several cameras in one map";
+}
+
+TEST(HeardProcess, FailuresLossAndClocks) {
+  HeardProcess p = Vo();
+  p.state = "failed";
+  p.reason = "disk full";
+  EXPECT_THAT(Complaints(p), HasSubstr("has failed: disk full"));
+  p = Vo();
+  p.counters = {{"bus.received", 900}, {"bus.lost", 100}};
+  EXPECT_THAT(Complaints(p), HasSubstr("10.0 % of its messages sent again"));
+  p.counters = {{"bus.received", 90000}, {"bus.lost", 100}};
+  EXPECT_EQ(Complaints(p), "");
+  p.counters = {{"bus.rejected", 3}};
+  p.reason = "3 messages rejected: another key";
+  EXPECT_THAT(Complaints(p), HasSubstr("says: 3 messages rejected"));
+  p = Vo();
+  p.clock_ahead_s = -2.5;
+  EXPECT_THAT(Complaints(p), HasSubstr("the clock of robot is -2.50 s from ours"));
+  p.host = "here";
+  EXPECT_EQ(Complaints(p), "");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,160 @@
+#include <gmock/gmock.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "tests/support/data_folder.h"
+#include "tools/manual/bash_completion.h"
+#include "tools/manual/help_page.h"
+#include "tools/manual/manual_page.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+/// A program with one option of every sort that CLI11 prints in a way of its own.
+struct SomeProgram {
+  CLI::App app{"Does things.\nAnd others.", "some"};
+  std::string file = "a.txt", choice, long_one;
+  int bounded = 3;
+  bool quiet = false;
+  std::vector<std::string> many;
+  SomeProgram() {
+    app.add_option("input", file, "what is read")->required();
+    app.add_option("-o,--out", file, "what is written")->type_name("FILE")->capture_default_str();
+    app.add_option("--kind", choice, "which")->check(CLI::IsMember({"one", "two"}));
+    app.add_option("--a-name-that-is-very-long-indeed", long_one, "first line\nsecond line");
+    app.add_option("--bounded", bounded, "a number")->check(CLI::Range(0, 1000000))->capture_default_str();
+    app.add_option("--many", many, "several")->expected(1, 9);
+    app.add_option("--folder", file, "where")->type_name("DIR");
+    app.add_flag("--quiet", quiet, "say nothing");
+    app.set_version_flag("--version", "1");
+    app.add_subcommand("go", "starts - quickly");
+    app.add_subcommand("stop", "stops");
+    app.footer("Examples:\n  some a.txt\n  .some line with a dot and a \\\n`some extra --help` tells more.");
+  }
+};
+
+TEST(HelpPage, HasEveryOptionOfTheApp) {
+  SomeProgram program;
+  const HelpPage page = ParseHelp("some", program.app.help());
+  EXPECT_EQ(page.purpose, "Does things.\nAnd others.");
+  std::vector<std::string> names, expected;
+  for (const HelpEntry& entry : page.options) names.insert(names.end(), entry.names.begin(), entry.names.end());
+  for (const CLI::Option* option : program.app.get_options()) {
+    for (const std::string& name : option->get_snames()) expected.push_back("-" + name);
+    for (const std::string& name : option->get_lnames()) expected.push_back("--" + name);
+  }
+  EXPECT_THAT(names, testing::UnorderedElementsAreArray(expected)) << program.app.help();
+  ASSERT_EQ(page.arguments.size(), 1U);
+  EXPECT_THAT(page.arguments[0].names, ElementsAre("input"));
+  EXPECT_THAT(page.CommandNames(), ElementsAre("go", "stop", "extra"));
+  EXPECT_THAT(page.footer, testing::StartsWith("Examples:"));
+}
+
+const HelpEntry& Named(const HelpPage& page, const std::string& name) {
+  for (const HelpEntry& entry : page.options) {
+    if (std::find(entry.names.begin(), entry.names.end(), name) != entry.names.end()) return entry;
+  }
+  throw std::runtime_error(name + " is missing");
+}
+
+TEST(HelpPage, MeaningsAndValues) {
+  SomeProgram program;
+  const HelpPage page = ParseHelp("some", program.app.help());
+  EXPECT_EQ(Named(page, "--a-name-that-is-very-long-indeed").meaning, "first line second line");
+  EXPECT_THAT(Named(page, "--kind").choices, ElementsAre("one", "two"));
+  EXPECT_EQ(Named(page, "--kind").meaning, "which");
+  EXPECT_EQ(Named(page, "--bounded").meaning, "a number");
+  EXPECT_FALSE(Named(page, "--quiet").TakesValue());
+  EXPECT_THAT(Named(page, "-o").value, HasSubstr("FILE"));
+}
+
+TEST(HelpPage, WhatIsNoHelp) {
+  for (const char* text : {"", "rubbish", "Usage: x [OPTIONS]\n", "a\nUsage: x [OPTIONS]\n  --no-heading\n",
+                           "a\nUsage: x [OPTIONS]\n\nOptions:\n                              nothing above\n"}) {
+    EXPECT_THROW(ParseHelp("x", text), std::runtime_error) << text;
+  }
+}
+
+class Shell : public testing::Test {
+ protected:
+  Shell() {
+    std::string pattern = testing::TempDir() + "manual XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~Shell() override { fs::remove_all(folder_); }
+  std::string Write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  std::string Output(const std::string& command) const {
+    const std::string path = (folder_ / "output").string();
+    EXPECT_EQ(std::system(("{ " + command + "\n} >'" + path + "' 2>&1").c_str()), 0) << command;  // NOLINT
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  /// What bash offers behind `words` (the last one is being typed).
+  std::string Completed(const std::string& completion, const std::string& words) const {
+    const std::string function =
+        completion.substr(completion.find("\n_") + 1, completion.find("()") - completion.find("\n_") - 1);
+    const std::string script = completion + "COMP_WORDS=(" + words + ")\nCOMP_CWORD=$((${#COMP_WORDS[@]} - 1))\n" +
+                               function + "\nprintf '%s ' \"${COMPREPLY[@]}\"\n";
+    return Output("cd '" + folder_.string() + "' && bash '" + Write("script", script) + "'");
+  }
+  fs::path folder_;
+};
+
+TEST_F(Shell, CompletesOptionsCommandsValuesAndFiles) {
+  SomeProgram program;
+  HelpPage go = ParseHelp("some go", program.app.get_subcommand("go")->help("some"));
+  const std::string completion = BashCompletion({ParseHelp("some", program.app.help()), go});
+  EXPECT_EQ(Completed(completion, "some --kin"), "--kind ");
+  EXPECT_EQ(Completed(completion, "some --kind t"), "two ");
+  EXPECT_EQ(Completed(completion, "some g"), "go ");
+  EXPECT_EQ(Completed(completion, "some go --k"), " ") << "an option of another command";
+  EXPECT_EQ(Completed(completion, "some go --he"), "--help ");
+  Write("map.ply", "");
+  fs::create_directory(folder_ / "map_folder");
+  EXPECT_THAT(Completed(completion, "some --out map"), HasSubstr("map.ply"));
+  EXPECT_EQ(Completed(completion, "some --folder map"), "map_folder ");
+}
+
+TEST_F(Shell, TroffTakesThePageWithoutWarning) {
+  if (std::system("command -v groff >/dev/null") != 0) GTEST_SKIP() << "no groff here";  // NOLINT
+  SomeProgram program;
+  HelpPage go = ParseHelp("some go", program.app.get_subcommand("go")->help("some"));
+  const std::string path =
+      Write("some.1", ManualPage({ParseHelp("some", program.app.help()), go}, "1", {"some", "other"}));
+  EXPECT_EQ(Output("groff -man -Tascii -ww -z '" + path + "'"), "");
+  const std::string text = Output("groff -man -Tascii -P-cbou '" + path + "'");
+  for (const char* part : {"--a-name-that-is-very-long-indeed", ".some line with a dot and a \\", "some go",
+                           "EXIT STATUS", "other(1)"}) {
+    EXPECT_THAT(text, HasSubstr(part));
+  }
+}
+
+/// As built, of the real programs.
+TEST_F(Shell, EveryProgramHasAManualAndCompletion) {
+  const fs::path share = test::BinaryFolder().parent_path() / "share";
+  for (const char* program : {"plslam", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless",
+                              "evaluate", "train_vocabulary", "pose_graph"}) {
+    const fs::path page = share / "man" / "man1" / (std::string(program) + ".1");
+    const fs::path completion = share / "bash-completion" / "completions" / program;
+    ASSERT_TRUE(fs::exists(page)) << page;
+    ASSERT_TRUE(fs::exists(completion)) << completion;
+    EXPECT_EQ(Output("bash -n '" + completion.string() + "'"), "");
+    if (std::system("command -v groff >/dev/null") == 0) {  // NOLINT
+      EXPECT_EQ(Output("groff -man -Tutf8 -Kutf8 -ww -z '" + page.string() + "'"), "") << program;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace plslam

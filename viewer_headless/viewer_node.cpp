@@ -132,7 +132,7 @@ void ViewerNode::OnStatus(const status_t& message) {
 void ViewerNode::OnMap(const MapUpdate& update) {
   mapping_heard_ = true;
   report_->OnMap(update);
-  if (update.settled) mapped_ = {update.session, update.session_keyframe_id};
+  settled_.Add(update);
   dirty_ = true;
   quiet_ticks_ = 0;
 }
@@ -164,7 +164,7 @@ bool ViewerNode::RunIsOver() const {
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();
-  return !last || mapped_ == *last;
+  return !last || settled_.Has(last->first, last->second);
 }
 
 void ViewerNode::Write() {

@@ -65,8 +65,7 @@ class ViewerNode {
   int64_t announced_frames_ = -1;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;
-  /// Newest keyframe in the map about which nothing more is to come: session and number there.
-  std::pair<int64_t, int64_t> mapped_{0, -1};
+  SettledKeyframes settled_;
   /// Something has come since the files were written, and ticks since the last thing came.
   bool dirty_ = false;
   int quiet_ticks_ = 0;

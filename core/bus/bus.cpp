@@ -23,12 +23,12 @@ int64_t RandomSource() {
   return source;
 }
 
-void CheckPrefix(const std::string& prefix) {
+void CheckPrefix(const std::string& key, const std::string& prefix) {
   const bool plain = std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '/' || c == '.';
   });
   if (!plain || prefix.size() > 32) {
-    throw std::runtime_error("bus.prefix: '" + prefix + "' must be at most 32 letters, digits or _ - / .");
+    throw std::runtime_error("bus." + key + ": '" + prefix + "' must be at most 32 letters, digits or _ - / .");
   }
 }
 
@@ -55,16 +55,34 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
       request_layout_(FindMessageLayout(kRepairRequest.type)),
       announce_layout_(FindMessageLayout(kAnnounce.type)),
       drop_random_(static_cast<uint64_t>(options.drop_seed)) {
-  CheckPrefix(options.prefix);
+  CheckPrefix("prefix", options.prefix);
+  CheckPrefix("map_prefix", options.map_prefix);
   source = RandomSource();
   temporary_folder = options.history_dir.empty();
   history_folder = temporary_folder ? TemporaryFolder(source) : options.history_dir;
   if (!temporary_folder) CheckFolder(history_folder);
   transport.SetReceiver([this](std::string_view channel, ByteView bytes) { OnDatagram(channel, bytes); });
-  transport.Listen(WireName(kRepairRequest));
-  transport.Listen(WireName(kAnnounce));
+  for (const Channel& control : {kRepairRequest, kAnnounce}) {
+    transport.Listen(WireName(control));
+    if (const std::string name = NameForMap(control); !name.empty()) transport.Listen(name);
+  }
   transport.ListenToEnding(kStatus.name);
   receiver_ = std::thread([this] { ReceiveLoop(); });
+}
+
+std::string Bus::Impl::WireName(const Channel& channel) const {
+  return std::string(channel.scope == Scope::kMap ? MapPrefix() : options.prefix).append(channel.name);
+}
+
+std::string Bus::Impl::NameForMap(const Channel& channel) const {
+  const std::string name = std::string(MapPrefix()).append(channel.name);
+  return name == WireName(channel) ? std::string() : name;
+}
+
+bool Bus::Impl::IsNamed(std::string_view wire_name, const Channel& channel) const {
+  if (!wire_name.ends_with(channel.name)) return false;
+  const std::string_view prefix = wire_name.substr(0, wire_name.size() - channel.name.size());
+  return prefix == options.prefix || prefix == MapPrefix();
 }
 
 Bus::Impl::~Impl() {
@@ -85,6 +103,8 @@ Bus::~Bus() = default;
 
 int64_t Bus::source() const { return impl_->source; }
 const BusOptions& Bus::options() const { return impl_->options; }
+
+std::string Bus::WireName(const Channel& channel) const { return impl_->WireName(channel); }
 
 int64_t Bus::page_bytes() const {
   return impl_->options.max_message_bytes - static_cast<int64_t>(impl_->authenticator.overhead());

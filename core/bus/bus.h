@@ -46,6 +46,9 @@ class Bus {
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
+  /// What a channel that we publish is called on the wire, prefix included.
+  std::string WireName(const Channel& channel) const;
+
   /// Random name of this process start (`header_t.source`).
   int64_t source() const;
 

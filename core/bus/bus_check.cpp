@@ -51,7 +51,7 @@ ByteView Bus::Impl::Checked(std::string_view wire_name, const MessageLayout& lay
 bool Bus::Impl::Lives(std::string_view wire_name, ByteView message, int64_t now) {
   const WireHeader header = ReadHeader(message);
   if (!authenticator.has_key() || !transport.two_way() || header.source == source) return true;
-  const bool is_request = wire_name == request_name_, is_announce = wire_name == announce_name_;
+  const bool is_request = IsNamed(wire_name, kRepairRequest), is_announce = IsNamed(wire_name, kAnnounce);
   if ((is_request && !peers.TakeRequest(header.source, header.seq, now)) ||
       (is_announce && !peers.TakeAnnouncement(header.source, header.seq, now))) {
     ++counts.duplicates;
@@ -67,7 +67,7 @@ bool Bus::Impl::Lives(std::string_view wire_name, ByteView message, int64_t now)
 }
 
 void Bus::Impl::NoticePrefix(std::string_view wire_name, int64_t now) {
-  if (!wire_name.ends_with(kStatus.name) || wire_name == status_name_) return;
+  if (!wire_name.ends_with(kStatus.name) || IsNamed(wire_name, kStatus)) return;
   const std::string_view prefix = wire_name.substr(0, wire_name.size() - kStatus.name.size());
   if (rejections.OtherPrefix(prefix, now)) spdlog::info("{}", Rejections::PrefixText(prefix));
 }

@@ -17,11 +17,17 @@ constexpr int64_t kRemembered = 60'000 * kMs;
 constexpr int64_t kQuestion = -1;
 constexpr int64_t kAnswer = 0;
 
+/// nullptr: no such channel.
+const Channel* FindChannel(std::string_view name) {
+  const auto rows = Channels();
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == name; });
+  return found == rows.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 void Bus::Impl::OnHello(const std::string& channel, int64_t reader, Hello hello) {
-  const auto rows = Channels();
-  if (std::none_of(rows.begin(), rows.end(), [&](const Channel& row) { return row.name == channel; })) return;
+  if (FindChannel(channel) == nullptr) return;
   Hellos& known = hellos[channel];
   std::erase_if(known, [&](const auto& e) { return hello.heard - e.second.heard > kRemembered; });
   if (known.size() < kMaxReaders || known.contains(reader)) known[reader] = hello;
@@ -53,7 +59,8 @@ void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
 void Bus::Impl::OnAnnounce(ByteView bytes, int64_t now) {
   announce_t announce;
   if (announce.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
-  const auto found = inboxes.find(std::string(options.prefix).append(announce.channel));
+  const Channel* channel = FindChannel(announce.channel);
+  const auto found = channel == nullptr ? inboxes.end() : inboxes.find(WireName(*channel));
   if (found == inboxes.end() || !found->second.ordered) return;
   Inbox& inbox = found->second;
   OrderedReader* reader = ReaderOf(inbox, announce.header.source, now);
@@ -95,7 +102,8 @@ void Bus::Impl::Greet(int64_t peer, bool question) {
   repair_request_t message{};
   message.publisher = peer;
   message.delivered = question ? kQuestion : kAnswer;
-  SendControl(kRepairRequest, message);
+  // Under the map's prefix, which all listen to who can know of each other.
+  SendControl(kRepairRequest, Scope::kMap, message);
 }
 
 void Bus::Impl::OnGreeting(int64_t peer, int64_t addressee, int64_t kind) {
@@ -103,13 +111,13 @@ void Bus::Impl::OnGreeting(int64_t peer, int64_t addressee, int64_t kind) {
 }
 
 template <class T>
-void Bus::Impl::SendControl(const Channel& channel, T message) {
+void Bus::Impl::SendControl(const Channel& channel, Scope scope, T message) {
   message.header.schema = kSchemaVersion;
   message.header.source = source;
   message.header.seq = control_seq_[std::string(channel.name)]++;
   std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
   message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  const std::string wire_name = WireName(channel);
+  const std::string wire_name = std::string(scope == Scope::kMap ? MapPrefix() : options.prefix).append(channel.name);
   authenticator.Append(wire_name, bytes);
   outgoing_.push_back({wire_name, std::make_shared<const std::vector<uint8_t>>(std::move(bytes))});
 }
@@ -120,7 +128,9 @@ void Bus::Impl::Announce(Outbox& outbox) {
   announce.next_seq = outbox.sent;
   announce.first_seq = std::min(outbox.writer->history().first_seq(), outbox.sent);
   announce.join_seq = std::min(outbox.writer->join_seq(Now()), outbox.sent);
-  if (transport.two_way() && outbox.channel.delivery == Delivery::kEvery) SendControl(kAnnounce, announce);
+  if (transport.two_way() && outbox.channel.delivery == Delivery::kEvery) {
+    SendControl(kAnnounce, outbox.channel.scope, announce);
+  }
 }
 
 void Bus::Impl::Request(const Inbox& inbox, int64_t publisher, const OrderedReader::Request& request) {
@@ -136,7 +146,7 @@ void Bus::Impl::Request(const Inbox& inbox, int64_t publisher, const OrderedRead
     message.ranges.push_back(wire);
   }
   message.n_ranges = static_cast<int32_t>(message.ranges.size());
-  SendControl(kRepairRequest, message);
+  SendControl(kRepairRequest, inbox.channel.scope, message);
 }
 
 void Bus::Impl::SendOutgoing() {

@@ -63,6 +63,7 @@ inline bool IsPaced(const Channel& channel) { return channel.name == kStereoFram
 struct Outbox {
   Channel channel;
   std::string wire_name;
+  std::string map_name;      // kToMap: where it goes too; empty: nowhere
   std::mutex publish_mutex;  // one message at a time, from its number to the wire
   int64_t seq = 0;
   int64_t sent = 0;                       // one past the newest that has been handed to LCM
@@ -87,16 +88,25 @@ struct Bus::Impl {
   void WaitForWindow(Outbox& outbox, size_t bytes);
   bool Flush(std::chrono::milliseconds limit);
   std::string HistoryPath(const Channel& channel);
-  Bytes Sealed(const Outbox& outbox, header_t& header, const std::function<int()>& size, const Encode& encode) const;
+  Bytes Sealed(const std::string& wire_name, int64_t seq, header_t& header, const std::function<int()>& size,
+               const Encode& encode) const;
 
   // receive.cpp
   void Subscribe(const Channel& channel, const char* type, std::shared_ptr<Subscription> subscription);
+  void Listen(const std::string& wire_name, const Channel& channel, const MessageLayout* layout,
+              const std::shared_ptr<Subscription>& subscription);
   void OnDatagram(std::string_view wire_name, ByteView bytes);
   void MayReceive();
   void ReceiveLoop();
 
   static int64_t Now();
-  std::string WireName(const Channel& channel) const { return std::string(options.prefix).append(channel.name); }
+  const std::string& MapPrefix() const { return options.map_prefix.empty() ? options.prefix : options.map_prefix; }
+  /// Where the channel is published, and (all but kFromMap) read.
+  std::string WireName(const Channel& channel) const;
+  /// The same under the map's prefix; empty where that is the same name.
+  std::string NameForMap(const Channel& channel) const;
+  /// Whether `wire_name` is the channel under the one or the other prefix.
+  bool IsNamed(std::string_view wire_name, const Channel& channel) const;
 
   BusOptions options;
   std::string process;
@@ -159,12 +169,9 @@ struct Bus::Impl {
   void Greet(int64_t peer, bool question);
   void OnGreeting(int64_t peer, int64_t addressee, int64_t kind);
   template <class T>
-  void SendControl(const Channel& channel, T message);
+  void SendControl(const Channel& channel, Scope scope, T message);
   void SendOutgoing();
 
-  const std::string request_name_ = WireName(kRepairRequest);
-  const std::string announce_name_ = WireName(kAnnounce);
-  const std::string status_name_ = WireName(kStatus);
   const MessageLayout* request_layout_ = nullptr;
   const MessageLayout* announce_layout_ = nullptr;
   std::map<std::string, int64_t, std::less<>> control_seq_;

@@ -14,6 +14,7 @@ Outbox& Bus::Impl::OutboxOf(const Channel& channel) {
   outbox = std::make_unique<Outbox>();
   outbox->channel = channel;
   outbox->wire_name = WireName(channel);
+  if (channel.scope == Scope::kToMap) outbox->map_name = NameForMap(channel);
   if (channel.delivery == Delivery::kEvery || IsPaced(channel)) {
     outbox->writer = std::make_unique<OrderedWriter>(channel.retention, options.history_bytes, outbox->wire_name,
                                                      HistoryPath(channel), !temporary_folder);
@@ -40,22 +41,21 @@ std::string Bus::Impl::HistoryPath(const Channel& channel) {
 }
 
 /// Encoded message with its MAC.
-Bytes Bus::Impl::Sealed(const Outbox& outbox, header_t& header, const std::function<int()>& size,
+Bytes Bus::Impl::Sealed(const std::string& wire_name, int64_t seq, header_t& header, const std::function<int()>& size,
                         const Encode& encode) const {
   header.schema = kSchemaVersion;
   header.source = source;
-  header.seq = outbox.seq;
+  header.seq = seq;
   const int bytes = size();
   if (bytes < 0 || static_cast<size_t>(bytes) + authenticator.overhead() > kMaxMessageBytes) {
-    throw std::length_error(outbox.wire_name + ": a message of " + std::to_string(bytes) + " bytes exceeds " +
+    throw std::length_error(wire_name + ": a message of " + std::to_string(bytes) + " bytes exceeds " +
                             std::to_string(kMaxMessageBytes));
   }
   auto message = std::make_shared<std::vector<uint8_t>>();
   message->reserve(static_cast<size_t>(bytes) + authenticator.overhead());
   message->resize(static_cast<size_t>(bytes));
-  if (encode(message->data(), bytes) != bytes)
-    throw std::logic_error(outbox.wire_name + ": message cannot be encoded");
-  authenticator.Append(outbox.wire_name, *message);
+  if (encode(message->data(), bytes) != bytes) throw std::logic_error(wire_name + ": message cannot be encoded");
+  authenticator.Append(wire_name, *message);
   return message;
 }
 
@@ -84,7 +84,9 @@ void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& hea
   }
   Outbox& outbox = impl_->OutboxOf(channel);
   const std::lock_guard publishing(outbox.publish_mutex);
-  const Bytes message = impl_->Sealed(outbox, header, encoded_size, encode);
+  const Bytes message = impl_->Sealed(outbox.wire_name, outbox.seq, header, encoded_size, encode);
+  const Bytes for_map =
+      outbox.map_name.empty() ? nullptr : impl_->Sealed(outbox.map_name, outbox.seq, header, encoded_size, encode);
   bool wake = false;
   if (outbox.writer != nullptr) {
     impl_->WaitForWindow(outbox, message->size());
@@ -94,6 +96,7 @@ void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& hea
   }
   ++outbox.seq;
   impl_->transport.Send(outbox.wire_name, *message);
+  if (for_map != nullptr) impl_->transport.Send(outbox.map_name, *for_map);
   {
     const std::lock_guard lock(impl_->mutex);
     outbox.sent = outbox.seq;

@@ -32,7 +32,14 @@ void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_
   if (channel.type != type || layout == nullptr) {
     throw std::logic_error(std::string(channel.name) + " carries " + std::string(channel.type) + ", not " + type);
   }
-  const std::string wire_name = WireName(channel);
+  Listen(WireName(channel), channel, layout, subscription);
+  const std::string for_map = NameForMap(channel);
+  if (channel.scope == Scope::kFromMap && !for_map.empty()) Listen(for_map, channel, layout, subscription);
+  transport.Wake();
+}
+
+void Bus::Impl::Listen(const std::string& wire_name, const Channel& channel, const MessageLayout* layout,
+                       const std::shared_ptr<Subscription>& subscription) {
   bool is_new = false;
   {
     const std::lock_guard lock(mutex);
@@ -43,12 +50,11 @@ void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_
     using Kind = Subscription::Kind;
     inbox.ordered |= subscription->kind == Kind::kOrdered || subscription->kind == Kind::kOrderedBytes;
     inbox.paced |= subscription->kind == Kind::kPacedBytes;
-    inbox.subscriptions.push_back(std::move(subscription));
+    inbox.subscriptions.push_back(subscription);
     next_poll_ = 0;
   }
   // STATUS is listened to with any prefix as it is, and LCM would hand it over twice.
   if (is_new && channel.name != kStatus.name) transport.Listen(wire_name);
-  transport.Wake();
 }
 
 void Bus::Impl::MayReceive() {
@@ -85,8 +91,8 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
     const std::lock_guard lock(mutex);
     if (Drop()) return;
     NoticePrefix(wire_name, now);
-    const bool is_request = wire_name == request_name_;
-    const bool is_announce = !is_request && wire_name == announce_name_;
+    const bool is_request = IsNamed(wire_name, kRepairRequest);
+    const bool is_announce = !is_request && IsNamed(wire_name, kAnnounce);
     const auto inbox = inboxes.find(wire_name);
     if (rest && inbox == inboxes.end()) rest(wire_name, bytes);
     if (!is_request && !is_announce && inbox == inboxes.end()) return;

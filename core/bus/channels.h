@@ -17,6 +17,15 @@ enum class Delivery { kEvery, kLatest };
 /// kUnacknowledged: until every reader that has acknowledged something has it (a bounded window).
 enum class Retention { kNone, kUnacknowledged, kAll };
 
+/// Under which prefix a channel goes where several robots share a map (`BusOptions::map_prefix`); for one robot all
+/// prefixes are the same.
+enum class Scope {
+  kRobot,    ///< the robot's own
+  kMap,      ///< the map's: between trackers and those who own the map
+  kToMap,    ///< sent under both, read under one's own: what the owners of the map must know of a robot
+  kFromMap,  ///< sent under one's own, read under both: who lives
+};
+
 /// One row of the channel table, which lcmtypes/README.md and the tests read too.
 struct Channel {
   std::string_view name;
@@ -25,10 +34,11 @@ struct Channel {
   Delivery delivery;
   Retention retention;
   std::string_view meaning;
+  Scope scope = Scope::kRobot;
 };
 
-inline constexpr Channel kCamera{"CAMERA",          "camera_t",       "player",
-                                 Delivery::kLatest, Retention::kNone, "the rig, whole, at 1 Hz"};
+inline constexpr Channel kCamera{
+    "CAMERA", "camera_t", "player", Delivery::kLatest, Retention::kNone, "the rig, whole, at 1 Hz", Scope::kToMap};
 inline constexpr Channel kStream{"STREAM",         "stream_t",      "player",
                                  Delivery::kEvery, Retention::kAll, "begin and end of a stream of frames"};
 inline constexpr Channel kStereoFrame{"STEREO_FRAME",
@@ -47,29 +57,35 @@ inline constexpr Channel kTracks{"TRACKS",          "tracks_t",       "vo",
                                  Delivery::kLatest, Retention::kNone, "features of a frame, for pictures"};
 inline constexpr Channel kKeyframe{
     "KEYFRAME",       "keyframe_t",    "vo",
-    Delivery::kEvery, Retention::kAll, "keyframes, by pages (mapping: those of a map it has loaded)"};
+    Delivery::kEvery, Retention::kAll, "keyframes, by pages (mapping: those of a map it has loaded)",
+    Scope::kMap};
 inline constexpr Channel kMapUpdate{"MAP_UPDATE",
                                     "map_update_t",
                                     "mapping",
                                     Delivery::kEvery,
                                     Retention::kUnacknowledged,
-                                    "what changed in the map, or all of it, by pages"};
-inline constexpr Channel kMapRequest{"MAP_REQUEST",     "map_request_t",  "all",
-                                     Delivery::kLatest, Retention::kNone, "asks for the whole map"};
+                                    "what changed in the map, or all of it, by pages",
+                                    Scope::kMap};
+inline constexpr Channel kMapRequest{"MAP_REQUEST",    "map_request_t",          "all",      Delivery::kLatest,
+                                     Retention::kNone, "asks for the whole map", Scope::kMap};
 inline constexpr Channel kLoopClosure{
     "LOOP_CLOSURE",  "loop_closure_t",
     "loop",          Delivery::kEvery,
-    Retention::kAll, "loops found and corrections of the map, by pages; every keyframe is answered"};
+    Retention::kAll, "loops found and corrections of the map, by pages; every keyframe is answered",
+    Scope::kMap};
 inline constexpr Channel kWhereAmI{"WHERE_AM_I",
                                    "keyframe_t",
                                    "vo",
                                    Delivery::kEvery,
                                    Retention::kUnacknowledged,
-                                   "features of a frame whose place in the map is asked for, by pages"};
+                                   "features of a frame whose place in the map is asked for, by pages",
+                                   Scope::kMap};
 inline constexpr Channel kRelocalisation{"RELOCALISATION", "relocalisation_t",         "loop",
-                                         Delivery::kEvery, Retention::kUnacknowledged, "answers to WHERE_AM_I"};
+                                         Delivery::kEvery, Retention::kUnacknowledged, "answers to WHERE_AM_I",
+                                         Scope::kMap};
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
-                                 Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz"};
+                                 Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz",
+                                 Scope::kFromMap};
 inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
 inline constexpr Channel kRepairRequest{

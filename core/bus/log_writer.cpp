@@ -62,7 +62,7 @@ LogRecorder::LogRecorder(const BusOptions& options, const std::string& path)
     bus_.SubscribeBytes(
         channel, ordered ? Bus::Reading::kOrdered : Bus::Reading::kPaced,
         [this] { return waiting_bytes_ < kMaxWaitingBytes; },
-        [this, name = options.prefix + std::string(channel.name)](ByteView data) { Record(name, data); });
+        [this, name = bus_.WireName(channel)](ByteView data) { Record(name, data); });
   }
   bus_.Every(std::chrono::seconds(1), [this] { writer_.Flush(); });
 }

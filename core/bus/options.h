@@ -13,6 +13,8 @@ struct BusOptions {
   std::string url;
   /// Put in front of each channel name: one for each robot.
   std::string prefix;
+  /// Prefix of the map that the robot shares with others: that of their mapping_process. Empty: its own.
+  std::string map_prefix;
   /// Largest payload of a message; pages and strips are cut to it. About 1200 across links that lose packets.
   int64_t max_message_bytes = 60000;
   /// File with a shared key (64 hex digits); with one, messages without a valid MAC are rejected.
@@ -37,6 +39,7 @@ template <class Visitor>
 void VisitFields(Visitor& visit, BusOptions& o) {
   visit("url", o.url, "LCM URL (udpm, tcpq, file, memq); empty: LCM_DEFAULT_URL");
   visit("prefix", o.prefix, "put in front of each channel name, one for each robot");
+  visit("map_prefix", o.map_prefix, "prefix of the map that the robot shares with others; empty: its own");
   visit("max_message_bytes", o.max_message_bytes, Bounds{1000, 60000}, "largest message; 1200 on links that lose");
   visit("key_file", o.key_file, "file with a shared key of 64 hex digits; empty: no authentication");
   visit("history_dir", o.history_dir, "folder for the history of ordered channels; empty: under TMPDIR");

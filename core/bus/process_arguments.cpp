@@ -22,6 +22,7 @@ void ProcessArguments::AddTo(CLI::App* app) {
       ->allow_extra_args(false);
   app->add_option("--url", url, "LCM URL, for example udpm://239.255.76.67:7667?ttl=0");
   app->add_option("--prefix", prefix, "in front of each channel name");
+  app->add_option("--map-prefix", map_prefix, "prefix of the map that is shared with other robots");
   app->add_option("--parent", parent, "end when the process with this id, which started this one, ends")
       ->type_name("PID");
 }
@@ -31,6 +32,7 @@ Config ProcessArguments::MakeConfig() const {
   for (const std::string& assignment : overrides) config.Override(assignment);
   if (url) config.Override("bus.url=" + *url);
   if (prefix) config.Override("bus.prefix=" + *prefix);
+  if (map_prefix) config.Override("bus.map_prefix=" + *map_prefix);
   config.RequireSections(kConfigSections);
   return config;
 }

@@ -18,6 +18,7 @@ struct ProcessArguments {
   std::vector<std::string> overrides;
   std::optional<std::string> url;
   std::optional<std::string> prefix;
+  std::optional<std::string> map_prefix;
   int parent = 0;
 
   void AddTo(CLI::App* app);

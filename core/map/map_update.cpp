@@ -38,6 +38,17 @@ MapUpdate WholeMap(const Map& map) {
   return update;
 }
 
+void SettledKeyframes::Add(const MapUpdate& update) {
+  // Not the highest: a map that is built anew begins at the first.
+  newest_[update.session] = update.session_keyframe_id;
+  if (update.settled) settled_ = newest_;
+}
+
+bool SettledKeyframes::Has(int64_t session, int64_t session_keyframe_id) const {
+  const auto found = settled_.find(session);
+  return found != settled_.end() && found->second >= session_keyframe_id;
+}
+
 MapReplica::Outcome MapReplica::Apply(const MapUpdate& update) {
   const bool same_source = update.source == source_;
   if (same_source && update.version <= version_) return Outcome::kKnown;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +55,19 @@ struct MapUpdate {
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
 /// All of it, with base version 0.
 MapUpdate WholeMap(const Map& map);
+
+/// About which keyframes nothing more is to come. Several robots may share the map: an update names the newest keyframe
+/// of one, and a settled one is about all that the map then has.
+class SettledKeyframes {
+ public:
+  /// The head of an update is enough.
+  void Add(const MapUpdate& update);
+  bool Has(int64_t session, int64_t session_keyframe_id) const;
+
+ private:
+  std::map<int64_t, int64_t> newest_;  // by session
+  std::map<int64_t, int64_t> settled_;
+};
 
 /// Keeps up with a map that somebody else owns.
 class MapReplica {

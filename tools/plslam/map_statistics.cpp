@@ -13,9 +13,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   if (head.source == source_ && head.version <= version_) return;
   source_ = head.source;
   version_ = head.version;
-  session_ = head.session;
-  session_keyframe_id_ = head.session_keyframe_id;
-  settled_ = head.settled;
+  settled_.Add(head);
   totals_ = head.totals;
   for (const auto& [stage, ms] : head.stage_ms) stage_ms_[stage].Add(ms);
   if (head.adjustment.n_points == 0) return;

@@ -21,10 +21,7 @@ class MapStatistics {
   int64_t version() const { return version_; }
   /// Of the newest version.
   const MapTotals& totals() const { return totals_; }
-  int64_t session() const { return session_; }
-  int64_t session_keyframe_id() const { return session_keyframe_id_; }
-  /// Nothing more is to come about that keyframe.
-  bool settled() const { return settled_; }
+  const SettledKeyframes& settled() const { return settled_; }
 
   /// Keyframes that see a landmark, on average; 0 without landmarks.
   double ObservationsPerPoint() const;
@@ -41,9 +38,7 @@ class MapStatistics {
 
   int64_t source_ = 0;
   int64_t version_ = 0;
-  int64_t session_ = 0;
-  int64_t session_keyframe_id_ = -1;
-  bool settled_ = false;
+  SettledKeyframes settled_;
   MapTotals totals_;
   std::map<std::string, QuantileSketch> stage_ms_;
   int64_t n_adjustments_ = 0;

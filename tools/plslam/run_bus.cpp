@@ -26,6 +26,7 @@ bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {
   config.Read("bus", result);
   result.url = url_;
   if (!options.prefix.empty()) result.prefix = options.prefix;
+  if (!options.map_prefix.empty()) result.map_prefix = options.map_prefix;
   // The loss that is asked for is that of the processes under test.
   result.drop_fraction = 0.0;
   return result;

@@ -34,6 +34,7 @@ struct RunOptions {
   std::filesystem::path video;
   std::string url;
   std::string prefix;
+  std::string map_prefix;
   /// Event log of all traffic; empty: none.
   std::filesystem::path record;
   bool quiet = false;

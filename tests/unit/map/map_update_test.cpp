@@ -118,5 +118,34 @@ TEST(MapReplica, TheMapOfAnotherStartTakesItsPlace) {
   ExpectSame(after.map(), replica.map());
 }
 
+MapUpdate Newest(int64_t session, int64_t keyframe_id, bool settled) {
+  MapUpdate update;
+  update.session = session;
+  update.session_keyframe_id = keyframe_id;
+  update.settled = settled;
+  return update;
+}
+
+TEST(SettledKeyframes, AnUpdateSettlesWhatAllRobotsHaveInTheMap) {
+  SettledKeyframes settled;
+  EXPECT_FALSE(settled.Has(1, 0));
+  settled.Add(Newest(1, 4, false));
+  EXPECT_FALSE(settled.Has(1, 4));
+  settled.Add(Newest(2, 7, true));
+  EXPECT_TRUE(settled.Has(1, 4));
+  EXPECT_TRUE(settled.Has(2, 7));
+  EXPECT_FALSE(settled.Has(1, 5));
+  settled.Add(Newest(1, 5, false));
+  EXPECT_FALSE(settled.Has(1, 5));
+}
+
+TEST(SettledKeyframes, AMapThatIsBuiltAnewIsNotSettledBeforeItHasAll) {
+  SettledKeyframes settled;
+  settled.Add(Newest(1, 9, true));
+  EXPECT_TRUE(settled.Has(1, 9));
+  settled.Add(Newest(1, 0, true));
+  EXPECT_FALSE(settled.Has(1, 9));
+}
+
 }  // namespace
 }  // namespace plslam

@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/bus/bus.h"
+#include "core/io/trajectory.h"
+#include "plslam/map_update_t.hpp"
+#include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+#include "tools/evaluate/absolute_error.h"
+#include "tools/evaluate/alignment.h"
+#include "tools/plslam/bus_url.h"
+
+namespace plslam {
+namespace {
+
+using test::WholeRun;
+
+/// mapping_process and loop_process of several robots, and an ear for what they say.
+class SharedMap {
+ public:
+  SharedMap(const std::string& url, const std::filesystem::path& folder) : bus_(Options(url), "listener") {
+    for (const char* executable : {"mapping_process", "loop_process"}) {
+      processes_.push_back(std::make_unique<ChildProcess>(test::BinaryFolder() / executable,
+                                                          std::vector<std::string>{"--url", url, "--prefix", "team/"},
+                                                          folder / (std::string(executable) + ".log")));
+    }
+    bus_.Subscribe<map_update_t>(bus::kMapUpdate,
+                                 [this](const map_update_t& update) { n_keyframes_ = update.totals.n_keyframes; });
+    thread_ = std::thread([this] { bus_.Run(); });
+  }
+  ~SharedMap() {
+    bus_.Stop();
+    thread_.join();
+  }
+  bool WaitForKeyframes(int64_t n) {
+    return WholeRun::WaitFor([&] { return n_keyframes_ >= n; });
+  }
+  /// Exit codes of all, after SIGINT.
+  std::vector<int> Stop() {
+    std::vector<int> codes;
+    for (const auto& process : processes_) process->Signal(SIGINT);
+    for (const auto& process : processes_) {
+      EXPECT_TRUE(WholeRun::WaitFor([&] { return process->Poll().has_value(); }));
+      codes.push_back(process->Poll() ? process->Poll()->code : -1);
+    }
+    return codes;
+  }
+
+ private:
+  static bus::BusOptions Options(const std::string& url) {
+    bus::BusOptions options;
+    options.url = url;
+    options.prefix = "team/";
+    return options;
+  }
+
+  bus::Bus bus_;
+  std::atomic<int64_t> n_keyframes_ = 0;
+  std::vector<std::unique_ptr<ChildProcess>> processes_;
+  std::thread thread_;
+};
+
+PosePairs PairsOf(const WholeRun& run) {
+  return AssociateNearest(ReadTrajectory((run.out() / "trajectory.tum").string()),
+                          ReadTrajectory((run.out() / "groundtruth.tum").string()), 1'000'000);
+}
+
+double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
+  double worst_m = 0.0;
+  for (const PosePair& pair : pairs) {
+    worst_m = std::max(worst_m, (alignment.Apply(pair.estimate).translation() - pair.truth.translation()).norm());
+  }
+  return worst_m;
+}
+
+std::vector<std::string> Robot(const std::string& url, const std::string& prefix, int start, int stop) {
+  return {"run",          "synthetic:room?frames=240&size=376x240",
+          "--url",        url,
+          "--start",      std::to_string(start),
+          "--stop",       std::to_string(stop),
+          "--prefix",     prefix,
+          "--map-prefix", "team/"};
+}
+
+// Each begins elsewhere, and neither knows where the other is before it comes to where that one has been.
+TEST(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
+  const PrivatePort port;
+  WholeRun first, second;
+  SharedMap shared(port.Url(), first.folder());
+  first.Start(Robot(port.Url(), "ann/", 0, 160));
+  ASSERT_TRUE(shared.WaitForKeyframes(3)) << first.Logs();
+  second.Start(Robot(port.Url(), "bob/", 80, 240));
+  EXPECT_EQ(first.Wait(), 0) << first.Logs();
+  EXPECT_EQ(second.Wait(), 0) << second.Logs();
+  for (const WholeRun* run : {&first, &second}) {
+    const nlohmann::json summary = run->Summary();
+    EXPECT_EQ(summary["tracked_frames"], 160) << summary.dump(1);
+    EXPECT_EQ(summary["processes"].count("mapping"), 0U);
+    EXPECT_GT(summary["map"]["keyframes"], 5);
+  }
+  const PosePairs of_first = PairsOf(first), of_second = PairsOf(second);
+  const Similarity alignment = Align(of_first, Alignment::kSe3);
+  const double first_m = WorstError_m(of_first, alignment), second_m = WorstError_m(of_second, alignment);
+  std::cout << "farthest from the truth, both laid on it by the first: " << first_m << " m, " << second_m << " m\n";
+  EXPECT_LT(first_m, 0.05);
+  EXPECT_LT(second_m, 0.05);
+  EXPECT_EQ(shared.Stop(), (std::vector<int>{0, 0})) << first.Logs();
+}
+
+}  // namespace
+}  // namespace plslam

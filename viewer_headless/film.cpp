@@ -2,10 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <cmath>
 #include <exception>
 
 namespace plslam {
 namespace {
+
+constexpr double kLongestStill = 50.0;
 
 TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path) {
   TopViewScene scene;
@@ -48,11 +52,16 @@ void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
     return;
   }
   if (first_) {
-    Open(PictureRate_hz(first_->pose.t_ns, pose.t_ns, 1), first_->picture.size());
+    rate_hz_ = PictureRate_hz(first_->pose.t_ns, pose.t_ns, 1);
+    Open(rate_hz_, first_->picture.size());
     video_->Add(first_->picture);
+    t_ns_ = first_->pose.t_ns;
     first_.reset();
   }
-  video_->Add(picture);
+  // Pictures that did not come are stood for by the next one, so that the film takes the time that the run took.
+  const double pictures = std::round(1e-9 * static_cast<double>(pose.t_ns - t_ns_) * rate_hz_);
+  for (int i = 0; i < static_cast<int>(std::clamp(pictures, 1.0, kLongestStill)); ++i) video_->Add(picture);
+  t_ns_ = pose.t_ns;
 }
 
 }  // namespace plslam

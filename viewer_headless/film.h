@@ -36,6 +36,8 @@ class Film {
   std::vector<Eigen::Vector3d> positions_;
   std::optional<Waiting> first_;
   std::unique_ptr<RunVideo> video_;
+  double rate_hz_ = 0.0;
+  int64_t t_ns_ = 0;
 };
 
 }  // namespace plslam

@@ -3,7 +3,9 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include "core/io/atomic_file.h"
 #include "viewer_headless/message_values.h"
@@ -30,6 +32,9 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   if (wanted_ && !page_) spdlog::warn("no report.html is made: this was built without node and npm (docs/viewer.md)");
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
+  // That of an earlier run must not be taken for one of this.
+  std::error_code ignored;
+  std::filesystem::remove(options_.out + "/report.html", ignored);
   if (!wanted_) return;
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
   if (options_.serve == 0) return;

@@ -8,7 +8,7 @@ import { countUpTo } from "./data.js";
 export class FatLine {
   constructor(world, colour, width, options = {}) {
     this.colour = colour;
-    this.material = new LineMaterial({ linewidth: width, worldUnits: false, transparent: true, opacity: options.opacity ?? 1 });
+    this.material = new LineMaterial({ linewidth: width, worldUnits: false, transparent: true, depthWrite: false, opacity: options.opacity ?? 1 });
     this.object = new LineSegments2(new LineSegmentsGeometry(), this.material);
     this.object.frustumCulled = false;
     this.object.renderOrder = options.order ?? 0;

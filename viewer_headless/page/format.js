@@ -16,7 +16,7 @@ export function metres(value) {
   if (Math.abs(value) >= 1) return `${fixed(value, 2)} m`;
   if (Math.abs(value) >= 0.1) return `${fixed(value * 100, 1)} cm`;
   if (Math.abs(value) >= 0.01) return `${fixed(value * 100, 2)} cm`;
-  return `${fixed(value * 1000, 1)} mm`;
+  return Math.abs(value) >= 5e-5 ? `${fixed(value * 1000, 1)} mm` : "< 0.1 mm";
 }
 
 export function seconds(value) {

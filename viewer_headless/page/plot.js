@@ -43,6 +43,7 @@ export class Plot {
    * `now()` is the time to mark or null, `seek(t)` goes there.
    */
   constructor(parent, spec, data, now, seek) {
+    this.now = now;
     this.figure = element("figure", { class: "plot" });
     this.figure.append(element("figcaption", {}, spec.title, element("small", {}, spec.note ?? "")));
     this.box = element("div", { class: "canvas" });
@@ -60,6 +61,7 @@ export class Plot {
       bands: spec.bands,
     };
     this.plot = new uPlot(options, data, this.box);
+    this.plot.over.addEventListener("mouseleave", () => setTimeout(() => this.showValues()));
     if (seek) this.plot.over.addEventListener("click", (event) => seek(this.plot.posToVal(event.offsetX, "x")));
     // Asked once a size has settled, for a redraw within its own notice would be noticed again.
     this.observer = new ResizeObserver(() => requestAnimationFrame(() => this.resize()));
@@ -98,6 +100,15 @@ export class Plot {
 
   redraw() {
     this.plot.redraw(false, true);
+  }
+
+  /** In the legend, the values of the moment (of the end, where moments mean nothing) while no cursor asks for others. */
+  showValues() {
+    const { plot } = this;
+    if (plot.cursor.idx !== null && plot.cursor.idx !== undefined) return;
+    const t = this.now();
+    const x = plot.data[0];
+    plot.setLegend({ idx: t === null ? x.length - 1 : Math.min(x.length - 1, plot.valToIdx(t)) }, false);
   }
 
   destroy() {

@@ -17,7 +17,10 @@ export class Plots {
     const shape = JSON.stringify(wanted.map((p) => [p.key, p.spec.series.map((s) => s.label)]));
     // Values of stacked series hang on the plot they were made for.
     const reusable = shape === this.shape && !wanted.some((p) => p.spec.series.some((s) => s.own));
-    if (reusable) return wanted.forEach((p) => this.plots.get(p.key).setData(p.data));
+    if (reusable) {
+      for (const p of wanted) this.plots.get(p.key).setData(p.data);
+      return this.redraw();
+    }
     this.shape = shape;
     for (const plot of this.plots.values()) plot.destroy();
     this.plots.clear();
@@ -27,6 +30,7 @@ export class Plots {
       plot.figure.dataset.plot = key;
       this.plots.set(key, plot);
     }
+    this.redraw();
   }
 
   setNow(t) {
@@ -41,6 +45,9 @@ export class Plots {
   }
 
   redraw() {
-    for (const plot of this.plots.values()) plot.redraw();
+    for (const plot of this.plots.values()) {
+      plot.redraw();
+      plot.showValues();
+    }
   }
 }

@@ -38,7 +38,8 @@ export function showSummary(run) {
   const f = run.facts;
   // A folder is known by its last name, a built-in world by all that was said of it.
   const name = f.dataset?.startsWith("/") ? f.dataset.split("/").filter(Boolean).pop() : f.dataset;
-  byId("dataset").textContent = name || "unnamed run";
+  const [short, more] = (name || "unnamed run").split("?");
+  byId("dataset").replaceChildren(short, element("small", {}, more?.replaceAll("&", " · ") ?? ""));
   byId("dataset").title = f.dataset ?? "";
   document.title = `${name || "run"} · PL-SLAM`;
   byId("summary").replaceChildren(

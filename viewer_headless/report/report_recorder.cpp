@@ -8,6 +8,12 @@
 #include "viewer_headless/report/map_tables.h"
 
 namespace plslam {
+namespace {
+
+/// Of a power of two: "2nd", "4th".
+std::string Ordinal(int64_t n) { return fmt::format("{}{}", n, n % 10 == 2 && n % 100 != 12 ? "nd" : "th"); }
+
+}  // namespace
 
 void ReportRecorder::Begin(const RunHead& head) {
   head_ = head;
@@ -55,9 +61,9 @@ void ReportRecorder::AddPictures(int64_t after, ReportData* data) const {
 
 void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const {
   if (stride > 1)
-    data->notes.push_back(fmt::format("Every {}. of {} frames is shown.", stride, recorder.frames().size()));
+    data->notes.push_back(fmt::format("Every {} of {} frames is shown.", Ordinal(stride), recorder.frames().size()));
   if (pictures_.stride() > 1) {
-    data->notes.push_back(fmt::format("Of every {}. frame there is a picture.", pictures_.stride()));
+    data->notes.push_back(fmt::format("Every {} frame has a picture.", Ordinal(pictures_.stride())));
   }
   if (corrections_.dropped() > 0) {
     data->notes.push_back(

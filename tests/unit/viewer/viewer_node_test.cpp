@@ -1,19 +1,50 @@
 #include "viewer_headless/viewer_node.h"
 
+#include <arpa/inet.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <thread>
 
 #include "core/bus/convert.h"
 #include "core/io/trajectory.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "tests/unit/trajectory/text_file.h"
+#include "viewer_headless/live/http_server.h"
+#include "viewer_headless/report/report_page.h"
 
 namespace plslam {
 namespace {
 
 constexpr int64_t kFrames = 12;
+
+int FreePort() {
+  const HttpServer server(0, [](const HttpRequest&) { return HttpResponse(); });
+  return server.port();
+}
+
+/// Everything that is answered to a GET, head and all.
+std::string Get(int port, const std::string& target) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(static_cast<uint16_t>(port));
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int fd = socket(AF_INET, SOCK_STREAM, 0);
+  std::string answer;
+  if (connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) {
+    const std::string request = "GET " + target + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    send(fd, request.data(), request.size(), MSG_NOSIGNAL);
+    char buffer[4096];
+    for (ssize_t n = 0; (n = recv(fd, buffer, sizeof buffer, 0)) > 0;) answer.append(buffer, static_cast<size_t>(n));
+  }
+  close(fd);
+  return answer;
+}
 
 SE3 TruePose(int64_t frame) {
   return SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 0.5 * static_cast<double>(frame)));
@@ -53,7 +84,7 @@ class ViewerNodeTest : public testing::Test {
   bus::Bus& bus() { return process_->bus(); }
 
   ViewerOptions Options(int64_t overlay_every = 0) const {
-    return {.out = folder_.Path("out"), .overlay_every = overlay_every, .quiet = true};
+    return {.out = folder_.Path("out"), .overlay_every = overlay_every, .quiet = true, .video = ""};
   }
 
   void PublishPose(int64_t frame, int8_t state = 1) {
@@ -237,6 +268,65 @@ TEST_F(ViewerNodeTest, DrawsEveryNthFrame) {
   EXPECT_EQ(picture.cols, 320);
   EXPECT_GT(picture.rows, 240);
   EXPECT_FALSE(std::filesystem::exists(Out("overlays/000005.png")));
+}
+
+TEST_F(ViewerNodeTest, WritesAReportAndServesIt) {
+  if (!ReadReportTemplate()) GTEST_SKIP() << "built without node and npm: there are no reports";
+  ViewerOptions options = Options();
+  options.serve = FreePort();
+  const ViewerNode node(*process_, options);
+  bus::MapUpdatePublisher mapping(bus(), [] {});
+  PublishMappingStatus();
+  PublishStream("begin", kFrames);
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  mapping.Publish(MapOf(2, 1.0));
+  PublishStream("end", kFrames);
+  std::string answer;
+  // The answer comes from handlers of this bus: it must run meanwhile.
+  std::thread client([&] { answer = Get(static_cast<int>(options.serve), "/data.json"); });
+  bus().Run();
+  client.join();
+  EXPECT_THAT(answer, testing::StartsWith("HTTP/1.1 200"));
+  EXPECT_THAT(answer, testing::HasSubstr("\"whole\":true"));
+  const std::string report = ReadText(Out("report.html"));
+  EXPECT_THAT(report, testing::HasSubstr("\"facts\":{"));
+  EXPECT_THAT(report, testing::HasSubstr("\"frames\":12"));
+  EXPECT_THAT(report, testing::HasSubstr("\"keyframes\":3"));
+  EXPECT_THAT(report, testing::HasSubstr("\"finished\":true"));
+}
+
+TEST_F(ViewerNodeTest, WithoutReportThereIsNone) {
+  ViewerOptions options = Options();
+  options.report = false;
+  const ViewerNode node(*process_, options);
+  PublishPose(0);
+  PublishStream("end", 1);
+  bus().Run();
+  EXPECT_FALSE(std::filesystem::exists(Out("report.html")));
+}
+
+TEST_F(ViewerNodeTest, FilmsTheRun) {
+  ViewerOptions options = Options();
+  options.video = folder_.Path("film");
+  const ViewerNode node(*process_, options);
+  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishStream("begin", 5);
+  int64_t frame = -1;
+  // One at a time: of features the newest win. Frame 3 is missing, and the next one stands for it.
+  bus().Every(std::chrono::milliseconds(30), [&] {
+    if (++frame == 3) return;
+    if (frame == 5) PublishStream("end", 4);
+    if (frame > 4) return;
+    PublishPose(frame);
+    PublishImages(frame);
+    PublishTracks(frame);
+  });
+  bus().Run();
+  int n = 0;
+  while (std::filesystem::exists(folder_.Path(fmt::format("film/{:06}.png", n)))) ++n;
+  EXPECT_EQ(n, 5);
+  const cv::Mat picture = cv::imread(folder_.Path("film/000000.png"));
+  EXPECT_EQ(picture.cols, 320 + 284) << "image with its bar, and the map beside it";
 }
 
 TEST_F(ViewerNodeTest, NonsenseIsCountedAndDoesNoHarm) {

@@ -31,6 +31,14 @@ TEST(ViewerProgram, BadOptionsAreNamed) {
   EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("overlay_every")) << "the nearest known key";
 }
 
+TEST(ViewerProgram, PortsThatAreNoneAreRefused) {
+  const ScratchFolder folder;
+  EXPECT_EQ(RunViewer(folder, "--serve 0"), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("--serve"));
+  EXPECT_EQ(RunViewer(folder, "--serve 70000"), 1);
+  EXPECT_THAT(ReadText(folder.Path("stderr")), HasSubstr("70000"));
+}
+
 TEST(ViewerProgram, HelpShowsItsOptions) {
   const ScratchFolder folder;
   EXPECT_EQ(RunViewer(folder, "--help"), 0);

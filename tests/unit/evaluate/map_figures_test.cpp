@@ -25,12 +25,14 @@ TEST(CovisibilityFigure, EdgesByTheirKind) {
 
 TEST(TopView, PathsLandmarksAndEmptyOnes) {
   const StoredMap stored = test::SmallStoredMap();
-  const NamedPath truth{"truth", {{0, 0, 0}, {2, 0, 2}}, {{214, 39, 40}, 1.6, false}};
+  const NamedPath truth{"truth", {{-4, 0, 0}, {4, 0, 8}}, {{214, 39, 40}, 1.6, false}};
   const std::string svg = ToSvg(TopView("a run", {truth, {"estimate", {}, {}}}, &stored.map));
   for (const char* text : {">truth<", ">estimate<", ">points<", ">lines<", ">x [m]<", ">z [m]<"}) {
     EXPECT_THAT(svg, HasSubstr(text));
   }
   EXPECT_THAT(ToSvg(TopView("nothing", {}, nullptr)), HasSubstr(">nothing<"));
+  const NamedPath still{"still", {{0, 0, 0}, {0.01, 0, 0.01}}, {}};
+  EXPECT_THAT(ToSvg(TopView("landmarks far outside", {still}, &stored.map)), Not(HasSubstr(">points<")));
 }
 
 TEST(PairWorthShowing, LoopsBeforeNeighbours) {

@@ -22,30 +22,39 @@ Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
   return plan;
 }
 
-/// Every so many-th point, so that no more than kMostPoints are drawn.
-size_t StepOf(const Map& map) { return (map.points().size() + kMostPoints - 1) / kMostPoints; }
+using Edges = std::vector<std::array<Eigen::Vector2d, 2>>;
 
-void DrawLandmarks(const Map& map, const ViewDirections& view, Axes& axes) {
+/// What the axes show of a map's landmarks: every `step`-th point, and lines.
+struct ShownLandmarks {
+  size_t step = 1;
   std::vector<Eigen::Vector2d> points;
-  const size_t step = StepOf(map);
-  size_t i = 0;
-  for (const auto& [id, point] : map.points()) {
-    if (i++ % step == 0) points.push_back(view(point.p_w));
-  }
-  axes.DrawDots(points, 0.35, kLandmark);
-  std::vector<std::array<Eigen::Vector2d, 2>> segments;
-  for (const auto& [id, line] : map.lines()) segments.push_back({view(line.segment_w.p), view(line.segment_w.q)});
-  axes.DrawSegments(segments, {kLandmarkLine, 0.5, false});
+  Edges lines;
+};
+
+bool Within(const Plan& plan, const Eigen::Vector2d& p) {
+  return p.x() >= plan.x.min && p.x() <= plan.x.max && p.y() >= plan.y.min && p.y() <= plan.y.max;
 }
 
-std::vector<LegendEntry> LegendOf(const std::vector<NamedPath>& paths, const Map* map) {
+ShownLandmarks LandmarksWithin(const Plan& plan, const Map& map, const ViewDirections& view) {
+  ShownLandmarks shown;
+  shown.step = (map.points().size() + kMostPoints - 1) / kMostPoints;
+  size_t i = 0;
+  for (const auto& [id, point] : map.points()) {
+    if (i++ % shown.step == 0 && Within(plan, view(point.p_w))) shown.points.push_back(view(point.p_w));
+  }
+  for (const auto& [id, line] : map.lines()) {
+    const std::array<Eigen::Vector2d, 2> ends{view(line.segment_w.p), view(line.segment_w.q)};
+    if (Within(plan, ends[0]) && Within(plan, ends[1])) shown.lines.push_back(ends);
+  }
+  return shown;
+}
+
+std::vector<LegendEntry> LegendOf(const std::vector<NamedPath>& paths, const ShownLandmarks& shown) {
   std::vector<LegendEntry> legend;
   for (const NamedPath& path : paths) legend.push_back({path.name, path.stroke, 0.0});
-  if (map == nullptr) return legend;
-  const size_t step = StepOf(*map);
-  const std::string points = step > 1 ? fmt::format("points (1 in {})", step) : "points";
-  if (!map->points().empty()) legend.push_back({points, {kLandmark, 0.0, false}, 1.0});
-  if (!map->lines().empty()) legend.push_back({"lines", {kLandmarkLine, 0.5, false}, 0.0});
+  const std::string points = shown.step > 1 ? fmt::format("points (1 in {})", shown.step) : "points";
+  if (!shown.points.empty()) legend.push_back({points, {kLandmark, 0.0, false}, 1.0});
+  if (!shown.lines.empty()) legend.push_back({"lines", {kLandmarkLine, 0.5, false}, 0.0});
   return legend;
 }
 
@@ -53,8 +62,6 @@ void DrawRing(const Place& at, const Ink& ink, Drawing& drawing) {
   drawing.shapes.emplace_back(DrawnDots{{at}, 2.8, ink});
   drawing.shapes.emplace_back(DrawnDots{{at}, 1.7, {255, 255, 255}});
 }
-
-using Edges = std::vector<std::array<Eigen::Vector2d, 2>>;
 
 /// Pairs of keyframes that share as many landmarks, but fewer than `below`.
 Edges SharedEdges(const Map& map, const ViewDirections& view, int min_shared, int below) {
@@ -98,11 +105,15 @@ Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, c
   std::vector<Eigen::Vector3d> all;
   for (const NamedPath& path : paths) all.insert(all.end(), path.positions_w.begin(), path.positions_w.end());
   const ViewDirections view = ViewOf(all);
+  ShownLandmarks shown;
+  // How high the legend is does not change the ranges.
+  if (map != nullptr) shown = LandmarksWithin(PlanAround(view(all), 0.0), *map, view);
   Drawing drawing;
-  const Plan plan = Begin(title, LegendOf(paths, map), view(all), drawing);
+  const Plan plan = Begin(title, LegendOf(paths, shown), view(all), drawing);
   Axes axes(drawing, plan.area, plan.x, plan.y);
   axes.DrawGrid(view.right_name, view.up_name);
-  if (map != nullptr) DrawLandmarks(*map, view, axes);
+  axes.DrawDots(shown.points, 0.35, kLandmark);
+  axes.DrawSegments(shown.lines, {kLandmarkLine, 0.5, false});
   for (const NamedPath& path : paths) axes.DrawPath(view(path.positions_w), path.stroke);
   if (!paths.empty() && !paths.back().positions_w.empty()) {
     const Eigen::Vector2d start = view(paths.back().positions_w.front());

@@ -71,7 +71,8 @@ class SlowStage : public testing::TestWithParam<std::pair<const char*, const cha
 
 TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
   const auto [name, executable] = GetParam();
-  const int frames = IsLong() ? 400 : 80;
+  if (!IsLong() && name != std::string("mapping")) GTEST_SKIP() << "with PLSLAM_LONG_TESTS only";
+  const int frames = IsLong() ? 400 : 50;
   constexpr double kPeriod_s = 0.1;
   RunWatcher watcher;
   WholeRun run;
@@ -104,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, SlowStage,
                          [](const auto& stage) { return std::string(stage.param.first); });
 
 TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
-  const int frames = IsLong() ? 400 : 60;
+  const int frames = IsLong() ? 400 : 40;
   RunWatcher watcher;
   WholeRun run;
   run.Start({"run", fmt::format("synthetic:room?size=320x200&frames={}&rate=10", frames), "--pace", "realtime",
@@ -129,7 +130,7 @@ class Missing : public testing::TestWithParam<std::pair<const char*, const char*
 
 TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   const auto [name, executable] = GetParam();
-  const int frames = 60;
+  const int frames = 40;
   const WholeRun folder;
   const RunWatcher watcher;
   const auto start = [&](const std::string& program, std::vector<std::string> arguments) {

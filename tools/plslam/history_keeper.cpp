@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <condition_variable>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <mutex>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/process_usage.h"
 #include "core/bus/wire.h"
 #include "core/bus/worker.h"
 #include "plslam/ground_truth_t.hpp"
@@ -150,7 +152,8 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
 
 HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
-  bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
+  bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
+    if (m.host != host) return;  // ids of its processes mean nothing here
     if (sources_.size() < kMaxProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
   });
   for (size_t i = 0; i < kKept.size(); ++i) {
@@ -174,6 +177,11 @@ void HistoryKeeper::OnExit(pid_t pid) {
   const auto found = sources_.find(pid);
   if (found == sources_.end()) return;
   store_->Bury(found->second);
+  // What its own bus had put on disk, and can remove no more.
+  const char* root = std::getenv("TMPDIR");
+  std::error_code ignored;
+  std::filesystem::remove_all(
+      fmt::format("{}/plslam-{}", root != nullptr && *root != '\0' ? root : "/tmp", found->second), ignored);
   sources_.erase(found);
 }
 

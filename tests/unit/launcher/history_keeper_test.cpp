@@ -10,7 +10,7 @@
 #include <memory>
 #include <thread>
 
-#include "plslam/ground_truth_t.hpp"
+#include "core/bus/process_usage.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tools/plslam/bus_url.h"
@@ -65,6 +65,7 @@ void SayAlive(bus::Bus& bus, int64_t pid) {
   status_t status{};
   status.process = "vo";
   status.pid = pid;
+  status.host = bus::HostName();
   bus.Publish(bus::kStatus, status);
 }
 

@@ -10,6 +10,8 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
@@ -69,7 +71,7 @@ std::map<std::string, int> KillAtRandom(const WholeRun& run, const RunWatcher& w
     // Each kind in turn, in an order that changes.
     if (done % static_cast<int>(order.size()) == 0) std::shuffle(order.begin(), order.end(), random);
     const int at_once = done % 4 == 3 && done + 1 < extent.kills ? 2 : 1;
-    std::vector<Victim> dead;
+    std::vector<std::pair<Victim, pid_t>> dead;
     for (int i = 0; i < at_once; ++i, ++done) {
       const Victim& victim = kVictims[static_cast<size_t>(order[static_cast<size_t>(done) % order.size()])];
       const pid_t pid = run.PidOf(victim.executable);
@@ -78,13 +80,13 @@ std::map<std::string, int> KillAtRandom(const WholeRun& run, const RunWatcher& w
         continue;
       }
       ++killed[victim.name];
-      dead.push_back(victim);
+      dead.emplace_back(victim, pid);
       std::cout << "frame " << watcher.Get().newest_frame << ": " << victim.name << " killed\n";
     }
-    for (const Victim& victim : dead) {
-      const bool back = WholeRun::WaitFor([&] {
+    for (const auto& [victim, killed_pid] : dead) {
+      const bool back = WholeRun::WaitFor([&, &victim = victim, &killed_pid = killed_pid] {
         const pid_t pid = run.PidOf(victim.executable);
-        return pid > 0 && watcher.WaitUntilReady(victim.name, pid, 1);
+        return pid > 0 && pid != killed_pid && watcher.WaitUntilReady(victim.name, pid, 1);
       });
       if (!back) ADD_FAILURE() << victim.name << " is not back";
     }

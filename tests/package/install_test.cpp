@@ -1,0 +1,66 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <fstream>
+
+#include "tests/package/installed_tree.h"
+#include "tests/support/data_folder.h"
+
+namespace plslam::test {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using Installation = InstalledTree;
+
+TEST_F(Installation, RunsFromWhereverItIsMovedTo) {
+  Install("runtime");
+  fs::rename(prefix(), folder() / "moved away");
+  ExpectThatItRuns(folder() / "moved away" / "bin");
+  for (const char* file :
+       {"share/plslam/orb.vocabulary", "share/plslam/config/euroc.yaml", "share/plslam/lcmtypes/pose_t.lcm",
+        "share/man/man1/plslam.1", "share/bash-completion/completions/plslam",
+        "share/plslam/systemd/plslam-vo@.service", "share/doc/plslam/README.md"}) {
+    EXPECT_TRUE(fs::exists(folder() / "moved away" / file)) << file;
+  }
+}
+
+TEST_F(Installation, UnitsAreWhatSystemdTakes) {
+  Install("runtime");
+  const fs::path units = prefix() / "share" / "plslam" / "systemd";
+  int services = 0;
+  for (const auto& entry : fs::directory_iterator(units)) {
+    std::ifstream stream(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_THAT(text, testing::Not(HasSubstr("@PLSLAM_BIN@"))) << entry.path();
+    if (entry.path().extension() != ".service") continue;
+    ++services;
+    EXPECT_THAT(text, HasSubstr((prefix() / "bin").string())) << entry.path();
+    EXPECT_THAT(text, HasSubstr("RestartSec=200ms"));
+  }
+  EXPECT_EQ(services, 7) << "one for each process, the recorder and the relay";
+  if (!Has("systemd-analyze")) GTEST_SKIP() << "no systemd-analyze here: units are not verified";
+  // Templates are verified as instances; the names of others in [Unit] lead to them.
+  EXPECT_EQ(Shell(fmt::format(
+                "cd '{}' && for unit in *@.*; do cp \"$unit\" \"$(echo \"$unit\" | sed 's/@/@front/')\"; done\n"
+                "SYSTEMD_UNIT_PATH=\"$PWD:\" systemd-analyze verify --man=no ./*@front.* ./plslam-relay.service",
+                units.string())),
+            0)
+      << output();
+  EXPECT_EQ(output(), "");
+}
+
+TEST_F(Installation, AProgramOfSomebodyElseUsesCore) {
+  Install("dev");
+  const std::string source = (SourceFolder() / "tests" / "package" / "consumer").string();
+  ASSERT_EQ(Shell(fmt::format(
+                "'{0}' -S '{1}' -B build -DCMAKE_PREFIX_PATH='{2}' && '{0}' --build build -j 2 && build/consumer "
+                "&& build/all_of_core",
+                CMAKE_PROGRAM, source, prefix().string())),
+            0)
+      << output();
+  EXPECT_THAT(output(), HasSubstr("channels, 1 bytes, 4.0 m"));
+}
+
+}  // namespace
+}  // namespace plslam::test

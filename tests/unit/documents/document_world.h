@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/unit/documents/document_commands.h"
+#include "tools/plslam/bus_url.h"
+#include "tools/plslam/child_process.h"
+
+namespace plslam::test {
+
+/// A folder in which a reader of the documents might sit: `build/release/bin`, `config`, and the files that documents take
+/// for granted (`my_camera`, `my.plmap`, ...), made when a command names them.
+class DocumentWorld {
+ public:
+  DocumentWorld();
+  ~DocumentWorld();
+  DocumentWorld(const DocumentWorld&) = delete;
+  DocumentWorld& operator=(const DocumentWorld&) = delete;
+
+  /// Runs a block, and interrupts what is endless in it when the rest is done. Returns what went wrong, with the output of
+  /// the command; empty where all ended with exit code 0.
+  std::string Run(const CommandBlock& block);
+
+ private:
+  struct Running {
+    DocumentCommand command;
+    std::filesystem::path log;
+    std::unique_ptr<ChildProcess> process;
+  };
+
+  void MakeFilesFor(const std::string& command);
+  Running Start(const DocumentCommand& command, bool block_has_vo);
+  std::string Finish(Running& running) const;
+
+  PrivatePort port_;
+  std::filesystem::path folder_;
+  std::string environment_;
+  int started_ = 0;
+};
+
+}  // namespace plslam::test

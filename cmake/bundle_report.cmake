@@ -19,7 +19,8 @@ endif()
 if(NOT installed STREQUAL wanted)
   file(COPY ${PAGE}/package.json ${PAGE}/package-lock.json DESTINATION ${WORK})
   execute_process(
-    COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --fetch-retries=1 --fetch-timeout=60000
+    COMMAND ${NPM} ci --ignore-scripts --no-audit --no-fund --prefer-offline --fetch-retries=1 --fetch-retry-mintimeout=1000 --fetch-retry-maxtimeout=2000
+            --fetch-timeout=60000
     WORKING_DIRECTORY ${WORK} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output TIMEOUT 300)
   if(NOT result EQUAL 0)
     give_up("'npm ci' failed (registry not reachable?)" "${output}")

@@ -1,6 +1,6 @@
 // Asks the viewer again and again for what is new, ever more slowly where that is much work.
 
-const kShortest_ms = 500;
+const kShortest_ms = 700;
 const kLongest_ms = 8000;
 
 export async function follow(run, changed, tell) {
@@ -11,6 +11,8 @@ export async function follow(run, changed, tell) {
       const response = await fetch(`data.json?since=${encodeURIComponent(run.next)}`, { cache: "no-store" });
       if (!response.ok) throw new Error(`${response.status}`);
       changed(run.take(await response.json()));
+      // What the drawing takes counts too.
+      await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
       failures = 0;
       tell(run.facts.finished ? "finished" : "live");
     } catch (error) {

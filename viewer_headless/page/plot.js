@@ -54,21 +54,36 @@ export class Plot {
       height: kHeight,
       scales: { x: { time: false }, y: { distr: spec.log ? 3 : 1, range: spec.range } },
       axes: [{ ...axis(spec.xLabel ?? "time in s"), size: 28, labelGap: -2 }, { ...axis(spec.unit), size: 52 }],
-      series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s) => this.serie(s, spec))],
+      series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s, i) => this.serie(s, i))],
       cursor: { y: false, focus: { prox: 16 }, sync: seek ? { key: "time" } : undefined },
       legend: { live: true },
       plugins: [nowLine(now)],
       bands: spec.bands,
     };
+    this.own = spec.series.map((s) => s.own);
     this.plot = new uPlot(options, data, this.box);
     this.plot.over.addEventListener("mouseleave", () => setTimeout(() => this.showValues()));
     if (seek) this.plot.over.addEventListener("click", (event) => seek(this.plot.posToVal(event.offsetX, "x")));
     // Asked once a size has settled, for a redraw within its own notice would be noticed again.
     this.observer = new ResizeObserver(() => requestAnimationFrame(() => this.resize()));
     this.observer.observe(this.figure);
+    // What nobody sees waits.
+    this.visible = true;
+    this.watcher = new IntersectionObserver((entries) => this.setVisible(entries.at(-1).isIntersecting));
+    this.watcher.observe(this.figure);
   }
 
-  serie(s, spec) {
+  setVisible(visible) {
+    this.visible = visible;
+    if (!visible) return;
+    const waiting = this.waiting;
+    this.waiting = null;
+    if (waiting) this.plot.setData(waiting);
+    else this.plot.redraw(false, true);
+    this.showValues();
+  }
+
+  serie(s, index) {
     return {
       label: s.label,
       stroke: s.colour,
@@ -79,7 +94,7 @@ export class Plot {
       paths: s.points === true ? () => null : s.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
       spanGaps: s.spanGaps ?? false,
       value: (_, v, __, i) => {
-        const shown = s.own && i !== null ? s.own[i] : v;
+        const shown = this.own[index] && i !== null ? this.own[index][i] : v;
         return shown === null || shown === undefined ? "–" : `${Number(shown.toPrecision(3))}`;
       },
     };
@@ -94,12 +109,17 @@ export class Plot {
     if (Math.abs(width - this.plot.width) >= 1) this.plot.setSize({ width, height: kHeight });
   }
 
-  setData(data) {
-    this.plot.setData(data);
+  /** Other numbers of the same series. */
+  setData(data, spec) {
+    this.own = spec.series.map((s) => s.own);
+    if (this.visible) this.plot.setData(data);
+    else this.waiting = data;
   }
 
   redraw() {
+    if (!this.visible) return;
     this.plot.redraw(false, true);
+    this.showValues();
   }
 
   /** In the legend, the values of the moment (of the end, where moments mean nothing) while no cursor asks for others. */
@@ -113,6 +133,7 @@ export class Plot {
 
   destroy() {
     this.observer.disconnect();
+    this.watcher.disconnect();
     this.plot.destroy();
     this.figure.remove();
   }

@@ -15,10 +15,8 @@ export class Plots {
   setRun(run) {
     const wanted = plotsOf(run);
     const shape = JSON.stringify(wanted.map((p) => [p.key, p.spec.series.map((s) => s.label)]));
-    // Values of stacked series hang on the plot they were made for.
-    const reusable = shape === this.shape && !wanted.some((p) => p.spec.series.some((s) => s.own));
-    if (reusable) {
-      for (const p of wanted) this.plots.get(p.key).setData(p.data);
+    if (shape === this.shape) {
+      for (const { key, spec, data } of wanted) this.plots.get(key).setData(data, spec);
       return this.redraw();
     }
     this.shape = shape;
@@ -45,9 +43,6 @@ export class Plots {
   }
 
   redraw() {
-    for (const plot of this.plots.values()) {
-      plot.redraw();
-      plot.showValues();
-    }
+    for (const plot of this.plots.values()) plot.redraw();
   }
 }

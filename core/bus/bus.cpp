@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <sodium.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "core/bus/bus_impl.h"
@@ -58,6 +59,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
   CheckPrefix("prefix", options.prefix);
   CheckPrefix("map_prefix", options.map_prefix);
   source = RandomSource();
+  spdlog::default_logger_raw();  // made here, before the thread that may use it
   temporary_folder = options.history_dir.empty();
   history_folder = temporary_folder ? TemporaryFolder(source) : options.history_dir;
   if (!temporary_folder) CheckFolder(history_folder);

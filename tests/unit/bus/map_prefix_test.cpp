@@ -32,10 +32,10 @@ class MapPrefix : public testing::TestWithParam<bool> {
       heard += word;
       count.Add();
     }
-    test::RunningBus bus;
     int64_t closures = 0;
     std::string cameras, statuses, commands;
     Waiter n_closures, n_cameras, n_statuses, n_commands;
+    test::RunningBus bus;  // last, so that it is the first to go: its thread uses the others
   };
 
   BusOptions Options(const std::string& prefix, const std::string& map_prefix) const {

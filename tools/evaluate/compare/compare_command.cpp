@@ -94,6 +94,7 @@ void CompareRuns(const Arguments& a) {
     if (a.html.empty()) return;
   }
   std::vector<RunRecord> runs;
+  runs.reserve(folders.size());
   for (const std::string& folder : folders) runs.push_back(ReadRunRecord(folder));
   const std::vector<RunGroup> groups = Compare(runs);
   if (!a.html.empty()) WriteFileAtomically(a.html, ComparisonPage(groups));

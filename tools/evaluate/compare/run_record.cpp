@@ -81,7 +81,8 @@ bool IsIncidental(const std::string& name) {
 
 void Flatten(const json& value, const std::string& name, std::map<std::string, std::string>& options) {
   if (value.is_object()) {
-    for (const auto& [key, member] : value.items()) Flatten(member, name.empty() ? key : name + "." + key, options);
+    for (const auto& [key, member] : value.items())
+      Flatten(member, name.empty() ? key : fmt::format("{}.{}", name, key), options);
   } else if (!IsIncidental(name)) {
     options[name] = value.is_string() ? value.get<std::string>() : value.dump();
   }

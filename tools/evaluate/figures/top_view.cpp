@@ -17,7 +17,7 @@ Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
            const std::vector<Eigen::Vector2d>& around, Drawing& drawing) {
   AddTitle(drawing, title);
   const double top = AddLegend(drawing, {2.0, kLegendLine_pt}, kColumn_pt - 4.0, legend);
-  const Plan plan = PlanAround(around, top + 6.0);
+  Plan plan = PlanAround(around, top + 6.0);
   drawing.size = {kColumn_pt, plan.height_pt};
   return plan;
 }
@@ -51,6 +51,7 @@ ShownLandmarks LandmarksWithin(const Plan& plan, const Map& map, const ViewDirec
 
 std::vector<LegendEntry> LegendOf(const std::vector<NamedPath>& paths, const ShownLandmarks& shown) {
   std::vector<LegendEntry> legend;
+  legend.reserve(paths.size() + 2);
   for (const NamedPath& path : paths) legend.push_back({path.name, path.stroke, 0.0});
   const std::string points = shown.step > 1 ? fmt::format("points (1 in {})", shown.step) : "points";
   if (!shown.points.empty()) legend.push_back({points, {kLandmark, 0.0, false}, 1.0});

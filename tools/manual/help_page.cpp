@@ -107,7 +107,7 @@ class HelpParser {
 std::vector<std::string> HelpPage::CommandNames() const {
   std::vector<std::string> names;
   for (const HelpEntry& entry : commands) names.push_back(entry.names[0]);
-  const std::regex named(command + R"( ([a-z_-]+) --help)");
+  const std::regex named(fmt::format("`{} ([a-z_-]+)[ `]", command));
   for (std::sregex_iterator it(footer.begin(), footer.end(), named), end; it != end; ++it) {
     if (std::find(names.begin(), names.end(), (*it)[1]) == names.end()) names.push_back((*it)[1]);
   }

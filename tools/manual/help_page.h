@@ -25,7 +25,7 @@ struct HelpPage {
   std::vector<HelpEntry> commands;
   std::string footer;
 
-  /// Commands, and words that the footer names as such ("evaluate places --help").
+  /// Commands, and words that the footer names as such ("`evaluate places DATASET...`").
   std::vector<std::string> CommandNames() const;
 };
 

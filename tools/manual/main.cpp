@@ -47,6 +47,7 @@ void Write(const fs::path& path, const std::string& text) {
 
 void WriteAll(const fs::path& folder, const std::string& version, const std::vector<fs::path>& programs) {
   std::vector<std::string> names;
+  names.reserve(programs.size());
   for (const fs::path& program : programs) names.push_back(program.filename());
   for (const fs::path& program : programs) {
     const std::vector<HelpPage> pages = PagesOf(program);

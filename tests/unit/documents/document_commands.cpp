@@ -27,9 +27,8 @@ constexpr std::array kNotRun = {
     NotRun{"scripts/pose_graphs", "rewrites a document, from graphs that are not in the tree"},
     NotRun{"ctest|cmake|cpack", "builds or tests the whole tree; tests/package installs and packs it"},
     NotRun{"sudo|apt|systemctl|journalctl", "changes the machine"},
-    NotRun{"ssh|scp", "needs a second machine"},
     NotRun{"lcm-logger|lcm-logplayer", "LCM's own programs, which tests/unit/bus runs with logs of ours"},
-    NotRun{"lcm-spy", "needs a display; tests/package asks its classes to decode our messages"},
+    NotRun{"lcm-spy|java", "needs a display; tests/package asks its classes to decode our messages"},
     NotRun{"colmap", "takes minutes; tests/integration has COLMAP read the model"},
     NotRun{".*(--prefix team/|--map-prefix)", "several robots: tests/integration/fleet_test.cpp runs them"},
 };

@@ -44,6 +44,7 @@ const std::vector<Arrow> kArrows = {
      {"core/", "tools/evaluate/", "tools/export/keyframe_images.h", "tools/export/run_source.h"}},
     {"tools/export/", {"core/", "player/open_dataset.h", "tools/pose_graph/export.h"}},
     {"tools/doctor/", {"core/", "lcmtypes/"}},
+    {"tools/manual/", {}},
     {"tools/plslam/",
      {"core/", "tools/evaluate/", "tools/export/export_command.h", "tools/doctor/doctor_command.h",
       "tools/rectify_check/rectify_check_command.h"}},

@@ -41,17 +41,23 @@ std::string Missing() {
   return "";
 }
 
-/// Runs a script of tests/report with the programs it needs; what it prints on failure goes to the test.
-void RunScript(const std::string& script, std::vector<std::string> arguments, const std::filesystem::path& log) {
-  arguments.insert(arguments.begin(), {(test::SourceFolder() / "tests/report" / script).string(),
-                                       Find("chromedriver"), Find("chromium")});
+std::string Script(const std::string& name) { return (test::SourceFolder() / "tests/report" / name).string(); }
+
+/// `node ARGUMENTS...` ends well; what it prints is printed.
+void RunNode(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
   ChildProcess process(Find("node"), arguments, log);
   WholeRun::WaitFor([&] { return process.Poll().has_value(); });
   std::ifstream file(log);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
-  ASSERT_TRUE(process.Poll().has_value()) << script << " has not ended\n" << text;
+  ASSERT_TRUE(process.Poll().has_value()) << "not ended after a minute\n" << text;
   std::printf("%s", text.c_str());
-  EXPECT_EQ(process.Poll()->code, 0) << script << ": see the lines that begin with FAIL above";
+  EXPECT_EQ(process.Poll()->code, 0) << "what failed stands above";
+}
+
+/// The same of a script that drives a browser.
+void RunScript(const std::string& script, std::vector<std::string> arguments, const std::filesystem::path& log) {
+  arguments.insert(arguments.begin(), {Script(script), Find("chromedriver"), Find("chromium")});
+  RunNode(arguments, log);
 }
 
 int FreePort() {
@@ -64,6 +70,13 @@ int FreePort() {
   getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
   close(fd);
   return ntohs(address.sin_port);
+}
+
+TEST(Report, PutsTogetherWhatComesBitByBit) {
+  if (Find("node").empty()) GTEST_SKIP() << "no node here: the page of reports is not tested";
+  const std::string log = testing::TempDir() + "data_test " + std::to_string(getpid());
+  RunNode({"--test", Script("data_test.mjs")}, log);
+  std::filesystem::remove(log);
 }
 
 TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {

@@ -15,6 +15,12 @@ export class Browser {
     browser.profile = mkdtempSync(join(tmpdir(), "report-browser-"));
     // Port 0: any free one, which it then says.
     browser.driver = spawn(chromedriver, ["--port=0"], { stdio: ["ignore", "pipe", "inherit"] });
+    // Whoever waits for this script does so for a minute: nothing of it must be left then.
+    setTimeout(() => {
+      console.log("FAIL not done after 55 s");
+      browser.driver.kill();
+      process.exit(1);
+    }, 55_000).unref();
     browser.base = await new Promise((resolve, reject) => {
       let said = "";
       browser.driver.stdout.on("data", (data) => {

@@ -14,12 +14,12 @@ function pointColour(disparity) {
   return css(ramp(kNear, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
 }
 
-function drawSegments(context, { segments, segment_ages, segment_depths }, scale) {
+function drawSegments(context, { segments, segment_ages, segment_depths }, scale, mark) {
   for (let i = 0; i < segment_ages.length; ++i) {
-    const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4).map((x) => x);
+    const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4);
     const deep = segment_depths[i];
     context.strokeStyle = deep ? css(ramp(scales.sights, segment_ages[i] / kOldAge)) : "rgb(200 200 200 / 0.7)";
-    context.lineWidth = deep ? 2.5 : 1;
+    context.lineWidth = (deep ? 2.5 : 1) * mark;
     context.setLineDash(deep ? [] : [4, 4]);
     context.beginPath();
     context.moveTo((u0 / 32) * scale, (v0 / 32) * scale);
@@ -29,12 +29,12 @@ function drawSegments(context, { segments, segment_ages, segment_depths }, scale
   context.setLineDash([]);
 }
 
-function drawPoints(context, { points, point_ages }, scale) {
-  context.lineWidth = 1.5;
+function drawPoints(context, { points, point_ages }, scale, mark) {
+  context.lineWidth = 1.5 * mark;
   for (let i = 0; i < point_ages.length; ++i) {
     context.strokeStyle = pointColour(points[3 * i + 2]);
     context.beginPath();
-    context.arc((points[3 * i] / 32) * scale, (points[3 * i + 1] / 32) * scale, point_ages[i] ? 3.5 : 2, 0, 2 * Math.PI);
+    context.arc((points[3 * i] / 32) * scale, (points[3 * i + 1] / 32) * scale, (point_ages[i] ? 3.5 : 2) * mark, 0, 2 * Math.PI);
     context.stroke();
   }
 }
@@ -86,7 +86,9 @@ export class Picture {
     const context = this.canvas.getContext("2d");
     context.scale(density, density);
     context.drawImage(this.image, 0, 0, width, picture.height_px * scale);
-    if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale);
-    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale);
+    // Marks that fit the picture as it is shown.
+    const mark = Math.min(1.3, Math.max(0.55, Math.sqrt(picture.height_px * scale * width) / 480));
+    if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale, mark);
+    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale, mark);
   }
 }

@@ -1,0 +1,64 @@
+// node --test data_test.mjs: how a page puts together what the viewer sends bit by bit.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { countUpTo, Run } from "../../viewer_headless/page/data.js";
+
+function column(Type, name, width, values) {
+  return { type: name, width, data: Buffer.from(Type.from(values).buffer).toString("base64") };
+}
+const f32 = (width, values) => column(Float32Array, "f32", width, values);
+const i32 = (values) => column(Int32Array, "i32", 1, values);
+
+function message(more) {
+  return { facts: { dataset: "d", finished: false }, next: "n", whole: false, stage_names: [], map_stage_names: [], first_row: 0,
+    frames: { id: i32([]), t_s: f32(1, []), stages_ms: f32(1, []) }, path: null, map: null, map_times: {}, loops: [],
+    corrections: [], processes: [], pictures: [], notes: [], ...more };
+}
+const rows = (ids, width, stages) => ({ id: i32(ids), t_s: f32(1, ids.map((id) => id / 10)), stages_ms: f32(width, stages) });
+
+test("frames are put behind each other", () => {
+  const run = new Run();
+  run.take(message({ whole: true, frames: rows([0, 1], 1, [5, 6]) }));
+  run.take(message({ first_row: 2, frames: rows([2], 1, [7]) }));
+  assert.deepEqual([...run.frames.id], [0, 1, 2]);
+  assert.deepEqual([...run.frames.stages_ms], [5, 6, 7]);
+  run.take(message({ first_row: 3 }));
+  assert.equal(run.rows, 3);
+});
+
+test("a stage that nobody knew of makes rows wider", () => {
+  const run = new Run();
+  run.take(message({ whole: true, stage_names: ["a"], frames: rows([0, 1], 1, [5, 6]) }));
+  run.take(message({ first_row: 2, stage_names: ["a", "b"], frames: rows([2], 2, [7, 8]) }));
+  assert.deepEqual([...run.frames.stages_ms], [5, NaN, 6, NaN, 7, 8]);
+});
+
+test("another run begins anew, figures of the path stay until the next path", () => {
+  const run = new Run();
+  const path = { p: f32(3, [1, 2, 3]), q: f32(4, [0, 0, 0, 1]) };
+  const map = { points: {}, segments: {}, keyframes: {}, edges: {}, loop_edges: {} };
+  run.take(message({ whole: true, facts: { ate_m: 0.5, length_m: 3 }, frames: rows([0], 1, [5]), path, map }));
+  run.take(message({ first_row: 1, facts: { ate_m: null, length_m: 0 }, frames: rows([1], 1, [5]) }));
+  assert.equal(run.facts.ate_m, 0.5);
+  assert.deepEqual(run.position(0, [0, 0, 0]), [1, 2, 3]);
+  run.take(message({ whole: true, frames: rows([7], 1, [5]) }));
+  assert.deepEqual([...run.frames.id], [7]);
+  assert.equal(run.path, null);
+});
+
+test("rows are found by frame and by time", () => {
+  const run = new Run();
+  run.take(message({ whole: true, frames: rows([0, 10, 20], 1, [1, 1, 1]) }));
+  assert.deepEqual([-5, 0, 9, 10, 99].map((frame) => run.rowOf(frame)), [0, 0, 0, 1, 2]);
+  assert.equal(run.rowAt(1.5), 1);
+  assert.equal(new Run().rowOf(3), 0);
+  assert.equal(countUpTo([1, 1, 2], 1), 2);
+});
+
+test("pictures come once, in order", () => {
+  const run = new Run();
+  const picture = (frame) => ({ frame, features: {} });
+  run.take(message({ whole: true, pictures: [picture(4), picture(2)] }));
+  run.take(message({ pictures: [picture(4), picture(3)] }));
+  assert.deepEqual(run.pictures.map((p) => p.frame), [2, 3, 4]);
+});

@@ -70,7 +70,8 @@ std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
 class SlowStage : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
-  const auto [name, executable] = GetParam();
+  const char* const name = GetParam().first;
+  const char* const executable = GetParam().second;
   if (!IsLong() && name != std::string("mapping")) GTEST_SKIP() << "with PLSLAM_LONG_TESTS only";
   const int frames = IsLong() ? 400 : 50;
   constexpr double kPeriod_s = 0.1;
@@ -129,7 +130,8 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
 class Missing : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
-  const auto [name, executable] = GetParam();
+  const char* const name = GetParam().first;
+  const char* const executable = GetParam().second;
   const int frames = 40;
   const WholeRun folder;
   const RunWatcher watcher;
@@ -156,8 +158,9 @@ TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   EXPECT_EQ(heard.frames.size(), static_cast<size_t>(frames));
   EXPECT_EQ(heard.lost_frames, 0);
   for (auto& [program, process] : processes) process->Signal(SIGINT);
-  for (auto& [program, process] : processes) {
+  for (auto& [program, started] : processes) {
     if (program == executable) continue;
+    ChildProcess* process = started.get();
     EXPECT_TRUE(WholeRun::WaitFor([&] { return process->Poll().has_value(); })) << program;
     EXPECT_EQ(process->Poll()->code, 0) << program;
   }

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "tools/plslam/history_keeper.h"
+#include "tools/plslam/history_node.h"
 #include "tools/plslam/monitor_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"

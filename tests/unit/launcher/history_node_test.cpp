@@ -1,4 +1,4 @@
-#include "tools/plslam/history_keeper.h"
+#include "tools/plslam/history_node.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

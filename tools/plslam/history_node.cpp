@@ -1,4 +1,4 @@
-#include "tools/plslam/history_keeper.h"
+#include "tools/plslam/history_node.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

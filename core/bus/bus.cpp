@@ -169,7 +169,7 @@ std::string Bus::Complaints() const {
 BusCounters Bus::counters() const {
   const std::lock_guard lock(impl_->mutex);
   BusCounters counts = impl_->counts;
-  counts.rejected += impl_->nonsense;
+  counts.rejected += impl_->nonsense + impl_->transport.junk();
   counts.skipped += impl_->passed_over;
   counts.lost += impl_->given_lost;
   counts.repaired += impl_->given_repaired;

@@ -91,6 +91,7 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
   if (kind_ == Kind::kUdpMulticast) {
     url_ = WithReceiveBuffer(url_);
     window_ = UdpWindow(url_);
+    udp_ = std::make_unique<UdpReceiver>(url_);
   }
   lcm_ = lcm_create(url_.c_str());
   if (lcm_ == nullptr) throw std::runtime_error("bus.url: LCM cannot open " + url_);
@@ -123,9 +124,17 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
   return lcm_publish(lcm_, channel.c_str(), bytes.data(), static_cast<unsigned>(bytes.size())) == 0;
 }
 
-void Transport::Listen(const std::string& channel) { Subscribe(Quoted(channel)); }
+void Transport::Listen(const std::string& channel) {
+  if (udp_ == nullptr) return Subscribe(Quoted(channel));
+  const std::lock_guard lock(listen_mutex_);
+  names_.insert(channel);
+}
 
-void Transport::ListenToEnding(std::string_view ending) { Subscribe(".*" + Quoted(std::string(ending))); }
+void Transport::ListenToEnding(std::string_view ending) {
+  if (udp_ == nullptr) return Subscribe(".*" + Quoted(std::string(ending)));
+  const std::lock_guard lock(listen_mutex_);
+  endings_.emplace_back(ending);
+}
 
 void Transport::ListenToAll() {
   {
@@ -135,8 +144,8 @@ void Transport::ListenToAll() {
     for (lcm_subscription_t* subscription : subscriptions_) lcm_unsubscribe(lcm_, subscription);
     subscriptions_.clear();
   }
-  Subscribe(".*");
-  const std::lock_guard lock(send_mutex_);
+  if (udp_ == nullptr) Subscribe(".*");
+  const std::scoped_lock lock(send_mutex_, listen_mutex_);
   listens_to_all_ = true;
 }
 
@@ -159,7 +168,28 @@ bool Transport::WaitReadable(int timeout_ms, int fd) const {
   return fd >= 0 && fds[1].revents != 0;
 }
 
+bool Transport::IsListenedTo(std::string_view channel) {
+  const std::lock_guard lock(listen_mutex_);
+  return listens_to_all_ || names_.contains(channel) ||
+         std::any_of(endings_.begin(), endings_.end(), [&](const std::string& e) { return channel.ends_with(e); });
+}
+
+bool Transport::ReceiveUdp(int timeout_ms) {
+  static constexpr int kBatch = 32;
+  if (!WaitReadable(timeout_ms, udp_->fd())) return true;
+  const auto take = [this](std::string_view channel, ByteView bytes) {
+    if (receiver_ && IsListenedTo(channel)) receiver_(channel, bytes);
+  };
+  for (int i = 0; i < kBatch; ++i) {
+    const UdpReceiver::Outcome outcome = udp_->Receive(take);
+    if (outcome == UdpReceiver::Outcome::kNothing) break;
+    if (outcome == UdpReceiver::Outcome::kJunk) ++junk_;
+  }
+  return true;
+}
+
 bool Transport::Receive(int timeout_ms) {
+  if (udp_ != nullptr) return ReceiveUdp(timeout_ms);
   if (kind_ == Kind::kFileWrite) {
     WaitReadable(timeout_ms, -1);
     return true;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,11 +13,12 @@
 
 #include <lcm/lcm.h>
 
+#include "core/bus/udp_receiver.h"
 #include "core/bus/wire.h"
 
 namespace plslam::bus {
 
-/// One LCM instance: URL, raw publishing and raw reception. `Send` and `Listen` are safe from any thread; `Receive`
+/// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver). `Send` and `Listen` are safe from any thread; `Receive`
 /// belongs to one.
 class Transport {
  public:
@@ -45,6 +49,9 @@ class Transport {
   /// All messages of all channels; `Listen` is then not needed any more.
   void ListenToAll();
 
+  /// Datagrams that held no message of one packet.
+  int64_t junk() const { return junk_; }
+
   void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
 
   /// Waits at most until `timeout_ms` for messages or `Wake`, and hands at least one message that is there to the
@@ -55,6 +62,8 @@ class Transport {
 
  private:
   void Subscribe(const std::string& pattern);
+  bool ReceiveUdp(int timeout_ms);
+  bool IsListenedTo(std::string_view channel);
   bool WaitReadable(int timeout_ms, int fd) const;
 
   std::string url_;
@@ -65,6 +74,11 @@ class Transport {
   std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
   std::vector<lcm_subscription_t*> subscriptions_;
   bool listens_to_all_ = false;
+  std::unique_ptr<UdpReceiver> udp_;
+  std::mutex listen_mutex_;                   // what follows, and `listens_to_all_`
+  std::set<std::string, std::less<>> names_;  // listened to by `udp_`
+  std::vector<std::string> endings_;
+  std::atomic<int64_t> junk_{0};
   Receiver receiver_;
 };
 

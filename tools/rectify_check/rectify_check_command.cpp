@@ -77,6 +77,7 @@ class PairReader {
 std::vector<int> SpreadFrames(int size, int n) {
   std::vector<int> frames;
   n = std::min(n, size);
+  frames.reserve(static_cast<size_t>(n));
   for (int i = 0; i < n; ++i) frames.push_back(static_cast<int>((2LL * i + 1) * size / (2LL * n)));
   return frames;
 }

@@ -19,7 +19,7 @@ constexpr double kUsable_px = 1.0;
 
 /// The value with this share of the others below. Precondition: not empty.
 double Quantile(std::vector<double> values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  const auto at = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), at, values.end());
   return *at;
 }
@@ -29,6 +29,7 @@ double Quantile(std::vector<double> values, double share) {
 Eigen::Vector3d FitRows(const std::vector<RowMatch>& matches, const StereoCamera& camera) {
   Eigen::Vector3d fit = Eigen::Vector3d::Zero();
   std::vector<double> errors;
+  errors.reserve(matches.size());
   for (const RowMatch& m : matches) errors.push_back(m.RowError());
   fit[0] = Quantile(errors, 0.5);
   for (int iteration = 0; iteration < 20; ++iteration) {

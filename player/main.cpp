@@ -7,6 +7,10 @@ int main(int argc, char** argv) {
   plslam::bus::ProcessSpec spec;
   spec.name = "player";
   spec.description = "Plays a stereo or RGB-D dataset, or a built-in world, onto the bus.";
+  spec.examples =
+      "  player /data/kitti/03\n"
+      "  player /data/euroc/MH_01 --pace realtime --skip-bad\n"
+      "  player 'synthetic:corridor?seed=3' --loop 2 --bounce --exit";
   spec.add_options = [&](void* app) { command_line.AddTo(app); };
   spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
     return std::make_shared<plslam::PlayerNode>(process, command_line.Options(config));

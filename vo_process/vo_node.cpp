@@ -261,6 +261,10 @@ bus::ProcessSpec VoSpec() {
   bus::ProcessSpec spec;
   spec.name = "vo";
   spec.description = "Stereo odometry with points and lines: frames in, poses and keyframes out.";
+  spec.examples =
+      "  vo_process\n"
+      "  vo_process --config config/euroc.yaml --set vo.features.features=points\n"
+      "  vo_process --url udpm://239.255.76.67:7667?ttl=1 --prefix front/";
   spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
     VoOptions options;
     config.Read("vo", options);

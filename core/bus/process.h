@@ -50,6 +50,7 @@ class Process {
 struct ProcessSpec {
   std::string name;         ///< "vo"
   std::string description;  ///< for --help
+  std::string examples;     ///< for --help: one a line, each beginning with two blanks
   /// Adds options of its own to the command line; may be empty. Include <CLI/CLI.hpp> to use it.
   std::function<void(CLI::App* app)> add_options;
   /// Makes the node: reads its options from the configuration, subscribes, returns what must live until the end.

@@ -89,6 +89,9 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   ProcessArguments arguments;
   arguments.AddTo(&app);
   if (spec.add_options) spec.add_options(&app);
+  app.footer((spec.examples.empty() ? "" : fmt::format("Examples:\n{}\n", spec.examples)) +
+             "Exit code 0 when done, or ended by SIGINT or SIGTERM; 1 when not, and one sentence on standard error "
+             "says why.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

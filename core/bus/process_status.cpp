@@ -76,6 +76,8 @@ void StatusPublisher::Publish() {
   status.uptime_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
   std::map<std::string, double> all;
   AddBusCounters(bus_.counters(), &all);
+  // For `plslam doctor`, which compares the clocks of hosts.
+  all["clock.utc_s"] = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
   const std::string complaints = bus_.Complaints();
   const std::scoped_lock lock(mutex_);
   all.insert(counters_.begin(), counters_.end());

@@ -102,7 +102,16 @@ int RunPoseGraph(int argc, char** argv) {
   CLI::App app("Least squares of pose graphs in the plane and in space.", "pose_graph");
   Arguments arguments;
   Declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  app.footer(
+      "Examples:\n"
+      "  pose_graph sphere2500.g2o --out solved.g2o --tum solved.tum\n"
+      "  pose_graph --from-map house.plmap --out house.g2o\n"
+      "Exit code 0 when a minimum was found; 1 when not, and one sentence on standard error says why.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
   try {
     if (arguments.map.empty()) {
       Solve(arguments);

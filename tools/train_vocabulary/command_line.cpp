@@ -87,6 +87,11 @@ int RunTrainVocabulary(int argc, char** argv) {
       "train_vocabulary");
   Arguments arguments;
   AddOptions(app, arguments);
+  app.footer(
+      "Examples:\n"
+      "  train_vocabulary --kind points --out my_orb.vocabulary /data/images synthetic:room\n"
+      "  train_vocabulary --kind lines --out my_lbd.vocabulary --stride 5 /data/euroc/MH_01\n"
+      "Exit code 0 when done; 1 when not, and one sentence on standard error says why.");
   try {
     app.parse(argc, argv);
     return Train(arguments);

@@ -120,6 +120,7 @@ void ExpectUnharmed(const Outcome& quiet, const Outcome& attacked) {
       attacked.rejected, attacked.duplicates, attacked.unproven, attacked.peak_mb, quiet.peak_mb, attacked.complaint);
   EXPECT_EQ(quiet.rejected, 0);
   EXPECT_GT(attacked.rejected, 10'000);
+  EXPECT_GT(attacked.duplicates, 500);
   EXPECT_LT(attacked.peak_mb, quiet.peak_mb + 100);
   EXPECT_THAT(attacked.complaint, HasSubstr("messages rejected: "));
   EXPECT_EQ(attacked.log.poses.size(), static_cast<size_t>(kFrames));

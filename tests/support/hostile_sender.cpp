@@ -47,8 +47,6 @@ int MakeSocket(const std::string& group, uint16_t port) {
                   bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0 &&
                   setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0 &&
                   setsockopt(fd, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl) == 0;
-  name.sin_addr = membership.imr_multiaddr;
-  // Connecting fixes where to, and would keep foreign senders out: so only the address of sending is remembered.
   if (!ok) {
     if (fd >= 0) close(fd);
     throw std::runtime_error("the group " + group + " cannot be joined: " + std::strerror(errno));
@@ -133,9 +131,14 @@ void HostileSender::Listen() {
   static constexpr size_t kSmall = 4000;
   Bytes buffer(kLargestDatagram);
   for (int i = 0; i < 64; ++i) {
-    const ssize_t n = recv(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT);
+    sockaddr_in from{};
+    socklen_t length = sizeof from;
+    const ssize_t n =
+        recvfrom(fd_, buffer.data(), buffer.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
     if (n < 0) return;
-    if (static_cast<size_t>(n) > kSmall || n < 12) continue;
+    // We send from the port that we listen at, and LCM from one of its own: our own junk is not worth repeating.
+    const bool ours = ntohs(from.sin_port) == plan_.port;
+    if (ours || static_cast<size_t>(n) > kSmall || n < 12) continue;
     Bytes packet(buffer.begin(), buffer.begin() + n);
     if (heard_.size() < kHeard) {
       heard_.push_back(std::move(packet));

@@ -1,6 +1,7 @@
 #include "tests/support/network_host.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sched.h>
 #include <unistd.h>
 
@@ -89,20 +90,22 @@ void NetworkHost::Do(const std::function<void()>& f) const {
 void NetworkHost::Shell(const std::string& command) const {
   std::pair<int, std::string> result;
   Do([&] { result = RunShell(command); });
-  if (result.first != 0) throw std::runtime_error("'" + command + "' failed: " + result.second);
+  if (result.first != 0) throw std::runtime_error(fmt::format("'{}' failed: {}", command, result.second));
 }
 
-std::string NetworkHost::path() const { return "/proc/" + std::to_string(getpid()) + "/fd/" + std::to_string(fd_); }
+std::string NetworkHost::path() const { return fmt::format("/proc/{}/fd/{}", getpid(), fd_); }
 
 Lan::Lan(int n_hosts) {
   switch_.Shell("ip link add br0 type bridge && ip link set br0 up");
   for (int i = 0; i < n_hosts; ++i) {
     const NetworkHost& host = *hosts_.emplace_back(std::make_unique<NetworkHost>());
-    const std::string port = "port" + std::to_string(i);
-    switch_.Shell("ip link add " + port + " type veth peer name eth0 netns " + host.path() + " && ip link set " +
-                  port + " master br0 up");
-    host.Shell("ip addr add 10.77.0." + std::to_string(i + 1) +
-               "/24 dev eth0 && ip link set eth0 up && ip route add 224.0.0.0/4 dev eth0");
+    switch_.Shell(
+        fmt::format("ip link add port{0} type veth peer name eth0 netns {1} && ip link set port{0} master br0 up", i,
+                    host.path()));
+    host.Shell(
+        fmt::format("ip addr add 10.77.0.{}/24 dev eth0 && ip link set eth0 up && "
+                    "ip route add 224.0.0.0/4 dev eth0",
+                    i + 1));
   }
 }
 

@@ -26,7 +26,7 @@ using test::Waiter;
 class BusSecurity : public testing::Test {
  protected:
   std::string KeyFile(char digit) const {
-    const std::string path = folder_ / (std::string("key_") + digit);
+    std::string path = folder_ / (std::string("key_") + digit);
     std::ofstream(path) << std::string(64, digit) << '\n';
     return path;
   }

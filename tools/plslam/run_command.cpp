@@ -37,7 +37,8 @@ void RemoveOldOutputs(const std::filesystem::path& out) {
 void MakeFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder.string(), error.message()));
+  if (error)
+    throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder.string(), error.message()));
 }
 
 /// Hands a signal on to the session while there is one.

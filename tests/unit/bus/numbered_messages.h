@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/bus/ordered_reader.h"
 #include "core/bus/wire.h"
 
 namespace plslam::bus::test {
@@ -19,6 +20,16 @@ inline int64_t NumberOf(const Bytes& message) {
   int64_t n = 0;
   for (int i = 7; i >= 0; --i) n = n << 8 | (*message)[static_cast<size_t>(i)];
   return n;
+}
+
+/// The numbers of what is in order by now.
+inline std::vector<int64_t> Drain(OrderedReader& reader, int64_t now) {
+  std::vector<int64_t> numbers;
+  while (const Bytes front = reader.Front()) {
+    numbers.push_back(NumberOf(front));
+    reader.Pop(now);
+  }
+  return numbers;
 }
 
 }  // namespace plslam::bus::test

@@ -1,0 +1,187 @@
+#include "core/bus/ordered_reader.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/bus/numbered_messages.h"
+
+namespace plslam::bus {
+namespace {
+
+using test::Drain;
+using test::MessageOf;
+
+constexpr int64_t kMs = 1'000'000;
+
+using Numbers = std::vector<int64_t>;
+
+TEST(OrderedReader, DeliversInOrderWhateverTheArrival) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2, 3, 1}) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1, 2, 3}));
+  EXPECT_EQ(reader.lost(), 1);
+  EXPECT_EQ(reader.repaired(), 1);
+}
+
+TEST(OrderedReader, AsksForAGapAtOnceAndOnlyForIt) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 1, 5, 6, 8}) reader.OnMessage(n, *MessageOf(n), 0);
+  Drain(reader, 0);
+  ASSERT_LE(reader.poll_time(), 0);
+  const auto request = reader.Poll(0);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->delivered, 1);
+  ASSERT_EQ(request->ranges.size(), 2U);
+  EXPECT_EQ(request->ranges[0].first, 2);
+  EXPECT_EQ(request->ranges[0].last, 4);
+  EXPECT_EQ(request->ranges[1].first, 7);
+  EXPECT_EQ(request->ranges[1].last, 7);
+}
+
+TEST(OrderedReader, AsksAgainWithGrowingPauses) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  reader.OnMessage(2, *MessageOf(2), 0);
+  std::vector<int64_t> times;
+  for (int64_t now = 0; now < 1000 * kMs; now += kMs) {
+    if (const auto request = reader.Poll(now); request && !request->ranges.empty()) times.push_back(now / kMs);
+  }
+  EXPECT_EQ(times, (Numbers{0, 5, 15, 35, 75, 155, 315, 515, 715, 915}));
+}
+
+TEST(OrderedReader, CountsRepetitions) {
+  OrderedReader reader(true, 1'000'000, 0);
+  using Arrival = OrderedReader::Arrival;
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kNew);
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kDuplicate);
+  Drain(reader, 0);
+  EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), Arrival::kDuplicate);
+  EXPECT_TRUE(Drain(reader, 0).empty());
+}
+
+TEST(OrderedReader, FindsALostTailByTheAnnouncement) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  reader.Poll(0);
+  reader.OnAnnounce(0, 3, 3 * kMs);
+  const auto request = reader.Poll(3 * kMs);
+  ASSERT_TRUE(request);
+  ASSERT_EQ(request->ranges.size(), 1U);
+  EXPECT_EQ(request->ranges[0].first, 1);
+  EXPECT_EQ(request->ranges[0].last, 2);
+}
+
+TEST(OrderedReader, LateJoinerBeginsWhereThePublisherCan) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(50, *MessageOf(50), 0);
+  EXPECT_TRUE(Drain(reader, 0).empty());
+  const auto question = reader.Poll(0);
+  ASSERT_TRUE(question);
+  EXPECT_EQ(question->delivered, -1);
+  EXPECT_TRUE(question->ranges.empty());
+  reader.OnAnnounce(48, 51, kMs);
+  const auto request = reader.Poll(kMs);
+  ASSERT_TRUE(request);
+  ASSERT_EQ(request->ranges.size(), 1U);
+  EXPECT_EQ(request->ranges[0].first, 48);
+  EXPECT_EQ(request->ranges[0].last, 49);
+  reader.OnMessage(48, *MessageOf(48), 2 * kMs);
+  reader.OnMessage(49, *MessageOf(49), 2 * kMs);
+  EXPECT_EQ(Drain(reader, 2 * kMs), (Numbers{48, 49, 50}));
+  EXPECT_EQ(reader.lost(), 0) << "what was sent before we listened was not lost on the wire";
+}
+
+TEST(OrderedReader, LateJoinerTakesWhatCameBeforeThePublisherForgotIt) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(20, *MessageOf(20), 0);
+  reader.OnMessage(22, *MessageOf(22), 0);
+  EXPECT_EQ(Drain(reader, 0), Numbers());
+  reader.OnAnnounce(23, 25, 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{20}));
+  reader.OnMessage(23, *MessageOf(23), 0);
+  reader.OnMessage(24, *MessageOf(24), 0);
+  reader.OnAnnounce(23, 25, 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{22, 23, 24}));
+}
+
+TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 3, 5}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  for (int64_t now = 0; now < 60'000 * kMs; now += 10 * kMs) {
+    reader.Poll(now);
+    const Numbers more = Drain(reader, now);
+    if (!more.empty()) {
+      EXPECT_GE(now, 30'000 * kMs);
+    }
+    numbers.insert(numbers.end(), more.begin(), more.end());
+  }
+  EXPECT_EQ(numbers, (Numbers{0, 3, 5}));
+  EXPECT_EQ(reader.lost(), 3);
+  EXPECT_EQ(reader.repaired(), 0);
+}
+
+TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  // Nothing comes for 25 s; then announcements, and the message that was missing another 5 s later.
+  for (int64_t now = 0; now < 30'000 * kMs; now += 50 * kMs) {
+    if (now >= 25'000 * kMs) reader.OnAnnounce(0, 3, now);
+    reader.Poll(now);
+    for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
+  }
+  EXPECT_EQ(numbers, (Numbers{0}));
+  reader.OnMessage(1, *MessageOf(1), 30'000 * kMs);
+  for (const int64_t n : Drain(reader, 30'000 * kMs)) numbers.push_back(n);
+  EXPECT_EQ(numbers, (Numbers{0, 1, 2}));
+}
+
+TEST(OrderedReader, GivesUpWhatALivingPublisherDoesNotSend) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  for (int64_t now = 0; now < 12'000 * kMs; now += 50 * kMs) {
+    reader.OnAnnounce(0, 3, now);
+    reader.Poll(now);
+    for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
+    EXPECT_EQ(numbers.size(), now > 10'000 * kMs ? 2U : 1U) << now / kMs << " ms";
+  }
+}
+
+TEST(OrderedReader, NewcomerBeginsWhereItIsToldTo) {
+  OrderedReader newcomer(true, 1'000'000, 0), owed(true, 1'000'000, 0);
+  newcomer.OnAnnounce(10, 25, 0, 24);
+  EXPECT_EQ(newcomer.delivered(), 23);
+  owed.OnMessage(0, *MessageOf(0), 0);
+  Drain(owed, 0);
+  owed.OnAnnounce(1, 25, 0, 24);
+  EXPECT_EQ(owed.delivered(), 0);
+  OrderedReader lied_to(true, 1'000'000, 0);
+  lied_to.OnAnnounce(10, 25, 0, -7);
+  EXPECT_EQ(lied_to.delivered(), 9);
+}
+
+TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  reader.OnAnnounce(-5, 3, 0);
+  reader.OnAnnounce(7, 3, 0);
+  reader.OnAnnounce(0, int64_t{1} << 60, 0);
+  EXPECT_EQ(reader.lost(), 0);
+  EXPECT_EQ(reader.OnMessage(int64_t{1} << 60, *MessageOf(9), 0), OrderedReader::Arrival::kRefused);
+}
+
+TEST(OrderedReader, BoundsWhatWaitsOutOfOrder) {
+  OrderedReader reader(true, 10'000, 0);
+  reader.OnMessage(0, *MessageOf(0), 0);
+  Drain(reader, 0);
+  for (int64_t n = 2; n < 1000; ++n) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_LE(reader.buffered_bytes(), 10'000);
+  EXPECT_EQ(reader.OnMessage(1, *MessageOf(1), 0), OrderedReader::Arrival::kNew);
+  EXPECT_EQ(Drain(reader, 0).size(), 101U);
+}
+
+}  // namespace
+}  // namespace plslam::bus

@@ -19,7 +19,10 @@ using Clock = std::chrono::steady_clock;
 
 std::string ReadFile(const std::filesystem::path& path) {
   std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
+  // Not by an iterator, which throws where a file of /proc goes while it is read.
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
 }
 
 bool PollUntil(const std::function<bool()>& done, std::chrono::seconds limit) {

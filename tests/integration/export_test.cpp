@@ -8,7 +8,7 @@
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
-#include "tests/unit/export/shell.h"
+#include "tests/support/shell.h"
 
 namespace plslam::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "tests/unit/export/shell.h"
+#include "tests/support/shell.h"
 #include "tools/evaluate/figures/axes.h"
 #include "tools/evaluate/figures/plan.h"
 #include "tools/evaluate/figures/runtime_figure.h"

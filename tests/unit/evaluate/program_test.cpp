@@ -5,8 +5,8 @@
 
 #include "core/io/pose_covariance.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 #include "tests/unit/evaluate/pairs.h"
-#include "tests/unit/trajectory/text_file.h"
 
 namespace plslam {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/io/colmap_model.h"
 #include "core/io/map_camera.h"
-#include "tests/unit/export/shell.h"
+#include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
 
 namespace plslam {

@@ -5,7 +5,7 @@
 #include "core/io/g2o.h"
 #include "core/io/trajectory.h"
 #include "tests/support/data_folder.h"
-#include "tests/unit/export/shell.h"
+#include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
 
 namespace plslam {

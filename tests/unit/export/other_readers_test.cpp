@@ -5,7 +5,7 @@
 #include "core/io/atomic_file.h"
 #include "core/io/map_obj.h"
 #include "core/io/map_ply.h"
-#include "tests/unit/export/shell.h"
+#include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
 
 namespace plslam {

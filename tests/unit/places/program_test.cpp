@@ -7,7 +7,7 @@
 
 #include "core/places/vocabulary.h"
 #include "tests/support/data_folder.h"
-#include "tests/unit/trajectory/text_file.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "core/places/vocabulary.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 #include "tests/unit/places/random_places.h"
-#include "tests/unit/trajectory/text_file.h"
 
 namespace plslam {
 namespace {

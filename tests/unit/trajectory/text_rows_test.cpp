@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/unit/trajectory/text_file.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {

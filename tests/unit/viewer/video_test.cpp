@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <opencv2/videoio.hpp>
 
-#include "tests/unit/trajectory/text_file.h"
+#include "tests/support/text_file.h"
 #include "viewer_headless/video/run_video.h"
 #include "viewer_headless/video/top_view.h"
 

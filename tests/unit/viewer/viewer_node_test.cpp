@@ -14,7 +14,7 @@
 #include "core/io/trajectory.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
-#include "tests/unit/trajectory/text_file.h"
+#include "tests/support/text_file.h"
 #include "viewer_headless/live/http_server.h"
 #include "viewer_headless/report/report_page.h"
 

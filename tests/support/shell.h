@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/unit/trajectory/text_file.h"
+#include "tests/support/text_file.h"
 
 namespace plslam::test {
 

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 
 namespace plslam {
@@ -35,9 +36,12 @@ class ScratchFolder {
   std::filesystem::path folder_;
 };
 
-inline std::string ReadText(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
+/// All bytes of a file; empty where it cannot be read, as one of /proc whose process goes meanwhile (an istreambuf_iterator
+/// would throw there).
+inline std::string ReadText(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
 }
 
 }  // namespace plslam

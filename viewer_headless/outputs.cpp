@@ -91,9 +91,7 @@ std::string PosesCsv(const Recorder& recorder) {
 }
 
 void PrepareOutputFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder, error.message()));
+  MakeFolder(folder);
   const std::string probe = folder + "/.write_test";
   WriteFileAtomically(probe, "can this be written?\n");
   std::remove(probe.c_str());

@@ -5,7 +5,7 @@
 
 #include <opencv2/imgcodecs.hpp>
 
-#include "core/io/atomic_file.h"
+#include "core/io/png_file.h"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/message_values.h"
 #include "viewer_headless/progress.h"
@@ -81,10 +81,7 @@ void PictureNode::Use(const std::optional<OverlayQueue::Ready>& ready) {
 }
 
 void PictureNode::WriteOverlay(int64_t frame_id, const cv::Mat& picture) const {
-  std::vector<uchar> png;
-  cv::imencode(".png", picture, png, {cv::IMWRITE_PNG_COMPRESSION, 3});
-  WriteFileAtomically(fmt::format("{}/overlays/{:06}.png", options_.out, frame_id),
-                      std::string(png.begin(), png.end()));
+  WritePng(fmt::format("{}/overlays/{:06}.png", options_.out, frame_id), picture, {cv::IMWRITE_PNG_COMPRESSION, 3});
 }
 
 }  // namespace plslam

@@ -3,8 +3,9 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <memory>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 namespace plslam {
 namespace {
@@ -26,6 +27,13 @@ void WriteFileAtomically(const std::string& path, std::string_view content) {
   const bool closed = std::fclose(file) == 0;
   if (!written || !closed) Fail(path, "written");
   if (std::rename(part.c_str(), path.c_str()) != 0) Fail(path, "put in place");
+}
+
+void MakeFolder(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw std::runtime_error(folder + ": cannot be made a folder: " + error.message());
 }
 
 }  // namespace plslam

@@ -9,4 +9,8 @@ namespace plslam {
 /// old file or the new one, whole. Throws std::runtime_error, naming the file and the reason of the system.
 void WriteFileAtomically(const std::string& path, std::string_view content);
 
+/// Makes the folder, and those above it, where they are not there. An empty name is this folder: nothing is to be made.
+/// Throws std::runtime_error with one sentence.
+void MakeFolder(const std::string& folder);
+
 }  // namespace plslam

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <filesystem>
 #include <iterator>
 #include <stdexcept>
 
@@ -25,12 +24,6 @@ std::array<double, 7> PoseNumbers(const ColmapImage& image) {
   const Eigen::Quaterniond& q = image.T_c_w.rotation();
   const Eigen::Vector3d& t = image.T_c_w.translation();
   return {q.w() + 0.0, q.x() + 0.0, q.y() + 0.0, q.z() + 0.0, t.x() + 0.0, t.y() + 0.0, t.z() + 0.0};
-}
-
-void MakeFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder, error.message()));
 }
 
 std::string CamerasText(const ColmapModel& model) {

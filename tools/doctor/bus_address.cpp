@@ -3,14 +3,13 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cstdlib>
 #include <stdexcept>
 #include <string_view>
 
+#include "core/bus/transport.h"
+
 namespace plslam {
 namespace {
-
-constexpr char kDefaultUrl[] = "udpm://239.255.76.67:7667?ttl=0";
 
 int Number(const std::string& url, std::string_view text, int min, int max) {
   int value = 0;
@@ -31,17 +30,11 @@ std::string_view Parameter(std::string_view parameters, std::string_view key) {
   return {};
 }
 
-std::string Effective(const std::string& url) {
-  if (!url.empty()) return url;
-  const char* environment = std::getenv("LCM_DEFAULT_URL");
-  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
-}
-
 }  // namespace
 
 BusAddress ParseBusAddress(const std::string& url) {
   BusAddress address;
-  address.url = Effective(url);
+  address.url = bus::EffectiveUrl(url);
   std::string_view rest = address.url;
   if (rest.starts_with("udpm://")) address.kind = BusAddress::Kind::kMulticast;
   if (rest.starts_with("tcpq://")) address.kind = BusAddress::Kind::kRelay;

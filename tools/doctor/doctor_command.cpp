@@ -1,7 +1,6 @@
 #include "tools/doctor/doctor_command.h"
 
 #include <cmath>
-#include <cstdlib>
 #include <exception>
 #include <iterator>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/bus/history.h"
 #include "core/bus/options.h"
 #include "core/bus/process_arguments.h"
 #include "tools/doctor/clock_check.h"
@@ -56,11 +56,8 @@ Findings CheckNetwork(const BusAddress& address) {
 }
 
 Findings CheckFiles(const DoctorOptions& options, const Config& config, const bus::BusOptions& bus_options) {
-  const char* temporary = std::getenv("TMPDIR");
   const bool by_environment = bus_options.history_dir.empty();
-  const std::string history = !by_environment        ? bus_options.history_dir
-                              : temporary != nullptr ? std::string(temporary)
-                                                     : "/tmp";
+  const std::string history = by_environment ? bus::TemporaryRoot() : bus_options.history_dir;
   Findings findings = CheckPrograms();
   Append(CheckFolder(history, "histories",
                      by_environment ? "export TMPDIR=FOLDER   # with space, for every process"

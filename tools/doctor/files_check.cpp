@@ -10,6 +10,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include "core/io/shared_file.h"
 #include "core/places/vocabulary.h"
 
 namespace plslam {
@@ -20,11 +21,6 @@ namespace fs = std::filesystem;
 constexpr double kTooLittle_MB = 200.0;
 constexpr double kLittle_MB = 2000.0;
 constexpr std::array kPrograms = {"player", "vo_process", "mapping_process", "loop_process", "viewer_headless"};
-
-fs::path FolderOfPrograms() {
-  std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path();
-}
 
 /// The folder itself, or the nearest one above it that is there.
 fs::path NearestThatIs(const fs::path& folder) {
@@ -59,8 +55,7 @@ Findings CheckFolder(const fs::path& folder, const std::string& use, const std::
 
 Findings CheckVocabulary(const std::string& name, const std::string& kind, const std::string& key) {
   std::error_code error;
-  const fs::path shared = FolderOfPrograms().parent_path() / "share" / "plslam" / name;
-  const fs::path path = fs::exists(name, error) ? fs::path(name) : shared;
+  const fs::path path = FindSharedFile(name);
   const std::string mend = fmt::format(
       "train_vocabulary --kind {0} --out {0}.vocabulary synthetic:room synthetic:street   # and --set "
       "{1}={0}.vocabulary",
@@ -68,7 +63,7 @@ Findings CheckVocabulary(const std::string& name, const std::string& kind, const
   if (!fs::exists(path, error)) {
     return {Problem("vocabulary",
                     fmt::format("{}: there is no vocabulary of {} here nor at {}: loop_process will not start", name,
-                                kind, shared.string()),
+                                kind, SharedFile(name).string()),
                     mend)};
   }
   try {
@@ -82,9 +77,9 @@ Findings CheckVocabulary(const std::string& name, const std::string& kind, const
 Findings CheckPrograms() {
   std::vector<std::string> missing;
   for (const char* program : kPrograms) {
-    if (access((FolderOfPrograms() / program).c_str(), X_OK) != 0) missing.emplace_back(program);
+    if (access((ProgramFolder() / program).c_str(), X_OK) != 0) missing.emplace_back(program);
   }
-  const std::string folder = FolderOfPrograms().string();
+  const std::string folder = ProgramFolder().string();
   if (missing.empty()) return {Good("programs", "all programs are in " + folder)};
   return {Problem("programs", fmt::format("not in {}, or not to be run: {}", folder, fmt::join(missing, ", ")),
                   "scripts/build release plslam_programs   # or install the package again")};

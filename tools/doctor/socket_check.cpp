@@ -16,11 +16,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "core/bus/transport.h"
+
 namespace plslam {
 namespace {
 
-/// What core/bus asks for where the kernel grants it.
-constexpr int kWantedBytes = 2'000'000;
+constexpr int kWantedBytes = bus::kWantedReceiveBuffer;
 
 class Socket {
  public:

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <exception>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <string_view>
 
 #include "core/io/atomic_file.h"
+#include "core/io/png_file.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/compare/compare_command.h"
 #include "tools/evaluate/figures/figures_command.h"
@@ -90,9 +90,7 @@ EvaluateOptions ToOptions(const Arguments& a) {
 }
 
 void WritePlot(const Accuracy& accuracy, const Arguments& a) {
-  std::vector<uchar> png;
-  cv::imencode(".png", PlotAccuracy(accuracy, std::filesystem::path(a.estimate).filename().string()), png);
-  WriteFileAtomically(a.plot, std::string(png.begin(), png.end()));
+  WritePng(a.plot, PlotAccuracy(accuracy, std::filesystem::path(a.estimate).filename().string()));
 }
 
 int Evaluate(const Arguments& a) {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
@@ -13,6 +12,7 @@
 #include "core/io/map_camera.h"
 #include "core/io/map_obj.h"
 #include "core/io/map_ply.h"
+#include "core/io/png_file.h"
 #include "tools/export/keyframe_images.h"
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
@@ -58,9 +58,7 @@ void ExportImages(Export& e) {
   for (const auto& [id, keyframe] : e.map().keyframes()) {
     const auto image = e.images->At(keyframe.t_ns);
     if (!image) continue;
-    std::vector<uchar> png;
-    cv::imencode(".png", *image, png);
-    WriteFileAtomically(folder + "/" + names.at(id), std::string(png.begin(), png.end()));
+    WritePng(folder + "/" + names.at(id), *image);
     ++n;
   }
   e.Told("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
@@ -163,9 +161,7 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
     e.images = std::make_unique<KeyframeImages>(request.dataset, camera);
   }
-  std::error_code error;
-  std::filesystem::create_directories(request.out, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", request.out, error.message()));
+  MakeFolder(request.out);
   for (const auto& [format, write] : Writers()) {
     const bool named = IsNamed(request.formats, format.name);
     if (!request.formats.empty() && !named) continue;

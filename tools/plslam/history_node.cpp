@@ -8,7 +8,6 @@
 #include <array>
 #include <cerrno>
 #include <condition_variable>
-#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <mutex>
@@ -17,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/history.h"
 #include "core/bus/process_usage.h"
 #include "core/bus/wire.h"
 #include "core/bus/worker.h"
@@ -178,10 +178,8 @@ void HistoryKeeper::OnExit(pid_t pid) {
   if (found == sources_.end()) return;
   store_->Bury(found->second);
   // What its own bus had put on disk, and can remove no more.
-  const char* root = std::getenv("TMPDIR");
   std::error_code ignored;
-  std::filesystem::remove_all(
-      fmt::format("{}/plslam-{}", root != nullptr && *root != '\0' ? root : "/tmp", found->second), ignored);
+  std::filesystem::remove_all(bus::TemporaryFolder(found->second), ignored);
   sources_.erase(found);
 }
 

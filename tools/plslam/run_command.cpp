@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "core/bus/process_signals.h"
+#include "core/io/atomic_file.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_files.h"
@@ -32,13 +33,6 @@ void RemoveOldOutputs(const std::filesystem::path& out) {
                            "motion_covariance.txt", "trajectory_live.tum", "map.ply"}) {
     std::filesystem::remove(out / name);
   }
-}
-
-void MakeFolder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error)
-    throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder.string(), error.message()));
 }
 
 /// Hands a signal on to the session while there is one.
@@ -81,7 +75,7 @@ int Report(const RunOptions& options, const RunSession& session) {
 
 int Run(RunOptions options) {
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  MakeFolder(options.out / "logs");
+  MakeFolder((options.out / "logs").string());
   RemoveOldOutputs(options.out);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "core/bus/worker.h"
+#include "core/io/shared_file.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam {
@@ -41,7 +42,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
 
 Supervisor::Options RunSession::SupervisorOptions() {
   Supervisor::Options options;
-  options.bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  options.bin = ProgramFolder();
   options.logs = options_.out / "logs";
   options.max_restarts = options_.max_restarts;
   options.arguments_of_restart = [this](const std::string& name) {

@@ -9,12 +9,11 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/atomic_file.h"
+#include "core/io/png_file.h"
 #include "player/open_dataset.h"
 #include "tools/rectify_check/rectify_picture.h"
 #include "tools/rectify_check/row_errors.h"
@@ -82,12 +81,6 @@ std::vector<int> SpreadFrames(int size, int n) {
   return frames;
 }
 
-void WritePicture(const std::string& path, const cv::Mat& picture) {
-  std::vector<uchar> png;
-  cv::imencode(".png", picture, png);
-  WriteFileAtomically(path, std::string(png.begin(), png.end()));
-}
-
 void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict, const Rectifier& rectifier) {
   const StereoCamera& camera = rectifier.camera();
   if (o.json) {
@@ -138,10 +131,10 @@ int Check(const CheckOptions& o) {
   const RowErrors errors = MeasureRows(all, reader.rectifier().camera());
   const RowVerdict verdict = JudgeRows(errors);
   const Pair pair = reader.Read(shown);
-  WritePicture(o.out,
-               DrawRectification(pair.left, pair.right, pair.matches,
-                                 fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,
-                                             pair.matches.size(), errors.median_abs_px, errors.p95_abs_px)));
+  WritePng(o.out,
+           DrawRectification(pair.left, pair.right, pair.matches,
+                             fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,
+                                         pair.matches.size(), errors.median_abs_px, errors.p95_abs_px)));
   Print(o, errors, verdict, reader.rectifier());
   return verdict.usable ? 0 : 1;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "viewer_headless/report/base64.h"
+#include "core/io/base64.h"
 
 namespace plslam {
 namespace {

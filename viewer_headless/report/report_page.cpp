@@ -1,9 +1,10 @@
 #include "viewer_headless/report/report_page.h"
 
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+
+#include "core/io/shared_file.h"
 
 namespace plslam {
 namespace {
@@ -13,11 +14,7 @@ constexpr std::string_view kPlace = "\"PLSLAM_RUN_DATA\"";
 }  // namespace
 
 std::optional<std::string> ReadReportTemplate() {
-  std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
-  if (error) return std::nullopt;
-  const auto file = program.parent_path().parent_path() / "share" / "plslam" / "report_template.html";
-  std::ifstream stream(file, std::ios::binary);
+  std::ifstream stream(SharedFile("report_template.html"), std::ios::binary);
   if (!stream) return std::nullopt;
   return std::string(std::istreambuf_iterator<char>(stream), {});
 }

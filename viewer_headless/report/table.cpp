@@ -1,6 +1,8 @@
 #include "viewer_headless/report/table.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 namespace plslam {
 
@@ -13,6 +15,23 @@ size_t Rows(const Table& table) {
 const Column* FindColumn(const Table& table, const std::string& name) {
   const auto found = std::find_if(table.begin(), table.end(), [&](const Column& c) { return c.name == name; });
   return found == table.end() ? nullptr : &*found;
+}
+
+std::string LittleEndianBytes(const Column& column) {
+  static_assert(std::endian::native == std::endian::little, "the page reads little endian");
+  return std::visit(
+      [](const auto& values) {
+        std::string bytes(values.size() * sizeof(values[0]), '\0');
+        if (!values.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+        return bytes;
+      },
+      column.values);
+}
+
+std::string TypeName(const Column& column) {
+  if (std::holds_alternative<std::vector<float>>(column.values)) return "f32";
+  if (std::holds_alternative<std::vector<int32_t>>(column.values)) return "i32";
+  return std::holds_alternative<std::vector<uint16_t>>(column.values) ? "u16" : "u8";
 }
 
 }  // namespace plslam

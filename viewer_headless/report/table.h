@@ -24,4 +24,8 @@ size_t Rows(const Table& table);
 /// The column of that name; nullptr where there is none.
 const Column* FindColumn(const Table& table, const std::string& name);
 
+/// The numbers as little endian bytes, and what they are called in a page: "f32", "i32", "u16", "u8".
+std::string LittleEndianBytes(const Column& column);
+std::string TypeName(const Column& column);
+
 }  // namespace plslam

@@ -10,21 +10,12 @@
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
+#include "core/io/png_file.h"
 
 namespace plslam {
 namespace {
 
 constexpr double kWide = 2.0;
-
-bool EndsWith(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-void MakeFolder(const std::string& folder) {
-  std::error_code error;
-  if (!folder.empty()) std::filesystem::create_directories(folder, error);
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be made a folder: {}", folder, error.message()));
-}
 
 }  // namespace
 
@@ -46,7 +37,7 @@ struct RunVideo::Film {
 
 RunVideo::RunVideo(const std::string& path, double rate_hz, const cv::Size& size)
     : size_((size.width + 1) / 2 * 2, (size.height + 1) / 2 * 2), path_(path) {
-  if (EndsWith(path, ".mp4")) {
+  if (path.ends_with(".mp4")) {
     MakeFolder(std::filesystem::path(path).parent_path().string());
     film_ = std::make_unique<Film>();
     if (film_->Open(path, rate_hz, size_)) return;
@@ -71,9 +62,7 @@ void RunVideo::Add(const cv::Mat& picture) {
   if (film_) {
     film_->writer.write(scaled);
   } else {
-    std::vector<uchar> png;
-    cv::imencode(".png", scaled, png, {cv::IMWRITE_PNG_COMPRESSION, 3});
-    WriteFileAtomically(fmt::format("{}/{:06}.png", path_, n_pictures_), std::string(png.begin(), png.end()));
+    WritePng(fmt::format("{}/{:06}.png", path_, n_pictures_), scaled, {cv::IMWRITE_PNG_COMPRESSION, 3});
   }
   ++n_pictures_;
 }

@@ -6,9 +6,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "viewer_headless/report/base64.h"
+#include "core/io/base64.h"
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/report_since.h"
+#include "viewer_headless/report/table.h"
 
 namespace plslam {
 namespace {

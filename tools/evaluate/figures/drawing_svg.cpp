@@ -1,9 +1,9 @@
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/io/base64.h"
 #include "tools/evaluate/figures/drawing.h"
 
 namespace plslam {
@@ -27,13 +27,6 @@ std::string Escaped(const std::string& text) {
     }
   }
   return escaped;
-}
-
-std::string Base64(const std::vector<uchar>& bytes) {
-  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
-  sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(), sodium_base64_VARIANT_ORIGINAL);
-  text.pop_back();
-  return text;
 }
 
 class SvgWriter {
@@ -85,7 +78,8 @@ class SvgWriter {
     fmt::format_to(out_,
                    "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" preserveAspectRatio=\"none\" "
                    "xlink:href=\"data:image/png;base64,{}\"/>\n",
-                   image.corner.x(), image.corner.y(), image.size.x(), image.size.y(), Base64(png));
+                   image.corner.x(), image.corner.y(), image.size.x(), image.size.y(),
+                   Base64({reinterpret_cast<const char*>(png.data()), png.size()}));
   }
 
  private:

@@ -6,11 +6,11 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
 #include "core/io/map_camera.h"
+#include "core/io/png_file.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/runtime_figure.h"
@@ -99,9 +99,7 @@ Material Collect(const Arguments& a) {
 
 void Write(const Drawing& drawing, const std::string& name, const Material& m) {
   WriteFileAtomically(m.out + "/" + name + ".svg", ToSvg(drawing));
-  std::vector<uchar> png;
-  cv::imencode(".png", ToPicture(drawing, kPixelsPerPt), png);
-  WriteFileAtomically(m.out + "/" + name + ".png", std::string(png.begin(), png.end()));
+  WritePng(m.out + "/" + name + ".png", ToPicture(drawing, kPixelsPerPt));
   fmt::print("{}/{}.svg, .png\n", m.out, name);
 }
 

@@ -6,10 +6,10 @@
 #include <cctype>
 #include <exception>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
+#include "core/io/png_file.h"
 #include "player/open_dataset.h"
 #include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"
@@ -66,17 +66,11 @@ std::string FileName(const std::string& location) {
   return name;
 }
 
-void WritePicture(const cv::Mat& picture, const std::string& path) {
-  std::vector<uchar> png;
-  cv::imencode(".png", picture, png);
-  WriteFileAtomically(path, std::string(png.begin(), png.end()));
-}
-
 void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder) {
   std::filesystem::create_directories(folder);
   const std::string start = (std::filesystem::path(folder) / FileName(evaluation.name)).string();
-  WritePicture(DrawSimilarities(evaluation), start + "_similarity.png");
-  WritePicture(DrawPrecisionRecall(evaluation), start + "_precision_recall.png");
+  WritePng(start + "_similarity.png", DrawSimilarities(evaluation));
+  WritePng(start + "_precision_recall.png", DrawPrecisionRecall(evaluation));
 }
 
 int Evaluate(const Arguments& a) {

@@ -39,7 +39,7 @@ PlayerOptions PlayerCommandLine::Options(const Config& config) const {
   options.bounce |= bounce_;
   options.skip_bad |= skip_bad_;
   options.exit |= exit_;
-  if (resume_) options.resume_after = "bus";
+  if (resume_) options.resume_after = kResumeFromBus;
   return options;
 }
 

@@ -8,6 +8,8 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <string_view>
+#include <tuple>
+#include <utility>
 
 namespace plslam {
 namespace {
@@ -103,10 +105,10 @@ std::optional<PlayOrder::Item> PlayOrder::Next() {
 int64_t PlayOrder::SkipTo(int64_t t_ns) {
   int64_t skipped = 0;
   for (;; ++skipped) {
-    const PlayOrder before = *this;
+    const auto before = std::pair(step_, t_ns_);
     const auto item = Next();
     if (item && item->t_ns <= t_ns) continue;
-    *this = before;
+    std::tie(step_, t_ns_) = before;
     return skipped;
   }
 }

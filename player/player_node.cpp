@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <exception>
 #include <stdexcept>
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/worker.h"
 #include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -34,7 +34,6 @@ constexpr int kTicksBeforeResend = 2;
 constexpr int kTicksBeyondTheBus = 12;
 constexpr milliseconds kFlushTick{500};
 constexpr const char* kReader = "vo";
-constexpr const char* kFromBus = "bus";
 // Where a player that is started again learns from the bus how far it was: how long no more poses come then, and how long
 // is waited for the first.
 constexpr milliseconds kPosesQuiet{1000};
@@ -71,7 +70,9 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   PlayerOptions shown = options_;
   process_.SetConfiguration(ToYaml("player", shown));
   process_.SetCounter("frames.total", static_cast<double>(order_.size()));
-  if (!options_.resume_after.empty() && options_.resume_after != kFromBus) ParseResumePoint(options_.resume_after);
+  if (!options_.resume_after.empty() && options_.resume_after != kResumeFromBus) {
+    resume_ = ParseResumePoint(options_.resume_after);
+  }
   if (pace_.lockstep || !options_.resume_after.empty()) {
     process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) {
       turn_.OnPose({pose.frame_id, pose.header.t_ns});
@@ -83,7 +84,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   PublishRig();
   process_.bus().Every(kRigPeriod, [this] { PublishRig(); });
   process_.SetState("ready");
-  sender_ = std::thread([this] { Play(); });
+  sender_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { SendAll(); }); });
 }
 
 PlayerNode::~PlayerNode() {
@@ -95,19 +96,9 @@ PlayerNode::~PlayerNode() {
   sender_.join();
 }
 
-// What goes wrong on the sending thread ends the process where the run loop sees it.
-void PlayerNode::Play() {
-  try {
-    SendAll();
-  } catch (...) {
-    process_.bus().Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
-  }
-}
-
 /// Poses on the bus come from the history of vo_process, all at once.
 std::optional<ResumePoint> PlayerNode::WhereToResume() {
-  if (options_.resume_after.empty()) return std::nullopt;
-  if (options_.resume_after != kFromBus) return ParseResumePoint(options_.resume_after);
+  if (options_.resume_after != kResumeFromBus) return resume_;
   const auto began = Turn::Clock::now();
   auto changed = began;
   std::optional<ResumePoint> newest;

@@ -32,7 +32,6 @@ class PlayerNode {
   ~PlayerNode();
 
  private:
-  void Play();
   void SendAll();
   bool MakeLoader();
   std::optional<ResumePoint> WhereToResume();
@@ -49,6 +48,7 @@ class PlayerNode {
   const PlayerOptions options_;
   const Pace pace_;
   std::unique_ptr<Dataset> dataset_;
+  std::optional<ResumePoint> resume_;  // where the options name it
   PlayOrder order_;
   RealtimeClock clock_;
   bus::FramePublisher publisher_;

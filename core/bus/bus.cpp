@@ -1,7 +1,6 @@
 #include "core/bus/bus.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <stdexcept>
 
@@ -10,6 +9,7 @@
 #include <unistd.h>
 
 #include "core/bus/bus_impl.h"
+#include "core/bus/history.h"
 
 namespace plslam::bus {
 namespace {
@@ -39,11 +39,6 @@ void CheckFolder(const std::string& folder) {
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
     throw std::runtime_error("bus.history_dir: " + folder + " is no folder that can be written to");
   }
-}
-
-std::string TemporaryFolder(int64_t source) {
-  const char* root = std::getenv("TMPDIR");
-  return std::string(root != nullptr && *root != '\0' ? root : "/tmp") + "/plslam-" + std::to_string(source);
 }
 
 }  // namespace

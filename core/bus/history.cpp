@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -23,6 +24,13 @@ int64_t NowMicroseconds() {
 }
 
 }  // namespace
+
+std::string TemporaryRoot() {
+  const char* root = std::getenv("TMPDIR");
+  return root != nullptr && *root != '\0' ? root : "/tmp";
+}
+
+std::string TemporaryFolder(int64_t source) { return TemporaryRoot() + "/plslam-" + std::to_string(source); }
 
 struct History::Log {
   LogHandle writer;

@@ -11,6 +11,10 @@
 
 namespace plslam::bus {
 
+/// Where the histories of processes lie that name no folder for them: TMPDIR, or /tmp; and the one of a process.
+std::string TemporaryRoot();
+std::string TemporaryFolder(int64_t source);
+
 /// The sent messages of one ordered channel, by number, for those that ask again. Memory is bounded: beyond
 /// `memory_bytes` a kAll history moves its oldest messages to an LCM log, a kUnacknowledged one forgets them.
 class History {

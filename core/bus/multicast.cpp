@@ -1,8 +1,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <stdexcept>
 #include <string>
-#include <string_view>
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -16,13 +16,13 @@
 namespace plslam::bus {
 namespace {
 
-/// Group of a udpm URL; empty where it has no valid one.
+/// Group of a udpm URL, LCM's default for an empty one; empty where it is none.
 std::string GroupOf(const std::string& url) {
-  static constexpr std::string_view kScheme = "udpm://";
-  if (url.empty()) return "239.255.76.67";
-  if (!url.starts_with(kScheme)) return "";
-  const std::string network = url.substr(kScheme.size(), url.find_first_of(":?", kScheme.size()) - kScheme.size());
-  return network.empty() ? "239.255.76.67" : network;
+  try {
+    return url.empty() ? UdpGroup().address : ParseUdpGroup(url).address;
+  } catch (const std::runtime_error&) {
+    return "";
+  }
 }
 
 class Socket {

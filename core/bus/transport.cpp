@@ -17,8 +17,6 @@ namespace plslam::bus {
 namespace {
 
 constexpr char kDefaultUrl[] = "udpm://239.255.76.67:7667?ttl=0";
-/// What is asked for where the system allows more than its default.
-constexpr int64_t kWantedReceiveBuffer = 2'000'000;
 constexpr int64_t kLinuxDefaultBuffer = 212'992;
 /// Window where the kernel's receive buffer is no limit: memory, and TCP.
 constexpr int64_t kStreamWindow = 1'000'000;
@@ -27,12 +25,6 @@ int64_t SystemLimit(const char* name) {
   std::ifstream in(std::string("/proc/sys/net/core/") + name);
   int64_t value = 0;
   return in >> value && value > 0 ? value : kLinuxDefaultBuffer;
-}
-
-std::string EffectiveUrl(const std::string& url) {
-  if (!url.empty()) return url;
-  const char* environment = std::getenv("LCM_DEFAULT_URL");
-  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
 }
 
 Transport::Kind KindOf(const std::string& url) {
@@ -46,17 +38,10 @@ Transport::Kind KindOf(const std::string& url) {
   return writes ? Transport::Kind::kFileWrite : Transport::Kind::kFileRead;
 }
 
-/// `recv_buf_size` of the URL; 0 where it has none.
-int64_t RequestedBuffer(const std::string& url) {
-  static constexpr std::string_view kKey = "recv_buf_size=";
-  const size_t at = url.find(kKey);
-  return at == std::string::npos ? 0 : std::atoll(url.c_str() + at + kKey.size());
-}
-
 /// Asks for a larger receive buffer where the system grants one and the user did not say.
 std::string WithReceiveBuffer(const std::string& url) {
   const int64_t limit = SystemLimit("rmem_max");
-  if (RequestedBuffer(url) > 0 || 2 * limit <= SystemLimit("rmem_default")) return url;
+  if (ParseUdpGroup(url).buffer_bytes > 0 || 2 * limit <= SystemLimit("rmem_default")) return url;
   const char* separator = url.find('?') == std::string::npos ? "?" : "&";
   return url + separator + "recv_buf_size=" + std::to_string(std::min(limit, kWantedReceiveBuffer));
 }
@@ -64,7 +49,7 @@ std::string WithReceiveBuffer(const std::string& url) {
 /// The share of the socket's buffer that flow control may fill; the rest is for other senders. The kernel counts its
 /// own overhead too, and doubles what it is asked for to make room for that.
 int64_t UdpWindow(const std::string& url) {
-  const int64_t requested = RequestedBuffer(url);
+  const int64_t requested = ParseUdpGroup(url).buffer_bytes;
   const int64_t buffer =
       requested > 0 ? 2 * std::min(requested, SystemLimit("rmem_max")) : SystemLimit("rmem_default");
   return buffer * 5 / 8;
@@ -86,6 +71,12 @@ std::string Quoted(const std::string& channel) {
 }
 
 }  // namespace
+
+std::string EffectiveUrl(const std::string& url) {
+  if (!url.empty()) return url;
+  const char* environment = std::getenv("LCM_DEFAULT_URL");
+  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
+}
 
 Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(KindOf(url_)), window_(kStreamWindow) {
   if (kind_ == Kind::kUdpMulticast) {

@@ -18,6 +18,12 @@
 
 namespace plslam::bus {
 
+/// The URL that counts where `url` may be empty: then LCM_DEFAULT_URL, or LCM's default.
+std::string EffectiveUrl(const std::string& url);
+
+/// What a receive buffer is asked for where the system allows more than its default.
+inline constexpr int64_t kWantedReceiveBuffer = 2'000'000;
+
 /// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver). `Send` and `Listen` are safe from any thread; `Receive`
 /// belongs to one.
 class Transport {

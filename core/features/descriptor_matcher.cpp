@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/features/descriptors_of.h"
 #include "core/features/hamming.h"
 
 namespace plslam {
@@ -200,13 +201,7 @@ std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::ve
 
 std::vector<int> MatchPointsBruteForce(const std::vector<PointFeature>& a, const std::vector<PointFeature>& b,
                                        const MatchOptions& options) {
-  const auto descriptors_of = [](const std::vector<PointFeature>& points) {
-    std::vector<Descriptor> descriptors;
-    descriptors.reserve(points.size());
-    for (const PointFeature& p : points) descriptors.push_back(p.descriptor);
-    return descriptors;
-  };
-  std::vector<int> matches = MatchBruteForce(descriptors_of(a), descriptors_of(b), options);
+  std::vector<int> matches = MatchBruteForce(DescriptorsOf(a), DescriptorsOf(b), options);
   if (options.check_rotation) {
     KeepCommonTurn(matches, [&](int i, int j) { return TurnBin(a[i].angle_rad, b[j].angle_rad); });
   }

@@ -44,6 +44,7 @@ void PictureNode::SetSources(const Map* map, PictureStore* store) {
 void PictureNode::BeginAgain() {
   film_.reset();
   if (!options_.video.empty()) film_ = std::make_unique<Film>(options_.video);
+  queue_ = OverlayQueue(Every(options_));
   poses_.clear();
 }
 

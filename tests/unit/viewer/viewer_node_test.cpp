@@ -15,6 +15,7 @@
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "tests/support/text_file.h"
+#include "tests/unit/viewer/some_rig.h"
 #include "viewer_headless/live/http_server.h"
 #include "viewer_headless/report/report_page.h"
 
@@ -51,19 +52,6 @@ SE3 TruePose(int64_t frame) {
 }
 
 int64_t Time(int64_t frame) { return 1'000'000'000 + frame * 50'000'000; }
-
-RigCalibration SomeRig() {
-  RigCalibration rig;
-  rig.name = "test";
-  rig.left.width_px = rig.right.width_px = 320;
-  rig.left.height_px = rig.right.height_px = 240;
-  rig.left.fx_px = rig.left.fy_px = rig.right.fx_px = rig.right.fy_px = 200.0;
-  rig.left.cx_px = rig.right.cx_px = 160.0;
-  rig.left.cy_px = rig.right.cy_px = 120.0;
-  rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0, 0));
-  rig.baseline_m = 0.1;
-  return rig;
-}
 
 // One bus for the viewer and for all it listens to: messages of a memq come back to their sender.
 class ViewerNodeTest : public testing::Test {

@@ -7,10 +7,6 @@ namespace {
 
 constexpr size_t kMaxCorrections = 40;
 
-void AppendPosition(const Eigen::Vector3d& p, std::vector<float>& values) {
-  for (const double value : p) values.push_back(static_cast<float>(value));
-}
-
 }  // namespace
 
 void CorrectionLog::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
@@ -37,8 +33,8 @@ void CorrectionLog::Compare(const Map& map, int64_t frame_id) {
     if (keyframe == nullptr) continue;
     const Eigen::Vector3d p_after = keyframe->T_w_kf.translation();
     ids.push_back(static_cast<int32_t>(id));
-    AppendPosition(p_before, before);
-    AppendPosition(p_after, after);
+    Append(p_before, before);
+    Append(p_after, after);
     correction.moved_m = std::max(correction.moved_m, (p_after - p_before).norm());
   }
   correction.table = {

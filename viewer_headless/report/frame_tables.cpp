@@ -1,17 +1,10 @@
 #include "viewer_headless/report/frame_tables.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
 
 namespace plslam {
 namespace {
-
-void Append(const Eigen::Vector3d& p, std::vector<float>& values) {
-  for (const double value : p) values.push_back(static_cast<float>(value));
-}
-
-int32_t Clamp32(int64_t value) { return static_cast<int32_t>(std::clamp<int64_t>(value, -1, 2'000'000'000)); }
 
 /// Odometry's path in the map's frame as it was when each session began.
 class OdometryPath {
@@ -41,9 +34,7 @@ struct FrameColumns {
     state.push_back(static_cast<uint8_t>(frame.state));
     keyframe.push_back(frame.keyframe_id >= 0 ? 1 : 0);
     Append((frame.T_w_odom * frame.T_odom_c).translation(), live);
-    for (size_t i = 0; i < n_stages; ++i) {
-      stages_ms.push_back(i < frame.stages_ms.size() ? frame.stages_ms[i] : std::numeric_limits<float>::quiet_NaN());
-    }
+    AppendRow(frame.stages_ms, n_stages, stages_ms);
   }
 
   Table Take(size_t n_stages) {

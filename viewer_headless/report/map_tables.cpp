@@ -8,12 +8,6 @@
 namespace plslam {
 namespace {
 
-void Append(const Eigen::Vector3d& p, std::vector<float>& values) {
-  for (const double value : p) values.push_back(static_cast<float>(value));
-}
-
-int32_t Clamp32(int64_t value) { return static_cast<int32_t>(std::clamp<int64_t>(value, -1, 2'000'000'000)); }
-
 /// The frame of the first keyframe that sees it and is still there; -1: none.
 int32_t FirstSeen(const Map& map, const std::vector<Sight>& sights) {
   for (const Sight& sight : sights) {
@@ -67,7 +61,7 @@ Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
     const auto row = rows.find(keyframe.parent_id);
     parent.push_back(row == rows.end() ? -1 : row->second);
     Append(keyframe.T_w_kf.translation(), p);
-    for (const double value : keyframe.T_w_kf.rotation().coeffs()) q.push_back(static_cast<float>(value));
+    Append(keyframe.T_w_kf.rotation().coeffs(), q);
   }
   return {{"id", 1, std::move(id)},
           {"frame", 1, std::move(frame)},

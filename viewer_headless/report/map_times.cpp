@@ -16,7 +16,7 @@ void MapTimes::Add(const MapUpdate& update, int64_t frame_id) {
   if (update.base_version == 0 && update.version != 1) return;
   if (update.stage_ms.empty() || heard_++ % every_ != 0) return;
   Row row;
-  row.frame = static_cast<int32_t>(std::clamp<int64_t>(frame_id, -1, 2'000'000'000));
+  row.frame = Clamp32(frame_id);
   row.before_px = static_cast<float>(update.adjustment.reprojection_before_px);
   row.after_px = static_cast<float>(update.adjustment.reprojection_after_px);
   for (const auto& [name, ms] : update.stage_ms) {
@@ -29,8 +29,7 @@ void MapTimes::Add(const MapUpdate& update, int64_t frame_id) {
   }
   rows_.push_back(std::move(row));
   if (rows_.size() <= kMaxRows) return;
-  for (size_t i = 1; 2 * i < rows_.size(); ++i) rows_[i] = std::move(rows_[2 * i]);
-  rows_.resize((rows_.size() + 1) / 2);
+  KeepEverySecond(rows_);
   every_ *= 2;
 }
 
@@ -41,9 +40,7 @@ Table MapTimes::Times() const {
     frame.push_back(row.frame);
     before_px.push_back(row.before_px);
     after_px.push_back(row.after_px);
-    for (size_t i = 0; i < stage_names_.size(); ++i) {
-      stages_ms.push_back(i < row.stages_ms.size() ? row.stages_ms[i] : std::numeric_limits<float>::quiet_NaN());
-    }
+    AppendRow(row.stages_ms, stage_names_.size(), stages_ms);
   }
   const int width = std::max(1, static_cast<int>(stage_names_.size()));
   return {{"frame", 1, std::move(frame)},

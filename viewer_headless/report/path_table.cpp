@@ -62,10 +62,6 @@ class RootMeanSquare {
   int64_t n_ = 0;
 };
 
-void Append(const Eigen::Vector3d& p, std::vector<float>& values) {
-  for (const double value : p) values.push_back(static_cast<float>(value));
-}
-
 double AngleDeg(const SE3& a, const SE3& b) { return a.rotation().angularDistance(b.rotation()) * 180.0 / M_PI; }
 
 struct PathColumns {
@@ -101,7 +97,7 @@ class PathWriter {
     }
     if (!shown) return;
     Append(frame.T_w_c.translation(), columns_.p);
-    for (const double value : frame.T_w_c.rotation().coeffs()) columns_.q.push_back(static_cast<float>(value));
+    Append(frame.T_w_c.rotation().coeffs(), columns_.q);
     columns_.error_m.push_back(measured ? static_cast<float>(error_m) : kNone);
     columns_.error_deg.push_back(measured ? static_cast<float>(AngleDeg(truth, frame.T_w_l)) : kNone);
     columns_.live_error_m.push_back(measured ? static_cast<float>(live_error_m) : kNone);

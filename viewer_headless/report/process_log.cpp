@@ -18,12 +18,6 @@ bool IsShown(const std::string& counter) {
          std::find(kBusCounters.begin(), kBusCounters.end(), counter) != kBusCounters.end();
 }
 
-template <class T>
-void KeepEverySecond(std::vector<T>& values) {
-  for (size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
-  values.resize((values.size() + 1) / 2);
-}
-
 }  // namespace
 
 void ProcessLog::Add(const ProcessSample& sample) {
@@ -42,7 +36,7 @@ void ProcessLog::Add(const ProcessSample& sample) {
 
 void ProcessLog::Append(const ProcessSample& sample, Series& series) {
   series.t_s.push_back(static_cast<float>(sample.t_s));
-  series.frame.push_back(static_cast<int32_t>(std::clamp<int64_t>(sample.frame_id, -1, 2'000'000'000)));
+  series.frame.push_back(Clamp32(sample.frame_id));
   series.cpu_s.push_back(static_cast<float>(sample.cpu_s));
   series.memory_mb.push_back(static_cast<float>(sample.memory_mb));
   for (const auto& [name, value] : sample.counters) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 
 namespace plslam {
 
@@ -32,6 +33,18 @@ std::string TypeName(const Column& column) {
   if (std::holds_alternative<std::vector<float>>(column.values)) return "f32";
   if (std::holds_alternative<std::vector<int32_t>>(column.values)) return "i32";
   return std::holds_alternative<std::vector<uint16_t>>(column.values) ? "u16" : "u8";
+}
+
+int32_t Clamp32(int64_t value) { return static_cast<int32_t>(std::clamp<int64_t>(value, -1, 2'000'000'000)); }
+
+void Append(const Eigen::Ref<const Eigen::VectorXd>& vector, std::vector<float>& values) {
+  for (const double value : vector) values.push_back(static_cast<float>(value));
+}
+
+void AppendRow(const std::vector<float>& row, size_t width, std::vector<float>& values) {
+  for (size_t i = 0; i < width; ++i) {
+    values.push_back(i < row.size() ? row[i] : std::numeric_limits<float>::quiet_NaN());
+  }
 }
 
 }  // namespace plslam

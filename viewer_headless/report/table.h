@@ -1,8 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,5 +29,21 @@ const Column* FindColumn(const Table& table, const std::string& name);
 /// The numbers as little endian bytes, and what they are called in a page: "f32", "i32", "u16", "u8".
 std::string LittleEndianBytes(const Column& column);
 std::string TypeName(const Column& column);
+
+/// A number of a frame or keyframe as a column has it; -1: none.
+int32_t Clamp32(int64_t value);
+
+/// The numbers of a vector behind what is there.
+void Append(const Eigen::Ref<const Eigen::VectorXd>& vector, std::vector<float>& values);
+
+/// A row of `width` numbers behind what is there: NaN for those that `row` has not.
+void AppendRow(const std::vector<float>& row, size_t width, std::vector<float>& values);
+
+/// Drops the second, the fourth, the sixth, ... value.
+template <class T>
+void KeepEverySecond(std::vector<T>& values) {
+  for (size_t i = 1; 2 * i < values.size(); ++i) values[i] = std::move(values[2 * i]);
+  values.resize((values.size() + 1) / 2);
+}
 
 }  // namespace plslam

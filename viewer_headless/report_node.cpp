@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/bus/worker.h"
 #include "core/io/atomic_file.h"
 #include "viewer_headless/message_values.h"
 #include "viewer_headless/report/report_json.h"
@@ -16,10 +17,6 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kLiveTick(50);
-
-double Seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -48,7 +45,7 @@ void ReportNode::OnStream(const stream_t& message) {
 }
 
 void ReportNode::OnStatus(const status_t& message) {
-  if (wanted_) report_->Add(ToProcessSample(message, Seconds(), NewestFrame()));
+  if (wanted_) report_->Add(ToProcessSample(message, bus::NowS(), NewestFrame()));
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {

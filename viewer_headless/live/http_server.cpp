@@ -50,16 +50,16 @@ MHD_Result Send(MHD_Connection* connection, const HttpResponse& answer) {
 
 HttpResponse Answer(MHD_Connection* connection, const char* url, const char* method,
                     const HttpServer::Handler& handler) {
-  if (OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD") return {MHD_HTTP_METHOD_NOT_ALLOWED, {}, "only GET\n"};
+  if (OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD") return {MHD_HTTP_METHOD_NOT_ALLOWED, "only GET\n"};
   if (!NamesThisMachine(OrEmpty(MHD_lookup_connection_value(connection, MHD_HEADER_KIND, "Host")))) {
-    return {MHD_HTTP_FORBIDDEN, {}, "this is served to this machine alone\n"};
+    return {MHD_HTTP_FORBIDDEN, "this is served to this machine alone\n"};
   }
   const std::string_view since = OrEmpty(MHD_lookup_connection_value(connection, MHD_GET_ARGUMENT_KIND, "since"));
-  if (since.size() > kMaxSince) return {MHD_HTTP_BAD_REQUEST, {}, "'since' is too long\n"};
+  if (since.size() > kMaxSince) return {MHD_HTTP_BAD_REQUEST, "'since' is too long\n"};
   try {
     return handler({std::string(OrEmpty(url)), std::string(since)});
   } catch (const std::exception& e) {
-    return {MHD_HTTP_INTERNAL_SERVER_ERROR, {}, std::string(e.what()) + "\n"};
+    return {MHD_HTTP_INTERNAL_SERVER_ERROR, std::string(e.what()) + "\n"};
   }
 }
 
@@ -72,9 +72,7 @@ MHD_Result OnRequest(void* handler, MHD_Connection* connection, const char* url,
     *state = &seen;
     return MHD_YES;
   }
-  HttpResponse answer = Answer(connection, url, method, *static_cast<HttpServer::Handler*>(handler));
-  if (answer.type.empty()) answer.type = "text/plain; charset=utf-8";
-  return Send(connection, answer);
+  return Send(connection, Answer(connection, url, method, *static_cast<HttpServer::Handler*>(handler)));
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ struct HttpRequest {
 
 struct HttpResponse {
   int status = 200;
-  std::string type = "text/plain; charset=utf-8";
   std::string body;
+  std::string type = "text/plain; charset=utf-8";
 };
 
 /// Serves GET on 127.0.0.1 and nowhere else, from a thread of its own, to 16 connections at a time that may be idle for

@@ -24,10 +24,10 @@ LiveView::~LiveView() {
 }
 
 HttpResponse LiveView::Handle(const HttpRequest& request) {
-  if (request.path == "/" || request.path == "/index.html") return {200, "text/html; charset=utf-8", page_};
-  if (request.path != "/data.json") return {404, {}, "there is / and /data.json\n"};
+  if (request.path == "/" || request.path == "/index.html") return {200, page_, "text/html; charset=utf-8"};
+  if (request.path != "/data.json") return {404, "there is / and /data.json\n"};
   const std::optional<ReportSince> since = ReportSince::Parse(request.since);
-  if (!since) return {400, {}, "'since' is not what /data.json gave as 'next'\n"};
+  if (!since) return {400, "'since' is not what /data.json gave as 'next'\n"};
   return WaitForData(*since);
 }
 
@@ -37,8 +37,8 @@ HttpResponse LiveView::WaitForData(const ReportSince& since) {
   answer_.reset();
   answered_.wait_for(lock, kPatience, [this] { return answer_.has_value() || closing_; });
   question_.reset();
-  if (!answer_) return {503, {}, "the viewer is busy\n"};
-  return {200, "application/json", std::move(*answer_)};
+  if (!answer_) return {503, "the viewer is busy\n"};
+  return {200, std::move(*answer_), "application/json"};
 }
 
 void LiveView::Answer(const std::function<std::string(const ReportSince&)>& json) {

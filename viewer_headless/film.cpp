@@ -28,7 +28,9 @@ Film::~Film() {
       Open(PictureRate_hz(0, 0, 0), first_->picture.size());
       video_->Add(first_->picture);
     }
-    if (video_) spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
+    if (!video_) return;
+    video_->Close();
+    spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
   } catch (const std::exception& e) {
     spdlog::error("{}", e.what());
   }

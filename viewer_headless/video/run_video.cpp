@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
+#include <system_error>
 
 #include "core/io/atomic_file.h"
 #include "core/io/png_file.h"
@@ -33,6 +34,15 @@ struct RunVideo::Film {
     }
     return false;
   }
+
+  /// Once; later nothing is to be done.
+  std::error_code Close(const std::string& path) {
+    std::error_code error;
+    if (!writer.isOpened()) return error;
+    writer.release();
+    std::filesystem::rename(part, path, error);
+    return error;
+  }
 };
 
 RunVideo::RunVideo(const std::string& path, double rate_hz, const cv::Size& size)
@@ -48,10 +58,12 @@ RunVideo::RunVideo(const std::string& path, double rate_hz, const cv::Size& size
 }
 
 RunVideo::~RunVideo() {
-  if (!film_) return;
-  film_->writer.release();
-  std::error_code error;
-  std::filesystem::rename(film_->part, path_, error);
+  if (film_) film_->Close(path_);
+}
+
+void RunVideo::Close() {
+  const std::error_code error = film_ ? film_->Close(path_) : std::error_code();
+  if (error) throw std::runtime_error(fmt::format("{}: cannot be put in place: {}", path_, error.message()));
 }
 
 bool RunVideo::is_folder() const { return film_ == nullptr; }

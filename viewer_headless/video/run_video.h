@@ -13,13 +13,16 @@ class RunVideo {
  public:
   /// `rate_hz` pictures a second. Throws std::runtime_error where neither can be written.
   RunVideo(const std::string& path, double rate_hz, const cv::Size& size);
-  /// The file has its name from here on; while it is written it ends in ".part.mp4".
+  /// Closes, without a word where that fails.
   ~RunVideo();
   RunVideo(const RunVideo&) = delete;
   RunVideo& operator=(const RunVideo&) = delete;
 
   /// 8-bit BGR; of another size it is scaled.
   void Add(const cv::Mat& picture);
+  /// No more pictures: the file has its name from here on; while it is written it ends in ".part.mp4". Throws
+  /// std::runtime_error where it cannot be named so.
+  void Close();
   /// The file, or the folder.
   const std::string& path() const { return path_; }
   bool is_folder() const;

@@ -52,6 +52,17 @@ TEST(RunVideo, WhereNothingCanBeWrittenItSaysSo) {
   EXPECT_THROW(RunVideo(file + "/film", 10.0, {64, 48}), std::runtime_error);
 }
 
+TEST(RunVideo, AFilmThatCannotBePutInPlaceSaysSo) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("film.mp4");
+  std::filesystem::create_directories(file);
+  RunVideo video(file, 10.0, {64, 48});
+  if (video.is_folder()) GTEST_SKIP() << "OpenCV has no FFmpeg that writes MP4 here";
+  video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
+  EXPECT_THAT([&] { video.Close(); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("film.mp4: cannot be put in place: ")));
+}
+
 TEST(RunVideo, RateOfTheRecording) {
   EXPECT_DOUBLE_EQ(PictureRate_hz(0, 100'000'000, 1), 10.0);
   EXPECT_DOUBLE_EQ(PictureRate_hz(0, 0, 1), 20.0);

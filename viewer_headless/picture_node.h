@@ -20,16 +20,20 @@ namespace plslam {
 /// the report, the film of the run. Best effort: what does not come is missing.
 class PictureNode {
  public:
-  /// `rejected` is called for images that are none. Whoever is not wanted by the options costs nothing.
-  PictureNode(bus::Bus& bus, const ViewerOptions& options, std::function<void()> rejected);
+  /// What the pictures are for beside the options. Both stay.
+  struct Sources {
+    const Map* map = nullptr;       ///< what the film shows; nullptr: no film
+    PictureStore* store = nullptr;  ///< gets what the report wants; nullptr: no report
+  };
+
+  /// `rejected` is called for images that are none. Whoever is not wanted costs nothing.
+  PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected);
 
   /// From now on images are of that camera.
   void SetRectifier(const Rectifier* rectifier) { rectifier_ = rectifier; }
-  /// A pose has come; `store` gets what the report wants, where there is one, `map` is what the film shows. Both stay.
   void AddPose(const FramePose& pose);
-  void SetSources(const Map* map, PictureStore* store);
-  /// A new stream begins: its film replaces the one before.
-  void BeginAgain();
+  /// A new stream begins: its film replaces the one before, and its report has a store of its own.
+  void BeginAgain(PictureStore* store);
   /// No more pictures of this run: the film gets its name.
   void EndFilm() { film_.reset(); }
 
@@ -39,11 +43,10 @@ class PictureNode {
   void WriteOverlay(int64_t frame_id, const cv::Mat& picture) const;
 
   ViewerOptions options_;
+  Sources sources_;
   std::function<void()> rejected_;
   OverlayQueue queue_;
   const Rectifier* rectifier_ = nullptr;
-  const Map* map_ = nullptr;
-  PictureStore* store_ = nullptr;
   std::unique_ptr<Film> film_;
   /// Poses whose pictures may still come.
   std::map<int64_t, FramePose> poses_;

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "core/bus/convert.h"
+#include "core/bus/worker.h"
 #include "plslam/ground_truth_t.hpp"
 #include "viewer_headless/message_values.h"
 #include "viewer_headless/outputs.h"
@@ -26,10 +27,6 @@ constexpr int kQuietTicksAtMost = 60;
 // adjusted in less.
 constexpr int kQuietTicksForTheMap = 240;
 constexpr size_t kRateTicks = 12;
-
-double Seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -68,8 +65,8 @@ void ViewerNode::Subscribe() {
   const Map& map = map_->replica().map();
   report_ =
       std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
-  pictures_ = std::make_unique<PictureNode>(bus, options_, [this] { Reject(); });
-  pictures_->SetSources(&map, report_->pictures());
+  pictures_ = std::make_unique<PictureNode>(bus, options_, PictureNode::Sources{&map, report_->pictures()},
+                                            [this] { Reject(); });
   bus.Every(kTick, [this] { OnTick(); });
 }
 
@@ -110,8 +107,7 @@ void ViewerNode::BeginAgain() {
   written_ = dirty_ = vo_finished_ = false;
   history_.clear();
   report_->BeginAgain();
-  pictures_->SetSources(&map_->replica().map(), report_->pictures());
-  pictures_->BeginAgain();
+  pictures_->BeginAgain(report_->pictures());
 }
 
 void ViewerNode::OnPose(const pose_t& message) {
@@ -185,7 +181,7 @@ Eigen::Quaterniond ViewerNode::q_l_c() const {
 }
 
 double ViewerNode::FramesPerSecond() {
-  history_.emplace_back(Seconds(), static_cast<int64_t>(recorder_.frames().size()));
+  history_.emplace_back(bus::NowS(), static_cast<int64_t>(recorder_.frames().size()));
   if (history_.size() > kRateTicks) history_.pop_front();
   const double seconds = history_.back().first - history_.front().first;
   const int64_t frames = history_.back().second - history_.front().second;

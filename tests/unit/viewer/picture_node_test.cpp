@@ -26,12 +26,12 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   bus::BusOptions options;
   options.url = "memq://";
   bus::Bus bus(options, "viewer");
-  PictureNode pictures(bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, [] {});
+  PictureNode pictures(bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, {}, [] {});
   const Rectifier rectifier(SomeRig());
   pictures.SetRectifier(&rectifier);
   // Frames whose images never came.
   for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
-  pictures.BeginAgain();
+  pictures.BeginAgain(nullptr);
   pictures.AddPose(PoseOf(0));
   const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
   bus::FramePublisher(bus, true).Publish({0, 0, image, image});

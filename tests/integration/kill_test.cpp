@@ -110,6 +110,7 @@ TEST(Kills, RandomOnesLoseNoKeyframeAndCostNoAccuracy) {
   RunWatcher quiet_watcher, watcher;
   WholeRun undisturbed, run;
   ASSERT_EQ(undisturbed.Run(Arguments(quiet_watcher.url(), extent.frames)), 0) << undisturbed.Logs();
+  EXPECT_EQ(quiet_watcher.Get().poses_said_again, 0) << "nobody has died";
   run.Start(Arguments(watcher.url(), extent.frames));
   const std::map<std::string, int> killed = KillAtRandom(run, watcher, extent);
   ASSERT_EQ(run.Wait(600), 0) << run.Logs();

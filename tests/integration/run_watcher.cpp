@@ -60,7 +60,10 @@ void RunWatcher::Listen() {
       heard.frames.insert(m.frame_id);
       heard.newest_frame = std::max(heard.newest_frame, m.frame_id);
       // A session is named after the process that began it.
-      if (m.header.source > m.header.session || m.header.session - m.header.source > 1000) return;
+      if (m.header.source > m.header.session || m.header.session - m.header.source > 1000) {
+        ++heard.poses_said_again;
+        return;
+      }
       ++heard.poses[m.header.session][m.frame_id];
       heard.publishers_of_poses.insert(m.header.source);
       heard.pose_at_s.try_emplace(m.frame_id, bus::NowS());

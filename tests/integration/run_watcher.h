@@ -27,6 +27,7 @@ struct Heard {
   /// How often each frame had a pose, by session; what is said again for the dead does not count.
   std::map<int64_t, std::map<int64_t, int>> poses;
   std::map<int64_t, double> pose_at_s;  ///< by frame: when, of the steady clock
+  int64_t poses_said_again = 0;         ///< by another in place of who had said them
   std::set<int64_t> frames;
   int64_t newest_frame = -1;
   int64_t lost_frames = 0;

@@ -165,12 +165,16 @@ HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
 }
 
 HistoryKeeper::~HistoryKeeper() {
+  Stop();
+  worker_.join();
+}
+
+void HistoryKeeper::Stop() {
   {
     const std::scoped_lock lock(store_->mutex);
     store_->stopping = true;
   }
   store_->changed.notify_all();
-  worker_.join();
 }
 
 void HistoryKeeper::OnExit(pid_t pid) {

@@ -31,6 +31,8 @@ class HistoryKeeper {
 
   /// The process has ended. On the thread of `Bus::Run`; the work is done on another.
   void OnExit(pid_t pid);
+  /// All processes end: nobody is left who could lack what one of them said, and nothing is said again from here on.
+  void Stop();
 
   /// Messages kept, and said again for others.
   int64_t kept() const;

@@ -153,6 +153,7 @@ void RunSession::BeginStop(const std::string& reason) {
   if (wall_s_ == 0.0 && phase_ != Phase::kStarting) wall_s_ = SecondsSince(playing_since_);
   phase_ = Phase::kStopping;
   reason_ = reason;
+  keeper_.Stop();
   supervisor_.Stop(Clock::now());
 }
 

@@ -117,6 +117,29 @@ TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
   EXPECT_EQ(keeper.kept(), 4) << "what it says itself is not kept again";
 }
 
+TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
+  const PrivatePort port;
+  Runner runner(port);
+  HistoryKeeper keeper(runner.bus(), testing::TempDir());
+  runner.Run();
+  {
+    bus::Bus ends(On(port), "vo");
+    SayAlive(ends, 7);
+    for (int i = 0; i < 3; ++i) Say(ends, 100, i);
+    ASSERT_TRUE(WaitFor([&] { return keeper.kept() == 3; }));
+  }
+  LateListener late(port);
+  bus::Bus lives(On(port), "viewer");
+  runner.bus().Post([&] {
+    keeper.Stop();
+    keeper.OnExit(7);
+    runner.bus().Post([&] { Say(lives, 200, 3); });
+  });
+  ASSERT_TRUE(WaitFor([&] { return !late.poses().empty(); }));
+  EXPECT_THAT(late.poses(), ElementsAre(Pair(200, 3)));
+  EXPECT_EQ(keeper.said_again(), 0);
+}
+
 TEST(HistoryKeeper, LeavesNoFileBehind) {
   std::string folder = testing::TempDir() + "keeper XXXXXX";
   ASSERT_NE(mkdtemp(folder.data()), nullptr);

@@ -38,15 +38,15 @@ endfunction()
 # All that a user runs, without tests and benchmarks.
 add_custom_target(plslam_programs)
 
-# plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin.
+# plslam_program(NAME SOURCES main.cpp ... LINK target ...): an executable in build/PRESET/bin. Those of tests/ are for
+# developers: neither among plslam_programs nor installed.
 function(plslam_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plslam_flags ${ARG_LINK})
-  add_dependencies(plslam_programs ${name})
-  # Those of tests/ are for developers, and not installed.
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(NOT folder MATCHES "^tests/")
+    add_dependencies(plslam_programs ${name})
     set_property(GLOBAL APPEND PROPERTY PLSLAM_INSTALLED_PROGRAMS ${name})
   endif()
 endfunction()

@@ -1,0 +1,32 @@
+# What differs between the units of the processes, plslam-NAME@.service, which are made of process@.service.template.
+
+# plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [RESTART when])
+function(plslam_process_unit folder name program about)
+  cmake_parse_arguments(unit "" "MORE;COMMAND;RESTART" "" ${ARGN})
+  set(arguments "--config /etc/plslam/%i.yaml ${unit_MORE} --set bus.history_dir=%S/plslam/%i/${name}")
+  string(REPLACE "  " " " arguments ${arguments})
+  set(command "${PLSLAM_BIN}/${program} ${arguments}")
+  if(unit_COMMAND)
+    string(REPLACE "ARGUMENTS" ${arguments} command ${unit_COMMAND})
+  endif()
+  set(restart always)
+  if(unit_RESTART)
+    set(restart ${unit_RESTART})
+  endif()
+  configure_file(${PLSLAM_UNITS}/process@.service.template ${folder}/plslam-${name}@.service @ONLY)
+endfunction()
+
+function(plslam_process_units folder)
+  plslam_process_unit(${folder} mapping mapping_process "mapping (the map: keyframes, points and lines, adjusted)")
+  plslam_process_unit(${folder} loop loop_process "loop closing (places seen before; lost trackers found again)")
+  plslam_process_unit(${folder} vo vo_process "tracking (stereo odometry with points and lines)")
+  plslam_process_unit(${folder} viewer viewer_headless "viewer (trajectories, map and pictures as files)"
+                      MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out")
+  # A dataset that has come to its end is not played again.
+  plslam_process_unit(${folder} player player "player (the dataset of player.dataset as stereo frames)"
+                      RESTART on-failure)
+  # The shell names each log by its time.
+  set(log "%S/plslam/%i/recorder/$$(date -u +%%Y%%m%%dT%%H%%M%%S).lcm")
+  plslam_process_unit(${folder} recorder plslam "recorder (all traffic as LCM event logs)"
+                      COMMAND "/bin/sh -c \"exec ${PLSLAM_BIN}/plslam record ${log} ARGUMENTS\"")
+endfunction()

@@ -26,6 +26,14 @@ test("frames are put behind each other", () => {
   assert.equal(run.rows, 3);
 });
 
+test("what did not come has not changed", () => {
+  const run = new Run();
+  assert.ok(run.take(message({ whole: true, frames: rows([0], 1, [5]) })).has("frames"));
+  assert.ok(!run.take(message({ first_row: 1 })).has("frames"));
+  assert.ok(run.take(message({ first_row: 1, frames: rows([1], 1, [5]) })).has("frames"));
+  assert.ok(run.take(message({ whole: true })).has("frames"), "another run has none yet");
+});
+
 test("a stage that nobody knew of makes rows wider", () => {
   const run = new Run();
   run.take(message({ whole: true, stage_names: ["a"], frames: rows([0, 1], 1, [5, 6]) }));

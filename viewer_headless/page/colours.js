@@ -7,11 +7,14 @@ function parse(hex) {
 // Low is cold and high is warm; young is violet and old is yellow. Neither fades on white or on black.
 const kHeight = ["#2f55a8", "#2f86b5", "#35a08c", "#86a944", "#d6983a", "#c9503c"].map(parse);
 const kAge = ["#6a3fb5", "#4a6fc4", "#2f93a0", "#3fae78", "#8fc24d", "#e0c93a"].map(parse);
+// Far is cold and near is warm, on pictures of any brightness.
+const kNear = ["#3f6fe0", "#2fb6c8", "#58c24a", "#e8c832", "#e2483d"].map(parse);
 
 export const scales = {
   height: kHeight,
   seen: kAge,
   sights: kAge,
+  near: kNear,
 };
 
 /** Colour of a share of 0 to 1, as [r, g, b]. */
@@ -22,12 +25,12 @@ export function ramp(stops, share) {
   return stops[i].map((value, k) => value * (1 - f) + stops[i + 1][k] * f);
 }
 
-export function css([r, g, b], alpha = 1) {
-  return `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)} / ${alpha})`;
+export function css([r, g, b]) {
+  return `rgb(${Math.round(255 * r)} ${Math.round(255 * g)} ${Math.round(255 * b)})`;
 }
 
 export function cssGradient(stops) {
-  return `linear-gradient(to right, ${stops.map((stop) => css(stop)).join(", ")})`;
+  return `linear-gradient(to right, ${stops.map(css).join(", ")})`;
 }
 
 /** A colour that the style of the page gives a name. */

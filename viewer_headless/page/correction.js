@@ -40,8 +40,4 @@ export class Correction {
     this.line.visible = visible;
     this.moves.visible = visible;
   }
-
-  show() {
-    this.update();
-  }
 }

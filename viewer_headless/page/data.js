@@ -63,7 +63,7 @@ export class Run {
 
   /** Takes in the viewer's JSON; returns the names of what has changed. */
   take(json) {
-    const changed = new Set(["facts", "frames", "processes"]);
+    const changed = new Set(["facts", "processes"]);
     if (json.whole) Object.assign(this, new Run());
     // Figures that come with the path alone stay until the next path.
     const kept = json.path ? {} : { ate_m: this.facts.ate_m, live_ate_m: this.facts.live_ate_m, length_m: this.facts.length_m };
@@ -71,8 +71,10 @@ export class Run {
     this.next = json.next;
     this.stageNames = json.stage_names;
     const widths = widthsOf(json.frames);
-    this.frames = append(this.frames, this.frameWidths, decodeTable(json.frames), widths, Math.min(json.first_row, this.rows));
+    const decoded = decodeTable(json.frames);
+    this.frames = append(this.frames, this.frameWidths, decoded, widths, Math.min(json.first_row, this.rows));
     this.frameWidths = widths;
+    if (json.whole || decoded.id.length) changed.add("frames");
     this.processes = json.processes.map((p) => ({ ...p, table: decodeTable(p.table) }));
     this.takePictures(json.pictures);
     if (json.pictures.length) changed.add("pictures");

@@ -68,7 +68,7 @@ function update(changed, state) {
   showKicker(run, state);
   showNotes(run);
   showAvailable(run);
-  view?.setRun(run);
+  if (changed.has("frames") || changed.has("map")) view?.setRun(run);
   if (changed.has("map")) {
     showLoops(run, chooseLoop);
     showCorrections();

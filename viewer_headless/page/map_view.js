@@ -37,7 +37,6 @@ export class MapView {
     this.colourMode = "height";
     this.flying = false;
     this.row = 0;
-    this.frameTimes = [];
     new ResizeObserver(() => this.resize()).observe(this.canvas.parentElement);
     this.resize();
     this.retheme();
@@ -65,13 +64,17 @@ export class MapView {
   setRun(run) {
     const first = !this.run;
     this.run = run;
-    this.box = boxOf(run);
+    const newMap = run.map !== this.map;
+    this.map = run.map;
+    if (newMap) this.landmarkBounds = boundsOf(run.map);
+    this.box = boxOf(run, this.landmarkBounds);
     this.size = Math.max(1e-3, this.box.getSize(new Vector3()).length());
     this.camera.near = this.size / 2000;
     this.camera.far = this.size * 40;
     this.camera.updateProjectionMatrix();
     for (const part of Object.values(this.parts)) part.setRun?.(run, this.size);
-    this.parts.landmarks.colour(run, this.colourMode);
+    // Colours of age reach to the newest frame; the others are the map's alone.
+    if (newMap || this.colourMode === "seen") this.parts.landmarks.colour(run, this.colourMode);
     this.applyLayers();
     this.setRow(this.row);
     if (first || this.pristine) this.lookAtAll(this.fromAbove);
@@ -140,16 +143,20 @@ export class MapView {
   }
 
   render() {
-    const start = performance.now();
     if (this.controls.enabled) this.controls.update();
     this.renderer.render(this.scene, this.camera);
-    this.frameTimes.push(performance.now() - start);
-    if (this.frameTimes.length > 200) this.frameTimes.shift();
   }
 }
 
+/** Where most of the points lie, as [low, high] of each axis of the map; null without points. */
+function boundsOf(map) {
+  const points = map?.points.p;
+  if (!points?.length) return null;
+  return [0, 1, 2].map((axis) => quantiles(points.filter((_, i) => i % 3 === axis), 0.1, 0.9));
+}
+
 /** What is worth looking at: the path and most of the points, in the scene's coordinates (y up). */
-function boxOf(run) {
+function boxOf(run, bounds) {
   const box = new Box3();
   const p = [0, 0, 0];
   for (let row = 0; row < run.rows; ++row) {
@@ -157,9 +164,7 @@ function boxOf(run) {
     if (p.every(Number.isFinite)) box.expandByPoint(new Vector3(p[0], -p[1], -p[2]));
   }
   if (box.isEmpty()) box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
-  const points = run.map?.points.p;
-  if (points?.length) {
-    const bounds = [0, 1, 2].map((axis) => quantiles(points.filter((_, i) => i % 3 === axis), 0.1, 0.9));
+  if (bounds) {
     const middle = box.getCenter(new Vector3());
     const reach = 3 * Math.max(1, box.getSize(new Vector3()).length());
     // A few far points must not make the path a dot.

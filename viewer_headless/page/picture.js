@@ -6,12 +6,10 @@ import { count, states } from "./format.js";
 
 const kOldAge = 20;
 const kNearDisparity = 64;
-const kNear = ["#3f6fe0", "#2fb6c8", "#58c24a", "#e8c832", "#e2483d"].map((hex) =>
-  [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16) / 255));
 
 function pointColour(disparity) {
   if (disparity === 65535) return "rgb(190 190 190 / 0.8)";
-  return css(ramp(kNear, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
+  return css(ramp(scales.near, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
 }
 
 function drawSegments(context, { segments, segment_ages, segment_depths }, scale, mark) {

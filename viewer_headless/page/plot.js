@@ -5,7 +5,7 @@ import { themeColour } from "./colours.js";
 
 const kHeight = 190;
 
-function axis(label, values) {
+function axis(label) {
   const colour = () => themeColour("muted");
   return {
     label,
@@ -15,7 +15,6 @@ function axis(label, values) {
     stroke: colour,
     grid: { stroke: () => themeColour("grid"), width: 1 },
     ticks: { stroke: () => themeColour("grid"), width: 1, size: 4 },
-    values,
   };
 }
 
@@ -39,7 +38,8 @@ function nowLine(now) {
 
 export class Plot {
   /**
-   * spec: {title, unit, x: "s", xLabel, log, series: [{label, colour, fill, dash, points, width}], level, range}.
+   * spec: {title, note, unit, xLabel, range, series: [{label, colour, fill, dash, points, steps, width, own}]}; of a series,
+   * `own` are the numbers for the legend where others are drawn.
    * `now()` is the time to mark or null, `seek(t)` goes there.
    */
   constructor(parent, spec, data, now, seek) {
@@ -52,13 +52,12 @@ export class Plot {
     const options = {
       width: this.width(),
       height: kHeight,
-      scales: { x: { time: false }, y: { distr: spec.log ? 3 : 1, range: spec.range } },
+      scales: { x: { time: false }, y: { range: spec.range } },
       axes: [{ ...axis(spec.xLabel ?? "time in s"), size: 28, labelGap: -2 }, { ...axis(spec.unit), size: 52 }],
       series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s, i) => this.serie(s, i))],
       cursor: { y: false, focus: { prox: 16 }, sync: seek ? { key: "time" } : undefined },
       legend: { live: true },
       plugins: [nowLine(now)],
-      bands: spec.bands,
     };
     this.own = spec.series.map((s) => s.own);
     this.plot = new uPlot(options, data, this.box);
@@ -92,7 +91,6 @@ export class Plot {
       dash: s.dash,
       points: { show: s.points === true, size: 4, stroke: s.colour, fill: s.colour },
       paths: s.points === true ? () => null : s.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
-      spanGaps: s.spanGaps ?? false,
       value: (_, v, __, i) => {
         const shown = this.own[index] && i !== null ? this.own[index][i] : v;
         return shown === null || shown === undefined ? "–" : `${Number(shown.toPrecision(3))}`;

@@ -1,13 +1,12 @@
 // node check_live.mjs CHROMEDRIVER CHROMIUM URL: opens the live page of a run that goes on, and watches it grow. Exit code 1
 // where something is wrong.
 import { Browser } from "./browser.mjs";
-import { Check, Page } from "./page.mjs";
+import { Check, runChecks } from "./page.mjs";
 
 const [chromedriver, chromium, url] = process.argv.slice(2);
 const check = new Check();
 const browser = await Browser.open(chromedriver, chromium);
-try {
-  const page = new Page(browser);
+await runChecks(check, browser, async (page) => {
   await page.open(url);
   const first = await browser.run("return plslam.run.rows");
   check.that((await page.text("#kicker")).includes("live"), `it says that it is live: '${await page.text("#kicker")}'`);
@@ -23,11 +22,4 @@ try {
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");
   check.that(columns.every(([, n]) => n === columns[0][1]), `columns are equally long: ${columns}`);
-  const errors = await page.errors();
-  check.that(errors.length === 0, `no errors in the console ${errors.join("; ")}`);
-} catch (error) {
-  check.that(false, error.stack);
-} finally {
-  await browser.close();
-}
-process.exit(check.failures ? 1 : 0);
+});

@@ -5,7 +5,7 @@ import { writeFileSync } from "node:fs";
 import { resolve } from "node:path";
 import { pathToFileURL } from "node:url";
 import { Browser } from "./browser.mjs";
-import { Check, Page } from "./page.mjs";
+import { Check, runChecks } from "./page.mjs";
 
 const [chromedriver, chromium, file, what = "all", picture] = process.argv.slice(2);
 const check = new Check();
@@ -141,8 +141,7 @@ async function checkFrameTimes() {
   check.that(all_ms < 2000, "and can be used even without a graphics card");
 }
 
-try {
-  const page = new Page(browser);
+await runChecks(check, browser, async (page) => {
   const start = Date.now();
   await page.open(pathToFileURL(resolve(file)).href);
   console.log(`     open after ${Date.now() - start} ms`);
@@ -158,11 +157,4 @@ try {
     await checkNarrow(page);
   }
   await checkFrameTimes();
-  const errors = await page.errors();
-  check.that(errors.length === 0, `no errors in the console ${errors.join("; ")}`);
-} catch (error) {
-  check.that(false, error.stack);
-} finally {
-  await browser.close();
-}
-process.exit(check.failures ? 1 : 0);
+});

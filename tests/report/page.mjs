@@ -87,3 +87,18 @@ export class Page {
     return entries.filter((entry) => entry.level === "SEVERE").map((entry) => entry.message);
   }
 }
+
+/** Does `work(page)`, looks for errors in the console, and ends this process: exit code 1 where something is wrong. */
+export async function runChecks(check, browser, work) {
+  try {
+    const page = new Page(browser);
+    await work(page);
+    const errors = await page.errors();
+    check.that(errors.length === 0, `no errors in the console ${errors.join("; ")}`);
+  } catch (error) {
+    check.that(false, error.stack);
+  } finally {
+    await browser.close();
+  }
+  process.exit(check.failures ? 1 : 0);
+}

@@ -23,6 +23,9 @@ class MotionModel {
   /// Learns from a measured motion.
   void Observe(const SE3& T_prev_c, double dt_s);
 
+  /// A motion has been measured, so that predictions say more than "anywhere near".
+  bool knows_motion() const { return last_dt_s_ > 0.0; }
+
   /// After a frame that was not measured: half the velocity, so that a lost camera does not fly away.
   void Slow();
 

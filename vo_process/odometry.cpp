@@ -1,6 +1,7 @@
 #include "vo_process/odometry.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -186,16 +187,22 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   if (relocalised_) {
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
-  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, tracked_weight_, refiner_);
+  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
   if (!found || (dormant_ && found->weak)) return std::nullopt;
   const bool was_lost = dormant_.has_value();
   dormant_.reset();
   return Tracked{std::move(*found), was_lost ? Reference::kFoundedWhileLost : Reference::kCurrent};
 }
 
+// Before the first motion nothing says where to look: a camera that starts at speed is mostly outside the near window,
+// where far landmarks alone agree on a wrong motion. So all searches are compared.
+int Odometry::ExpectedWeight() const {
+  return motion_model_.knows_motion() ? tracked_weight_ : std::numeric_limits<int>::max();
+}
+
 std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
                                                        const MotionPrediction& prediction) {
-  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, tracked_weight_, refiner_);
+  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, ExpectedWeight(), refiner_);
   const double share = dormant_->n_lost <= kSoonFrames ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
   dormant_->landmarks.next_point_id = landmarks_.next_point_id;
@@ -209,7 +216,7 @@ std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame
 std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& frame,
                                                            const MotionPrediction& prediction) {
   Relocalised place = *std::exchange(relocalised_, std::nullopt);
-  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, tracked_weight_, refiner_);
+  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
   if (!found || found->weak) return std::nullopt;
   place.landmarks.next_point_id = landmarks_.next_point_id;
   place.landmarks.next_line_id = landmarks_.next_line_id;

@@ -98,6 +98,7 @@ class Odometry {
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
+  int ExpectedWeight() const;
   void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);

@@ -2,7 +2,7 @@
 // that count come from `plslam run`.
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
-//   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back]
+//   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S] [--covered F]
 
 #include <algorithm>
 #include <cstdio>
@@ -19,6 +19,7 @@
 #include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"
+#include "tests/support/worse_images.h"
 
 namespace {
 
@@ -160,6 +161,7 @@ int main(int argc, char** argv) {
   bool with_mapping = false;
   bool with_loops = false;
   plslam::test::LoopRunOptions run_options;
+  plslam::test::Worsening worsening;
   CLI::App app("Accuracy and time of odometry in one process, without messages");
   app.add_option("datasets", datasets, "datasets")->required();
   app.add_option("--set", overrides, "KEY=VALUE");
@@ -171,6 +173,10 @@ int main(int argc, char** argv) {
   app.add_flag("--loops", with_loops, "mapping and loop closing");
   app.add_flag("--forth-and-back", run_options.forth_and_back, "with --loops: then all frames in reverse order");
   app.add_option("--ask-every", run_options.ask_every, "with --loops: ask where every so many frames are");
+  app.add_option("--noise", worsening.noise_sigma, "added to the images, grey values");
+  app.add_option("--darkest", worsening.darkest, "factor of the grey values, that comes and goes");
+  app.add_option("--blur", worsening.blur_sigma_px, "of the images, pixels");
+  app.add_option("--covered", worsening.covered, "side of a black square, as a share of the image's height");
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
   plslam::Config config;
@@ -187,19 +193,20 @@ int main(int argc, char** argv) {
   run_options.stride = stride;
   run_options.max_frames = frames_wanted;
   for (const std::string& location : datasets) {
-    const auto dataset = plslam::OpenDataset(location, "");
+    const auto opened = plslam::OpenDataset(location, "");
+    const plslam::test::WorseImages dataset(*opened, worsening);
     if (with_loops) {
       PrintLoops(location.substr(location.size() > 60 ? location.size() - 60 : 0),
-                 plslam::test::RunLoops(*dataset, places, run_options), verbose);
+                 plslam::test::RunLoops(dataset, places, run_options), verbose);
       continue;
     }
     if (with_mapping) {
-      const auto run = plslam::test::RunSlam(*dataset, options, mapping, stride, frames_wanted);
+      const auto run = plslam::test::RunSlam(dataset, options, mapping, stride, frames_wanted);
       PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0), run);
       for (size_t i = 0; verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
       continue;
     }
-    const auto frames = plslam::test::RunOdometry(*dataset, options, stride, frames_wanted);
+    const auto frames = plslam::test::RunOdometry(dataset, options, stride, frames_wanted);
     const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
     for (int i = 0; verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
     std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",

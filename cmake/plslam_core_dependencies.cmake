@@ -26,14 +26,6 @@ if(NOT TARGET sodium::sodium)
                         INTERFACE_INCLUDE_DIRECTORIES ${SODIUM_INCLUDE_DIR})
 endif()
 
-if(NOT TARGET deflate::deflate)
-  find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
-  find_library(DEFLATE_LIBRARY deflate REQUIRED)
-  add_library(deflate::deflate UNKNOWN IMPORTED)
-  set_target_properties(deflate::deflate PROPERTIES IMPORTED_LOCATION ${DEFLATE_LIBRARY}
-                        INTERFACE_INCLUDE_DIRECTORIES ${DEFLATE_INCLUDE_DIR})
-endif()
-
 # One include directory for all of OpenCV, as SYSTEM (imported) so that our warnings stay ours.
 if(NOT TARGET plslam_opencv)
   add_library(plslam_opencv INTERFACE IMPORTED)

@@ -7,13 +7,10 @@
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "core/io/dataset.h"
-#include "core/io/grey_png.h"
 #include "core/io/image_header.h"
 
 namespace plslam {
@@ -73,9 +70,6 @@ cv::Mat DecodePgm(const ImageHeader& header, std::span<const uint8_t> bytes) {
 // JPEGs give their luma without the detour over colour.
 cv::Mat Decode(const std::string& path, const ImageHeader& header, const std::vector<uint8_t>& bytes) {
   if (header.format == ImageFormat::kPgm) return DecodePgm(header, bytes);
-  if (header.format == ImageFormat::kPng) {
-    if (std::optional<cv::Mat> grey = DecodeGreyPng(bytes, kMaxImagePixels)) return *std::move(grey);
-  }
   const int flags = header.format == ImageFormat::kJpeg ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION
                                                         : cv::IMREAD_UNCHANGED;
   cv::Mat image;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "player/open_dataset.h"
+#include "tests/replay/default_places.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/worse_images.h"
@@ -16,13 +17,6 @@ double PathLength(const std::vector<OdometryFrame>& frames) {
     length_m += (frames[i].T_odom_l.translation() - frames[i - 1].T_odom_l.translation()).norm();
   }
   return length_m;
-}
-
-PlaceRecogniser Places() {
-  const auto config = SourceFolder() / "config";
-  return {Vocabulary::Load((config / "orb.vocabulary").string()),
-          Vocabulary::Load((config / "lbd.vocabulary").string()),
-          {}};
 }
 
 struct Journey {
@@ -39,7 +33,8 @@ TEST_P(ForthAndBack, EndsWhereItBegan) {
   const auto dataset = OpenDataset(folder.string(), "");
   LoopRunOptions options;
   options.forth_and_back = true;
-  const LoopRun run = RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), Places(), options);
+  const LoopRun run =
+      RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), DefaultPlaces(), options);
   const auto& frames = run.slam.final;
   ASSERT_GT(frames.size(), 100u);
   const double gap_m = (frames.back().T_odom_l.translation() - frames.front().T_odom_l.translation()).norm();

@@ -219,8 +219,7 @@ void Run::CountRevisits() {
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (before >= 0) {
       const auto step = TrueRelation(map.FindKeyframe(before)->frame_id, keyframe.frame_id);
-      if (!step) return;
-      total_m += step->translation().norm();
+      if (step) total_m += step->translation().norm();
     }
     way_m[id] = total_m;
     before = id;
@@ -229,7 +228,7 @@ void Run::CountRevisits() {
     for (const auto& [old_id, at_m] : way_m) {
       if (total_m - at_m < kBehind_m) break;
       const auto apart = TrueRelation(map.FindKeyframe(old_id)->frame_id, keyframe.frame_id);
-      if (apart->translation().norm() > kNear_m || apart->Log().tail<3>().norm() > kNear_rad) continue;
+      if (!apart || apart->translation().norm() > kNear_m || apart->Log().tail<3>().norm() > kNear_rad) continue;
       again = true;
       shared = shared || map.Shared(old_id, id) >= kShared;
     }

@@ -1,0 +1,23 @@
+#include <gtest/gtest.h>
+
+#include "player/open_dataset.h"
+#include "tests/replay/default_places.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/loop_run.h"
+
+namespace plslam::test {
+namespace {
+
+// A flight through one room with up to 7 s between frames, which sees most places several times.
+TEST(Revisits, OfARealRoomAreClosed) {
+  PLSLAM_REQUIRE_DATA(folder, "euroc_V1_01_sparse");
+  const auto dataset = OpenDataset(folder.string(), "");
+  const LoopRun run = RunLoops(*dataset, DefaultPlaces(), {});
+  EXPECT_GE(run.revisits.keyframes, 15);
+  EXPECT_GE(run.revisits.closed_keyframes, run.revisits.keyframes - 2);
+  for (const LoopOfRun& loop : run.loops) EXPECT_FALSE(loop.IsFalse()) << "frame " << loop.frame;
+  EXPECT_LT(AbsoluteTrajectoryError(run.slam.final), 0.13);
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -1,0 +1,76 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <numbers>
+#include <string>
+
+#include "loop_process/loop_verification.h"
+#include "tests/unit/loop/ring_world.h"
+
+namespace plslam::test {
+namespace {
+
+constexpr double kPaperTurn_rad = 3.0 * std::numbers::pi / 180.0;
+
+LoopOptions WithGates(const std::string& gates) {
+  LoopOptions options;
+  options.verification.gates = gates;
+  return options;
+}
+
+/// Everything that was looked at while a ring was walked, no loop being taken over.
+std::vector<LoopEvidence> LookedAt(const Ring& ring, const std::string& gates) {
+  Closing closing(PlacesOf(ring.world), WithGates(gates));
+  std::vector<LoopEvidence> all;
+  for (const Keyframe& keyframe : ring.walk.keyframes) {
+    closing.Show(keyframe);
+    const LoopSearch& search = closing.closer.last_search();
+    all.insert(all.end(), search.evidence.begin(), search.evidence.end());
+  }
+  return all;
+}
+
+TEST(PaperGates, RingThatComesBackIsClosedFromNear) {
+  const Ring ring;
+  const Closing closing = CloseLoops(ring, WithGates("paper"));
+  ASSERT_FALSE(closing.loops.empty());
+  for (const LoopClosure& loop : closing.loops) {
+    const LoopEdge& edge = loop.edges.front();
+    EXPECT_LE(edge.T_old_kf.translation().norm(), 0.5);
+    EXPECT_LE(edge.T_old_kf.Log().tail<3>().norm(), kPaperTurn_rad);
+  }
+}
+
+// Accepted is what passes the three tests, and nothing else: no other side is asked, no drift, no keyframe before.
+TEST(PaperGates, AreTheThreeTestsOfThePaper) {
+  int accepted = 0;
+  int refused = 0;
+  for (const LoopEvidence& e : LookedAt(Ring(), "paper")) {
+    if (e.verdict == LoopVerdict::kNotFound) continue;
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(e.place.pose.covariance);
+    const bool passes = eigen.eigenvalues().maxCoeff() < 0.01 && e.edge.T_old_kf.translation().norm() <= 0.5 &&
+                        e.edge.T_old_kf.Log().tail<3>().norm() <= kPaperTurn_rad &&
+                        2 * e.place.inliers > e.place.matches;
+    EXPECT_EQ(e.verdict, passes ? LoopVerdict::kAccepted : LoopVerdict::kPaperGates) << LoopVerdictName(e.verdict);
+    ++(passes ? accepted : refused);
+  }
+  EXPECT_GT(accepted, 0);
+  EXPECT_GT(refused, 0);
+}
+
+// A loop seen from farther away is a loop, too.
+TEST(PaperGates, RefuseFromFarWhatTheDefaultBelieves) {
+  int far = 0;
+  for (const LoopEvidence& e : LookedAt(Ring(), "default")) {
+    if (e.verdict == LoopVerdict::kAccepted && e.edge.T_old_kf.translation().norm() > 0.5) ++far;
+  }
+  EXPECT_GT(far, 0);
+  for (const LoopEvidence& e : LookedAt(Ring(), "paper")) {
+    if (e.edge.T_old_kf.translation().norm() <= 0.5) continue;
+    EXPECT_NE(e.verdict, LoopVerdict::kAccepted) << e.edge.T_old_kf.translation().norm() << " m";
+  }
+}
+
+}  // namespace
+}  // namespace plslam::test

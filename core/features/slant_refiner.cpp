@@ -60,29 +60,52 @@ SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) 
   return t;
 }
 
+/// Pixels of one image row at `columns` and, one further, `next`; nothing in the idle column.
+struct Neighbours {
+  std::array<int32_t, kRow> here{};
+  std::array<int32_t, kRow> next{};
+
+  void Take(const uint8_t* row, const std::array<int32_t, kRow>& columns) {
+    for (size_t x = 0; x < kSide; ++x) {
+      here[x] = row[columns[x]];
+      next[x] = row[columns[x] + 1];
+    }
+  }
+  float Between(size_t x, float f) const {
+    const auto a = static_cast<float>(here[x]);
+    return a + f * (static_cast<float>(next[x]) - a);
+  }
+};
+
 /// The right image where the left patch should be. False where that leaves the image.
+///
+/// Only fetching pixels goes one by one; places and blending are loops over whole vector registers.
 bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Vector4d& warp, Patch& patch) {
   const auto step = static_cast<float>(1.0 + warp(2));
+  const int reach = static_cast<int>(std::ceil((kSide - 1) * step)) + 2;
+  Neighbours above, below;
   for (int y = 0; y < kSide; ++y) {
     const double v = center.y() + warp(1) + y - kHalf;
     const double u = center.x() + warp(0) + warp(3) * (y - kHalf) - (1.0 + warp(2)) * kHalf;
     const int v0 = static_cast<int>(std::floor(v));
     const int u0 = static_cast<int>(std::floor(u));
-    const int reach = static_cast<int>(std::ceil((kSide - 1) * step)) + 2;
     if (v0 < 0 || v0 + 1 >= image.rows || u0 < 0 || u0 + reach >= image.cols) return false;
     const auto fv = static_cast<float>(v - v0);
-    const uint8_t* above = image.ptr<uint8_t>(v0) + u0;
-    const uint8_t* below = image.ptr<uint8_t>(v0 + 1) + u0;
     const auto fu = static_cast<float>(u - u0);
-    for (int x = 0; x < kSide; ++x) {
-      const float place = fu + step * static_cast<float>(x);
-      const int k = static_cast<int>(place);
-      const float f = place - static_cast<float>(k);
-      const auto a = static_cast<float>(above[k]);
-      const auto b = static_cast<float>(below[k]);
-      const float top = a + f * (static_cast<float>(above[k + 1]) - a);
-      const float bottom = b + f * (static_cast<float>(below[k + 1]) - b);
-      patch(x, y) = top + fv * (bottom - top);
+    std::array<int32_t, kRow> columns;
+    std::array<float, kRow> fractions;
+    for (size_t x = 0; x < kRow; ++x) {
+      const float place = fu + step * static_cast<float>(static_cast<int32_t>(x));
+      columns[x] = static_cast<int32_t>(place);
+      fractions[x] = place - static_cast<float>(columns[x]);
+    }
+    above.Take(image.ptr<uint8_t>(v0) + u0, columns);
+    below.Take(image.ptr<uint8_t>(v0 + 1) + u0, columns);
+    float* const out = &patch(0, y);
+    for (size_t x = 0; x < kRow; ++x) {
+      const float top = above.Between(x, fractions[x]);
+      const float bottom = below.Between(x, fractions[x]);
+      out[x] = top + fv * (bottom - top);
     }
   }
   return true;

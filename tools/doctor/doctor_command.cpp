@@ -9,9 +9,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/bus/channels.h"
 #include "core/bus/history.h"
 #include "core/bus/options.h"
 #include "core/bus/process_arguments.h"
+#include "core/bus/process_usage.h"
 #include "tools/doctor/clock_check.h"
 #include "tools/doctor/files_check.h"
 #include "tools/doctor/listen_node.h"
@@ -89,8 +91,8 @@ Diagnosis Examine(const DoctorOptions& options) {
   if (can_listen) {
     diagnosis.heard = ListenToAll(address.url, bus_options.key_file,
                                   std::chrono::milliseconds(std::llround(1e3 * options.listen_s)));
-    Append(CheckProcesses(diagnosis.heard, {address.url, bus_options.prefix, PLSLAM_VERSION, ThisHost(), ThisSchema(),
-                                            !bus_options.key_file.empty()}),
+    Append(CheckProcesses(diagnosis.heard, {address.url, bus_options.prefix, PLSLAM_VERSION, bus::HostName(),
+                                            bus::kSchemaVersion, !bus_options.key_file.empty()}),
            &diagnosis.findings);
   }
   Append(CheckClock(begin, SampleClocks(), ClockIsSynchronised()), &diagnosis.findings);
@@ -98,16 +100,12 @@ Diagnosis Examine(const DoctorOptions& options) {
   return diagnosis;
 }
 
-const char* JsonName(Verdict verdict) {
-  return verdict == Verdict::kGood ? "good" : verdict == Verdict::kAdvice ? "advice" : "problem";
-}
-
 nlohmann::ordered_json ToJson(const Diagnosis& diagnosis) {
   nlohmann::ordered_json json = {{"healthy", !HasProblem(diagnosis.findings)}};
   json["findings"] = nlohmann::ordered_json::array();
   for (const Finding& f : diagnosis.findings) {
     json["findings"].push_back(
-        {{"check", f.check}, {"verdict", JsonName(f.verdict)}, {"what", f.what}, {"mend", f.mend}});
+        {{"check", f.check}, {"verdict", VerdictName(f.verdict)}, {"what", f.what}, {"mend", f.mend}});
   }
   json["processes"] = nlohmann::ordered_json::array();
   for (const HeardProcess& p : diagnosis.heard.processes) {

@@ -6,9 +6,8 @@
 #include <algorithm>
 
 namespace plslam {
-namespace {
 
-const char* NameOf(Verdict verdict) {
+const char* VerdictName(Verdict verdict) {
   switch (verdict) {
     case Verdict::kGood:
       return "good";
@@ -17,10 +16,8 @@ const char* NameOf(Verdict verdict) {
     case Verdict::kProblem:
       break;
   }
-  return "PROBLEM";
+  return "problem";
 }
-
-}  // namespace
 
 Finding Good(const std::string& check, const std::string& what) { return {check, Verdict::kGood, what, ""}; }
 
@@ -43,7 +40,9 @@ std::string FindingsToText(const Findings& findings, bool only_bad) {
   std::string text;
   for (const Finding& f : findings) {
     if (only_bad && f.verdict == Verdict::kGood) continue;
-    text += fmt::format("{:<11} {:<8} {}\n", f.check, NameOf(f.verdict), f.what);
+    // What keeps the system from working must be seen among the rest.
+    const char* verdict = f.verdict == Verdict::kProblem ? "PROBLEM" : VerdictName(f.verdict);
+    text += fmt::format("{:<11} {:<8} {}\n", f.check, verdict, f.what);
     if (!f.mend.empty()) text += fmt::format("{:<20} mend: {}\n", "", f.mend);
   }
   return text;

@@ -8,6 +8,9 @@ namespace plslam {
 /// kAdvice: it works, and would work better. kProblem: something does not work.
 enum class Verdict { kGood, kAdvice, kProblem };
 
+/// "good", "advice", "problem".
+const char* VerdictName(Verdict verdict);
+
 /// What one look at this host has shown.
 struct Finding {
   std::string check;  ///< "multicast", "buffer", "port", "clock", "process", "disk", "vocabulary"

@@ -42,7 +42,6 @@ struct Heard {
   std::map<std::string, int64_t> foreign_types;
   /// Messages on channels that plslam does not have (other users of the bus).
   int64_t other_channels = 0;
-  int64_t messages = 0;
 };
 
 /// What the host that asks has.

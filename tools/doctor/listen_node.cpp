@@ -5,7 +5,6 @@
 
 #include "core/bus/authenticator.h"
 #include "core/bus/channels.h"
-#include "core/bus/process_usage.h"
 #include "core/bus/transport.h"
 #include "plslam/status_t.hpp"
 
@@ -29,7 +28,6 @@ class Listener {
   explicit Listener(const std::string& key_file) : authenticator_(key_file) {}
 
   void Take(std::string_view wire_name, bus::ByteView bytes) {
-    ++heard_.messages;
     const bus::Channel* channel = ChannelOf(wire_name);
     if (channel == nullptr) {
       ++heard_.other_channels;
@@ -101,9 +99,5 @@ Heard ListenToAll(const std::string& url, const std::string& key_file, std::chro
   }
   return std::move(listener).Result();
 }
-
-std::string ThisHost() { return bus::HostName(); }
-
-int ThisSchema() { return bus::kSchemaVersion; }
 
 }  // namespace plslam

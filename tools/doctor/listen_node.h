@@ -12,10 +12,4 @@ namespace plslam {
 /// URL cannot be opened or the key not be read.
 Heard ListenToAll(const std::string& url, const std::string& key_file, std::chrono::milliseconds duration);
 
-/// Name of this machine, as processes tell it.
-std::string ThisHost();
-
-/// Version of the messages of this build.
-int ThisSchema();
-
 }  // namespace plslam

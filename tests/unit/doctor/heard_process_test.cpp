@@ -28,7 +28,7 @@ std::string Complaints(const Heard& heard, const OwnSide& own) {
   return FindingsToText(CheckProcesses(heard, own), true);
 }
 std::string Complaints(const HeardProcess& p, const OwnSide& own = Own()) {
-  return Complaints(Heard{{p}, {}, 0, 1}, own);
+  return Complaints(Heard{{p}, {}, 0}, own);
 }
 
 TEST(HeardProcess, NothingToComplainAbout) {
@@ -58,7 +58,7 @@ TEST(HeardProcess, VersionsThatDoNotFit) {
   EXPECT_THAT(Complaints(p), HasSubstr("advice   vo on robot (process 17) is version 0.0.9"));
   p.schema = 7;
   EXPECT_THAT(Complaints(p), HasSubstr("PROBLEM  vo on robot (process 17) speaks version 7 of the messages"));
-  EXPECT_THAT(Complaints(Heard{{Vo()}, {{"POSE", 40}}, 0, 41}, Own()),
+  EXPECT_THAT(Complaints(Heard{{Vo()}, {{"POSE", 40}}, 0}, Own()),
               HasSubstr("40 messages on POSE are of another type"));
 }
 
@@ -67,7 +67,7 @@ TEST(HeardProcess, OnlyAnotherPrefixIsHeard) {
   p.prefix = "robot1/";
   EXPECT_THAT(Complaints(p), HasSubstr("processes with the prefix 'robot1/' are heard, and none with ours ('')"));
   EXPECT_THAT(Complaints(p), HasSubstr("plslam doctor --prefix robot1/"));
-  EXPECT_EQ(Complaints(Heard{{p, Vo()}, {}, 0, 2}, Own()), "") << "two robots side by side";
+  EXPECT_EQ(Complaints(Heard{{p, Vo()}, {}, 0}, Own()), "") << "two robots side by side";
 }
 
 TEST(HeardProcess, TwoMapsUnderOnePrefix) {
@@ -75,12 +75,12 @@ TEST(HeardProcess, TwoMapsUnderOnePrefix) {
   a.process = b.process = "mapping";
   b.source = 2;
   b.pid = 18;
-  EXPECT_THAT(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), HasSubstr("mend: ssh robot kill 18"));
+  EXPECT_THAT(Complaints(Heard{{a, b}, {}, 0}, Own()), HasSubstr("mend: ssh robot kill 18"));
   b.prefix = "robot1/";
-  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), "");
+  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0}, Own()), "");
   b.prefix = "";
   a.process = b.process = "vo";
-  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0, 2}, Own()), "") << "several cameras in one map";
+  EXPECT_EQ(Complaints(Heard{{a, b}, {}, 0}, Own()), "") << "several cameras in one map";
 }
 
 TEST(HeardProcess, FailuresLossAndClocks) {

@@ -52,7 +52,7 @@ class HelpParser {
       page_->footer += line + "\n";
     } else if (line.starts_with("Usage:")) {
       TakeUsage(line);
-    } else if (page_->usage.empty() && !has_usage_) {
+    } else if (!has_usage_) {
       page_->purpose += line + "\n";
     } else if (line.starts_with("  ")) {
       TakeEntry(line);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -124,13 +126,15 @@ int Check(const CheckOptions& o) {
   }
   PairReader reader(*dataset);
   std::vector<RowMatch> all;
+  std::optional<Pair> read;
   for (const int frame : SpreadFrames(dataset->size(), o.frames)) {
-    const std::vector<RowMatch> matches = reader.Read(frame).matches;
-    all.insert(all.end(), matches.begin(), matches.end());
+    Pair pair = reader.Read(frame);
+    all.insert(all.end(), pair.matches.begin(), pair.matches.end());
+    if (frame == shown) read = std::move(pair);
   }
   const RowErrors errors = MeasureRows(all, reader.rectifier().camera());
   const RowVerdict verdict = JudgeRows(errors);
-  const Pair pair = reader.Read(shown);
+  const Pair pair = read ? *std::move(read) : reader.Read(shown);
   WritePng(o.out,
            DrawRectification(pair.left, pair.right, pair.matches,
                              fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,

@@ -30,15 +30,18 @@ Eigen::Vector3d FitRows(const std::vector<RowMatch>& matches, const StereoCamera
   Eigen::Vector3d fit = Eigen::Vector3d::Zero();
   std::vector<double> errors;
   errors.reserve(matches.size());
-  for (const RowMatch& m : matches) errors.push_back(m.RowError());
+  std::vector<Eigen::Vector3d> rows;
+  rows.reserve(matches.size());
+  for (const RowMatch& m : matches) {
+    errors.push_back(m.RowError());
+    const Eigen::Vector2d xy = (m.left_px - Eigen::Vector2d(camera.cx_px, camera.cy_px)) / camera.f_px;
+    rows.emplace_back(1.0, xy.x(), xy.y());
+  }
   fit[0] = Quantile(errors, 0.5);
   for (int iteration = 0; iteration < 20; ++iteration) {
-    std::vector<Eigen::Vector3d> rows;
     std::vector<double> residuals, sizes;
-    for (size_t i = 0; i < matches.size(); ++i) {
-      const Eigen::Vector2d xy = (matches[i].left_px - Eigen::Vector2d(camera.cx_px, camera.cy_px)) / camera.f_px;
-      rows.emplace_back(1.0, xy.x(), xy.y());
-      residuals.push_back(errors[i] - rows.back().dot(fit));
+    for (size_t i = 0; i < rows.size(); ++i) {
+      residuals.push_back(errors[i] - rows[i].dot(fit));
       sizes.push_back(std::abs(residuals.back()));
     }
     const double scale = std::max(0.2, 1.48 * Quantile(sizes, 0.5));

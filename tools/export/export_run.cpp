@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
@@ -26,6 +27,7 @@ struct Export {
   std::unique_ptr<KeyframeImages> images;
   std::string out;
   std::vector<ExportedFile> files;
+  std::optional<ColmapModel> model;
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
@@ -47,7 +49,11 @@ std::string ModelText(const ColmapModel& model) {
   return fmt::format("{} images, {} points", model.images.size(), model.points.size());
 }
 
-ColmapModel ModelOf(const Export& e) { return ColmapOf(*e.source.map, MapCamera(*e.source.map, e.source.map_path)); }
+/// Made once: two formats write it.
+const ColmapModel& ModelOf(Export& e) {
+  if (!e.model) e.model = ColmapOf(*e.source.map, MapCamera(*e.source.map, e.source.map_path));
+  return *e.model;
+}
 
 /// The images of the model, where the dataset has them.
 void ExportImages(Export& e) {
@@ -65,14 +71,14 @@ void ExportImages(Export& e) {
 }
 
 void ExportColmap(Export& e) {
-  const ColmapModel model = ModelOf(e);
+  const ColmapModel& model = ModelOf(e);
   WriteColmapBinary(e.Path("colmap/sparse"), model);
   e.Told("colmap/sparse", ModelText(model));
   if (e.images) ExportImages(e);
 }
 
 void ExportColmapText(Export& e) {
-  const ColmapModel model = ModelOf(e);
+  const ColmapModel& model = ModelOf(e);
   WriteColmapText(e.Path("colmap/text"), model);
   e.Told("colmap/text", ModelText(model));
 }
@@ -156,7 +162,7 @@ const std::vector<ExportFormat>& ExportFormats() {
 
 std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   CheckNames(request.formats);
-  Export e{ReadRunSource(request.source), nullptr, request.out, {}};
+  Export e{ReadRunSource(request.source), nullptr, request.out, {}, std::nullopt};
   if (!request.dataset.empty() && e.source.map) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
     e.images = std::make_unique<KeyframeImages>(request.dataset, camera);

@@ -27,13 +27,13 @@ std::string FindMap(const std::string& folder) {
 
 }  // namespace
 
-RunSource ReadRunSource(const std::string& path) {
+RunSource ReadRunSource(const std::string& path, const std::string& map) {
   RunSource source;
   if (!fs::exists(path)) throw std::runtime_error(fmt::format("{}: there is no such file or folder", path));
   if (!fs::is_directory(path)) {
     source.map_path = path;
   } else {
-    source.map_path = FindMap(path);
+    source.map_path = map.empty() ? FindMap(path) : map;
     const std::string frames = (fs::path(path) / "trajectory.tum").string();
     if (fs::exists(frames)) source.frames = ReadTrajectory(frames, TrajectoryFormat::kTum);
     if (source.map_path.empty() && source.frames.empty()) {

@@ -23,17 +23,6 @@ cv::Point Fixed(const cv::Point2d& p) {
   return {fix(p.x), fix(p.y)};
 }
 
-std::vector<double> Marks(const Range& range, int max_marks) {
-  std::vector<double> marks;
-  const double step = MarkDistance(range.max - range.min, max_marks);
-  // Counted in whole steps, so that marks are round and none is lost to rounding.
-  const double last = std::floor(range.max / step + 1e-9);
-  for (double k = std::ceil(range.min / step - 1e-9); k <= last; ++k) marks.push_back(k * step);
-  return marks;
-}
-
-std::string MarkText(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
-
 }  // namespace
 
 double MarkDistance(double span, int max_marks) {
@@ -44,6 +33,17 @@ double MarkDistance(double span, int max_marks) {
   }
   return 10.0 * power;
 }
+
+std::vector<double> Marks(const Range& range, int max_marks) {
+  std::vector<double> marks;
+  const double step = MarkDistance(range.max - range.min, max_marks);
+  // Counted in whole steps, so that marks are round and none is lost to rounding.
+  const double last = std::floor(range.max / step + 1e-9);
+  for (double k = std::ceil(range.min / step - 1e-9); k <= last; ++k) marks.push_back(k * step);
+  return marks;
+}
+
+std::string MarkText(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
 
 Chart::Chart(cv::Mat& picture, const cv::Rect& area, const Range& x, const Range& y)
     : picture_(picture), area_(area), x_(x), y_(y) {}

@@ -14,6 +14,9 @@ struct Range {
 
 /// Distance of the marks of an axis, 1, 2 or 5 times a power of ten, so that `span` has at most `max_marks`.
 double MarkDistance(double span, int max_marks);
+/// The marks themselves, all within the range, and how one is named.
+std::vector<double> Marks(const Range& range, int max_marks);
+std::string MarkText(double value);
 
 /// One pair of axes in a picture: the frame, the grid, marks, names, and lines in data coordinates. Draws with twice
 /// the line width and text size, for pictures that are halved afterwards.

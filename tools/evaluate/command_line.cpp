@@ -4,12 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
-#include <exception>
 #include <filesystem>
 #include <string_view>
 
 #include "core/io/atomic_file.h"
 #include "core/io/png_file.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/compare/compare_command.h"
 #include "tools/evaluate/figures/figures_command.h"
@@ -119,15 +119,7 @@ int RunEvaluate(int argc, char** argv) {
       "Instead of that, `evaluate compare RUN...` sets runs side by side, `evaluate figures RUN` draws a run for "
       "print,\n"
       "and `evaluate places DATASET...` judges place recognition; each has its --help.");
-  try {
-    app.parse(argc, argv);
-    return Evaluate(arguments);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "evaluate: {}\n", e.what());
-    return 1;
-  }
+  return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });
 }
 
 }  // namespace plslam

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/map_file.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"
 
@@ -107,22 +108,14 @@ int RunPoseGraph(int argc, char** argv) {
       "  pose_graph sphere2500.g2o --out solved.g2o --tum solved.tum\n"
       "  pose_graph --from-map house.plmap --out house.g2o\n"
       "Exit code 0 when a minimum was found; 1 when not, and one sentence on standard error says why.");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
-  try {
+  return RunCommandLine(app, argc, argv, [&] {
     if (arguments.map.empty()) {
       Solve(arguments);
     } else {
       Export(arguments);
     }
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "pose_graph: {}\n", error.what());
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }
 
 }  // namespace plslam

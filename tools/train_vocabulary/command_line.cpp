@@ -5,13 +5,13 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
-#include <exception>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "core/features/descriptors_of.h"
 #include "core/places/vocabulary_trainer.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/train_vocabulary/left_features.h"
 
 namespace plslam {
@@ -92,15 +92,7 @@ int RunTrainVocabulary(int argc, char** argv) {
       "  train_vocabulary --kind points --out my_orb.vocabulary /data/images synthetic:room\n"
       "  train_vocabulary --kind lines --out my_lbd.vocabulary --stride 5 /data/euroc/MH_01\n"
       "Exit code 0 when done; 1 when not, and one sentence on standard error says why.");
-  try {
-    app.parse(argc, argv);
-    return Train(arguments);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "train_vocabulary: {}\n", e.what());
-    return 1;
-  }
+  return RunCommandLine(app, argc, argv, [&] { return Train(arguments); });
 }
 
 }  // namespace plslam

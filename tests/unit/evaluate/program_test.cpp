@@ -1,29 +1,20 @@
 #include <gmock/gmock.h>
 
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/io/pose_covariance.h"
 #include "tests/support/data_folder.h"
-#include "tests/support/text_file.h"
+#include "tests/support/shell.h"
 #include "tests/unit/evaluate/pairs.h"
 
 namespace plslam {
 namespace {
 
+using test::ShellResult;
 using testing::HasSubstr;
 
-struct ProgramRun {
-  int exit_code;
-  std::string out;
-  std::string error;
-};
-
-ProgramRun Evaluate(const ScratchFolder& folder, const std::string& arguments) {
-  const std::string command = (test::BinaryFolder() / "evaluate").string() + " " + arguments + " >" +
-                              folder.Path("out") + " 2>" + folder.Path("error");
-  const int status = std::system(command.c_str());  // NOLINT: the program is what is tested
-  return {WEXITSTATUS(status), ReadText(folder.Path("out")), ReadText(folder.Path("error"))};
+ShellResult Evaluate(const ScratchFolder& folder, const std::string& arguments) {
+  return test::Shell(folder, (test::BinaryFolder() / "evaluate").string() + " " + arguments);
 }
 
 TEST(EvaluateProgram, ComparesDifferentFormatsAndWritesAllOutputs) {
@@ -36,7 +27,7 @@ TEST(EvaluateProgram, ComparesDifferentFormatsAndWritesAllOutputs) {
   std::vector<PoseCovariance> motions;
   for (const TrajectoryPose& pose : estimate) motions.push_back({pose.t_ns, 1e-4 * Matrix6d::Identity()});
   WritePoseCovariances(folder.Path("motion.txt"), motions);
-  const ProgramRun run = Evaluate(
+  const ShellResult run = Evaluate(
       folder, folder.Path("estimate.tum") + " --truth " + folder.Path("truth.csv") + " --keyframes " +
                   folder.Path("keyframes.tum") + " --motion-covariance " + folder.Path("motion.txt") +
                   " --delta 1f 2s --align first --json " + folder.Path("a.json") + " --plot " + folder.Path("a.png"));
@@ -66,7 +57,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
        "good:1: 8 numbers, but a row of the KITTI format has 12"},
       {good, "--truth is required"}};
   for (const auto& [arguments, sentence] : cases) {
-    const ProgramRun run = Evaluate(folder, arguments);
+    const ShellResult run = Evaluate(folder, arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;
     EXPECT_THAT(run.error, HasSubstr(sentence));
   }
@@ -77,7 +68,7 @@ TEST(EvaluateProgram, KittiFilesTakeTheirTimesFromTheTimesFile) {
   const ScratchFolder folder;
   const std::string poses = (data / "04.txt").string();
   const std::string times = (data / "04_times.txt").string();
-  const ProgramRun run = Evaluate(folder, poses + " --truth " + poses + " --times " + times + " --align sim3");
+  const ShellResult run = Evaluate(folder, poses + " --truth " + poses + " --times " + times + " --align sim3");
   EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.out, HasSubstr("true path   393.6"));
   EXPECT_THAT(run.out, HasSubstr("scale 1.000000"));

@@ -2,42 +2,33 @@
 #include <gmock/gmock.h>
 
 #include <array>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/places/vocabulary.h"
 #include "tests/support/data_folder.h"
-#include "tests/support/text_file.h"
+#include "tests/support/shell.h"
 
 namespace plslam {
 namespace {
 
+using test::ShellResult;
 using testing::HasSubstr;
 
-struct ProgramRun {
-  int exit_code;
-  std::string out;
-  std::string error;
-};
-
-ProgramRun Start(const ScratchFolder& folder, const std::string& program, const std::string& arguments) {
-  const std::string command = (test::BinaryFolder() / program).string() + " " + arguments + " >" +
-                              folder.Path("out") + " 2>" + folder.Path("error");
-  const int status = std::system(command.c_str());  // NOLINT: the program is what is tested
-  return {WEXITSTATUS(status), ReadText(folder.Path("out")), ReadText(folder.Path("error"))};
+ShellResult Start(const ScratchFolder& folder, const std::string& program, const std::string& arguments) {
+  return test::Shell(folder, (test::BinaryFolder() / program).string() + " " + arguments);
 }
 
 TEST(PlacePrograms, TrainAndEvaluateOnABuiltInWorld) {
   const ScratchFolder folder;
   const std::string world = "'synthetic:room?size=320x240&rate=1&loops=2'";
   for (const std::string kind : {"points", "lines"}) {
-    const ProgramRun run =
+    const ShellResult run =
         Start(folder, "train_vocabulary", "--kind " + kind + " --depth 3 --out " + folder.Path(kind) + " " + world);
     EXPECT_EQ(run.exit_code, 0) << run.error;
     EXPECT_THAT(run.out, HasSubstr("31 images"));
     EXPECT_THAT(run.out, HasSubstr(Vocabulary::Load(folder.Path(kind)).checksum()));
   }
-  const ProgramRun run =
+  const ShellResult run =
       Start(folder, "evaluate",
             "places " + world + " --points " + folder.Path("points") + " --lines " + folder.Path("lines") +
                 " --out " + folder.Path("p") + " --json " + folder.Path("j"));
@@ -48,6 +39,15 @@ TEST(PlacePrograms, TrainAndEvaluateOnABuiltInWorld) {
   EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_similarity.png")).substr(1, 3), "PNG");
   EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_precision_recall.png")).substr(1, 3),
             "PNG");
+}
+
+TEST(PlacePrograms, VocabulariesThatComeWithTheProgramsAreFoundFromAnyFolder) {
+  const ScratchFolder folder;
+  const ShellResult run =
+      test::Shell(folder, "cd " + folder.Path("") + " && " + (test::BinaryFolder() / "evaluate").string() +
+                              " places 'synthetic:room?size=160x120&frames=6' --json j");
+  EXPECT_EQ(run.exit_code, 0) << run.error;
+  EXPECT_EQ(nlohmann::json::parse(ReadText(folder.Path("j")))["sequences"].size(), 1U);
 }
 
 TEST(PlacePrograms, ErrorsAreOneSentenceAndExitCodeOne) {
@@ -69,7 +69,7 @@ TEST(PlacePrograms, ErrorsAreOneSentenceAndExitCodeOne) {
       {"evaluate",
        "places synthetic:moon --points " + config + "/orb.vocabulary --lines " + config + "/lbd.vocabulary", "moon"}};
   for (const auto& [program, arguments, sentence] : cases) {
-    const ProgramRun run = Start(folder, program, arguments);
+    const ShellResult run = Start(folder, program, arguments);
     EXPECT_EQ(run.exit_code, 1) << arguments;
     EXPECT_THAT(run.error, HasSubstr(sentence)) << arguments;
   }

@@ -4,13 +4,13 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <exception>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
 #include "core/io/trajectory.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
@@ -87,24 +87,25 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
   return ComparisonText(groups);
 }
 
-void CompareRuns(const Arguments& a) {
+int CompareRuns(const Arguments& a) {
   const std::vector<std::string> folders = FoldersOf(a.runs);
   if (a.format == "tum" || a.format == "kitti") {
     ConvertTrajectories(folders, a);
-    if (a.html.empty()) return;
+    if (a.html.empty()) return 0;
   }
   std::vector<RunRecord> runs;
   runs.reserve(folders.size());
   for (const std::string& folder : folders) runs.push_back(ReadRunRecord(folder));
   const std::vector<RunGroup> groups = Compare(runs);
   if (!a.html.empty()) WriteFileAtomically(a.html, ComparisonPage(groups));
-  if (a.format == "tum" || a.format == "kitti") return;
+  if (a.format == "tum" || a.format == "kitti") return 0;
   const std::string text = Formatted(groups, a.format);
   if (a.out.empty()) {
     fmt::print("{}", text);
   } else {
     WriteFileAtomically(a.out, text);
   }
+  return 0;
 }
 
 }  // namespace
@@ -119,16 +120,7 @@ int RunEvaluateCompare(int argc, char** argv) {
   app.footer(
       "Examples:\n  evaluate compare out/room_points out/room_lines out/room_both --html compare.html\n"
       "  evaluate compare out --format markdown");
-  try {
-    app.parse(argc, argv);
-    CompareRuns(arguments);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "evaluate compare: {}\n", e.what());
-    return 1;
-  }
+  return RunCommandLine(app, argc, argv, [&] { return CompareRuns(arguments); });
 }
 
 }  // namespace plslam

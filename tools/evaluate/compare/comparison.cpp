@@ -11,24 +11,6 @@ namespace {
 
 constexpr size_t kNamedOptions = 3;
 
-std::string ValueOf(const RunRecord& run, const std::string& option) {
-  const auto value = run.options.find(option);
-  return value == run.options.end() ? "-" : value->second;
-}
-
-std::vector<std::string> DifferingOptions(const std::vector<RunRecord>& runs) {
-  std::set<std::string> names;
-  for (const RunRecord& run : runs) {
-    for (const auto& [name, value] : run.options) names.insert(name);
-  }
-  std::vector<std::string> differing;
-  for (const std::string& name : names) {
-    const auto differs = [&](const RunRecord& run) { return ValueOf(run, name) != ValueOf(runs.front(), name); };
-    if (std::any_of(runs.begin(), runs.end(), differs)) differing.push_back(name);
-  }
-  return differing;
-}
-
 /// The last part of each name, or the whole where that says too little.
 std::string ShortName(const std::string& option, const std::vector<std::string>& options) {
   const std::string last = option.substr(option.rfind('.') + 1);
@@ -64,11 +46,7 @@ RunGroup& AddGroup(std::vector<RunGroup>& groups, RunGroup group) {
 
 void Summarise(RunGroup& group) {
   for (size_t i = 0; i < Metrics().size(); ++i) {
-    std::vector<double> values;
-    for (const RunRecord& run : group.runs) {
-      if (run.completed && run.values[i]) values.push_back(*run.values[i]);
-    }
-    group.metrics.push_back(SpreadOf(std::move(values), Metrics()[i].larger_is_better));
+    group.metrics.push_back(SpreadOf(group.Values(i), Metrics()[i].larger_is_better));
   }
   group.failed = static_cast<int>(
       std::count_if(group.runs.begin(), group.runs.end(), [](const RunRecord& run) { return !run.completed; }));
@@ -97,6 +75,14 @@ Spread SpreadOf(std::vector<double> values, bool larger_is_better) {
   return spread;
 }
 
+std::vector<double> RunGroup::Values(size_t metric) const {
+  std::vector<double> values;
+  for (const RunRecord& run : runs) {
+    if (run.completed && run.values[metric]) values.push_back(*run.values[metric]);
+  }
+  return values;
+}
+
 const RunRecord* RunGroup::Typical() const {
   const RunRecord* typical = nullptr;
   double least = 0.0;
@@ -114,7 +100,10 @@ const RunRecord* RunGroup::Typical() const {
 std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs) {
   std::vector<RunGroup> groups;
   if (runs.empty()) return groups;
-  const std::vector<std::string> differing = DifferingOptions(runs);
+  std::vector<const RunRecord*> all;
+  all.reserve(runs.size());
+  for (const RunRecord& run : runs) all.push_back(&run);
+  const std::vector<std::string> differing = DifferingOptions(all);
   for (const RunRecord& run : runs) {
     RunGroup* group = FindGroup(groups, run);
     if (group == nullptr) group = &AddGroup(groups, {run.dataset, LabelOf(run, differing), {}, 0, {}});
@@ -123,6 +112,34 @@ std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs) {
   for (RunGroup& group : groups) Summarise(group);
   TellApart(groups);
   return groups;
+}
+
+std::vector<size_t> KnownMetrics(const std::vector<const RunGroup*>& groups) {
+  std::vector<size_t> known;
+  for (size_t i = 0; i < Metrics().size(); ++i) {
+    if (std::any_of(groups.begin(), groups.end(), [&](const RunGroup* g) { return g->metrics[i].n > 0; })) {
+      known.push_back(i);
+    }
+  }
+  return known;
+}
+
+std::string ValueOf(const RunRecord& run, const std::string& option) {
+  const auto value = run.options.find(option);
+  return value == run.options.end() ? "-" : value->second;
+}
+
+std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& runs) {
+  std::set<std::string> names;
+  for (const RunRecord* run : runs) {
+    for (const auto& [name, value] : run->options) names.insert(name);
+  }
+  std::vector<std::string> differing;
+  for (const std::string& name : names) {
+    const auto differs = [&](const RunRecord* run) { return ValueOf(*run, name) != ValueOf(*runs.front(), name); };
+    if (std::any_of(runs.begin(), runs.end(), differs)) differing.push_back(name);
+  }
+  return differing;
 }
 
 }  // namespace plslam

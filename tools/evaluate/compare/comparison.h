@@ -27,11 +27,22 @@ struct RunGroup {
   /// As Metrics() has them.
   std::vector<Spread> metrics;
 
+  /// Of a metric, from the completed runs that tell it.
+  std::vector<double> Values(size_t metric) const;
+
   /// The completed run whose first metric is nearest to the median, at a tie the first; nullptr where there is none.
   const RunRecord* Typical() const;
 };
 
 /// Groups in the order in which their first runs come; groups of one dataset follow each other.
 std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs);
+
+/// The metrics that any of the groups knows.
+std::vector<size_t> KnownMetrics(const std::vector<const RunGroup*>& groups);
+
+/// Value of an option; "-" where the run has no such option.
+std::string ValueOf(const RunRecord& run, const std::string& option);
+/// Names of the options that are not the same in all runs, in their order.
+std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& runs);
 
 }  // namespace plslam

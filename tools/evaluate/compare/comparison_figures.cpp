@@ -24,12 +24,6 @@ std::optional<Trajectory> TryRead(const std::string& path) {
   }
 }
 
-std::vector<Eigen::Vector3d> Moved(const Trajectory& trajectory, const SE3& T_to_from) {
-  std::vector<Eigen::Vector3d> positions;
-  for (const TrajectoryPose& pose : trajectory) positions.push_back(T_to_from * pose.T_a_b.translation());
-  return positions;
-}
-
 /// The typical run of the group, if it played that (empty: anything), else the first completed one that did; or nullptr.
 const RunRecord* RunThatPlayed(const RunGroup& group, const std::string& played) {
   const RunRecord* typical = group.Typical();
@@ -57,26 +51,19 @@ std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
       const SE3 T_truth_estimate = EvaluateTrajectory(*estimate, *truth, {}).alignment.T_truth_estimate;
       if (!T_w_truth) {
         T_w_truth = T_truth_estimate.Inverse();
-        paths.push_back({"truth", Moved(*truth, *T_w_truth), {kTruth, 1.8, false}});
+        paths.push_back({"truth", PositionsOf(*truth, *T_w_truth), {kTruth, 1.8, false}});
       }
       T_w_estimate = *T_w_truth * T_truth_estimate;
     }
-    paths.push_back({groups[i]->label, Moved(*estimate, T_w_estimate), {InkOf(i), 0.9, false}});
+    paths.push_back({groups[i]->label, PositionsOf(*estimate, T_w_estimate), {InkOf(i), 0.9, false}});
   }
   return paths;
-}
-
-std::string AxisName(const Metric& metric) {
-  return metric.unit.empty() ? metric.name : metric.name + " [" + metric.unit + "]";
 }
 
 std::vector<DotRow> RowsOf(const std::vector<const RunGroup*>& groups, size_t metric) {
   std::vector<DotRow> rows;
   for (size_t i = 0; i < groups.size(); ++i) {
-    DotRow row{groups[i]->label, {}, groups[i]->metrics[metric].median, InkOf(i)};
-    for (const RunRecord& run : groups[i]->runs) {
-      if (run.completed && run.values[metric]) row.values.push_back(*run.values[metric]);
-    }
+    DotRow row{groups[i]->label, groups[i]->Values(metric), groups[i]->metrics[metric].median, InkOf(i)};
     if (!row.values.empty()) rows.push_back(std::move(row));
   }
   return rows;
@@ -94,7 +81,7 @@ std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& 
     if (!IsShown(Metrics()[i])) continue;
     const std::vector<DotRow> rows = RowsOf(groups, i);
     if (!rows.empty())
-      figures.push_back({Metrics()[i].key, DotFigure(Metrics()[i].name, AxisName(Metrics()[i]), rows)});
+      figures.push_back({Metrics()[i].key, DotFigure(Metrics()[i].name, NameWithUnit(Metrics()[i]), rows)});
   }
   return figures;
 }

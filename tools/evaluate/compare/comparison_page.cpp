@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
 
 #include "tools/evaluate/compare/comparison_figures.h"
 
@@ -52,16 +51,6 @@ std::string Escaped(const std::string& text) {
 
 using Groups = std::vector<const RunGroup*>;
 
-std::vector<size_t> KnownMetrics(const Groups& groups) {
-  std::vector<size_t> known;
-  for (size_t i = 0; i < Metrics().size(); ++i) {
-    if (std::any_of(groups.begin(), groups.end(), [&](const RunGroup* g) { return g->metrics[i].n > 0; })) {
-      known.push_back(i);
-    }
-  }
-  return known;
-}
-
 std::string HeadRow(const std::string& first, const std::vector<size_t>& metrics) {
   std::string row = "<tr><th>" + first + "</th>";
   for (const size_t i : metrics) {
@@ -73,7 +62,7 @@ std::string HeadRow(const std::string& first, const std::vector<size_t>& metrics
 }
 
 bool IsBest(const Groups& groups, const RunGroup& group, size_t metric) {
-  if (groups.size() < 2 || Metrics()[metric].key == "keyframes" || Metrics()[metric].key == "loops") return false;
+  if (groups.size() < 2 || !Metrics()[metric].has_best) return false;
   const double sign = Metrics()[metric].larger_is_better ? -1.0 : 1.0;
   return std::none_of(groups.begin(), groups.end(), [&](const RunGroup* other) {
     return other->metrics[metric].n > 0 && sign * other->metrics[metric].median < sign * group.metrics[metric].median;
@@ -132,22 +121,13 @@ std::string RunsOf(const Groups& groups) {
 }
 
 /// Those that differ between groups: the groups of a configuration stand in its columns.
-std::string DifferingOptions(const Groups& groups) {
-  std::set<std::string> names;
-  for (const RunGroup* group : groups) {
-    for (const auto& [name, value] : group->runs.front().options) names.insert(name);
-  }
-  const auto value_of = [](const RunGroup& group, const std::string& name) {
-    const auto& options = group.runs.front().options;
-    return options.contains(name) ? options.at(name) : std::string("-");
-  };
+std::string OptionTable(const Groups& groups) {
+  std::vector<const RunRecord*> firsts;
+  for (const RunGroup* group : groups) firsts.push_back(&group->runs.front());
   std::string rows;
-  for (const std::string& name : names) {
-    const std::string first = value_of(*groups.front(), name);
-    if (std::all_of(groups.begin(), groups.end(), [&](const RunGroup* g) { return value_of(*g, name) == first; }))
-      continue;
+  for (const std::string& name : DifferingOptions(firsts)) {
     rows += "<tr><td>" + Escaped(name) + "</td>";
-    for (const RunGroup* group : groups) rows += "<td>" + Escaped(value_of(*group, name)) + "</td>";
+    for (const RunRecord* run : firsts) rows += "<td>" + Escaped(ValueOf(*run, name)) + "</td>";
     rows += "</tr>\n";
   }
   if (rows.empty()) return "";
@@ -167,7 +147,7 @@ std::string ComparisonPage(const std::vector<RunGroup>& groups) {
       of_dataset.push_back(&groups[i++]);
     }
     html += "<h2>" + Escaped(of_dataset.front()->dataset) + "</h2>\n" + GroupTable(of_dataset) +
-            FiguresOf(of_dataset) + RunsOf(of_dataset) + DifferingOptions(of_dataset);
+            FiguresOf(of_dataset) + RunsOf(of_dataset) + OptionTable(of_dataset);
   }
   return html + "</body></html>\n";
 }

@@ -17,14 +17,6 @@ std::string Cell(const Spread& spread, const Metric& metric) {
   return spread.n == 1 ? median : fmt::format("{} ({})", median, Number(spread.worst, metric.digits));
 }
 
-std::string ColumnName(const Metric& metric) {
-  return metric.unit.empty() ? metric.name : fmt::format("{} [{}]", metric.name, metric.unit);
-}
-
-bool AnyGroupKnows(const std::vector<RunGroup>& groups, size_t metric) {
-  return std::any_of(groups.begin(), groups.end(), [&](const RunGroup& g) { return g.metrics[metric].n > 0; });
-}
-
 std::string Runs(const RunGroup& group) {
   if (group.failed == 0) return std::to_string(group.runs.size());
   return fmt::format("{} ({} failed)", group.runs.size(), group.failed);
@@ -73,12 +65,11 @@ nlohmann::ordered_json RunJson(const RunRecord& run) {
 ComparisonTable TableOf(const std::vector<RunGroup>& groups) {
   ComparisonTable table;
   table.columns = {"dataset", "configuration", "runs"};
-  std::vector<size_t> known;
-  for (size_t i = 0; i < Metrics().size(); ++i) {
-    if (!AnyGroupKnows(groups, i)) continue;
-    known.push_back(i);
-    table.columns.push_back(ColumnName(Metrics()[i]));
-  }
+  std::vector<const RunGroup*> all;
+  all.reserve(groups.size());
+  for (const RunGroup& group : groups) all.push_back(&group);
+  const std::vector<size_t> known = KnownMetrics(all);
+  for (const size_t i : known) table.columns.push_back(NameWithUnit(Metrics()[i]));
   for (const RunGroup& group : groups) {
     std::vector<std::string> row{group.dataset, group.label, Runs(group)};
     for (const size_t i : known) row.push_back(Cell(group.metrics[i], Metrics()[i]));
@@ -101,7 +92,7 @@ std::string ComparisonText(const std::vector<RunGroup>& groups) {
       if (row[column] == kNothing) continue;
       text += fmt::format("    {:<32} {:>22}", table.columns[column], row[column]);
       const auto metric = std::find_if(Metrics().begin(), Metrics().end(),
-                                       [&](const Metric& m) { return ColumnName(m) == table.columns[column]; });
+                                       [&](const Metric& m) { return NameWithUnit(m) == table.columns[column]; });
       const Spread& spread = groups[group].metrics[static_cast<size_t>(metric - Metrics().begin())];
       if (spread.n > 1) text += fmt::format(" {:>12}", Number(spread.spread, metric->digits));
       text += '\n';

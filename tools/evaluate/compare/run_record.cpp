@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <stdexcept>
+
+#include "tools/evaluate/run_summary.h"
 
 namespace plslam {
 namespace {
@@ -60,8 +61,8 @@ const std::vector<MetricRow>& Rows() {
       {{"t_rel_percent", "t_rel", "%", 3, false}, TRel},
       {{"keyframe_relative_rmse", "keyframes, relative RMSE", "", 4, false}, KeyframeRmse},
       {{"tracked_percent", "tracked", "%", 1, true}, TrackedPercent},
-      {{"keyframes", "keyframes", "", 0, false}, [](const json& s) { return At(s, "keyframes"); }},
-      {{"loops", "loops", "", 0, true}, [](const json& s) { return At(s, "loops"); }},
+      {{"keyframes", "keyframes", "", 0, false, false}, [](const json& s) { return At(s, "keyframes"); }},
+      {{"loops", "loops", "", 0, true, false}, [](const json& s) { return At(s, "loops"); }},
       {{"vo_ms", "odometry", "ms a frame", 1, false}, [](const json& s) { return At(s, "stage_ms/total/median"); }},
       {{"vo_p95_ms", "odometry, 95 %", "ms a frame", 1, false},
        [](const json& s) { return At(s, "stage_ms/total/p95"); }},
@@ -121,6 +122,10 @@ std::string WithoutSeed(const std::string& dataset) {
 
 }  // namespace
 
+std::string NameWithUnit(const Metric& metric) {
+  return metric.unit.empty() ? metric.name : fmt::format("{} [{}]", metric.name, metric.unit);
+}
+
 const std::vector<Metric>& Metrics() {
   static const std::vector<Metric> kMetrics = [] {
     std::vector<Metric> metrics;
@@ -143,15 +148,10 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
 }
 
 RunRecord ReadRunRecord(const std::string& folder) {
-  const std::string path = folder + "/summary.json";
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be opened; is this the folder of a run?");
-  const json summary = json::parse(file, nullptr, false);
-  if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
   try {
-    return RecordOf(summary, folder);
+    return RecordOf(ReadRunSummary(folder), folder);
   } catch (const json::exception& e) {
-    throw std::runtime_error(fmt::format("{}: is not the summary of a run: {}", path, e.what()));
+    throw std::runtime_error(fmt::format("{}/summary.json: is not the summary of a run: {}", folder, e.what()));
   }
 }
 

@@ -16,7 +16,12 @@ struct Metric {
   /// Digits behind the point.
   int digits = 3;
   bool larger_is_better = false;
+  /// Some just tell how a run went.
+  bool has_best = true;
 };
+
+/// "ATE [m]".
+std::string NameWithUnit(const Metric& metric);
 
 /// All there are, in the order of the columns. docs/metrics.md says what they are.
 const std::vector<Metric>& Metrics();

@@ -1,7 +1,5 @@
 #include "tools/evaluate/figures/axes.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -13,14 +11,6 @@ const Ink kGrid{225, 225, 225};
 constexpr double kRow_pt = 10.0;
 constexpr double kMarkSpacing_pt = 34.0;
 
-std::vector<double> LinearMarks(const Range& range, int max_marks) {
-  std::vector<double> marks;
-  const double step = MarkDistance(range.max - range.min, max_marks);
-  const double last = std::floor(range.max / step + 1e-9);
-  for (double k = std::ceil(range.min / step - 1e-9); k <= last; ++k) marks.push_back(k * step);
-  return marks;
-}
-
 std::vector<double> PowersOfTen(const Range& range) {
   std::vector<double> marks;
   for (double k = std::ceil(std::log10(range.min) - 1e-9); k <= std::log10(range.max) + 1e-9; ++k) {
@@ -28,8 +18,6 @@ std::vector<double> PowersOfTen(const Range& range) {
   }
   return marks;
 }
-
-std::string MarkText(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
 
 }  // namespace
 
@@ -60,10 +48,10 @@ void Axes::MarkY(double value) {
 
 void Axes::DrawGrid(const std::string& x_name, const std::string& y_name) {
   const int max_marks = std::max(2, static_cast<int>(area_.size.x() / kMarkSpacing_pt));
-  for (const double mark : log_x_ ? PowersOfTen(x_) : LinearMarks(x_, max_marks)) MarkX(mark);
+  for (const double mark : log_x_ ? PowersOfTen(x_) : Marks(x_, max_marks)) MarkX(mark);
   if (!y_name.empty()) {
     const int max_y_marks = std::max(2, static_cast<int>(area_.size.y() / (0.6 * kMarkSpacing_pt)));
-    for (const double mark : LinearMarks(y_, max_y_marks)) MarkY(mark);
+    for (const double mark : Marks(y_, max_y_marks)) MarkY(mark);
   }
   AddText(drawing_, {area_.corner.x() + 0.5 * area_.size.x(), area_.Bottom() + 2.7 * kType_pt}, x_name, 0.5);
   AddText(drawing_, {area_.corner.x() - 3.0, area_.corner.y() - 4.0}, y_name, 0.5);

@@ -3,19 +3,20 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <exception>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
 #include "core/io/map_camera.h"
 #include "core/io/png_file.h"
+#include "core/io/shared_file.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/runtime_figure.h"
 #include "tools/evaluate/figures/similarity_figure.h"
 #include "tools/evaluate/figures/top_view.h"
+#include "tools/evaluate/run_summary.h"
 #include "tools/export/keyframe_images.h"
 #include "tools/export/run_source.h"
 
@@ -34,8 +35,8 @@ struct Arguments {
   std::string out;
   std::string title;
   std::vector<int64_t> pair;
-  std::string points = "config/orb.vocabulary";
-  std::string lines = "config/lbd.vocabulary";
+  std::string points = "orb.vocabulary";
+  std::string lines = "lbd.vocabulary";
 };
 
 /// What the figures are drawn from.
@@ -57,15 +58,9 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--out", a.out, "folder for the figures [figures in the run's]")->type_name("DIR");
   app.add_option("--title", a.title, "of all figures [the dataset's name]");
   app.add_option("--pair", a.pair, "two keyframes of the map to show [of a loop, else neighbours]")->expected(2);
-  app.add_option("--points", a.points, "vocabulary of points, for the similarities");
-  app.add_option("--lines", a.lines, "vocabulary of lines");
-}
-
-nlohmann::json ReadJson(const std::string& path) {
-  std::ifstream file(path);
-  auto json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_discarded() || !json.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
-  return json;
+  app.add_option("--points", a.points,
+                 "vocabulary of points, for the similarities: a path, or a file that comes with the programs");
+  app.add_option("--lines", a.lines, "the same of lines");
 }
 
 /// "kitti_03" of a folder, "street" of a built-in world.
@@ -76,19 +71,10 @@ std::string LastPart(const std::string& location) {
   return path.filename().empty() ? path.parent_path().filename().string() : path.filename().string();
 }
 
-RunSource ReadSource(const Arguments& a) {
-  if (a.map.empty()) return ReadRunSource(a.run);
-  RunSource source;
-  source.map_path = a.map;
-  source.map = ReadMapFile(a.map);
-  if (fs::exists(a.run + "/trajectory.tum")) source.frames = ReadTrajectory(a.run + "/trajectory.tum");
-  return source;
-}
-
 Material Collect(const Arguments& a) {
   if (!fs::is_directory(a.run)) throw std::runtime_error(a.run + ": is not the folder of a run");
-  Material m{ReadSource(a), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
-  if (fs::exists(a.run + "/summary.json")) m.summary = ReadJson(a.run + "/summary.json");
+  Material m{ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
+  if (fs::exists(a.run + "/summary.json")) m.summary = ReadRunSummary(a.run);
   if (fs::exists(a.run + "/groundtruth.tum")) m.truth = ReadTrajectory(a.run + "/groundtruth.tum");
   if (m.dataset.empty()) m.dataset = m.summary.value("dataset", "");
   if (m.title.empty()) m.title = LastPart(m.dataset.empty() ? a.run : m.dataset);
@@ -105,27 +91,14 @@ void Write(const Drawing& drawing, const std::string& name, const Material& m) {
 
 void Skip(const std::string& name, const std::string& why) { fmt::print("{}: left out: {}\n", name, why); }
 
-std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory) {
-  std::vector<Eigen::Vector3d> positions;
-  for (const TrajectoryPose& pose : trajectory) positions.push_back(pose.T_a_b.translation());
-  return positions;
-}
-
-/// The truth where it lies in w when the estimate is aligned with it.
-std::vector<Eigen::Vector3d> TruthInMap(const Accuracy& accuracy, const Trajectory& truth) {
-  std::vector<Eigen::Vector3d> positions;
-  const SE3 T_w_truth = accuracy.alignment.T_truth_estimate.Inverse();
-  for (const TrajectoryPose& pose : truth) positions.push_back(T_w_truth * pose.T_a_b.translation());
-  return positions;
-}
-
 void DrawTopView(const Material& m) {
   if (m.source.frames.empty()) return Skip("top_view", "the run has no trajectory.tum");
   const Accuracy accuracy = EvaluateTrajectory(m.source.frames, m.truth, EvaluateOptions{});
   std::vector<NamedPath> paths;
   std::string title = m.title;
   if (!accuracy.pairs.empty()) {
-    paths.push_back({"truth", TruthInMap(accuracy, m.truth), {{214, 39, 40}, 1.6, false}});
+    const SE3 T_w_truth = accuracy.alignment.T_truth_estimate.Inverse();
+    paths.push_back({"truth", PositionsOf(m.truth, T_w_truth), {{214, 39, 40}, 1.6, false}});
     title += fmt::format(": ATE {:.3g} m", accuracy.ate_m.rmse);
   }
   paths.push_back({"estimate (o start)", PositionsOf(m.source.frames), {{31, 80, 180}, 0.9, false}});
@@ -141,11 +114,12 @@ void DrawCovisibility(const Material& m) {
 
 void DrawSimilarity(const Material& m, const Arguments& a) {
   if (!m.HasMap()) return Skip("similarity", "there is no map (plslam run --save-map)");
-  if (!fs::exists(a.points) || !fs::exists(a.lines)) {
+  const std::string points = FindSharedFile(a.points), lines = FindSharedFile(a.lines);
+  if (!fs::exists(points) || !fs::exists(lines)) {
     return Skip("similarity", fmt::format("there are no vocabularies {} and {}", a.points, a.lines));
   }
   const std::string title = m.title + ": similarity of keyframes";
-  Write(SimilarityFigure(title, *m.source.map, a.points, a.lines), "similarity", m);
+  Write(SimilarityFigure(title, *m.source.map, points, lines), "similarity", m);
 }
 
 std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
@@ -187,6 +161,16 @@ void DrawRuntime(const Material& m) {
   Write(RuntimeFigure(m.title, m.summary), "runtime", m);
 }
 
+int DrawFigures(const Arguments& a) {
+  const Material material = Collect(a);
+  DrawTopView(material);
+  DrawCovisibility(material);
+  DrawSimilarity(material, a);
+  DrawPair(material, a);
+  DrawRuntime(material);
+  return 0;
+}
+
 }  // namespace
 
 int RunEvaluateFigures(int argc, char** argv) {
@@ -197,21 +181,7 @@ int RunEvaluateFigures(int argc, char** argv) {
   app.footer(
       "Example:\n  plslam run synthetic:room --out out/room --save-map out/room/map.plmap\n"
       "  evaluate figures out/room");
-  try {
-    app.parse(argc, argv);
-    const Material material = Collect(arguments);
-    DrawTopView(material);
-    DrawCovisibility(material);
-    DrawSimilarity(material, arguments);
-    DrawPair(material, arguments);
-    DrawRuntime(material);
-    return 0;
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "evaluate figures: {}\n", e.what());
-    return 1;
-  }
+  return RunCommandLine(app, argc, argv, [&] { return DrawFigures(arguments); });
 }
 
 }  // namespace plslam

@@ -8,6 +8,7 @@
 #include "core/places/place_recogniser.h"
 #include "tools/evaluate/figures/axes.h"
 #include "tools/evaluate/figures/keyframe_similarities.h"
+#include "tools/evaluate/places/grey_similarities.h"
 
 namespace plslam {
 namespace {
@@ -17,25 +18,9 @@ constexpr double kMatrix_pt = (kColumn_pt - 4.0 - 2.0 * kGap_pt) / 3.0;
 constexpr double kTop_pt = 30.0;
 constexpr int kMostKeyframes = 400;
 
-float FullScale(const SimilarityMatrix& matrix) {
-  std::vector<float> values;
-  for (int row = 0; row < matrix.size; ++row) {
-    for (int column = 0; column < row; ++column) values.push_back(matrix.At(row, column));
-  }
-  if (values.empty()) return 1.0F;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 199 / 200);
-  std::nth_element(values.begin(), place, values.end());
-  return std::max(*place, 1e-6F);
-}
-
 cv::Mat Coloured(const SimilarityMatrix& matrix, float scale) {
-  cv::Mat grey(matrix.size, matrix.size, CV_8UC1), coloured;
-  for (int row = 0; row < matrix.size; ++row) {
-    for (int column = 0; column < matrix.size; ++column) {
-      grey.at<uchar>(row, column) = cv::saturate_cast<uchar>(255.0F * matrix.At(row, column) / scale);
-    }
-  }
-  cv::applyColorMap(grey, coloured, cv::COLORMAP_VIRIDIS);
+  cv::Mat coloured;
+  cv::applyColorMap(GreySimilarities(matrix, scale), coloured, cv::COLORMAP_VIRIDIS);
   return coloured;
 }
 

@@ -102,6 +102,13 @@ Edges LoopEdges(const Map& map, const ViewDirections& view) {
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3& T_w_trajectory) {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(trajectory.size());
+  for (const TrajectoryPose& pose : trajectory) positions.push_back(T_w_trajectory * pose.T_a_b.translation());
+  return positions;
+}
+
 Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map) {
   std::vector<Eigen::Vector3d> all;
   for (const NamedPath& path : paths) all.insert(all.end(), path.positions_w.begin(), path.positions_w.end());

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/trajectory.h"
 #include "core/map/map.h"
 #include "tools/evaluate/figures/drawing.h"
 
@@ -14,6 +15,9 @@ struct NamedPath {
   std::vector<Eigen::Vector3d> positions_w;
   Stroke stroke;
 };
+
+/// Where the poses of a trajectory are in w, its positions being in another frame.
+std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3& T_w_trajectory = SE3());
 
 /// Trajectories from above, at column width and equal scale, the last on top; with the landmarks of `map` (may be null)
 /// below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.

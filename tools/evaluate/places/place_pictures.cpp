@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <opencv2/imgproc.hpp>
 
 #include "tools/evaluate/chart.h"
+#include "tools/evaluate/places/grey_similarities.h"
 
 namespace plslam {
 namespace {
@@ -21,27 +21,11 @@ const cv::Rect kAllPairsArea(1610, 190, 1080, 920);
 const std::vector<cv::Scalar> kColours{{40, 40, 40},   {200, 110, 20}, {60, 160, 60},
                                        {30, 150, 220}, {50, 60, 200},  {170, 60, 150}};
 
-float FullScale(const SimilarityMatrix& matrix) {
-  std::vector<float> values;
-  for (int row = 0; row < matrix.size; ++row) {
-    for (int column = 0; column < row; ++column) values.push_back(matrix.At(row, column));
-  }
-  if (values.empty()) return 1.0F;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(values.size() * 199 / 200);
-  std::nth_element(values.begin(), place, values.end());
-  return std::max(*place, 1e-6F);
-}
-
 cv::Mat DrawMatrix(const SimilarityMatrix& matrix, const std::string& name) {
   cv::Mat picture(kMatrix_px + kTitle_px, kMatrix_px, CV_8UC3, cv::Scalar::all(255));
   const float scale = FullScale(matrix);
   if (matrix.size > 0) {
-    cv::Mat grey(matrix.size, matrix.size, CV_8UC1);
-    for (int row = 0; row < matrix.size; ++row) {
-      for (int column = 0; column < matrix.size; ++column) {
-        grey.at<uchar>(row, column) = cv::saturate_cast<uchar>(255.0F * matrix.At(row, column) / scale);
-      }
-    }
+    cv::Mat grey = GreySimilarities(matrix, scale);
     const bool shrink = matrix.size > kMatrix_px;
     cv::resize(grey, grey, {kMatrix_px, kMatrix_px}, 0, 0, shrink ? cv::INTER_AREA : cv::INTER_NEAREST);
     cv::applyColorMap(grey, picture.rowRange(kTitle_px, picture.rows), cv::COLORMAP_JET);

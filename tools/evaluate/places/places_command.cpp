@@ -4,13 +4,14 @@
 
 #include <CLI/CLI.hpp>
 #include <cctype>
-#include <exception>
 #include <filesystem>
 #include <stdexcept>
 
 #include "core/io/atomic_file.h"
 #include "core/io/png_file.h"
+#include "core/io/shared_file.h"
 #include "player/open_dataset.h"
+#include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"
 #include "tools/train_vocabulary/left_features.h"
@@ -20,8 +21,8 @@ namespace {
 
 struct Arguments {
   std::vector<std::string> datasets;
-  std::string points = "config/orb.vocabulary";
-  std::string lines = "config/lbd.vocabulary";
+  std::string points = "orb.vocabulary";
+  std::string lines = "lbd.vocabulary";
   std::string out;
   std::string json;
   int stride = 1;
@@ -30,8 +31,8 @@ struct Arguments {
 
 void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("datasets", a.datasets, "sequences with true poses (folders, logs, built-in worlds)")->required();
-  app.add_option("--points", a.points, "vocabulary of points");
-  app.add_option("--lines", a.lines, "vocabulary of lines");
+  app.add_option("--points", a.points, "vocabulary of points: a path, or a file that comes with the programs");
+  app.add_option("--lines", a.lines, "the same of lines");
   app.add_option("--stride", a.stride, "every so many-th frame")->check(CLI::Range(1, 1000000));
   app.add_option("--distance", a.revisit.distance_m, "largest distance of a revisit [m]")
       ->check(CLI::Range(0.0, 1e6));
@@ -74,8 +75,8 @@ void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder)
 }
 
 int Evaluate(const Arguments& a) {
-  const Vocabulary points = Vocabulary::Load(a.points);
-  const PlaceRecogniser recogniser(points, Vocabulary::Load(a.lines), PlaceOptions{});
+  const Vocabulary points = Vocabulary::Load(FindSharedFile(a.points));
+  const PlaceRecogniser recogniser(points, Vocabulary::Load(FindSharedFile(a.lines)), PlaceOptions{});
   std::vector<PlaceEvaluation> evaluations;
   for (const std::string& dataset : a.datasets) {
     evaluations.push_back(EvaluatePlaces(dataset, ReadFrames(dataset, a.stride, recogniser), points,
@@ -95,15 +96,7 @@ int RunEvaluatePlaces(int argc, char** argv) {
                "evaluate places");
   Arguments arguments;
   AddOptions(app, arguments);
-  try {
-    app.parse(argc, argv);
-    return Evaluate(arguments);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 1;
-  } catch (const std::exception& e) {
-    fmt::print(stderr, "evaluate places: {}\n", e.what());
-    return 1;
-  }
+  return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });
 }
 
 }  // namespace plslam

@@ -1,0 +1,30 @@
+// A wall clock that is stepped must change nothing: only steady clocks are looked at, but for the time stamps of logs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+
+#include "tests/unit/structure/source_tree.h"
+
+namespace plslam {
+namespace {
+
+bool ReadsTheWallClock(const test::SourceFile& file) {
+  static const std::regex kReads("system_clock|CLOCK_REALTIME|gettimeofday|\\btime\\((nullptr|NULL|0)\\)");
+  return std::any_of(file.lines.begin(), file.lines.end(),
+                     [](const std::string& line) { return std::regex_search(line, kReads); });
+}
+
+TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
+  for (const auto& file : test::SourceFiles(
+           {"core", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools"})) {
+    if (!ReadsTheWallClock(file)) continue;
+    // process_status says it to whoever compares hosts.
+    const bool may = file.path == "core/bus/log_writer.cpp" || file.path == "core/bus/history.cpp" ||
+                     file.path == "core/bus/process_status.cpp" || file.path.starts_with("tools/doctor/");
+    EXPECT_TRUE(may) << file.path;
+  }
+}
+
+}  // namespace
+}  // namespace plslam

@@ -6,52 +6,53 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <functional>
-#include <memory>
-#include <thread>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/bus/process_usage.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
-#include "tools/plslam/bus_url.h"
+#include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam {
 namespace {
 
+using bus::test::Eventually;
+using bus::test::PrivateUrl;
 using std::chrono::seconds;
 using testing::ElementsAre;
 using testing::Pair;
 
-bus::BusOptions On(const PrivatePort& port) {
+bus::BusOptions On(const std::string& url) {
   bus::BusOptions options;
-  options.url = port.Url();
+  options.url = url;
   return options;
 }
 
-/// A bus whose handlers run on a thread of its own.
-class Runner {
+/// A keeper on a bus that runs. What its handlers use goes only after they have ended.
+class RunningKeeper {
  public:
-  explicit Runner(const PrivatePort& port) : bus_(On(port), "test") {}
-  ~Runner() {
-    bus_.Stop();
-    if (thread_.joinable()) thread_.join();
+  RunningKeeper(const std::string& url, const std::string& folder) : bus_(On(url)), keeper_(*bus_, folder) {
+    bus_.Start();
   }
-  void Run() {
-    thread_ = std::thread([this] { bus_.Run(); });
+  ~RunningKeeper() { bus_.Join(); }
+  RunningKeeper(const RunningKeeper&) = delete;
+  RunningKeeper& operator=(const RunningKeeper&) = delete;
+
+  bus::Bus& bus() { return *bus_; }
+  HistoryKeeper* operator->() { return &keeper_; }
+  /// A process has ended, told on the bus's thread as the launcher does.
+  void Exit(pid_t pid) {
+    bus_->Post([this, pid] { keeper_.OnExit(pid); });
   }
-  bus::Bus& bus() { return bus_; }
 
  private:
-  bus::Bus bus_;
-  std::thread thread_;
+  bus::test::RunningBus bus_;
+  HistoryKeeper keeper_;
 };
-
-bool WaitFor(const std::function<bool()>& done) {
-  const auto limit = std::chrono::steady_clock::now() + seconds(20);
-  while (!done() && std::chrono::steady_clock::now() < limit)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  return done();
-}
 
 void Say(bus::Bus& bus, int64_t session, int64_t frame_id) {
   pose_t pose{};
@@ -72,12 +73,12 @@ void SayAlive(bus::Bus& bus, int64_t pid) {
 /// What somebody hears who starts late.
 class LateListener {
  public:
-  explicit LateListener(const PrivatePort& port) : runner_(port) {
-    runner_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) {
+  explicit LateListener(const std::string& url) : bus_(On(url)) {
+    bus_->Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) {
       const std::scoped_lock lock(mutex_);
       poses_.emplace_back(m.header.session, m.frame_id);
     });
-    runner_.Run();
+    bus_.Start();
   }
   std::vector<std::pair<int64_t, int64_t>> poses() {
     const std::scoped_lock lock(mutex_);
@@ -87,81 +88,74 @@ class LateListener {
  private:
   std::mutex mutex_;
   std::vector<std::pair<int64_t, int64_t>> poses_;
-  Runner runner_;
+  bus::test::RunningBus bus_;
 };
 
 TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
-  const PrivatePort port;
-  Runner runner(port);
-  HistoryKeeper keeper(runner.bus(), testing::TempDir());
-  runner.Run();
+  const std::string url = PrivateUrl();
+  RunningKeeper keeper(url, testing::TempDir());
   {
-    bus::Bus dies(On(port), "vo"), lives(On(port), "vo");
+    bus::Bus dies(On(url), "vo"), lives(On(url), "vo");
     SayAlive(dies, 7);
     SayAlive(lives, 8);
     for (int i = 0; i < 3; ++i) Say(dies, 100, i);
     Say(lives, 200, 3);
-    ASSERT_TRUE(WaitFor([&] { return keeper.kept() == 4; }));
-    EXPECT_EQ(keeper.said_again(), 0);
+    ASSERT_TRUE(Eventually([&] { return keeper->kept() == 4; }));
+    EXPECT_EQ(keeper->said_again(), 0);
   }
-  runner.bus().Post([&] { keeper.OnExit(7); });
-  ASSERT_TRUE(WaitFor([&] { return keeper.said_again() == 3; }));
-  LateListener late(port);
-  ASSERT_TRUE(WaitFor([&] { return late.poses().size() >= 3; }));
+  keeper.Exit(7);
+  ASSERT_TRUE(Eventually([&] { return keeper->said_again() == 3; }));
+  LateListener late(url);
+  ASSERT_TRUE(Eventually([&] { return late.poses().size() >= 3; }));
   EXPECT_THAT(late.poses(), ElementsAre(Pair(100, 0), Pair(100, 1), Pair(100, 2)))
       << "of one that is not known to have died nothing is said";
-  runner.bus().Post([&] { keeper.OnExit(7); });
-  runner.bus().Post([&] { keeper.OnExit(8); });
-  ASSERT_TRUE(WaitFor([&] { return late.poses().size() == 4; }));
-  EXPECT_EQ(keeper.said_again(), 4) << "once";
-  EXPECT_EQ(keeper.kept(), 4) << "what it says itself is not kept again";
+  keeper.Exit(7);
+  keeper.Exit(8);
+  ASSERT_TRUE(Eventually([&] { return late.poses().size() == 4; }));
+  EXPECT_EQ(keeper->said_again(), 4) << "once";
+  EXPECT_EQ(keeper->kept(), 4) << "what it says itself is not kept again";
 }
 
 TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
-  const PrivatePort port;
-  Runner runner(port);
-  HistoryKeeper keeper(runner.bus(), testing::TempDir());
-  runner.Run();
+  const std::string url = PrivateUrl();
+  RunningKeeper keeper(url, testing::TempDir());
   {
-    bus::Bus ends(On(port), "vo");
+    bus::Bus ends(On(url), "vo");
     SayAlive(ends, 7);
     for (int i = 0; i < 3; ++i) Say(ends, 100, i);
-    ASSERT_TRUE(WaitFor([&] { return keeper.kept() == 3; }));
+    ASSERT_TRUE(Eventually([&] { return keeper->kept() == 3; }));
   }
-  LateListener late(port);
-  bus::Bus lives(On(port), "viewer");
-  runner.bus().Post([&] {
-    keeper.Stop();
-    keeper.OnExit(7);
-    runner.bus().Post([&] { Say(lives, 200, 3); });
+  LateListener late(url);
+  bus::Bus lives(On(url), "viewer");
+  keeper.bus().Post([&] {
+    keeper->Stop();
+    keeper->OnExit(7);
+    keeper.bus().Post([&] { Say(lives, 200, 3); });
   });
-  ASSERT_TRUE(WaitFor([&] { return !late.poses().empty(); }));
+  ASSERT_TRUE(Eventually([&] { return !late.poses().empty(); }));
   EXPECT_THAT(late.poses(), ElementsAre(Pair(200, 3)));
-  EXPECT_EQ(keeper.said_again(), 0);
+  EXPECT_EQ(keeper->said_again(), 0);
 }
 
 TEST(HistoryKeeper, LeavesNoFileBehind) {
   std::string folder = testing::TempDir() + "keeper XXXXXX";
   ASSERT_NE(mkdtemp(folder.data()), nullptr);
-  const PrivatePort port;
-  Runner runner(port);
-  const HistoryKeeper keeper(runner.bus(), folder);
+  bus::Bus bus(On(PrivateUrl()), "test");
+  const HistoryKeeper keeper(bus, folder);
   EXPECT_EQ(keeper.problem(), "");
   EXPECT_TRUE(std::filesystem::is_empty(folder));
   std::filesystem::remove(folder);
 }
 
 TEST(HistoryKeeper, FolderThatCannotBeWrittenIsTold) {
-  const PrivatePort port;
-  Runner runner(port);
-  HistoryKeeper keeper(runner.bus(), "/proc/no such folder");
-  runner.Run();
-  EXPECT_THAT(keeper.problem(), testing::HasSubstr("/proc/no such folder: "));
-  bus::Bus says(On(port), "vo");
+  const std::string url = PrivateUrl();
+  RunningKeeper keeper(url, "/proc/no such folder");
+  EXPECT_THAT(keeper->problem(), testing::HasSubstr("/proc/no such folder: "));
+  bus::Bus says(On(url), "vo");
   SayAlive(says, 7);
   Say(says, 100, 0);
   EXPECT_TRUE(says.Flush(seconds(5))) << "it reads on";
-  EXPECT_EQ(keeper.kept(), 0);
+  EXPECT_EQ(keeper->kept(), 0);
 }
 
 }  // namespace

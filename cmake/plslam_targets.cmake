@@ -59,6 +59,13 @@ endfunction()
 set(PLSLAM_SANITIZED_FOLDERS fuzz unit/bus unit/features unit/lines unit/map_file)
 add_custom_target(plslam_sanitized_tests)
 
+# The code of tests computes little; what it tests is in libraries.
+add_library(plslam_test_flags INTERFACE)
+target_link_libraries(plslam_test_flags INTERFACE plslam_flags)
+if(NOT PLSLAM_SANITIZE)
+  target_compile_options(plslam_test_flags INTERFACE -O1)
+endif()
+
 # plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL]): a GoogleTest executable,
 # run by ctest test by test; SERIAL: alone.
 function(plslam_test name)
@@ -73,7 +80,7 @@ function(plslam_test name)
     set(ARG_SERIAL FALSE)
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE plslam_flags plslam_test_support GTest::gmock GTest::gtest_main ${ARG_LINK})
+  target_link_libraries(${name} PRIVATE plslam_test_flags plslam_test_support GTest::gmock GTest::gtest_main ${ARG_LINK})
   plslam_use_precompiled(${name} plslam_test_headers)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR}/tests ${CMAKE_CURRENT_SOURCE_DIR})

@@ -45,6 +45,33 @@ void ByHand::StartPlain(const std::string& executable, const std::vector<std::st
       std::make_unique<ChildProcess>(BinaryFolder() / executable, arguments, folder_ / (executable + ".log"));
 }
 
+void ByHand::StartAll(const HostsOfARun& hosts, StatusListener* listener) {
+  std::vector<std::string> started;
+  const auto start = [&](const NetworkHost* host, const char* process, const char* executable,
+                         const std::vector<std::string>& arguments) {
+    if (host == nullptr) return;
+    Start(*host, executable, arguments);
+    started.emplace_back(process);
+  };
+  start(hosts.recorder, "recorder", "plslam", {"record", log()});
+  start(hosts.viewer, "viewer", "viewer_headless", {"--set", "viewer.out=" + out().string()});
+  start(hosts.mapping, "mapping", "mapping_process", {});
+  start(hosts.loop, "loop", "loop_process", {});
+  start(hosts.vo, "vo", "vo_process", {});
+  for (const std::string& process : started) {
+    ASSERT_TRUE(listener->WaitForState(process, "ready")) << process << " cannot be heard\n" << Logs();
+  }
+}
+
+void ByHand::StartPlayer(const NetworkHost& host, const std::string& dataset) {
+  Start(host, "player", {dataset, "--set", "player.exit=true"});
+}
+
+void ByHand::WaitUntilPlayed(StatusListener* listener) {
+  ASSERT_EQ(Wait("player"), 0) << Logs();
+  ASSERT_TRUE(listener->WaitForState("viewer", "finished")) << Logs();
+}
+
 int ByHand::Wait(const std::string& executable, int limit_s) {
   ChildProcess& process = *processes_.at(executable);
   const auto end = Clock::now() + std::chrono::seconds(limit_s);

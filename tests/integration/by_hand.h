@@ -17,6 +17,17 @@
 
 namespace plslam::test {
 
+class StatusListener;
+
+/// Where the processes of a run are started, but for the player; nullptr: not at all.
+struct HostsOfARun {
+  const NetworkHost* viewer = nullptr;
+  const NetworkHost* mapping = nullptr;
+  const NetworkHost* loop = nullptr;
+  const NetworkHost* vo = nullptr;
+  const NetworkHost* recorder = nullptr;
+};
+
 /// The processes started one by one, as a user does on several machines, in one folder for all their files.
 class ByHand {
  public:
@@ -29,10 +40,15 @@ class ByHand {
   void Start(const NetworkHost& host, const std::string& executable, std::vector<std::string> arguments = {});
   /// The same in the calling thread's network, without `--url`.
   void StartPlain(const std::string& executable, const std::vector<std::string>& arguments);
+  /// Starts all that have a host and waits until each has told `listener` that it is ready. Fails the test where one has not.
+  void StartAll(const HostsOfARun& hosts, StatusListener* listener);
+  /// Plays `dataset` once.
+  void StartPlayer(const NetworkHost& host, const std::string& dataset);
+  /// Waits for the ends of the player and of the viewer's work. Fails the test where they do not come.
+  void WaitUntilPlayed(StatusListener* listener);
   /// Options for all that are started from now on.
   void SetCommon(std::vector<std::string> arguments) { common_ = std::move(arguments); }
 
-  ChildProcess& process(const std::string& executable) { return *processes_.at(executable); }
   /// Exit code; -1 (and killed) after `limit_s`.
   int Wait(const std::string& executable, int limit_s = 120);
   /// SIGINT to all that run; true if all of them end with exit code 0.

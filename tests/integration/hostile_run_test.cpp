@@ -2,7 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <fstream>
@@ -13,6 +12,7 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/support/hostile_sender.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/network_host.h"
 
 namespace plslam {
@@ -72,17 +72,10 @@ void Play(const NetworkHost& host, const std::string& key_file, const std::optio
   StatusListener listener(host, ListenerOptions(key_file));
   std::unique_ptr<HostileSender> sender;
   if (hostile) host.Do([&] { sender = std::make_unique<HostileSender>(*hostile); });
-  run.Start(host, "plslam", {"record", run.log()});
-  run.Start(host, "viewer_headless", {"--set", "viewer.out=" + run.out().string()});
-  run.Start(host, "mapping_process");
-  run.Start(host, "loop_process");
-  run.Start(host, "vo_process");
-  for (const char* process : {"viewer", "mapping", "loop", "vo", "recorder"}) {
-    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << "\n" << run.Logs();
-  }
-  run.Start(host, "player", {kWorld, "--set", "player.exit=true"});
-  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
-  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  ASSERT_NO_FATAL_FAILURE(
+      run.StartAll({.viewer = &host, .mapping = &host, .loop = &host, .vo = &host, .recorder = &host}, &listener));
+  run.StartPlayer(host, kWorld);
+  ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   for (const auto& [name, status] : listener.statuses()) {
     if (name == "player") continue;
     outcome->rejected += listener.Counter(name, "bus.rejected");
@@ -155,7 +148,7 @@ TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
 }
 
 TEST_F(HostileRun, WithoutAKeyJunkAndRepetitionsDoNoHarm) {
-  if (getenv("PLSLAM_LONG_TESTS") == nullptr) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PLSLAM_REQUIRE_LONG_TESTS();
   const NetworkHost host;
   Outcome quiet, attacked;
   ASSERT_NO_FATAL_FAILURE(Play(host, "", std::nullopt, &quiet));

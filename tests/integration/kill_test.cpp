@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <numeric>
@@ -15,6 +14,7 @@
 
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/long_tests.h"
 
 namespace plslam {
 namespace {
@@ -39,7 +39,7 @@ struct Extent {
   int frames = 200;
 };
 
-Extent ExtentOfTheRun() { return std::getenv("PLSLAM_LONG_TESTS") == nullptr ? Extent{} : Extent{50, 1600}; }
+Extent ExtentOfTheRun() { return test::LongTests() ? Extent{50, 1600} : Extent{}; }
 
 std::vector<std::string> Arguments(const std::string& url, int frames) {
   // Keyframes are never culled, so that one that is missing has been lost.

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <iostream>
@@ -8,6 +7,7 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/lossy_lan.h"
 
 namespace plslam {
@@ -52,20 +52,17 @@ void PlayOver(const LossyLan& lan, Outcome* outcome) {
   bus::BusOptions options;
   options.url = kUrl;
   StatusListener listener(lan.host(5), options);
-  run.Start(lan.host(0), "plslam", {"record", run.log()});
-  run.Start(lan.host(1), "viewer_headless", {"--set", "viewer.out=" + run.out().string()});
-  run.Start(lan.host(2), "mapping_process");
-  run.Start(lan.host(3), "loop_process");
-  run.Start(lan.host(4), "vo_process");
-  for (const char* process : {"recorder", "viewer", "mapping", "loop", "vo"}) {
-    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << "\n" << run.Logs();
-  }
+  ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(1),
+                                        .mapping = &lan.host(2),
+                                        .loop = &lan.host(3),
+                                        .vo = &lan.host(4),
+                                        .recorder = &lan.host(0)},
+                                       &listener));
   const auto began = std::chrono::steady_clock::now();
-  run.Start(lan.host(5), "player", {kWorld, "--set", "player.exit=true"});
+  run.StartPlayer(lan.host(5), kWorld);
   ASSERT_TRUE(listener.WaitForFrame(kFrames - 1, 200)) << run.Logs();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
-  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   EXPECT_TRUE(run.StopAll()) << run.Logs();
   *outcome = OutcomeOf(run, took.count());
 }
@@ -75,8 +72,8 @@ class LossyRun : public testing::TestWithParam<int> {};
 
 TEST_P(LossyRun, GivesTheSameBits) {
   const int percent = GetParam();
-  if (percent != 5 && getenv("PLSLAM_LONG_TESTS") == nullptr) {
-    GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  if (percent != 5) {
+    PLSLAM_REQUIRE_LONG_TESTS();
   }
   const std::string obstacle = LossyLan::Obstacle();
   Outcome whole, lossy;

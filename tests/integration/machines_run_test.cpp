@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 
 #include <chrono>
 #include <iostream>
@@ -8,6 +7,7 @@
 
 #include "tests/integration/by_hand.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/network_host.h"
 
 namespace plslam {
@@ -42,14 +42,6 @@ bus::BusOptions ListenerOptions() {
   return options;
 }
 
-void StartAllButThePlayer(ByHand* run, const Lan& lan, const Plan& plan) {
-  run->SetCommon(kPatience);
-  run->Start(lan.host(plan.viewer), "viewer_headless", {"--set", "viewer.out=" + run->out().string()});
-  run->Start(lan.host(plan.mapping), "mapping_process");
-  run->Start(lan.host(plan.mapping), "loop_process");
-  run->Start(lan.host(plan.tracking), "vo_process");
-}
-
 /// Pulls the cable in the middle of the run.
 void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
   if (host < 0) return;
@@ -75,15 +67,16 @@ void PlayOnSeveralMachines(const Plan& plan) {
   ByHand run(kUrl);
   // It listens where the player is: there it hears poses whatever cable is pulled.
   StatusListener listener(lan.host(plan.tracking), ListenerOptions());
-  StartAllButThePlayer(&run, lan, plan);
-  for (const char* process : {"viewer", "mapping", "loop", "vo"}) {
-    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << " cannot be heard\n" << run.Logs();
-  }
+  run.SetCommon(kPatience);
+  ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(plan.viewer),
+                                        .mapping = &lan.host(plan.mapping),
+                                        .loop = &lan.host(plan.mapping),
+                                        .vo = &lan.host(plan.tracking)},
+                                       &listener));
   const auto began = std::chrono::steady_clock::now();
-  run.Start(lan.host(plan.tracking), "player", {kWorld, "--set", "player.exit=true"});
+  run.StartPlayer(lan.host(plan.tracking), kWorld);
   CutFor5s(lan, plan.cut, &listener);
-  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
-  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   std::cout << fmt::format("{} hosts{}: {} frames in {:.1f} s\n", plan.n_hosts,
                            plan.cut >= 0 ? fmt::format(", host {} cut off for 5 s", plan.cut) : "", kFrames,
@@ -92,22 +85,20 @@ void PlayOnSeveralMachines(const Plan& plan) {
   ExpectTheSameAsOnOneMachine(run);
 }
 
-bool LongTests() { return getenv("PLSLAM_LONG_TESTS") != nullptr; }
-
 TEST(Machines, ThreeWithTheMappersCableOutFor5s) { PlayOnSeveralMachines({3, 0, 1, 2, 1}); }
 
 TEST(Machines, Two) {
-  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PLSLAM_REQUIRE_LONG_TESTS();
   PlayOnSeveralMachines({2, 0, 1, 0, -1});
 }
 
 TEST(Machines, ThreeWithTheViewersCableOutFor5s) {
-  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PLSLAM_REQUIRE_LONG_TESTS();
   PlayOnSeveralMachines({3, 0, 1, 2, 2});
 }
 
 TEST(Machines, ThreeWithTheTrackersCableOutFor5s) {
-  if (!LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PLSLAM_REQUIRE_LONG_TESTS();
   PlayOnSeveralMachines({3, 0, 1, 2, 0});
 }
 

@@ -1,12 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <string>
 
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/long_tests.h"
 
 namespace plslam {
 namespace {
@@ -28,7 +28,7 @@ double Slope(const std::vector<std::pair<double, double>>& points) {
 }
 
 TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
-  const bool is_long = std::getenv("PLSLAM_LONG_TESTS") != nullptr;
+  const bool is_long = test::LongTests();
   // Forth and back, 99 frames each way.
   const int loops = is_long ? 101 : 25;
   const int frames = 1 + 2 * 99 * loops;

@@ -2,7 +2,6 @@
 #include <signal.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -18,6 +17,7 @@
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/long_tests.h"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam {
@@ -29,7 +29,7 @@ using test::RunWatcher;
 using test::WholeRun;
 
 /// What the project promises is said of 1,000 keyframes.
-int Keyframes() { return std::getenv("PLSLAM_LONG_TESTS") == nullptr ? 150 : 1000; }
+int Keyframes() { return test::LongTests() ? 1000 : 150; }
 
 RigCalibration RigOf(const StereoCamera& camera) {
   RigCalibration rig;

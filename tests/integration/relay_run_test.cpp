@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <stdlib.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include "tests/integration/by_hand.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/network_host.h"
 #include "tools/plslam/child_process.h"
 
@@ -97,7 +97,7 @@ TEST(Relay, OfLcmsJavaPackageCarriesARun) {
 
 /// Our own, on one of three machines, where no multicast goes from one to another.
 TEST(Relay, JoinsMachinesWithoutMulticast) {
-  if (getenv("PLSLAM_LONG_TESTS") == nullptr) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)";
+  PLSLAM_REQUIRE_LONG_TESTS();
   if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
   const Lan lan(3);
   for (int i = 0; i < 3; ++i) lan.host(i).Shell("ip route del 224.0.0.0/4 dev eth0");
@@ -108,16 +108,10 @@ TEST(Relay, JoinsMachinesWithoutMulticast) {
   bus::BusOptions options;
   options.url = url;
   StatusListener listener(lan.host(0), options);
-  run.Start(lan.host(2), "viewer_headless", {"--set", "viewer.out=" + run.out().string()});
-  run.Start(lan.host(1), "mapping_process");
-  run.Start(lan.host(1), "loop_process");
-  run.Start(lan.host(0), "vo_process");
-  for (const char* process : {"viewer", "mapping", "loop", "vo"}) {
-    ASSERT_TRUE(listener.WaitForState(process, "ready")) << process << "\n" << run.Logs();
-  }
-  run.Start(lan.host(0), "player", {kWorld, "--set", "player.exit=true"});
-  ASSERT_EQ(run.Wait("player"), 0) << run.Logs();
-  ASSERT_TRUE(listener.WaitForState("viewer", "finished")) << run.Logs();
+  ASSERT_NO_FATAL_FAILURE(run.StartAll(
+      {.viewer = &lan.host(2), .mapping = &lan.host(1), .loop = &lan.host(1), .vo = &lan.host(0)}, &listener));
+  run.StartPlayer(lan.host(0), kWorld);
+  ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   EXPECT_TRUE(run.StopAll()) << run.Logs();
   WholeRun single;
   ASSERT_EQ(single.Run({"run", kWorld}), 0) << single.Logs();

@@ -73,7 +73,6 @@ void RunWatcher::Listen() {
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
     Add([&](Heard& heard) {
       heard.status[m.process] = m;
-      heard.statuses.push_back(m);
       if (m.state == "ready" || m.state == "running") heard.ready.emplace(m.process, m.pid);
     });
   });

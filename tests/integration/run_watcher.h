@@ -35,9 +35,8 @@ struct Heard {
   std::map<int64_t, std::set<int64_t>> keyframes;
   /// The same, of those that are in the map.
   std::map<int64_t, std::set<int64_t>> mapped;
-  /// Newest status by process name; all of them in order.
+  /// Newest status by process name.
   std::map<std::string, status_t> status;
-  std::vector<status_t> statuses;
   std::set<int64_t> publishers_of_poses;
   /// Names and ids of processes that have said that they are ready, or run.
   std::set<std::pair<std::string, int64_t>> ready;

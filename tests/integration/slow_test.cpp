@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <cstdlib>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/long_tests.h"
 
 namespace plslam {
 namespace {
@@ -52,8 +52,6 @@ class TenPercent {
   std::thread thread_;
 };
 
-bool IsLong() { return std::getenv("PLSLAM_LONG_TESTS") != nullptr; }
-
 /// Times between the poses of one frame and the next, sorted.
 std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
   std::vector<double> gaps;
@@ -72,8 +70,10 @@ class SlowStage : public testing::TestWithParam<std::pair<const char*, const cha
 TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
   const char* const name = GetParam().first;
   const char* const executable = GetParam().second;
-  if (!IsLong() && name != std::string("mapping")) GTEST_SKIP() << "with PLSLAM_LONG_TESTS only";
-  const int frames = IsLong() ? 400 : 50;
+  if (name != std::string("mapping")) {
+    PLSLAM_REQUIRE_LONG_TESTS();
+  }
+  const int frames = test::LongTests() ? 400 : 50;
   constexpr double kPeriod_s = 0.1;
   RunWatcher watcher;
   WholeRun run;
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(Stages, SlowStage,
                          [](const auto& stage) { return std::string(stage.param.first); });
 
 TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
-  const int frames = IsLong() ? 400 : 40;
+  const int frames = test::LongTests() ? 400 : 40;
   RunWatcher watcher;
   WholeRun run;
   run.Start({"run", fmt::format("synthetic:room?size=320x200&frames={}&rate=10", frames), "--pace", "realtime",

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -9,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping_process/mapper.h"
+#include "tests/support/long_tests.h"
 #include "tests/unit/mapping/mapping_world.h"
 
 namespace plslam {
@@ -29,7 +29,7 @@ int64_t ResidentBytes() {
 }
 
 // All of what the project promises takes half a minute; a part of it stands for the whole in the everyday tests.
-int Keyframes() { return std::getenv("PLSLAM_LONG_TESTS") == nullptr ? 300 : 2000; }
+int Keyframes() { return test::LongTests() ? 2000 : 300; }
 
 /// What a walk down a corridor cost.
 struct Cost {

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdlib>
+
+namespace plslam::test {
+
+/// Whether what takes long is to be tested too: scripts/soak sets PLSLAM_LONG_TESTS.
+inline bool LongTests() { return std::getenv("PLSLAM_LONG_TESTS") != nullptr; }
+
+}  // namespace plslam::test
+
+/// Leaves the test, visibly skipped, where only short ones are to run.
+#define PLSLAM_REQUIRE_LONG_TESTS() \
+  if (!plslam::test::LongTests()) GTEST_SKIP() << "long: runs with PLSLAM_LONG_TESTS=1 (scripts/soak)"

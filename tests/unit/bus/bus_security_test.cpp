@@ -22,6 +22,9 @@ using test::RunningBus;
 using test::TemporaryFolder;
 using test::Waiter;
 
+/// Channels and bytes.
+using Messages = std::vector<std::pair<std::string, std::vector<uint8_t>>>;
+
 /// A URL, a key, and a raw sender that can put anything on the wire.
 class BusSecurity : public testing::Test {
  protected:
@@ -49,6 +52,13 @@ class BusSecurity : public testing::Test {
     std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
     message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
     return bytes;
+  }
+
+  /// Puts on the wire again what was there.
+  void Replay(const Messages& recording, int rounds) {
+    for (int round = 0; round < rounds; ++round) {
+      for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
+    }
   }
 
   const TemporaryFolder folder_;
@@ -137,7 +147,6 @@ class Eavesdropper {
     });
     bus_.Start();
   }
-  using Messages = std::vector<std::pair<std::string, std::vector<uint8_t>>>;
   Messages heard(const std::string& channel = "") const {
     const std::lock_guard lock(mutex_);
     Messages messages;
@@ -179,9 +188,7 @@ TEST_F(BusSecurity, WithAKeyWhatThePublisherSaidBeforeItDiedIsNotBelieved) {
     received.Add();
   });
   reader.Start();
-  for (int round = 0; round < 3; ++round) {
-    for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
-  }
+  Replay(recording, 3);
   ASSERT_TRUE(Eventually([&] { return reader->counters().unproven >= 15; })) << reader->counters().unproven;
   Bus publisher(Options(KeyFile('a')), "publisher, started again");
   pose_t pose{};
@@ -202,9 +209,7 @@ TEST_F(BusSecurity, WithAKeyReadersThatDiedAreNotWaitedFor) {
   }
   Bus publisher(Options(KeyFile('a')), "publisher");
   const auto recording = eavesdropper.heard("REPAIR_REQUEST");
-  for (int round = 0; round < 20; ++round) {
-    for (const auto& [channel, bytes] : recording) wire_.Send(channel, bytes);
-  }
+  Replay(recording, 20);
   ASSERT_TRUE(Eventually([&] { return publisher.counters().duplicates >= 19; }));
   EXPECT_EQ(publisher.ReaderCount(kPose), 0);
 }

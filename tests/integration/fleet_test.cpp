@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -69,11 +70,7 @@ PosePairs PairsOf(const WholeRun& run) {
 }
 
 double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
-  double worst_m = 0.0;
-  for (const PosePair& pair : pairs) {
-    worst_m = std::max(worst_m, (alignment.Apply(pair.estimate).translation() - pair.truth.translation()).norm());
-  }
-  return worst_m;
+  return std::ranges::max(ComputeAbsoluteErrors(pairs, alignment).translation_m);
 }
 
 std::vector<std::string> Robot(const std::string& url, const std::string& prefix, int start, int stop) {
@@ -102,6 +99,7 @@ TEST(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
     EXPECT_GT(summary["map"]["keyframes"], 5);
   }
   const PosePairs of_first = PairsOf(first), of_second = PairsOf(second);
+  ASSERT_FALSE(of_first.empty() || of_second.empty());
   const Similarity alignment = Align(of_first, Alignment::kSe3);
   const double first_m = WorstError_m(of_first, alignment), second_m = WorstError_m(of_second, alignment);
   std::cout << "farthest from the truth, both laid on it by the first: " << first_m << " m, " << second_m << " m\n";

@@ -1,5 +1,6 @@
 #include "loop_process/keyframe_memory.h"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -22,29 +23,33 @@ void KeyframeMemory::Add(const Keyframe& keyframe) {
 void KeyframeMemory::Enter(int64_t id, const Name& name, StereoFeatures features) {
   places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
   features_[id] = std::move(features);
-  names_[id] = name;
+  const std::pair entered(id, name);
+  const auto place = std::lower_bound(names_.begin(), names_.end(), entered);
+  const bool again = place != names_.end() && place->first == id;
+  if (!again) names_.insert(place, entered);
 }
 
-void KeyframeMemory::Leave(int64_t id) {
+void KeyframeMemory::Leave(int64_t id, const Name& name) {
   places_.Remove(id);
-  waiting_[names_.at(id)] = std::move(features_.at(id));
+  waiting_[name] = std::move(features_.at(id));
   features_.erase(id);
   point_nodes_.erase(id);
-  names_.erase(id);
 }
 
 void KeyframeMemory::Follow(const Map& map) {
   // Both ascend by id. A map that starts anew may give an id to another keyframe.
-  std::vector<int64_t> gone;
+  std::vector<std::pair<int64_t, Name>> gone;
   auto known = names_.begin();
   for (const auto& [id, keyframe] : map.keyframes()) {
-    for (; known != names_.end() && known->first < id; ++known) gone.push_back(known->first);
+    for (; known != names_.end() && known->first < id; ++known) gone.push_back(*known);
     if (known == names_.end() || known->first != id) continue;
-    if (known->second != Name{keyframe.session, keyframe.session_keyframe_id}) gone.push_back(id);
+    if (known->second != Name{keyframe.session, keyframe.session_keyframe_id}) gone.push_back(*known);
     ++known;
   }
-  for (; known != names_.end(); ++known) gone.push_back(known->first);
-  for (const int64_t id : gone) Leave(id);
+  for (; known != names_.end(); ++known) gone.push_back(*known);
+  if (!gone.empty())
+    std::erase_if(names_, [&gone](const auto& name) { return std::binary_search(gone.begin(), gone.end(), name); });
+  for (const auto& [id, name] : gone) Leave(id, name);
 
   std::map<int64_t, int64_t> newest;  // of each session
   for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend() && !waiting_.empty(); ++entry) {

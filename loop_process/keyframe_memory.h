@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
@@ -39,13 +40,14 @@ class KeyframeMemory {
   using Name = std::pair<int64_t, int64_t>;
 
   void Enter(int64_t id, const Name& name, StereoFeatures features);
-  void Leave(int64_t id);
+  void Leave(int64_t id, const Name& name);
 
   PlaceRecogniser places_;
   std::map<Name, StereoFeatures> waiting_;
   KeyframeFeatures features_;
   std::map<int64_t, FeatureNodes> point_nodes_;
-  std::map<int64_t, Name> names_;
+  // Of those that have entered, ascending by id: every keyframe reads all of them, so they lie together.
+  std::vector<std::pair<int64_t, Name>> names_;
 };
 
 }  // namespace plslam

@@ -33,7 +33,7 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   search.candidates = FindLoopCandidates(map, memory.places(), keyframe_id, options.candidates);
   if (const auto again = FindSecondLook(map, keyframe_id, options.candidates)) search.candidates.push_back(*again);
   if (search.candidates.empty()) return search;
-  const MapWays ways(map, keyframe_id);
+  MapWays ways(map, keyframe_id);
   for (const LoopCandidate& candidate : search.candidates) {
     search.evidence.push_back(VerifyLoop(map, memory, camera, options, ways, candidate.keyframe_id, keyframe_id));
   }

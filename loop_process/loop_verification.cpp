@@ -67,7 +67,7 @@ class Pairs {
 class Verification {
  public:
   Verification(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera, const LoopOptions& options,
-               const MapWays& ways, int64_t old_id, int64_t id)
+               MapWays& ways, int64_t old_id, int64_t id)
       : map_(map),
         memory_(memory),
         camera_(camera),
@@ -101,7 +101,7 @@ class Verification {
   const StereoCamera& camera_;
   const LoopOptions& options_;
   const VerificationOptions& gates_;
-  const MapWays& ways_;
+  MapWays& ways_;
   const MapKeyframe& old_;
   const MapKeyframe& keyframe_;
   Place old_place_;
@@ -211,11 +211,15 @@ bool Verification::IsWithinDrift() {
   if (!way) return true;
   const double turn_rad = gates_.drift_deg_per_m * kRadPerDeg * way->length_m;
   const double move_m = gates_.drift_per_m * way->length_m + turn_rad * way->reach_m;
-  const Matrix6d covariance = gates_.covariance_scale * gates_.covariance_scale * way->covariance +
-                              Isotropic(move_m, turn_rad) + evidence_.edge.covariance;
+  const Matrix6d least = Isotropic(move_m, turn_rad) + evidence_.edge.covariance;
   const SE3 T_old_kf = old_.T_w_kf.Inverse() * keyframe_.T_w_kf;
   const Vector6d correction = (T_old_kf.Inverse() * evidence_.edge.T_old_kf).Log();
-  evidence_.drift_chi2 = correction.dot(covariance.llt().solve(correction));
+  const auto chi2 = [&](const Matrix6d& covariance) { return correction.dot(covariance.llt().solve(correction)); };
+  evidence_.drift_chi2 = chi2(least);
+  if (evidence_.drift_chi2 <= gates_.max_drift_chi2) return true;
+  // The covariance of the way makes it smaller still; it costs as much as the way is long.
+  const double scale = gates_.covariance_scale * gates_.covariance_scale;
+  evidence_.drift_chi2 = chi2(least + scale * ways_.CovarianceFrom(old_.id));
   return evidence_.drift_chi2 <= gates_.max_drift_chi2;
 }
 
@@ -264,8 +268,7 @@ const char* LoopVerdictName(LoopVerdict verdict) {
 }
 
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
-                        int64_t keyframe_id) {
+                        const LoopOptions& options, MapWays& ways, int64_t old_keyframe_id, int64_t keyframe_id) {
   const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
                      memory.places().Has(old_keyframe_id) && memory.places().Has(keyframe_id);
   if (!known) return {};

@@ -38,7 +38,8 @@ struct LoopEvidence {
   int reverse_inliers = 0;
   /// Keyframes that agree, this one included.
   int confirming = 0;
-  /// Whether the map knew how both lie to each other, and how far that is off, in drift's chi-square.
+  /// Whether the map knew how both lie to each other, and how far that is off, in drift's chi-square;
+  /// below the gate an upper bound of it.
   bool connected = false;
   double drift_chi2 = 0.0;
 };
@@ -51,7 +52,6 @@ struct LoopEvidence {
 /// the new one at the same place; and the keyframes before are found where odometry says they must be, unless there are
 /// so many inliers that they need not.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, const MapWays& ways, int64_t old_keyframe_id,
-                        int64_t keyframe_id);
+                        const LoopOptions& options, MapWays& ways, int64_t old_keyframe_id, int64_t keyframe_id);
 
 }  // namespace plslam

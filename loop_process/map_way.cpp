@@ -17,27 +17,12 @@ constexpr double kAdjustedPer_m = 0.005;
 constexpr double kAdjusted_rad = 0.0005;
 constexpr double kAdjusted_radPer_m = 0.0005;
 
-double Length(const SE3& T) { return T.translation().norm() + kTurn_m * T.Log().tail<3>().norm(); }
+double Length(const MapKeyframe& a, const MapKeyframe& b) {
+  return (a.T_w_kf.translation() - b.T_w_kf.translation()).norm() +
+         kTurn_m * a.T_w_kf.rotation().angularDistance(b.T_w_kf.rotation());
+}
 
 }  // namespace
-
-MapWays::MapWays(const Map& map, int64_t to) : map_(map) {
-  nodes_.reserve(map.keyframes().size());
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    nodes_.emplace_back();
-    nodes_.back().keyframe = &keyframe;
-  }
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    Connect(keyframe.previous_id, id, -1);
-    if (keyframe.parent_id != keyframe.previous_id) Connect(keyframe.parent_id, id, -1);
-  }
-  for (int i = 0; i < static_cast<int>(map.loops().size()); ++i) {
-    const LoopEdge& loop = map.loops()[static_cast<size_t>(i)];
-    Connect(loop.old_keyframe_id, loop.keyframe_id, i);
-  }
-  const int place = PlaceOf(to);
-  if (place >= 0) Reach(place);
-}
 
 int MapWays::PlaceOf(int64_t id) const {
   const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), id,
@@ -45,77 +30,125 @@ int MapWays::PlaceOf(int64_t id) const {
   return found != nodes_.end() && found->keyframe->id == id ? static_cast<int>(found - nodes_.begin()) : -1;
 }
 
+void MapWays::FindWays() {
+  nodes_.reserve(map_.keyframes().size());
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    nodes_.emplace_back();
+    nodes_.back().keyframe = &keyframe;
+  }
+  edges_.reserve(2 * nodes_.size() + map_.loops().size());
+  for (const Node& node : nodes_) {
+    const MapKeyframe& keyframe = *node.keyframe;
+    Connect(keyframe.previous_id, keyframe.id, -1);
+    if (keyframe.parent_id != keyframe.previous_id) Connect(keyframe.parent_id, keyframe.id, -1);
+  }
+  for (int i = 0; i < static_cast<int>(map_.loops().size()); ++i) {
+    const LoopEdge& loop = map_.loops()[static_cast<size_t>(i)];
+    Connect(loop.old_keyframe_id, loop.keyframe_id, i);
+  }
+  SortEdgesByNode();
+  to_ = PlaceOf(to_id_);
+  if (to_ >= 0) Reach(to_);
+}
+
 void MapWays::Connect(int64_t a, int64_t b, int loop) {
   const int at_a = PlaceOf(a);
   const int at_b = PlaceOf(b);
   if (at_a < 0 || at_b < 0 || at_a == at_b) return;
-  Node& node_a = nodes_[static_cast<size_t>(at_a)];
-  Node& node_b = nodes_[static_cast<size_t>(at_b)];
-  const double length_m = Length(node_a.keyframe->T_w_kf.Inverse() * node_b.keyframe->T_w_kf);
-  node_a.steps.push_back({at_b, loop, length_m});
-  node_b.steps.push_back({at_a, loop, length_m});
+  edges_.push_back({at_a, at_b, loop, Length(*nodes_[at_a].keyframe, *nodes_[at_b].keyframe)});
+}
+
+void MapWays::SortEdgesByNode() {
+  first_edge_.assign(nodes_.size() + 1, 0);
+  for (const Edge& edge : edges_) {
+    ++first_edge_[edge.a + 1];
+    ++first_edge_[edge.b + 1];
+  }
+  for (size_t i = 1; i < first_edge_.size(); ++i) first_edge_[i] += first_edge_[i - 1];
+  std::vector<int> next(first_edge_.begin(), first_edge_.end() - 1);
+  edges_of_.resize(2 * edges_.size());
+  for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
+    edges_of_[next[edges_[e].a]++] = e;
+    edges_of_[next[edges_[e].b]++] = e;
+  }
 }
 
 void MapWays::Reach(int to) {
   using Entry = std::pair<double, int>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  nodes_[static_cast<size_t>(to)].distance_m = 0.0;
+  const Eigen::Vector3d end = nodes_[to].keyframe->T_w_kf.translation();
+  nodes_[to].distance_m = 0.0;
   open.emplace(0.0, to);
   while (!open.empty()) {
     const auto [distance_m, at] = open.top();
     open.pop();
-    const Node& node = nodes_[static_cast<size_t>(at)];
-    if (distance_m > node.distance_m) continue;
-    for (const Step& step : node.steps) {
-      Node& next = nodes_[static_cast<size_t>(step.next)];
-      const double total_m = distance_m + step.length_m;
+    if (distance_m > nodes_[at].distance_m) continue;
+    for (int i = first_edge_[at]; i < first_edge_[at + 1]; ++i) {
+      const Edge& edge = edges_[edges_of_[i]];
+      Node& next = nodes_[edge.a == at ? edge.b : edge.a];
+      const double total_m = distance_m + edge.length_m;
       if (next.distance_m >= 0.0 && next.distance_m <= total_m) continue;
       next.distance_m = total_m;
-      next.towards = {at, step.loop, step.length_m};
-      open.emplace(total_m, step.next);
+      next.reach_m = std::max(nodes_[at].reach_m, (next.keyframe->T_w_kf.translation() - end).norm());
+      next.towards = edges_of_[i];
+      open.emplace(total_m, edge.a == at ? edge.b : edge.a);
     }
   }
 }
 
-Matrix6d MapWays::StepCovariance(const Node& from, const Step& step) const {
-  const MapKeyframe& a = *from.keyframe;
-  const MapKeyframe& b = *nodes_[static_cast<size_t>(step.next)].keyframe;
+int MapWays::Next(int place) const {
+  const Edge& edge = edges_[nodes_[place].towards];
+  return edge.a == place ? edge.b : edge.a;
+}
+
+Matrix6d MapWays::StepCovariance(int from) const {
+  const Edge& edge = edges_[nodes_[from].towards];
+  const MapKeyframe& a = *nodes_[from].keyframe;
+  const MapKeyframe& b = *nodes_[Next(from)].keyframe;
   // Known as that of the step back: turned round.
   const auto backwards = [&](const Matrix6d& covariance) {
     return InverseCovariance(b.T_w_kf.Inverse() * a.T_w_kf, covariance);
   };
-  if (step.loop >= 0) {
-    const LoopEdge& loop = map_.loops()[static_cast<size_t>(step.loop)];
+  if (edge.loop >= 0) {
+    const LoopEdge& loop = map_.loops()[static_cast<size_t>(edge.loop)];
     return loop.old_keyframe_id == a.id ? loop.covariance : backwards(loop.covariance);
   }
   if (b.previous_id == a.id) return b.relative_covariance;
   if (a.previous_id == b.id) return backwards(a.relative_covariance);
-  const double sigma_m = kAdjusted_m + kAdjustedPer_m * step.length_m;
-  const double sigma_rad = kAdjusted_rad + kAdjusted_radPer_m * step.length_m;
+  const double sigma_m = kAdjusted_m + kAdjustedPer_m * edge.length_m;
+  const double sigma_rad = kAdjusted_rad + kAdjusted_radPer_m * edge.length_m;
   Matrix6d covariance = Matrix6d::Zero();
   covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
   covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
   return covariance;
 }
 
-std::optional<MapWay> MapWays::From(int64_t keyframe_id) const {
-  const int from = PlaceOf(keyframe_id);
-  if (from < 0 || nodes_[static_cast<size_t>(from)].distance_m < 0.0) return std::nullopt;
-  MapWay way;
-  way.length_m = nodes_[static_cast<size_t>(from)].distance_m;
-  std::vector<Eigen::Vector3d> places;
-  for (const Node* node = &nodes_[static_cast<size_t>(from)]; node->towards.next >= 0;) {
-    const Node& next = nodes_[static_cast<size_t>(node->towards.next)];
-    const SE3 T_at_next = node->keyframe->T_w_kf.Inverse() * next.keyframe->T_w_kf;
-    way.covariance = ComposeCovariance(way.covariance, T_at_next, StepCovariance(*node, node->towards));
-    places.push_back(node->keyframe->T_w_kf.translation());
-    node = &next;
-    if (node->towards.next >= 0) continue;
-    for (const Eigen::Vector3d& place : places) {
-      way.reach_m = std::max(way.reach_m, (place - node->keyframe->T_w_kf.translation()).norm());
-    }
+int MapWays::Reached(int64_t id) {
+  if (nodes_.empty()) FindWays();
+  const int place = PlaceOf(id);
+  return place >= 0 && nodes_[place].distance_m >= 0.0 ? place : -1;
+}
+
+std::optional<MapWay> MapWays::From(int64_t keyframe_id) {
+  const int from = Reached(keyframe_id);
+  if (from < 0) return std::nullopt;
+  return MapWay{nodes_[from].distance_m, nodes_[from].reach_m};
+}
+
+Matrix6d MapWays::CovarianceFrom(int64_t keyframe_id) {
+  int place = Reached(keyframe_id);
+  if (place < 0) return Matrix6d::Zero();
+  std::vector<int> way;
+  for (; nodes_[place].covariance < 0 && nodes_[place].towards >= 0; place = Next(place)) way.push_back(place);
+  // What a step errs by, seen from the end, comes on top of what the rest of the way errs by.
+  Matrix6d covariance = nodes_[place].covariance < 0 ? Matrix6d::Zero() : covariances_[nodes_[place].covariance];
+  const SE3 T_to_w = nodes_[to_].keyframe->T_w_kf.Inverse();
+  for (auto step = way.rbegin(); step != way.rend(); ++step) {
+    covariance += InverseCovariance(T_to_w * nodes_[Next(*step)].keyframe->T_w_kf, StepCovariance(*step));
+    nodes_[*step].covariance = static_cast<int>(covariances_.size());
+    covariances_.push_back(covariance);
   }
-  return way;
+  return covariance;
 }
 
 }  // namespace plslam

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -16,39 +15,56 @@ struct MapWay {
   double length_m = 0.0;
   /// Farthest that a keyframe of the way lies from its end: the lever of an error of rotation.
   double reach_m = 0.0;
-  /// Of T_from_to, right perturbation, from the motions between keyframes as first measured.
-  Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// Shortest ways to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra): how far the map may be wrong
-/// about where two keyframes lie to each other. The map must stay as it is.
+/// about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are looked for when the
+/// first is asked for: in a large map that takes milliseconds, and most keyframes ask for none.
 class MapWays {
  public:
-  MapWays(const Map& map, int64_t to);
+  MapWays(const Map& map, int64_t to) : map_(map), to_id_(to) {}
 
   /// nullopt where nothing connects the two: the map does not know how they lie to each other.
-  std::optional<MapWay> From(int64_t keyframe_id) const;
+  std::optional<MapWay> From(int64_t keyframe_id);
+
+  /// Of T_from_to, right perturbation, from the motions between keyframes as first measured. Zero where there is no way. Ways
+  /// have much in common, and what was asked for before is remembered.
+  Matrix6d CovarianceFrom(int64_t keyframe_id);
 
  private:
-  struct Step {
-    int next = -1;  ///< place of the neighbour
-    int loop = -1;  ///< place among the loops of the map; -1: none
+  /// From a to b, or back; places among the nodes. `loop`: place among the loops of the map; -1: none.
+  struct Edge {
+    int a = -1;
+    int b = -1;
+    int loop = -1;
     double length_m = 0.0;
   };
   struct Node {
     const MapKeyframe* keyframe = nullptr;
-    std::vector<Step> steps;
     double distance_m = -1.0;
-    Step towards;
+    double reach_m = 0.0;
+    int towards = -1;  ///< edge of the way; -1: the end, or no way
+    int covariance = -1;
   };
 
   int PlaceOf(int64_t id) const;
+  int Reached(int64_t id);
+  void FindWays();
   void Connect(int64_t a, int64_t b, int loop);
+  void SortEdgesByNode();
   void Reach(int to);
-  Matrix6d StepCovariance(const Node& from, const Step& step) const;
+  int Next(int place) const;
+  Matrix6d StepCovariance(int from) const;
 
   const Map& map_;
+  int64_t to_id_;
+  int to_ = -1;
   std::vector<Node> nodes_;  // ascending by id
+  std::vector<Edge> edges_;
+  // The edges of node i: edges_of_[first_edge_[i]] to edges_of_[first_edge_[i + 1]].
+  std::vector<int> first_edge_;
+  std::vector<int> edges_of_;
+  std::vector<Matrix6d> covariances_;
 };
 
 }  // namespace plslam

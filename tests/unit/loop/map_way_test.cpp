@@ -69,7 +69,7 @@ TEST(MapWays, AreTheShortest) {
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   const auto lengths = AllLengths(map);
   for (const int64_t to : {0, 13, 29}) {
-    const MapWays ways(map, to);
+    MapWays ways(map, to);
     for (int64_t from = 0; from < 30; ++from) {
       const auto way = ways.From(from);
       ASSERT_TRUE(way.has_value());
@@ -87,11 +87,23 @@ TEST(MapWays, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
     const MapKeyframe& keyframe = *map.FindKeyframe(i);
     forwards = ComposeCovariance(forwards, keyframe.T_prevkf_kf, keyframe.relative_covariance);
   }
-  EXPECT_LT((MapWays(map, 11).From(0)->covariance - forwards).norm(), 1e-9 * forwards.norm());
+  EXPECT_LT((MapWays(map, 11).CovarianceFrom(0) - forwards).norm(), 1e-9 * forwards.norm());
   // The way back is the same motion turned round.
   const SE3 T_0_11 = map.FindKeyframe(0)->T_w_kf.Inverse() * map.FindKeyframe(11)->T_w_kf;
   const Matrix6d backwards = InverseCovariance(T_0_11, forwards);
-  EXPECT_LT((MapWays(map, 0).From(11)->covariance - backwards).norm(), 1e-9 * backwards.norm());
+  EXPECT_LT((MapWays(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
+}
+
+// Also where ways have been asked for before that share their ends.
+TEST(MapWays, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
+  Map map = RandomMap(30, 3);
+  map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
+  MapWays ways(map, 13);
+  for (const int64_t from : {0, 29, 5, 13, 28, 1}) {
+    const Matrix6d alone = MapWays(map, 13).CovarianceFrom(from);
+    EXPECT_EQ(alone, ways.CovarianceFrom(from)) << from;
+    EXPECT_EQ(alone.isZero(), from == 13);
+  }
 }
 
 TEST(MapWays, ReachIsTheFarthestPointOfTheWay) {
@@ -115,6 +127,7 @@ TEST(MapWays, NoWayBetweenPartsThatNothingConnects) {
   EXPECT_FALSE(MapWays(map, 4).From(0).has_value());
   EXPECT_FALSE(MapWays(map, 0).From(99).has_value());
   EXPECT_FALSE(MapWays(map, 99).From(0).has_value());
+  EXPECT_TRUE(MapWays(map, 4).CovarianceFrom(0).isZero());
   EXPECT_EQ(MapWays(map, 4).From(4)->length_m, 0.0);
 }
 

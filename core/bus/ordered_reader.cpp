@@ -214,11 +214,18 @@ void OrderedReader::GiveUp(int64_t now) {
   if (!dead) progress_ = now;  // the other gaps of a dead publisher need no wait of their own
 }
 
+/// When `GiveUp` says yes if nothing is heard until then.
+int64_t OrderedReader::GiveUpTime() const {
+  const int64_t dead = std::max(heard_, progress_) + times_.silent_ns + 1;
+  const int64_t hopeless = progress_ + times_.hopeless_ns + 1;
+  return hopeless - heard_ <= times_.absent_ns ? std::min(dead, hopeless) : dead;
+}
+
 void OrderedReader::Schedule() {
   poll_time_ = ack_at_;
   if (!HasGap()) return;
   const bool fresh_gap = two_way_ && (ask_now_ || fresh_ || retry_at_ == kFar);
-  poll_time_ = fresh_gap ? 0 : std::min({poll_time_, retry_at_, progress_ + times_.hopeless_ns});
+  poll_time_ = fresh_gap ? 0 : std::min({poll_time_, retry_at_, GiveUpTime()});
 }
 
 }  // namespace plslam::bus

@@ -72,6 +72,7 @@ class OrderedReader {
   void GiveUp(int64_t now);
   std::vector<SeqRange> Missing(int64_t from, int64_t to, int64_t budget) const;
   std::optional<std::vector<SeqRange>> Asking(int64_t now);
+  int64_t GiveUpTime() const;
   void Schedule();
 
   Times times_;

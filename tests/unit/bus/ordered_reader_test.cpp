@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/unit/bus/numbered_messages.h"
 
 namespace plslam::bus {
@@ -119,6 +121,22 @@ TEST(OrderedReader, GivesUpTheGapsOfADeadPublisher) {
   EXPECT_EQ(numbers, (Numbers{0, 3, 5}));
   EXPECT_EQ(reader.lost(), 3);
   EXPECT_EQ(reader.repaired(), 0);
+}
+
+TEST(OrderedReader, IsPolledSeldomWhileThePublisherIsSilent) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 3}) reader.OnMessage(n, *MessageOf(n), 0);
+  Drain(reader, 0);
+  int polls = 0;
+  int64_t given_up = -1;
+  for (int64_t now = 0; now < 60'000 * kMs && given_up < 0; now = std::max(now + 1, reader.poll_time())) {
+    reader.Poll(now);
+    ++polls;
+    if (!Drain(reader, now).empty()) given_up = now;
+  }
+  EXPECT_NEAR(static_cast<double>(given_up) / kMs, 30'000.0, 1.0);
+  // Each 200 ms it asks again, each time it may say what it has.
+  EXPECT_LT(polls, 2 * 30'000 / 200 + 20);
 }
 
 TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {

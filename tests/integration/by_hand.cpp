@@ -6,20 +6,15 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
 #include "plslam/pose_t.hpp"
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 }  // namespace
 
@@ -89,11 +84,11 @@ bool ByHand::StopAll() {
   return all;
 }
 
-std::string ByHand::Read(const std::string& file_of_out) const { return ReadFile(out() / file_of_out); }
+std::string ByHand::Read(const std::string& file_of_out) const { return ReadText(out() / file_of_out); }
 
 std::string ByHand::Logs() const {
   std::string text;
-  for (const auto& [name, process] : processes_) text += name + ":\n" + ReadFile(folder_ / (name + ".log"));
+  for (const auto& [name, process] : processes_) text += name + ":\n" + ReadText(folder_ / (name + ".log"));
   return text;
 }
 

@@ -6,24 +6,15 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
-#include <sstream>
 #include <thread>
 
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam::test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  // Not by an iterator, which throws where a file of /proc goes while it is read.
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
 
 bool PollUntil(const std::function<bool()>& done, std::chrono::seconds limit) {
   const auto end = Clock::now() + limit;
@@ -65,13 +56,13 @@ bool WholeRun::WaitFor(const std::function<bool()>& done) { return PollUntil(don
 
 nlohmann::json WholeRun::Summary() const { return nlohmann::json::parse(Read("summary.json"), nullptr, false); }
 
-std::string WholeRun::Read(const std::string& file_of_out) const { return ReadFile(out() / file_of_out); }
+std::string WholeRun::Read(const std::string& file_of_out) const { return ReadText(out() / file_of_out); }
 
 std::string WholeRun::Logs() const {
-  std::string text = "plslam:\n" + ReadFile(folder_ / "plslam.log");
+  std::string text = "plslam:\n" + ReadText(folder_ / "plslam.log");
   if (!std::filesystem::exists(out() / "logs")) return text;
   for (const auto& entry : std::filesystem::directory_iterator(out() / "logs")) {
-    text += entry.path().filename().string() + ":\n" + ReadFile(entry.path());
+    text += entry.path().filename().string() + ":\n" + ReadText(entry.path());
   }
   return text;
 }
@@ -82,7 +73,7 @@ pid_t WholeRun::PidOf(const std::string& executable) const {
     pid_t pid = 0;
     if (!(name >> pid)) continue;
     const std::string parent = "\nPPid:\t" + std::to_string(process_->pid()) + "\n";
-    if (ReadFile(entry.path() / "status").find(parent) == std::string::npos) continue;
+    if (ReadText(entry.path() / "status").find(parent) == std::string::npos) continue;
     std::error_code gone;
     if (std::filesystem::read_symlink(entry.path() / "exe", gone).filename() == executable) return pid;
   }

@@ -10,6 +10,7 @@
 
 #include "core/bus/process_status.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {
@@ -39,10 +40,7 @@ class DoctorProgram : public testing::Test {
     std::ofstream(folder_ / "inside") << command << "\n";
     return Shell(fmt::format("unshare --map-root-user --net sh '{}/inside'", folder_.string()));
   }
-  std::string Text(const std::string& name) const {
-    std::ifstream file(folder_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
   nlohmann::json Json() const { return nlohmann::json::parse(Text("out"), nullptr, false); }
   /// Findings of one kind of check that are not good.
   std::vector<nlohmann::json> Bad(const std::string& check) const {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <regex>
 #include <sstream>
 
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam::test {
 namespace {
@@ -57,9 +57,15 @@ bool BeginsWith(const std::string& command, const std::string& pattern) {
   return std::regex_search(command, std::regex(fmt::format("^(build/release/bin/)?({})", pattern)));
 }
 
-std::string ReadAll(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
+/// Of all documents.
+std::vector<std::string> AllCommands() {
+  std::vector<std::string> commands;
+  for (const fs::path& document : DocumentsWithCommands()) {
+    for (const CommandBlock& block : CommandBlocks(ReadText(document))) {
+      for (const DocumentCommand& command : block) commands.push_back(command.text);
+    }
+  }
+  return commands;
 }
 
 }  // namespace
@@ -97,7 +103,7 @@ std::vector<fs::path> DocumentsWithCommands() {
     if (entry.path().extension() == ".md") documents.push_back(entry.path());
   }
   documents.push_back(SourceFolder() / "README.md");
-  std::erase_if(documents, [](const fs::path& path) { return CommandBlocks(ReadAll(path)).empty(); });
+  std::erase_if(documents, [](const fs::path& path) { return CommandBlocks(ReadText(path)).empty(); });
   std::sort(documents.begin(), documents.end());
   return documents;
 }
@@ -110,16 +116,11 @@ std::string WhyNotRun(const std::string& command) {
 }
 
 std::vector<std::string> IdleRows() {
+  const std::vector<std::string> commands = AllCommands();
   std::vector<std::string> idle;
   for (const NotRun& row : kNotRun) {
-    bool used = false;
-    for (const fs::path& document : DocumentsWithCommands()) {
-      for (const CommandBlock& block : CommandBlocks(ReadAll(document))) {
-        used = used || std::any_of(block.begin(), block.end(),
-                                   [&](const DocumentCommand& c) { return BeginsWith(c.text, row.pattern); });
-      }
-    }
-    if (!used) idle.emplace_back(row.pattern);
+    const auto fits = [&](const std::string& command) { return BeginsWith(command, row.pattern); };
+    if (std::none_of(commands.begin(), commands.end(), fits)) idle.emplace_back(row.pattern);
   }
   return idle;
 }

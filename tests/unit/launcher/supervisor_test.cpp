@@ -10,6 +10,8 @@
 #include <functional>
 #include <thread>
 
+#include "tests/support/text_file.h"
+
 namespace plslam {
 namespace {
 
@@ -35,10 +37,7 @@ class SupervisorTest : public testing::Test {
     std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
   }
 
-  std::string Read(const std::string& name) const {
-    std::ifstream file(folder_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string Read(const std::string& name) const { return ReadText(folder_ / name); }
 
   /// Ticks until `done`; false after ten seconds.
   static bool TickUntil(Supervisor& supervisor, const std::function<bool()>& done) {

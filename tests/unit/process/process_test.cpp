@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "plslam/status_t.hpp"
+#include "tests/support/text_file.h"
 #include "tools/plslam/bus_url.h"
 #include "tools/plslam/child_process.h"
 
@@ -69,10 +70,7 @@ class ProcessTest : public testing::Test {
     ListenUntil([state](const status_t& status) { return status.state == state; });
   }
 
-  std::string Log() const {
-    std::ifstream file(folder_ / "log");
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string Log() const { return ReadText(folder_ / "log"); }
 
   PrivatePort port_;
   bus::Bus bus_;

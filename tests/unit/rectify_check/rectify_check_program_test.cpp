@@ -8,6 +8,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {
@@ -28,10 +29,7 @@ class RectifyCheckProgram : public testing::Test {
                                 "' rectify-check " + arguments + " >out 2>error";
     return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
   }
-  std::string Text(const std::string& name) const {
-    std::ifstream file(folder_ / name);
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
+  std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
   fs::path folder_;
 };
 

@@ -38,7 +38,7 @@ struct CullingOptions {
 /// What loop_process says.
 struct LoopUseOptions {
   bool enabled = true;
-  double wait_s = 5.0;
+  double wait_s = 15.0;
 };
 
 /// Everything of mapping_process.

@@ -50,14 +50,14 @@ struct MapUseOptions {
   bool enabled = true;
   std::string landmarks = "all";
   int local_keyframes = 20;
-  double wait_s = 5.0;
+  double wait_s = 15.0;
   bool localise_only = false;
 };
 
 /// Being found again in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
-  double wait_s = 5.0;
+  double wait_s = 15.0;
 };
 
 /// Keyframe choice (PL-SLAM §IV.D) and its floors.

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "mapping_process/map_files.h"
+#include "core/io/map_camera.h"
 
 namespace plslam::test {
 namespace {

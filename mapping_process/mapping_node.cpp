@@ -79,7 +79,13 @@ void MappingNode::OnCamera(const camera_t& message) {
     return;
   }
   camera_bytes_ = std::move(bytes);
-  Queue([this, camera = Rectify(*rig).camera] { camera_ = camera; });
+  const StereoCamera camera = Rectify(*rig).camera;
+  if (!restored_) return Queue([this, camera] { camera_ = camera; });
+  // That of the state is in use already.
+  other_camera_ = CameraBytes(camera) != CameraBytes(*camera_);
+  if (other_camera_) {
+    spdlog::error("'{}' is another camera than before the restart: its keyframes do not go into this map", rig->name);
+  }
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
@@ -205,10 +211,12 @@ void MappingNode::Do(const Work& work) {
 void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   const double began_ms = bus::NowMs();
   const Keyframe* newest = nullptr;
+  int count = 0;
   for (const WorkQueue::Arrived& arrived : batch) {
     std::string reason;
     if (mapper_->Insert(arrived.keyframe, &reason)) {
       newest = &arrived.keyframe;
+      ++count;
       continue;
     }
     if (!options_.localise_only) spdlog::warn("left out: {}", reason);
@@ -221,7 +229,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   mapper_->Cull();
   {
     const std::lock_guard lock(mutex_);
-    queue_.Inserted(*newest, bus::NowS());
+    queue_.Inserted(*newest, count, bus::NowS());
   }
   const double done_ms = bus::NowMs();
   Publish({{"insert", inserted_ms - began_ms},
@@ -275,8 +283,11 @@ void MappingNode::ReadState() {
   if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
   try {
     stored_ = ReadMapFile(options_.state_file);
+    // It comes once a second, which would be the longest part of a restart.
+    camera_ = MapCamera(*stored_, options_.state_file);
   } catch (const std::exception& error) {
     spdlog::warn("all is built anew from the history: {}", error.what());
+    stored_.reset();
     return;
   }
   restored_ = true;

@@ -66,8 +66,8 @@ bool WorkQueue::IsStateDue() {
          (Next() != nullptr && !inserted_.contains(Next()->front().keyframe.session));
 }
 
-void WorkQueue::Inserted(const Keyframe& keyframe, double now_s) {
-  ++inserted_since_state_;
+void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
+  inserted_since_state_ += count;
   inserted_[keyframe.session] = keyframe.keyframe_id;
   newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false};
   wait_.End();

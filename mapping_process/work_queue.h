@@ -72,8 +72,8 @@ class WorkQueue {
   /// What is to be done next, which then counts as done; nullopt: nothing yet.
   std::optional<Work> Take(double now_s);
 
-  /// The keyframe is in the map now.
-  void Inserted(const Keyframe& keyframe, double now_s);
+  /// This many keyframes are in the map now, the last of them this one.
+  void Inserted(const Keyframe& keyframe, int count, double now_s);
 
   size_t n_keyframes() const;
 

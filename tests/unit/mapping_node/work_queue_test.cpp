@@ -34,7 +34,7 @@ class WorkQueueTest : public testing::Test {
     EXPECT_TRUE(work);
     if (!work) return {};
     EXPECT_EQ(work->kind, kind);
-    for (const auto& arrived : work->keyframes) queue_.Inserted(arrived.keyframe, now_s_);
+    for (const auto& arrived : work->keyframes) queue_.Inserted(arrived.keyframe, 1, now_s_);
     return *work;
   }
   void ExpectNothing() { EXPECT_FALSE(queue_.Take(now_s_)); }
@@ -90,7 +90,7 @@ TEST_F(WorkQueueTest, WithoutLoopsNobodyIsWaitedFor) {
   queue.Add(KeyframeOf(0, true), 0.0);
   queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
   ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kInsert);
-  queue.Inserted(KeyframeOf(0, true), now_s_);
+  queue.Inserted(KeyframeOf(0, true), 1, now_s_);
   ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kSettle);
   EXPECT_FALSE(queue.Take(now_s_));
 }
@@ -230,7 +230,7 @@ TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
     queue.Add(keyframe, 0.0);
     const auto work = queue.Take(0.0);
     ASSERT_TRUE(work && work->kind == Kind::kInsert);
-    queue.Inserted(keyframe, 0.0);
+    queue.Inserted(keyframe, 1, 0.0);
   };
   insert(KeyframeOf(0, true));
   queue.Add(ClosureOf(0));
@@ -250,6 +250,20 @@ TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
   queue.Add(other, 0.0);
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState) << "before the new session";
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
+}
+
+TEST(WorkQueueState, EachKeyframeOfABatchCounts) {
+  WorkQueue queue({.enabled = false, .wait_s = 5.0}, 2);
+  queue.Add(KeyframeOf(0, false), 0.0);
+  queue.Add(KeyframeOf(1, false), 0.0);
+  const auto work = queue.Take(0.0);
+  ASSERT_TRUE(work && work->kind == Kind::kInsert);
+  ASSERT_EQ(work->keyframes.size(), 2U);
+  queue.Inserted(work->keyframes.back().keyframe, 2, 0.0);
+  queue.Add(ClosureOf(1));
+  bool kept = false;
+  while (const auto next = queue.Take(0.0)) kept = kept || next->kind == Kind::kKeepState;
+  EXPECT_TRUE(kept);
 }
 
 }  // namespace

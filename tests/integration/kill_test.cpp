@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/worker.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/long_tests.h"
@@ -37,9 +38,10 @@ constexpr std::array<Victim, 5> kVictims{{{"player", "player"},
 struct Extent {
   int kills = 5;
   int frames = 200;
+  int runs = 1;
 };
 
-Extent ExtentOfTheRun() { return test::LongTests() ? Extent{50, 1600} : Extent{}; }
+Extent ExtentOfTheRun() { return test::LongTests() ? Extent{50, 1600, 5} : Extent{}; }
 
 std::vector<std::string> Arguments(const std::string& url, int frames) {
   // Keyframes are never culled, so that one that is missing has been lost.
@@ -53,11 +55,28 @@ std::vector<std::string> Arguments(const std::string& url, int frames) {
           "100"};
 }
 
+/// One that was killed, and the one in its place.
+struct Death {
+  Victim victim;
+  double at_s = 0.0;  ///< of the steady clock
+  pid_t killed = -1;
+  pid_t replacement = -1;
+};
+
+/// Waits for the one in its place.
+bool IsReplaced(const WholeRun& run, const RunWatcher& watcher, Death& death) {
+  return WholeRun::WaitFor([&] {
+    death.replacement = run.PidOf(death.victim.executable);
+    return death.replacement > 0 && death.replacement != death.killed &&
+           watcher.WaitUntilReady(death.victim.name, death.replacement, 1);
+  });
+}
+
 /// Kills one after the other in a random order, each as soon as a number of frames has passed and the last one is back; every
-/// fourth time two at a time. Returns how many died, by name.
-std::map<std::string, int> KillAtRandom(const WholeRun& run, const RunWatcher& watcher, const Extent& extent) {
-  std::mt19937 random(7);
-  std::map<std::string, int> killed;
+/// fourth time two at a time.
+std::vector<Death> KillAtRandom(const WholeRun& run, const RunWatcher& watcher, const Extent& extent, unsigned seed) {
+  std::mt19937 random(seed);
+  std::vector<Death> deaths;
   std::array<int, kVictims.size()> order{};
   std::iota(order.begin(), order.end(), 0);
   const int stride = extent.frames / (extent.kills + 2);
@@ -66,12 +85,12 @@ std::map<std::string, int> KillAtRandom(const WholeRun& run, const RunWatcher& w
     frame = std::max<int64_t>(frame, watcher.Get().newest_frame) + 1 + static_cast<int>(random() % stride);
     if (!watcher.WaitForFrame(std::min<int64_t>(frame, extent.frames - 20), 120)) {
       ADD_FAILURE() << "no progress behind frame " << watcher.Get().newest_frame << '\n' << run.Logs();
-      return killed;
+      return deaths;
     }
     // Each kind in turn, in an order that changes.
     if (done % static_cast<int>(order.size()) == 0) std::shuffle(order.begin(), order.end(), random);
     const int at_once = done % 4 == 3 && done + 1 < extent.kills ? 2 : 1;
-    std::vector<std::pair<Victim, pid_t>> dead;
+    const size_t first = deaths.size();
     for (int i = 0; i < at_once; ++i, ++done) {
       const Victim& victim = kVictims[static_cast<size_t>(order[static_cast<size_t>(done) % order.size()])];
       const pid_t pid = run.PidOf(victim.executable);
@@ -79,19 +98,42 @@ std::map<std::string, int> KillAtRandom(const WholeRun& run, const RunWatcher& w
         ADD_FAILURE() << victim.name << " does not run";
         continue;
       }
-      ++killed[victim.name];
-      dead.emplace_back(victim, pid);
+      deaths.push_back({victim, bus::NowS(), pid});
       std::cout << "frame " << watcher.Get().newest_frame << ": " << victim.name << " killed\n";
     }
-    for (const auto& [victim, killed_pid] : dead) {
-      const bool back = WholeRun::WaitFor([&, &victim = victim, &killed_pid = killed_pid] {
-        const pid_t pid = run.PidOf(victim.executable);
-        return pid > 0 && pid != killed_pid && watcher.WaitUntilReady(victim.name, pid, 1);
-      });
-      if (!back) ADD_FAILURE() << victim.name << " is not back";
+    for (size_t i = first; i < deaths.size(); ++i) {
+      if (!IsReplaced(run, watcher, deaths[i])) ADD_FAILURE() << deaths[i].victim.name << " is not back";
     }
   }
-  return killed;
+  return deaths;
+}
+
+/// How often each was killed, and the longest time until the next one listened and said so; of the mapper, how long after that
+/// the map was there again. By name.
+struct Toll {
+  std::map<std::string, int> killed;
+  std::map<std::string, double> back_s;
+  double rebuilt_s = 0.0;
+};
+
+Toll CountDeaths(const std::vector<Death>& deaths, const Heard& heard) {
+  Toll toll;
+  for (const Death& death : deaths) {
+    const std::string name = death.victim.name;
+    ++toll.killed[name];
+    const auto alive = heard.alive_at_s.find({name, death.replacement});
+    if (alive == heard.alive_at_s.end()) continue;
+    toll.back_s[name] = std::max(toll.back_s[name], alive->second - death.at_s);
+    const auto running = heard.running_at_s.find({name, death.replacement});
+    if (name == "mapping" && running != heard.running_at_s.end()) {
+      toll.rebuilt_s = std::max(toll.rebuilt_s, running->second - alive->second);
+    }
+  }
+  for (const auto& [name, n] : toll.killed) {
+    std::cout << name << ": killed " << n << " times, back within " << toll.back_s[name] << " s\n";
+  }
+  std::cout << "the map rebuilt within " << toll.rebuilt_s << " s more\n";
+  return toll;
 }
 
 /// Everything of which a process had said that it is a keyframe is in the map.
@@ -105,39 +147,58 @@ void ExpectAllKeyframes(const Heard& heard) {
   }
 }
 
-TEST(Kills, RandomOnesLoseNoKeyframeAndCostNoAccuracy) {
-  const Extent extent = ExtentOfTheRun();
-  RunWatcher quiet_watcher, watcher;
-  WholeRun undisturbed, run;
-  ASSERT_EQ(undisturbed.Run(Arguments(quiet_watcher.url(), extent.frames)), 0) << undisturbed.Logs();
-  EXPECT_EQ(quiet_watcher.Get().poses_said_again, 0) << "nobody has died";
+/// What is promised of time: back, and in the case of the mapper rebuilt.
+constexpr double kBack_s = 2.0;
+constexpr double kRebuilt_s = 2.0;
+
+/// Position error of a run that is killed at random, all else checked.
+double PlayWithKills(const Extent& extent, unsigned seed) {
+  RunWatcher watcher;
+  WholeRun run;
   run.Start(Arguments(watcher.url(), extent.frames));
-  const std::map<std::string, int> killed = KillAtRandom(run, watcher, extent);
-  ASSERT_EQ(run.Wait(600), 0) << run.Logs();
+  const std::vector<Death> deaths = KillAtRandom(run, watcher, extent, seed);
+  const int code = run.Wait(600);
+  EXPECT_EQ(code, 0) << run.Logs();
+  if (code != 0) return 1e9;
 
   const nlohmann::json summary = run.Summary();
   const Heard heard = watcher.Get();
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["frames"], extent.frames);
   EXPECT_EQ(heard.frames.size(), static_cast<size_t>(extent.frames));
-  for (const auto& [name, n] : killed) {
-    const nlohmann::json& process = summary["processes"][name];
-    EXPECT_EQ(process["restarts"], n) << name;
-    EXPECT_LT(process["slowest_restart_s"], 2.0) << name;
-    std::cout << name << ": killed " << n << " times, back within " << process["slowest_restart_s"] << " s\n";
+  const Toll toll = CountDeaths(deaths, heard);
+  for (const auto& [name, n] : toll.killed) {
+    EXPECT_EQ(summary["processes"][name]["restarts"], n) << name;
+    EXPECT_LT(toll.back_s.at(name), kBack_s) << name;
   }
+  EXPECT_LT(toll.rebuilt_s, kRebuilt_s);
   for (const auto& [session, frames] : heard.poses) {
     for (const auto& [frame, n] : frames) EXPECT_EQ(n, 1) << "frame " << frame;
   }
-  EXPECT_EQ(heard.publishers_of_poses.size(), static_cast<size_t>(1 + (killed.contains("vo") ? killed.at("vo") : 0)));
+  const size_t n_trackers = 1 + (toll.killed.contains("vo") ? toll.killed.at("vo") : 0);
+  EXPECT_EQ(heard.publishers_of_poses.size(), n_trackers);
   ExpectAllKeyframes(heard);
-  const double ate_m = summary["accuracy"]["ate_m"], undisturbed_m = undisturbed.Summary()["accuracy"]["ate_m"];
-  std::cout << "ATE " << ate_m << " m, undisturbed " << undisturbed_m << " m; " << heard.poses.size() << " sessions, "
-            << summary["map"]["keyframes"] << " keyframes, undisturbed " << undisturbed.Summary()["map"]["keyframes"]
-            << '\n';
-  EXPECT_LT(ate_m, 1.05 * undisturbed_m + 0.0005);
   const std::string path = run.Read("trajectory.tum");
-  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), extent.frames - killed.size());
+  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), extent.frames - static_cast<int>(deaths.size()));
+  const double ate_m = summary["accuracy"]["ate_m"];
+  std::cout << "seed " << seed << ": ATE " << ate_m << " m; " << heard.poses.size() << " sessions, "
+            << summary["map"]["keyframes"] << " keyframes\n";
+  return ate_m;
+}
+
+TEST(Kills, RandomOnesLoseNoKeyframeAndCostNoAccuracy) {
+  const Extent extent = ExtentOfTheRun();
+  const RunWatcher watcher;
+  WholeRun undisturbed;
+  ASSERT_EQ(undisturbed.Run(Arguments(watcher.url(), extent.frames)), 0) << undisturbed.Logs();
+  EXPECT_EQ(watcher.Get().poses_said_again, 0) << "nobody has died";
+  const double undisturbed_m = undisturbed.Summary()["accuracy"]["ate_m"];
+  std::vector<double> ate_m;
+  for (int i = 0; i < extent.runs; ++i) ate_m.push_back(PlayWithKills(extent, 7 + static_cast<unsigned>(i)));
+  const double mean_m = std::accumulate(ate_m.begin(), ate_m.end(), 0.0) / static_cast<double>(ate_m.size());
+  std::cout << "ATE with kills: mean " << mean_m << " m, worst " << *std::max_element(ate_m.begin(), ate_m.end())
+            << " m of " << ate_m.size() << " runs; undisturbed " << undisturbed_m << " m\n";
+  EXPECT_LT(mean_m, 1.05 * undisturbed_m + 0.0005);
 }
 
 }  // namespace

@@ -73,6 +73,9 @@ void RunWatcher::Listen() {
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
     Add([&](Heard& heard) {
       heard.status[m.process] = m;
+      const std::pair process(m.process, m.pid);
+      heard.alive_at_s.try_emplace(process, bus::NowS());
+      if (m.state == "running") heard.running_at_s.try_emplace(process, bus::NowS());
       if (m.state == "ready" || m.state == "running") heard.ready.emplace(m.process, m.pid);
     });
   });

@@ -40,6 +40,8 @@ struct Heard {
   std::set<int64_t> publishers_of_poses;
   /// Names and ids of processes that have said that they are ready, or run.
   std::set<std::pair<std::string, int64_t>> ready;
+  /// When each process first said a word, and when it first said that it runs: by name and id, of the steady clock.
+  std::map<std::pair<std::string, int64_t>, double> alive_at_s, running_at_s;
 
   /// Of the newest status of a process; 0 where it has none of this name.
   double Counter(const std::string& process, const std::string& name) const;

@@ -23,10 +23,6 @@ constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=1";
 constexpr int kFrames = 150;
 const std::string kWorld = fmt::format("synthetic:room?frames={}&size=376x240", kFrames);
 
-/// How long partners in lockstep wait for one that is out of reach.
-const std::vector<std::string> kPatience = {"--set", "vo.map.wait_s=60",       "--set", "vo.relocalisation.wait_s=60",
-                                            "--set", "mapping.loops.wait_s=60"};
-
 /// Which host each process runs on.
 struct Plan {
   int n_hosts;
@@ -42,7 +38,7 @@ bus::BusOptions ListenerOptions() {
   return options;
 }
 
-/// Pulls the cable in the middle of the run.
+/// Pulls the cable in the middle of the run, for less than partners in lockstep wait for one that is out of reach (`wait_s`).
 void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
   if (host < 0) return;
   ASSERT_TRUE(listener->WaitForFrame(kFrames / 3));
@@ -67,7 +63,6 @@ void PlayOnSeveralMachines(const Plan& plan) {
   ByHand run(kUrl);
   // It listens where the player is: there it hears poses whatever cable is pulled.
   StatusListener listener(lan.host(plan.tracking), ListenerOptions());
-  run.SetCommon(kPatience);
   ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(plan.viewer),
                                         .mapping = &lan.host(plan.mapping),
                                         .loop = &lan.host(plan.mapping),

@@ -1,0 +1,30 @@
+#!/bin/sh
+# clean_root.sh PACKAGE.deb FOLDER: makes a minimal Debian 12 in FOLDER, has apt install the package there with what it asks for,
+# and runs a short world inside. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
+set -eu
+package=$1
+root=$2
+mirror=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+
+mmdebstrap --quiet --mode=root --variant=apt bookworm "$root" "$mirror"
+cp "$package" "$root/tmp/plslam.deb"
+[ ! -e /etc/resolv.conf ] || cp /etc/resolv.conf "$root/etc/resolv.conf"
+chroot "$root" apt-get update -qq
+DEBIAN_FRONTEND=noninteractive chroot "$root" apt-get install -y -qq --no-install-recommends /tmp/plslam.deb
+
+# Nothing of the host's environment: what the programs need they must have from the package.
+cat >"$root/tmp/try" <<'END'
+set -eu
+cd /tmp
+plslam --version
+plslam run 'synthetic:room?size=320x200&frames=30' --out out --save-map room.plmap --quiet
+test -s out/trajectory.tum
+test -s out/map.ply
+plslam export room.plmap --out exported --quiet
+test -s exported/map.ply
+END
+# A namespace of its own for mounts: whatever happens, nothing stays mounted in FOLDER.
+unshare --mount --propagation private sh -c '
+  mount -t proc proc "$0/proc"
+  exec chroot "$0" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/root sh /tmp/try' "$root"
+echo "clean root: installed and run"

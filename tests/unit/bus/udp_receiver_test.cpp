@@ -41,8 +41,9 @@ TEST(UdpReceiver, TakesPacketsApart) {
   EXPECT_EQ(Parsed(PacketOf("LC02", "")), "junk");
   EXPECT_EQ(Parsed(PacketOf("LC03", "POSE\0abc"s)), "junk") << "a part of a longer message";
   EXPECT_EQ(Parsed({}), "junk");
-  EXPECT_EQ(Parsed(PacketOf("LC02", std::string(63, 'x') + "\0a"s)), std::string(63, 'x') + ":a");
-  EXPECT_EQ(Parsed(PacketOf("LC02", std::string(64, 'x') + "\0a"s)), "junk") << "longer than LCM's names may be";
+  const std::string longest(63, 'x');
+  EXPECT_EQ(Parsed(PacketOf("LC02", longest + "\0a"s)), longest + ":a");
+  EXPECT_EQ(Parsed(PacketOf("LC02", longest + "x\0a"s)), "junk") << "longer than LCM's names may be";
 }
 
 TEST(UdpReceiver, ReadsUrlsAsLcmDoes) {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <sodium.h>
 
+#include <cstring>
 #include <chrono>
 #include <filesystem>
 
@@ -33,7 +34,7 @@ std::string Signed(std::string bytes) {
 
 template <class T>
 std::string With(std::string bytes, size_t at, T value) {
-  bytes.replace(at, sizeof(T), reinterpret_cast<const char*>(&value), sizeof(T));
+  std::memcpy(&bytes.at(at), &value, sizeof(T));
   return bytes;
 }
 

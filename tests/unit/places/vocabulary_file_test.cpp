@@ -1,8 +1,8 @@
 #include <gmock/gmock.h>
 #include <sodium.h>
 
-#include <cstring>
 #include <chrono>
+#include <cstring>
 #include <filesystem>
 
 #include "core/places/vocabulary.h"

@@ -16,10 +16,32 @@ namespace {
 // radians, since deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
 constexpr double kContradicted = 0.1;
+// Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been, and how
+// much more widely.
+constexpr int64_t kSeamKeyframes = 10;
+constexpr int kSeamFactor = 2;
 
 bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
   const Vector6d e = error.Log();
   return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
+}
+
+// The keyframe and those that share most with it.
+std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_count) {
+  std::vector<int64_t> keyframes{keyframe_id};
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, min_shared)) {
+    if (static_cast<int>(keyframes.size()) == max_count) break;
+    keyframes.push_back(neighbour.keyframe_id);
+  }
+  return keyframes;
+}
+
+// Whether a session begins here among keyframes of another one: no motion ties it to them, landmarks alone do.
+bool IsSeam(const std::vector<int64_t>& keyframes, const Map& map) {
+  const MapKeyframe& newest = *map.FindKeyframe(keyframes.front());
+  return newest.session_keyframe_id < kSeamKeyframes &&
+         std::any_of(keyframes.begin(), keyframes.end(),
+                     [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
 }
 
 // Landmarks that at least two keyframes see, one of them free; where there are too many, those that most see.
@@ -163,15 +185,15 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
                             const StereoCamera& camera, const WindowOptions& options) {
   LocalWindow window;
   window.problem.camera = camera;
-  window.keyframes.push_back(keyframe_id);
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, options.min_shared)) {
-    if (static_cast<int>(window.keyframes.size()) == options.keyframes) break;
-    window.keyframes.push_back(neighbour.keyframe_id);
+  window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, options.keyframes);
+  const int factor = IsSeam(window.keyframes, map) ? kSeamFactor : 1;
+  if (factor > 1) {
+    window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, factor * options.keyframes);
   }
   const size_t n_free = window.keyframes.size();
   window.points = SeenTwice<PointKind>(window.keyframes, map, options.max_points);
   window.lines = SeenTwice<LineKind>(window.keyframes, map, options.max_lines);
-  const std::vector<int64_t> fixed = FixedKeyframes(window, map, options.fixed_keyframes);
+  const std::vector<int64_t> fixed = FixedKeyframes(window, map, factor * options.fixed_keyframes);
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);
   AddLandmarks(map, features, window);

@@ -19,7 +19,8 @@ struct LocalWindow {
 };
 
 /// The keyframe, its best neighbours and the landmarks they see, at least two keyframes each (PL-SLAM §V.B); other
-/// keyframes that see those are held fixed, and so is the first of the map.
+/// keyframes that see those are held fixed, and so is the first of the map. Twice as wide for the first keyframes of a session that
+/// begins among those of another (docs/reliability.md, "What a kill costs").
 LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
                             const StereoCamera& camera, const WindowOptions& options);
 

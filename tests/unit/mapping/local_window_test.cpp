@@ -1,0 +1,64 @@
+#include "mapping_process/local_window.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "mapping_process/mapper.h"
+#include "tests/unit/mapping/mapping_world.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+
+/// A map of fourteen keyframes that see the same, and a second session that goes on among them.
+class Window : public testing::Test {
+ protected:
+  void SetUp() override {
+    MappingOptions options;
+    options.culling.redundant_share = 1.01;  // every keyframe stays
+    Mapper mapper(FeatureWorld::Camera(), options);
+    for (const Keyframe& keyframe : test::MakeWalk(world_, path_, {}).keyframes) Insert(keyframe, mapper);
+    test::WalkOptions walk;
+    walk.session = 8;
+    walk.seed = 2;
+    walk.with_ids = false;
+    for (const Keyframe& keyframe : test::MakeWalk(world_, path_, walk).keyframes) Insert(keyframe, mapper);
+    stored_ = mapper.Snapshot();
+  }
+
+  static void Insert(const Keyframe& keyframe, Mapper& mapper) {
+    std::string reason;
+    ASSERT_TRUE(test::MapOne(keyframe, mapper, &reason)) << reason;
+  }
+
+  /// Keyframes that take part around one of the second session, free or held fixed.
+  size_t Around(int64_t session_keyframe_id) const {
+    for (const auto& [id, keyframe] : stored_.map.keyframes()) {
+      if (keyframe.session != 8 || keyframe.session_keyframe_id != session_keyframe_id) continue;
+      return MakeLocalWindow(id, stored_.map, stored_.features, FeatureWorld::Camera(), options_).keyframes.size();
+    }
+    return 0;
+  }
+
+  WindowOptions options_;
+  size_t usual_ = static_cast<size_t>(options_.keyframes + options_.fixed_keyframes);
+  FeatureWorld world_{{120, 40}, 7};
+  std::vector<SE3> path_ = test::TurningPath(14);
+  StoredMap stored_;
+};
+
+TEST_F(Window, IsTwiceAsWideWhereASessionBeginsAmongAnother) {
+  EXPECT_EQ(Around(0), 2 * usual_);
+  EXPECT_EQ(Around(9), 2 * usual_);
+}
+
+TEST_F(Window, IsAsWideAsEverLaterOn) {
+  EXPECT_EQ(Around(10), usual_);
+  EXPECT_EQ(Around(13), usual_);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -23,8 +23,6 @@ constexpr int kRecognisedWeight = 40;
 constexpr int kRecovered = 4;
 // Squared error of the tracker's motion, in its deviations, that no motion has.
 constexpr double kElsewhere2 = 400.0;
-// Least variance of a place that was guessed, in metres and radians squared: see Prepare.
-constexpr double kGuess_m2 = 1.0;
 
 // How much two sources say of the same features, and differently; weights as of associations.
 int Contradicting(const Association& a, const Association& b) {
@@ -110,19 +108,14 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKe
 }
 
 // The landmarks are of a part of the map that nothing has tied to the keyframe before: it lies elsewhere than the tracker's
-// motion says, which is right as long as the tracker was not lost. Where a session began unrecognised, its place was a guess, and
-// any motion says more.
+// motion says, which is right as long as the tracker was not lost.
 void Mapper::BringTogether(const Keyframe& keyframe, const Association& association, MapKeyframe& entry) {
-  if (entry.previous_id < 0 || association.Weight() < kMinWeight) return;
-  const MapKeyframe& previous = *map_.FindKeyframe(entry.previous_id);
-  const SE3 T_w_predicted = previous.T_w_kf * entry.T_prevkf_kf;
+  if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
+  const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();
-  const bool guessed = previous.covariance.diagonal().minCoeff() >= kGuess_m2;
-  const bool elsewhere = error.dot(entry.relative_covariance.ldlt().solve(error)) >= kElsewhere2;
-  if (!guessed && (keyframe.state == kRecovered || !elsewhere)) return;
-  const int64_t seen_id = MostSeen(association, map_);
-  if (map_.FindKeyframe(seen_id)->session == entry.session) return;
+  if (error.dot(entry.relative_covariance.ldlt().solve(error)) < kElsewhere2) return;
   const std::set<int64_t> own = PartOf(entry.previous_id, map_);
+  const int64_t seen_id = MostSeen(association, map_);
   if (own.contains(seen_id)) return;
   const std::set<int64_t> seen = PartOf(seen_id, map_);
   const bool own_moves = *own.begin() > *seen.begin();

@@ -38,16 +38,6 @@ class Sessions : public testing::Test {
     return (mapper_.map().FindKeyframe(keyframe_id)->T_w_kf.translation() - truth.translation()).norm();
   }
 
-  /// As a tracker that was localised in the map names its points.
-  void NameByMap(Keyframe& keyframe) const {
-    std::map<Descriptor, int64_t> by_descriptor;
-    for (const auto& [id, point] : mapper_.map().points()) by_descriptor[point.descriptor] = id;
-    for (const StereoPoint& point : keyframe.features.points) {
-      const auto known = by_descriptor.find(point.left.descriptor);
-      keyframe.point_map_ids.push_back(known == by_descriptor.end() ? -1 : known->second);
-    }
-  }
-
   FeatureWorld world_{{120, 40}, 7};
   std::vector<SE3> path_ = test::TurningPath(20);
   std::vector<SE3> begin_{path_.begin(), path_.begin() + 10};
@@ -103,32 +93,14 @@ TEST_F(Sessions, NewSessionThatWasLocalisedByTheTrackerIsPlacedByItsLandmarks) {
   ASSERT_NO_FATAL_FAILURE(Map(first_.keyframes));
   Walk second = Second(world_, end_, T_odom_w_, false);
   Keyframe& keyframe = second.keyframes.front();
-  NameByMap(keyframe);
+  std::map<Descriptor, int64_t> by_descriptor;
+  for (const auto& [id, point] : mapper_.map().points()) by_descriptor[point.descriptor] = id;
+  for (const StereoPoint& point : keyframe.features.points) {
+    const auto known = by_descriptor.find(point.left.descriptor);
+    keyframe.point_map_ids.push_back(known == by_descriptor.end() ? -1 : known->second);
+  }
   ASSERT_NO_FATAL_FAILURE(Map({keyframe}));
   EXPECT_LT(Error_m(mapper_.map().keyframes().rbegin()->first, end_.front()), 0.03);
-}
-
-// A tracker that was killed: its first frame is not recognised, then it is found, and says "recovered" of a motion that it calls
-// unknown.
-TEST_F(Sessions, BeginningThatWasNotRecognisedComesAlongWhenTheTrackerIsFound) {
-  ASSERT_NO_FATAL_FAILURE(Map(first_.keyframes));
-  const std::vector<SE3> later(path_.begin() + 13, path_.end());
-  Walk second = Second(world_, later, T_odom_w_, false);
-  second.keyframes[0].features = Second(FeatureWorld({120, 40}, 99), later, T_odom_w_, false).keyframes[0].features;
-  ASSERT_NO_FATAL_FAILURE(Map({second.keyframes[0]}));
-  const int64_t begun = mapper_.map().keyframes().rbegin()->first;
-  ASSERT_GT(Error_m(begun, later[0]), 0.1) << "at its place by chance";
-  Keyframe& found = second.keyframes[1];
-  NameByMap(found);
-  found.state = 4;
-  found.covariance.diagonal() << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
-  ASSERT_NO_FATAL_FAILURE(Map({found}));
-  EXPECT_LT(Error_m(mapper_.map().keyframes().rbegin()->first, later[1]), 0.03);
-  EXPECT_LT(Error_m(begun, later[0]), 0.03);
-  for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
-    const auto i = static_cast<size_t>(keyframe.session_keyframe_id);
-    EXPECT_LT(Error_m(id, keyframe.session == 8 ? later[i] : begin_[i]), 0.03) << keyframe.session << ", " << i;
-  }
 }
 
 // Two robots in one place take turns.

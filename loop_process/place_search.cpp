@@ -106,11 +106,7 @@ void Weigh(const Map& map, int64_t keyframe_id, const StereoFeatures& features, 
 }  // namespace
 
 Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
-  std::vector<int64_t> keyframes{keyframe_id};
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kCovisible)) {
-    if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
-    keyframes.push_back(neighbour.keyframe_id);
-  }
+  const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, Map::kCovisible, max_keyframes);
   return {keyframe_id, {SeenBy<PointKind>(keyframes, map), SeenBy<LineKind>(keyframes, map)}};
 }
 

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <span>
 
 #include "core/geometry/rotate_covariance.h"
+#include "core/localisation/local_map.h"
 #include "core/optim/bundle_sights.h"
 #include "mapping_process/sights.h"
 
@@ -26,18 +28,8 @@ bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
   return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
 }
 
-// The keyframe and those that share most with it.
-std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_count) {
-  std::vector<int64_t> keyframes{keyframe_id};
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, min_shared)) {
-    if (static_cast<int>(keyframes.size()) == max_count) break;
-    keyframes.push_back(neighbour.keyframe_id);
-  }
-  return keyframes;
-}
-
 // Whether a session begins here among keyframes of another one: no motion ties it to them, landmarks alone do.
-bool IsSeam(const std::vector<int64_t>& keyframes, const Map& map) {
+bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
   const MapKeyframe& newest = *map.FindKeyframe(keyframes.front());
   return newest.session_keyframe_id < kSeamKeyframes &&
          std::any_of(keyframes.begin(), keyframes.end(),
@@ -185,15 +177,15 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
                             const StereoCamera& camera, const WindowOptions& options) {
   LocalWindow window;
   window.problem.camera = camera;
-  window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, options.keyframes);
-  const int factor = IsSeam(window.keyframes, map) ? kSeamFactor : 1;
-  if (factor > 1) {
-    window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, factor * options.keyframes);
-  }
+  window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, kSeamFactor * options.keyframes);
+  const size_t usual = std::min(window.keyframes.size(), static_cast<size_t>(options.keyframes));
+  const bool at_seam = IsSeam({window.keyframes.data(), usual}, map);
+  if (!at_seam) window.keyframes.resize(usual);
   const size_t n_free = window.keyframes.size();
   window.points = SeenTwice<PointKind>(window.keyframes, map, options.max_points);
   window.lines = SeenTwice<LineKind>(window.keyframes, map, options.max_lines);
-  const std::vector<int64_t> fixed = FixedKeyframes(window, map, factor * options.fixed_keyframes);
+  const std::vector<int64_t> fixed =
+      FixedKeyframes(window, map, (at_seam ? kSeamFactor : 1) * options.fixed_keyframes);
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);
   AddLandmarks(map, features, window);

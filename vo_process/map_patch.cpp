@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/localisation/landmark_kinds.h"
+#include "core/localisation/local_map.h"
 
 namespace plslam {
 namespace {
@@ -17,16 +18,6 @@ const MapKeyframe* FindKeyframe(const Map& map, int64_t session, int64_t keyfram
     if (it->second.session == session && it->second.session_keyframe_id == keyframe_id) return &it->second;
   }
   return nullptr;
-}
-
-// A keyframe and its best neighbours.
-std::vector<int64_t> Around(int64_t keyframe_id, const Map& map, int max_keyframes) {
-  std::vector<int64_t> keyframes{keyframe_id};
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, kMinShared)) {
-    if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
-    keyframes.push_back(neighbour.keyframe_id);
-  }
-  return keyframes;
 }
 
 }  // namespace
@@ -68,7 +59,7 @@ std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session
                                                  int max_keyframes) const {
   const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
   if (center == nullptr) return std::nullopt;
-  const std::vector<int64_t> keyframes = Around(center->id, map, max_keyframes);
+  const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
   MapPatch patch;
   patch.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
   patch.points = Adopt<PointKind>(map, session, keyframes, &Entry::point_ids);
@@ -78,7 +69,7 @@ std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session
 
 std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes) {
   if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
-  const std::vector<int64_t> keyframes = Around(keyframe_id, map, max_keyframes);
+  const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
   MapPatch patch;
   patch.T_w_odom = T_w_odom;
   for (const int64_t id : SeenBy<PointKind>(keyframes, map)) patch.points.push_back({map.FindPoint(id), {}});

@@ -46,6 +46,15 @@ int Association::Weight() const {
                           2 * std::count_if(lines.begin(), lines.end(), has));
 }
 
+std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes) {
+  std::vector<int64_t> keyframes{keyframe_id};
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, min_shared)) {
+    if (static_cast<int>(keyframes.size()) >= max_keyframes) break;
+    keyframes.push_back(neighbour.keyframe_id);
+  }
+  return keyframes;
+}
+
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes) {
   std::map<int64_t, int> counts;
   CountKeyframes<PointKind>(association.points, map, counts);

@@ -19,6 +19,10 @@ struct Association {
   int Weight() const;
 };
 
+/// The keyframe and its best neighbours in covisibility, those that share at least `min_shared` landmarks with it; most shared
+/// first, at most `max_keyframes` (>= 1) with itself.
+std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes);
+
 /// Landmarks to look for, by id.
 struct LocalMap {
   std::vector<int64_t> points;

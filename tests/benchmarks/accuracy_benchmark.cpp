@@ -15,6 +15,7 @@
 
 #include "core/config/config.h"
 #include "core/places/vocabulary_trainer.h"
+#include "loop_process/vocabulary_files.h"
 #include "player/open_dataset.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
@@ -105,8 +106,7 @@ plslam::PlaceRecogniser Places(bool with_loops, const plslam::PlaceOptions& opti
     return {plslam::TrainVocabulary({}, plslam::WordKind::kPoints, {}),
             plslam::TrainVocabulary({}, plslam::WordKind::kLines, {}), options};
   }
-  return {plslam::Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/orb.vocabulary"),
-          plslam::Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/lbd.vocabulary"), options};
+  return plslam::LoadPlaces({}, options);
 }
 
 void PrintLoop(const char* what, const plslam::test::LoopOfRun& loop) {

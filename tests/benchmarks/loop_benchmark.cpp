@@ -12,9 +12,9 @@
 #include <random>
 #include <utility>
 
-#include "core/places/vocabulary.h"
 #include "loop_process/loop_closer.h"
 #include "loop_process/loop_correction.h"
+#include "loop_process/vocabulary_files.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::test {
@@ -122,11 +122,6 @@ struct MadeUpMap {
   int64_t next_point = 0;
 };
 
-PlaceRecogniser Places() {
-  return {Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/orb.vocabulary"),
-          Vocabulary::Load(PLSLAM_SOURCE_DIR "/config/lbd.vocabulary"), PlaceOptions()};
-}
-
 // No loop is confirmed by so many keyframes, so that the correction of the map is not in the time.
 LoopOptions Unconfirmed() {
   LoopOptions options;
@@ -136,7 +131,7 @@ LoopOptions Unconfirmed() {
 
 /// Loop closer that has been shown all but the last keyframe of a map, and the map.
 struct Shown {
-  Shown(int n, bool closes) : world(n, closes), closer(FeatureWorld::Camera(), Places(), Unconfirmed()) {
+  Shown(int n, bool closes) : world(n, closes), closer(FeatureWorld::Camera(), LoadPlaces({}, {}), Unconfirmed()) {
     for (const Keyframe& keyframe : world.keyframes) closer.AddKeyframe(keyframe);
     closer.Follow(world.map);
     last = world.keyframes.back();

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "loop_process/vocabulary_files.h"
 #include "player/open_dataset.h"
-#include "tests/replay/default_places.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/worse_images.h"
@@ -34,7 +34,7 @@ TEST_P(ForthAndBack, EndsWhereItBegan) {
   LoopRunOptions options;
   options.forth_and_back = true;
   const LoopRun run =
-      RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), DefaultPlaces(), options);
+      RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), LoadPlaces({}, {}), options);
   const auto& frames = run.slam.final;
   ASSERT_GT(frames.size(), 100u);
   const double gap_m = (frames.back().T_odom_l.translation() - frames.front().T_odom_l.translation()).norm();

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "loop_process/vocabulary_files.h"
 #include "player/open_dataset.h"
-#include "tests/replay/default_places.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/loop_run.h"
 
@@ -12,7 +12,7 @@ namespace {
 TEST(Revisits, OfARealRoomAreClosed) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_V1_01_sparse");
   const auto dataset = OpenDataset(folder.string(), "");
-  const LoopRun run = RunLoops(*dataset, DefaultPlaces(), {});
+  const LoopRun run = RunLoops(*dataset, LoadPlaces({}, {}), {});
   EXPECT_GE(run.revisits.keyframes, 15);
   EXPECT_GE(run.revisits.closed_keyframes, run.revisits.keyframes - 2);
   for (const LoopOfRun& loop : run.loops) EXPECT_FALSE(loop.IsFalse()) << "frame " << loop.frame;

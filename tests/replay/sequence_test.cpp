@@ -54,7 +54,8 @@ INSTANTIATE_TEST_SUITE_P(Hard, Replay,
                          testing::Values(Sequence{"KittiEveryThird", "kitti_03", 3, {}, 0.15},
                                          Sequence{"KittiEveryEighth", "kitti_03", 8, {}, 0.30},
                                          Sequence{"EurocEveryEighth", "euroc_MH_01_a", 8, {}, 0.006},
-                                         Sequence{"TartanairEveryThird", "tartanair2_10", 3, {}, 0.004}),
+                                         Sequence{"TartanairEveryThird", "tartanair2_10", 3, {}, 0.004},
+                                         Sequence{"KittiInChangingLight", "kitti_03", 1, {.darkest = 0.25}, 0.075}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

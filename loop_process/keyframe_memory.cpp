@@ -47,8 +47,9 @@ void KeyframeMemory::Follow(const Map& map) {
     ++known;
   }
   for (; known != names_.end(); ++known) gone.push_back(*known);
-  if (!gone.empty())
+  if (!gone.empty()) {
     std::erase_if(names_, [&gone](const auto& name) { return std::binary_search(gone.begin(), gone.end(), name); });
+  }
   for (const auto& [id, name] : gone) Leave(id, name);
 
   std::map<int64_t, int64_t> newest;  // of each session

@@ -32,7 +32,7 @@ class FrameAligner {
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
   /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
-  /// (points + 2 x lines) that frame had. `refiner` knows the landmarks. nullopt: lost.
+  /// (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that all are compared. `refiner` knows the landmarks. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
                                  const MotionPrediction& prediction, int expected_weight,
                                  const PointRefiner& refiner) const;

@@ -9,6 +9,7 @@
 
 #include "plslam/pose_t.hpp"
 #include "tests/support/data_folder.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
 
 namespace plslam::test {
@@ -26,6 +27,9 @@ ByHand::ByHand(std::string url) : url_(std::move(url)) {
 
 ByHand::~ByHand() {
   processes_.clear();
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    if (entry.path().extension() == ".log") ExpectNoSanitizerReports(ReadText(entry.path()));
+  }
   std::filesystem::remove_all(folder_);
 }
 
@@ -69,7 +73,7 @@ void ByHand::WaitUntilPlayed(StatusListener* listener) {
 
 int ByHand::Wait(const std::string& executable, int limit_s) {
   ChildProcess& process = *processes_.at(executable);
-  const auto end = Clock::now() + std::chrono::seconds(limit_s);
+  const auto end = Clock::now() + Patience(std::chrono::seconds(limit_s));
   while (!process.Poll() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   if (!process.Poll()) process.Signal(SIGKILL);
   return process.Poll() ? process.Poll()->code : -1;
@@ -116,7 +120,8 @@ StatusListener::~StatusListener() {
 
 bool StatusListener::WaitFor(const std::function<bool(const Statuses&, int64_t)>& done, int limit_s) {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, std::chrono::seconds(limit_s), [&] { return done(statuses_, newest_frame_); });
+  return changed_.wait_for(lock, Patience(std::chrono::seconds(limit_s)),
+                           [&] { return done(statuses_, newest_frame_); });
 }
 
 bool StatusListener::WaitForState(const std::string& process, const std::string& state, int limit_s) {

@@ -4,6 +4,7 @@
 
 #include "core/bus/worker.h"
 #include "plslam/pose_t.hpp"
+#include "tests/support/sanitized.h"
 
 namespace plslam::test {
 namespace {
@@ -90,7 +91,7 @@ void RunWatcher::Listen() {
 
 bool RunWatcher::WaitFor(const std::function<bool(const Heard&)>& done, int limit_s) const {
   std::unique_lock lock(mutex_);
-  return changed_.wait_for(lock, std::chrono::seconds(limit_s), [&] { return done(heard_); });
+  return changed_.wait_for(lock, Patience(std::chrono::seconds(limit_s)), [&] { return done(heard_); });
 }
 
 bool RunWatcher::WaitForFrame(int64_t frame_id, int limit_s) const {

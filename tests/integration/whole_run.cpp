@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "tests/support/data_folder.h"
+#include "tests/support/sanitized.h"
 #include "tests/support/text_file.h"
 
 namespace plslam::test {
@@ -17,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 bool PollUntil(const std::function<bool()>& done, std::chrono::seconds limit) {
-  const auto end = Clock::now() + limit;
+  const auto end = Clock::now() + Patience(limit);
   while (!done() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return done();
 }
@@ -32,6 +33,7 @@ WholeRun::WholeRun() {
 WholeRun::~WholeRun() {
   process_.reset();
   std::filesystem::remove_all(folder_);
+  ExpectNoSanitizerReports(Logs());
 }
 
 void WholeRun::Start(std::vector<std::string> arguments) {

@@ -11,7 +11,8 @@
 
 namespace plslam::test {
 
-/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine.
+/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine. Under a
+/// sanitizer all limits are longer (Patience), and what it finds in a process fails the test.
 class WholeRun {
  public:
   WholeRun();

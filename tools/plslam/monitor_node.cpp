@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/bus/map_pages.h"
+#include "core/bus/process_usage.h"
 #include "core/bus/worker.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
@@ -21,6 +22,8 @@ namespace {
 constexpr double kWorthSaying = 5.0;
 constexpr double kSilent_s = 2.5;
 constexpr double kDead_s = 10.0;
+// More are invented.
+constexpr size_t kMaxProcesses = 4096;
 
 FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
@@ -50,13 +53,9 @@ ProcessStatus FromMessage(const status_t& message) {
 
 }  // namespace
 
-MonitorNode::MonitorNode(bus::Bus& bus) {
+MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   const int64_t own = bus.source();
-  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
-    const ProcessStatus& status = processes_[m.pid] = FromMessage(m);
-    double& longest = longest_queue_[m.process];
-    longest = std::max(longest, status.queue);
-  });
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
     if (m.header.source != own) statistics_.AddFrame(FromMessage(m));
   });
@@ -82,6 +81,14 @@ MonitorNode::MonitorNode(bus::Bus& bus) {
                                   [this](const relocalisation_t& m) { loops_.AddAnswer(m.found != 0); });
 }
 
+void MonitorNode::OnStatus(const status_t& message) {
+  const std::pair process(message.host, message.pid);
+  if (processes_.size() >= kMaxProcesses && !processes_.contains(process)) return;
+  const ProcessStatus& status = processes_[process] = FromMessage(message);
+  double& longest = longest_queue_[message.process];
+  longest = std::max(longest, status.queue);
+}
+
 bool MonitorNode::has_all() const {
   const RunStatistics& s = statistics_;
   const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
@@ -91,14 +98,14 @@ bool MonitorNode::has_all() const {
 }
 
 std::string MonitorNode::StateOf(int64_t pid) const {
-  const auto found = processes_.find(pid);
+  const auto found = processes_.find({host_, pid});
   return found == processes_.end() ? "" : found->second.state;
 }
 
 Lag MonitorNode::LagAt(double now_s) const {
   Lag lag{"", longest_queue_};
   double furthest = kWorthSaying;
-  for (const auto& [pid, status] : processes_) {
+  for (const auto& [process, status] : processes_) {
     const double silent_s = now_s - status.heard_s;
     // One that has died has said nothing for long; the one in its place speaks for it.
     if (silent_s > kDead_s || status.state == "stopping") continue;
@@ -113,7 +120,7 @@ Lag MonitorNode::LagAt(double now_s) const {
 
 MessageCounts MonitorNode::messages() const {
   MessageCounts sum;
-  for (const auto& [pid, status] : processes_) {
+  for (const auto& [process, status] : processes_) {
     sum.lost += status.messages.lost;
     sum.repaired += status.messages.repaired;
     sum.rejected += status.messages.rejected;

@@ -12,6 +12,7 @@
 #include "tools/plslam/run_summary.h"
 
 namespace plslam {
+class status_t;
 
 /// What a process last said of itself.
 struct ProcessStatus {
@@ -43,9 +44,9 @@ class MonitorNode {
   const LoopStatistics& loops() const { return loops_; }
   /// Every frame that was sent is counted, and where there is a map it has the last keyframe, settled.
   bool has_all() const;
-  /// By process id; those of processes that have ended stay.
-  const std::map<int64_t, ProcessStatus>& processes() const { return processes_; }
-  /// Empty where the process has not been heard.
+  /// By host and process id there; those of processes that have ended stay.
+  const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
+  /// Of a process of this host; empty where it has not been heard.
   std::string StateOf(int64_t pid) const;
 
   /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
@@ -60,10 +61,13 @@ class MonitorNode {
   MessageCounts messages() const;
 
  private:
+  void OnStatus(const status_t& message);
+
+  const std::string host_;
   RunStatistics statistics_;
   MapStatistics map_;
   LoopStatistics loops_;
-  std::map<int64_t, ProcessStatus> processes_;
+  std::map<std::pair<std::string, int64_t>, ProcessStatus> processes_;
   std::map<std::string, double> longest_queue_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;

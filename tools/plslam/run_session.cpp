@@ -57,6 +57,8 @@ void RunSession::Run() {
   StartRows(false);
   bus_.Run();
   std::filesystem::remove(StateFileOf(options_));
+  // Of one that was killed while it wrote.
+  std::filesystem::remove(StateFileOf(options_).concat(".part"));
   progress_line_.Clear();
 }
 
@@ -184,7 +186,7 @@ RunSummary RunSession::Summary() const {
     const auto longest = lag.longest_queue.find(report.name);
     if (longest != lag.longest_queue.end()) report.longest_queue = longest->second;
   }
-  for (const auto& [pid, status] : monitor_.processes())
+  for (const auto& [process, status] : monitor_.processes())
     summary.configurations[status.process] = status.configuration;
   return summary;
 }

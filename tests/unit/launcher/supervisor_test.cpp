@@ -205,6 +205,25 @@ TEST_F(SupervisorTest, MissingProgramIsNamed) {
               testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("absent cannot be started")));
 }
 
+TEST_F(SupervisorTest, FiftyRestartsLeaveNoFileOpenAndNoProcessBehind) {
+  Script("crash", "kill -9 $$");
+  const auto open_files = [] {
+    const std::filesystem::directory_iterator files("/proc/self/fd");
+    return std::distance(begin(files), end(files));
+  };
+  std::vector<pid_t> ended;
+  Supervisor supervisor(
+      {folder_, folder_, 50, milliseconds(0), milliseconds(5000), nullptr, [&](pid_t pid) { ended.push_back(pid); }});
+  supervisor.Start("a", "crash", {}, Ending::kRestart);
+  supervisor.SetReady("a", Clock::now());
+  const auto before = open_files();
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.restarts(), 50);
+  EXPECT_EQ(open_files(), before);
+  ASSERT_EQ(ended.size(), 51U);
+  for (const pid_t pid : ended) EXPECT_EQ(kill(pid, 0), -1) << pid << " is still there";
+}
+
 TEST_F(SupervisorTest, DestructionLeavesNothingRunning) {
   Script("sleeper", "exec sleep 100");
   pid_t pid = -1;

@@ -1,0 +1,66 @@
+#include "tools/plslam/monitor_node.h"
+
+#include <gtest/gtest.h>
+
+#include <future>
+#include <memory>
+#include <string>
+
+#include "core/bus/process_usage.h"
+#include "plslam/status_t.hpp"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam {
+namespace {
+
+using bus::test::Eventually;
+
+/// A monitor on a bus that runs, and somebody who speaks.
+class MonitorNodeTest : public testing::Test {
+ protected:
+  MonitorNodeTest() { bus_.Start(); }
+  ~MonitorNodeTest() override { bus_.Join(); }
+
+  void Say(const std::string& host, int64_t pid, const std::string& state) {
+    status_t status{};
+    status.process = "viewer";
+    status.host = host;
+    status.pid = pid;
+    status.state = state;
+    speaker_.Publish(bus::kStatus, status);
+  }
+
+  /// On the monitor's thread.
+  template <class Look>
+  auto Ask(const Look& look) {
+    std::promise<decltype(look(monitor_))> answer;
+    bus_->Post([&] { answer.set_value(look(monitor_)); });
+    return answer.get_future().get();
+  }
+
+  bool Hears(int64_t n) {
+    return Eventually(
+        [&] { return Ask([](const MonitorNode& m) { return static_cast<int64_t>(m.processes().size()); }) == n; });
+  }
+
+  const bus::BusOptions options_ = [] {
+    bus::BusOptions options;
+    options.url = bus::test::PrivateUrl();
+    return options;
+  }();
+  bus::test::RunningBus bus_{options_, "plslam"};
+  MonitorNode monitor_{*bus_};
+  bus::Bus speaker_{options_, "speaker"};
+};
+
+TEST_F(MonitorNodeTest, AProcessOfAnotherHostWithTheSameNumberIsAnother) {
+  Say(bus::HostName(), 7, "ready");
+  ASSERT_TRUE(Hears(1));
+  Say("another-" + bus::HostName(), 7, "finished");
+  ASSERT_TRUE(Hears(2));
+  EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(7); }), "ready");
+  EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(8); }), "");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -71,8 +71,13 @@ if(NOT PLSLAM_SANITIZE)
   target_compile_options(plslam_test_flags INTERFACE -O1)
 endif()
 
+# What takes long begins first, so that no core waits for it at the end.
+set(PLSLAM_COST_integration 100)
+set(PLSLAM_COST_replay 50)
+set(PLSLAM_COST_fuzz 10)
+
 # plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL]): a GoogleTest executable,
-# run by ctest test by test; SERIAL: alone.
+# run by ctest test by test; SERIAL: alone, after all others, as what judges times or rates must.
 function(plslam_test name)
   cmake_parse_arguments(ARG "SERIAL" "LABEL;TIMEOUT" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)
@@ -87,6 +92,10 @@ function(plslam_test name)
   if(NOT ARG_SERIAL)
     set(ARG_SERIAL FALSE)
   endif()
+  set(cost 0)
+  if(DEFINED PLSLAM_COST_${ARG_LABEL})
+    set(cost ${PLSLAM_COST_${ARG_LABEL}})
+  endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE plslam_test_flags plslam_test_support GTest::gmock GTest::gtest_main ${ARG_LINK})
   plslam_use_precompiled(${name} plslam_test_headers)
@@ -96,8 +105,9 @@ function(plslam_test name)
     set(ARG_LABEL sanitized)
     add_dependencies(plslam_sanitized_tests ${name})
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/bin
-                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL})
+  # A sanitized program takes its time to start, and so does any on a busy machine.
+  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120 WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/bin
+                       PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} RUN_SERIAL ${ARG_SERIAL} COST ${cost})
 endfunction()
 
 # plslam_benchmark(NAME SOURCES a_benchmark.cpp LINK target ...): a Google Benchmark executable in build/PRESET/bin.

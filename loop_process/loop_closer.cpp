@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/map/keyframe_names.h"
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_correction.h"
 #include "loop_process/loop_verification.h"
@@ -50,6 +51,7 @@ LoopClosure LoopCloser::Judge(const Map& map, int64_t session, int64_t session_k
   closure.points = evidence.points;
   closure.lines = evidence.lines;
   closure.poses = std::move(*poses);
+  closure.names = NamesIn(map, closure);
   closure.score = last_.candidates[*last_.best].score;
   return closure;
 }

@@ -58,7 +58,11 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
     const bool arrived = replica_.map().loops().size() > on_its_way_->n_loops;
     // Settled without it: the map has refused it.
     if (arrived || update.settled) {
-      if (arrived && on_its_way_->loop.more) output.adjustment = closer_.WholeMap(replica_.map(), on_its_way_->loop);
+      if (arrived && on_its_way_->loop.more) {
+        output.adjustment = closer_.WholeMap(replica_.map(), on_its_way_->loop);
+        output.adjustment->map_source = replica_.source();
+        output.adjustment->map_version = replica_.version();
+      }
       on_its_way_.reset();
     }
   }

@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include "core/map/keyframe_names.h"
 #include "core/optim/bundle_sights.h"
 
 namespace plslam {
@@ -81,6 +82,7 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
   problem.bundle.camera = camera;
   Places poses;
   AddPoses(map, features, options.relative_sigma, poses, problem);
+  problem.names = NamesIn(map, problem.keyframes);
   const auto points = Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe);
   const auto lines = Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe);
   for (const int64_t id : points) problem.bundle.points.push_back({map.FindPoint(id)->p_w});
@@ -97,11 +99,14 @@ LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions
   closure.session = problem.session;
   closure.session_keyframe_id = problem.session_keyframe_id;
   closure.t_ns = problem.t_ns;
+  closure.map_source = problem.map_source;
+  closure.map_version = problem.map_version;
   const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop);
   if (!result.ok) return closure;
   for (size_t i = 0; i < problem.keyframes.size(); ++i) {
     closure.poses.push_back({problem.keyframes[i], result.T_w_c[i]});
   }
+  closure.names = problem.names;
   return closure;
 }
 

@@ -19,7 +19,10 @@ struct WholeMapProblem {
   int64_t session = 0;
   int64_t session_keyframe_id = -1;
   int64_t t_ns = 0;
+  int64_t map_source = 0;
+  int64_t map_version = 0;
   std::vector<int64_t> keyframes;
+  std::vector<KeyframeName> names;
   BundleProblem bundle;
 };
 

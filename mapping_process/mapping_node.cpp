@@ -12,6 +12,7 @@
 #include "core/bus/worker.h"
 #include "core/geometry/rectification.h"
 #include "core/io/map_camera.h"
+#include "mapping_process/closure_names.h"
 #include "mapping_process/stored_keyframes.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
@@ -242,7 +243,8 @@ void MappingNode::Correct(const Work& work) {
   const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
-  const bool corrected = corrects && mapper_->Correct(work.closure, &reason);
+  const bool of_this_map = work.closure.map_source == process_.bus().source();
+  const bool corrected = corrects && mapper_->Correct(InIdsOf(mapper_->map(), of_this_map, work.closure), &reason);
   if (corrects && !corrected) spdlog::warn("a correction of the map is left: {}", reason);
   if (work.settles) mapper_->Settle();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});

@@ -74,6 +74,14 @@ corrected_pose_t ToMessage(const CorrectedPose& pose) {
   return message;
 }
 
+keyframe_name_t ToMessage(const KeyframeName& name) {
+  keyframe_name_t message{};
+  message.keyframe_id = name.keyframe_id;
+  message.session = name.session;
+  message.session_keyframe_id = name.session_keyframe_id;
+  return message;
+}
+
 bool AppendEdges(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>& to) {
   if (to.size() + messages.size() > kMaxEntries) return false;
   for (const loop_edge_t& message : messages) {
@@ -103,9 +111,20 @@ bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<Corr
   return true;
 }
 
+bool AppendNames(const std::vector<keyframe_name_t>& messages, std::vector<KeyframeName>& to) {
+  if (to.size() + messages.size() > kMaxEntries) return false;
+  for (const keyframe_name_t& message : messages) {
+    const bool ascends = message.keyframe_id > (to.empty() ? -1 : to.back().keyframe_id);
+    if (!ascends || message.session_keyframe_id < 0) return false;
+    to.push_back({message.keyframe_id, message.session, message.session_keyframe_id});
+  }
+  return true;
+}
+
 bool Append(const loop_closure_t& page, LoopClosure& closure) {
   return AppendEdges(page.edges, closure.edges) && AppendSame(page.points, closure.points) &&
-         AppendSame(page.lines, closure.lines) && AppendPoses(page.poses, closure.poses);
+         AppendSame(page.lines, closure.lines) && AppendPoses(page.poses, closure.poses) &&
+         AppendNames(page.names, closure.names);
 }
 
 template <class Value, class Message>
@@ -140,6 +159,7 @@ std::vector<loop_closure_t> CutIntoPages(const LoopClosure& closure, int64_t pag
   Cut(closure.points, &loop_closure_t::n_points, &loop_closure_t::points, pager);
   Cut(closure.lines, &loop_closure_t::n_lines, &loop_closure_t::lines, pager);
   Cut(closure.poses, &loop_closure_t::n_poses, &loop_closure_t::poses, pager);
+  Cut(closure.names, &loop_closure_t::n_names, &loop_closure_t::names, pager);
   std::vector<loop_closure_t> pages = pager.Finish();
   Check(pages, closure);
   return pages;

@@ -17,7 +17,7 @@
 namespace plslam::bus {
 
 /// `closure` as pages of at most `page_bytes`. Throws std::invalid_argument where readers would refuse it: numbers that are
-/// not finite, poses that do not ascend.
+/// not finite, poses or names that do not ascend.
 std::vector<loop_closure_t> CutIntoPages(const LoopClosure& closure, int64_t page_bytes);
 
 /// Puts loop closures together again.

@@ -7,6 +7,16 @@
 
 namespace plslam {
 
+/// Which keyframe of a map an id means: a map that is built anew after a crash may give other ids, but sessions and
+/// their numbers stay.
+struct KeyframeName {
+  int64_t keyframe_id = -1;
+  int64_t session = 0;
+  int64_t session_keyframe_id = -1;
+
+  bool operator==(const KeyframeName&) const = default;
+};
+
 /// Where a keyframe of the map should be.
 struct CorrectedPose {
   int64_t keyframe_id = -1;
@@ -59,6 +69,8 @@ struct LoopClosure {
   std::vector<SameLandmarks> lines;
   /// Ascending by keyframe; those that are not named move with the one they hang on in the spanning tree.
   std::vector<CorrectedPose> poses;
+  /// Of all keyframes that edges and poses speak of; ascending by id.
+  std::vector<KeyframeName> names;
   /// For reports: similarity of the images, and time in ms: of finding nothing, or of finding a loop and
   /// computing the correction.
   double score = 0.0;

@@ -34,6 +34,7 @@ LoopClosure ClosureOf(int64_t keyframe_id, int n_poses) {
     closure.points.push_back({2 * i, 2 * i + 1});
     closure.lines.push_back({i + 1, i});
     closure.poses.push_back({3 * i, PoseOf(i)});
+    closure.names.push_back({3 * i, i % 2 - 7, i});
   }
   return closure;
 }
@@ -51,6 +52,7 @@ void ExpectEqual(const LoopClosure& a, const LoopClosure& b) {
   EXPECT_EQ(a.correct_ms, b.correct_ms);
   EXPECT_EQ(a.points, b.points);
   EXPECT_EQ(a.lines, b.lines);
+  EXPECT_EQ(a.names, b.names);
   ASSERT_EQ(a.edges.size(), b.edges.size());
   for (size_t i = 0; i < a.edges.size(); ++i) {
     EXPECT_EQ(a.edges[i].old_keyframe_id, b.edges[i].old_keyframe_id);
@@ -113,6 +115,8 @@ TEST(LoopClosurePages, HostileOnesAreRefused) {
   expect_refused([](loop_closure_t& p) { p.edges[0].T_old_kf.q_wxyz[0] = 3.0; });
   expect_refused([](loop_closure_t& p) { p.points[0].a = p.points[0].b; });
   expect_refused([](loop_closure_t& p) { p.poses[1].keyframe_id = p.poses[0].keyframe_id; });
+  expect_refused([](loop_closure_t& p) { p.names[1].keyframe_id = p.names[0].keyframe_id; });
+  expect_refused([](loop_closure_t& p) { p.names[0].session_keyframe_id = -1; });
   EXPECT_EQ(assembler.Add(page), PageOutcome::kComplete);
 }
 

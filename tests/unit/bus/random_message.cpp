@@ -12,6 +12,7 @@
 #include "plslam/header_t.hpp"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/intrinsics_t.hpp"
+#include "plslam/keyframe_name_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/line_feature_t.hpp"
 #include "plslam/loop_closure_t.hpp"
@@ -60,10 +61,10 @@ std::map<std::string, std::function<DecodedAgain(ByteView)>> TableOf() {
 const auto& Table() {
   static const auto table =
       TableOf<announce_t, camera_t, command_t, corrected_pose_t, counter_t, ground_truth_t, header_t, image_strip_t,
-              intrinsics_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t, map_adjustment_t, map_keyframe_t,
-              map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t, point_feature_t, pose3_t, pose_t,
-              range_t, relocalisation_t, repair_request_t, same_landmarks_t, sight_t, stage_t, status_t, stream_t,
-              track_line_t, track_point_t, tracks_t>();
+              intrinsics_t, keyframe_name_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t,
+              map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t,
+              point_feature_t, pose3_t, pose_t, range_t, relocalisation_t, repair_request_t, same_landmarks_t,
+              sight_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t>();
   return table;
 }
 

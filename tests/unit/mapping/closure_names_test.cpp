@@ -1,0 +1,128 @@
+#include "mapping_process/closure_names.h"
+
+#include <gmock/gmock.h>
+
+#include "core/map/keyframe_names.h"
+
+namespace plslam {
+namespace {
+
+using testing::ElementsAre;
+
+SE3 PoseOf(int64_t i) {
+  Vector6d twist;
+  twist << 0.3, -0.2, 0.1, 0.02, 0.01, -0.05;
+  return SE3::Exp(static_cast<double>(i) * twist);
+}
+
+MapKeyframe KeyframeOf(int64_t id, int64_t session, int64_t number) {
+  MapKeyframe keyframe;
+  keyframe.id = id;
+  keyframe.session = session;
+  keyframe.session_keyframe_id = number;
+  keyframe.T_w_kf = PoseOf(id);
+  return keyframe;
+}
+
+/// Two keyframes of a tracker that was killed, and the first one of the next, which came at last.
+Map Before() {
+  Map map;
+  map.Put(KeyframeOf(0, 7, 0));
+  map.Put(KeyframeOf(1, 7, 1));
+  map.Put(KeyframeOf(2, 8, 0));
+  return map;
+}
+
+/// The same, heard again in another order.
+Map After() {
+  Map map;
+  map.Put(KeyframeOf(0, 7, 0));
+  map.Put(KeyframeOf(1, 8, 0));
+  map.Put(KeyframeOf(2, 7, 1));
+  return map;
+}
+
+LoopClosure ClosureOn(const Map& map) {
+  LoopClosure closure;
+  closure.kind = LoopClosure::Kind::kLoop;
+  closure.map_version = 31;
+  closure.edges.push_back({1, 2, PoseOf(4), 1e-4 * Matrix6d::Identity(), 80, 9});
+  closure.edges.back().covariance(0, 0) = 0.5;
+  for (int64_t id = 0; id < 3; ++id) closure.poses.push_back({id, PoseOf(10 + id)});
+  closure.points = {{3, 4}};
+  closure.lines = {{5, 6}};
+  closure.names = NamesIn(map, closure);
+  return closure;
+}
+
+SE3 PoseOf(const LoopClosure& closure, int64_t id) {
+  for (const CorrectedPose& pose : closure.poses) {
+    if (pose.keyframe_id == id) return pose.T_w_kf;
+  }
+  return {};
+}
+
+TEST(ClosureNames, AreOfAllKeyframesThatItSpeaksOf) {
+  LoopClosure closure = ClosureOn(Before());
+  EXPECT_THAT(closure.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
+  closure.poses.clear();
+  EXPECT_THAT(NamesIn(Before(), closure), ElementsAre(KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
+}
+
+TEST(ClosureNames, OnItsOwnMapNothingChanges) {
+  const LoopClosure closure = ClosureOn(Before());
+  const LoopClosure here = InIdsOf(Before(), true, closure);
+  EXPECT_EQ(here.names, closure.names);
+  EXPECT_EQ(here.points, closure.points);
+  EXPECT_EQ(here.lines, closure.lines);
+  EXPECT_EQ(here.map_version, 31);
+  ASSERT_EQ(here.poses.size(), 3U);
+  for (int64_t id = 0; id < 3; ++id) EXPECT_EQ(PoseOf(here, id).translation(), PoseOf(10 + id).translation());
+  ASSERT_EQ(here.edges.size(), 1U);
+  EXPECT_EQ(here.edges[0].covariance, closure.edges[0].covariance);
+}
+
+// A correction that moved keyframe 1 in place of 2 put each where the other belongs.
+TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
+  const LoopClosure closure = ClosureOn(Before());
+  const LoopClosure here = InIdsOf(After(), false, closure);
+  EXPECT_EQ(PoseOf(here, 0).translation(), PoseOf(10).translation());
+  EXPECT_EQ(PoseOf(here, 1).translation(), PoseOf(12).translation()) << "session 8";
+  EXPECT_EQ(PoseOf(here, 2).translation(), PoseOf(11).translation()) << "session 7";
+  EXPECT_THAT(here.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 8, 0}, KeyframeName{2, 7, 1}));
+  EXPECT_EQ(here.map_version, 0);
+  EXPECT_TRUE(here.points.empty()) << "landmarks have other ids there";
+  EXPECT_TRUE(here.lines.empty());
+}
+
+TEST(ClosureNames, AnEdgeWhoseEndsChangeOrderIsTurned) {
+  const LoopClosure closure = ClosureOn(Before());
+  const LoopClosure here = InIdsOf(After(), false, closure);
+  ASSERT_EQ(here.edges.size(), 1U);
+  const LoopEdge& edge = here.edges[0];
+  EXPECT_EQ(edge.old_keyframe_id, 1);
+  EXPECT_EQ(edge.keyframe_id, 2);
+  EXPECT_LT((edge.T_old_kf * PoseOf(4)).Log().norm(), 1e-12);
+  Matrix6d J;  // by differences: of an error to the right of the motion, to the right of its inverse
+  for (int i = 0; i < 6; ++i) {
+    const SE3 T_off = PoseOf(4) * SE3::Exp(1e-6 * Vector6d::Unit(i));
+    J.col(i) = (edge.T_old_kf.Inverse() * T_off.Inverse()).Log() / 1e-6;
+  }
+  EXPECT_LT((edge.covariance - J * closure.edges[0].covariance * J.transpose()).norm(), 1e-5);
+  EXPECT_EQ(edge.n_points, 80);
+}
+
+TEST(ClosureNames, WhatTheMapDoesNotHaveOrIsNotNamedIsLeftOut) {
+  LoopClosure closure = ClosureOn(Before());
+  closure.names.erase(closure.names.begin());
+  Map map = Before();
+  map.RemoveKeyframe(2);
+  const LoopClosure here = InIdsOf(map, true, closure);
+  EXPECT_TRUE(here.edges.empty());
+  ASSERT_EQ(here.poses.size(), 1U);
+  EXPECT_EQ(here.poses[0].keyframe_id, 1);
+  EXPECT_THAT(here.names, ElementsAre(KeyframeName{1, 7, 1}));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -9,6 +9,7 @@
 #include "core/features/descriptors_of.h"
 #include "core/features/line_matcher.h"
 #include "core/features/segment_projection.h"
+#include "core/geometry/rotate_covariance.h"
 #include "vo_process/landmark_fusion.h"
 #include "vo_process/landmark_list.h"
 
@@ -165,10 +166,19 @@ void LineLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine
   AdoptEach(adopted, next_id, landmarks_, [&](const MapLine& known, bool is_new, LineLandmark& landmark) {
     if (!is_new && keep_own && !landmark.from_map) return;
     landmark.segment_odom = Transform(T_odom_w, known.segment_w);
-    landmark.covariance_p = R * known.covariance_p * R.transpose();
-    landmark.covariance_q = R * known.covariance_q * R.transpose();
+    landmark.covariance_p = RotateCovariance(R, known.covariance_p);
+    landmark.covariance_q = RotateCovariance(R, known.covariance_q);
     if (is_new) landmark.descriptor = known.descriptor;
   });
+}
+
+void LineLandmarks::Move(const SE3& T_new_odom) {
+  const Eigen::Matrix3d R = T_new_odom.R();
+  for (LineLandmark& landmark : landmarks_) {
+    landmark.segment_odom = Transform(T_new_odom, landmark.segment_odom);
+    landmark.covariance_p = RotateCovariance(R, landmark.covariance_p);
+    landmark.covariance_q = RotateCovariance(R, landmark.covariance_q);
+  }
 }
 
 void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {

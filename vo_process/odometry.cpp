@@ -155,6 +155,12 @@ bool Odometry::AdoptAround(const Map& map) {
   return true;
 }
 
+void Odometry::ForgetMap() {
+  landmarks_.ForgetMap();
+  if (dormant_) dormant_->landmarks.ForgetMap();
+  relocalised_.reset();
+}
+
 bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
   const auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
   if (!patch) return false;
@@ -218,13 +224,28 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
   Relocalised place = *std::exchange(relocalised_, std::nullopt);
   auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
   if (!found || found->weak) return std::nullopt;
+  const bool was_lost = !KeepOdometry(frame, prediction, *found, place);
   place.landmarks.next_point_id = landmarks_.next_point_id;
   place.landmarks.next_line_id = landmarks_.next_line_id;
   landmarks_ = std::move(place.landmarks);
   T_w_odom_ = place.T_w_odom;
   is_in_map_ = true;
   dormant_.reset();
-  return Tracked{std::move(*found), Reference::kRelocalised};
+  return Tracked{std::move(*found), was_lost ? Reference::kRelocalised : Reference::kLocalised};
+}
+
+/// Where the camera had not lost its way, what it was found by gives way: pose and landmarks as odometry has them.
+bool Odometry::KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
+                            Relocalised& place) const {
+  if (dormant_) return false;
+  const auto own = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
+  if (!own || own->weak) return false;
+  const SE3 T_odom_place = own->T_odom_c * found.T_odom_c.Inverse();
+  place.landmarks.Move(T_odom_place);
+  place.T_w_odom = place.T_w_odom * T_odom_place.Inverse();
+  found.T_odom_c = own->T_odom_c;
+  found.covariance = own->covariance;
+  return true;
 }
 
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
@@ -232,7 +253,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   result.state = TrackingState::kTracking;
   if (alignment.weak) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
-    result.state = TrackingState::kRecovered;
+    if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
   }
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;

@@ -72,9 +72,14 @@ class Odometry {
   /// frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
   bool AdoptAround(const Map& map);
 
+  /// What was adopted was of a map that is no more: another one, or the same built anew, names its landmarks otherwise.
+  /// The landmarks stay where they are.
+  void ForgetMap();
+
   /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it is
   /// looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had lost its
-  /// way, what lies between is then as good as unknown. False, and nothing done, where the map does not have the keyframe.
+  /// way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and T_w_odom takes
+  /// the difference. False, and nothing done, where the map does not have the keyframe.
   bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
 
   /// The camera has been found in a map, by `Adopt` or `Relocalise`.
@@ -88,16 +93,24 @@ class Odometry {
 
  private:
   /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
-  /// before the loss, those of the map where it was relocalised, or those founded by a lost frame.
-  enum class Reference { kCurrent, kDormant, kRelocalised, kFoundedWhileLost };
+  /// before the loss, those of the map where it was relocalised, or those founded by a lost frame. One that was not lost
+  /// is localised: found among both, and goes on among those of the map.
+  enum class Reference { kCurrent, kDormant, kRelocalised, kLocalised, kFoundedWhileLost };
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
+  };
+  /// Landmarks of the map among which the camera should be.
+  struct Relocalised {
+    LocalLandmarks landmarks;
+    SE3 T_w_odom;
   };
 
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
+  bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
+                    Relocalised& place) const;
   int ExpectedWeight() const;
   void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
@@ -136,11 +149,6 @@ class Odometry {
   };
   std::optional<Dormant> dormant_;
 
-  /// Landmarks of the map among which the camera should be.
-  struct Relocalised {
-    LocalLandmarks landmarks;
-    SE3 T_w_odom;
-  };
   std::optional<Relocalised> relocalised_;
   bool is_in_map_ = false;
   bool is_adrift_ = false;

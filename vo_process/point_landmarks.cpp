@@ -7,6 +7,7 @@
 
 #include "core/features/descriptors_of.h"
 #include "core/features/expected_octave.h"
+#include "core/geometry/rotate_covariance.h"
 #include "vo_process/landmark_fusion.h"
 #include "vo_process/landmark_list.h"
 
@@ -113,13 +114,21 @@ void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoi
   AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {
     if (!is_new && keep_own && !landmark.from_map) return;
     landmark.p_odom = T_odom_w * known.p_w;
-    landmark.covariance = R * known.covariance * R.transpose();
+    landmark.covariance = RotateCovariance(R, known.covariance);
     if (!is_new) return;
     landmark.descriptor = known.descriptor;
     landmark.angle_rad = known.angle_rad;
     landmark.octave = known.octave;
     landmark.depth_m = known.depth_m;
   });
+}
+
+void PointLandmarks::Move(const SE3& T_new_odom) {
+  const Eigen::Matrix3d R = T_new_odom.R();
+  for (PointLandmark& landmark : landmarks_) {
+    landmark.p_odom = T_new_odom * landmark.p_odom;
+    landmark.covariance = RotateCovariance(R, landmark.covariance);
+  }
 }
 
 void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {

@@ -91,6 +91,43 @@ TEST_F(Relocalisation, AWrongAnswerIsNotBelieved) {
   EXPECT_LT((asked.T_odom_c.Inverse() * next.T_odom_c).translation().norm(), 0.2);
 }
 
+TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
+  Odometry visitor(FeatureWorld::Camera(), VoOptions());
+  const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));
+  const OdometryResult before = visitor.Track(kFrame_ns, See(world_, 11, 0.3));
+  // Some centimetres off: what is seen says better.
+  const SE3 error(Eigen::Quaterniond::Identity(), {0.0, 0.05, 0.02});
+  ASSERT_TRUE(visitor.Relocalise(map_.map(), 0, kT_w_world * PoseAt(10) * error * first.T_odom_c.Inverse()));
+  const OdometryResult found = visitor.Track(2 * kFrame_ns, See(world_, 12, 0.3));
+  ASSERT_TRUE(visitor.is_in_map());
+  EXPECT_EQ(found.state, TrackingState::kTracking);
+  ASSERT_TRUE(found.keyframe) << "the map is to know at once";
+  const SE3 truth = PoseAt(11).Inverse() * PoseAt(12);
+  EXPECT_LT((truth.Inverse() * (before.T_odom_c.Inverse() * found.T_odom_c)).translation().norm(), 0.005);
+  EXPECT_LT(found.keyframe->covariance.trace(), 1e-3) << "the motion is known";
+  const auto in_map = [&](const OdometryResult& result, int i) {
+    return ((visitor.T_w_odom() * result.T_odom_c).translation() - (kT_w_world * PoseAt(i)).translation()).norm();
+  };
+  EXPECT_LT(in_map(found, 12), 0.01);
+  for (int i = 13; i < 30; ++i) EXPECT_LT(in_map(visitor.Track(kFrame_ns * i, See(world_, i, 0.3)), i), 0.02) << i;
+}
+
+TEST_F(Relocalisation, AMapThatWasBuiltAnewNamesItsLandmarksAnew) {
+  odometry_.ForgetMap();
+  const OdometryResult forgotten = Track(See(world_, 60, 0.3));
+  EXPECT_EQ(forgotten.state, TrackingState::kTracking);
+  EXPECT_GT(forgotten.n_tracked_points, 30);
+  EXPECT_LT(ErrorInMap(forgotten, 60), 0.01) << "landmarks stay where they are";
+  const auto named = [](const OdometryResult& result) {
+    return std::count_if(result.point_tracks.begin(), result.point_tracks.end(),
+                         [](const FeatureTrack& track) { return track.map_id >= 0; });
+  };
+  EXPECT_EQ(named(forgotten), 0);
+  // As mapping_process sends it: the keyframes that the tracker knows, under other names.
+  ASSERT_TRUE(odometry_.Adopt(map_.map(), 1, map_.map().keyframes().rbegin()->second.session_keyframe_id));
+  EXPECT_GT(named(Track(See(world_, 61, 0.3))), 30);
+}
+
 TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
   EXPECT_FALSE(odometry_.Relocalise(map_.map(), 1000, SE3()));
 }

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <thread>
 
 #include "tests/support/data_folder.h"
@@ -32,8 +33,8 @@ WholeRun::WholeRun() {
 
 WholeRun::~WholeRun() {
   process_.reset();
-  std::filesystem::remove_all(folder_);
   ExpectNoSanitizerReports(Logs());
+  if (std::getenv("PLSLAM_KEEP_RUNS") == nullptr) std::filesystem::remove_all(folder_);
 }
 
 void WholeRun::Start(std::vector<std::string> arguments) {

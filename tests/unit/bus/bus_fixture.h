@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "core/bus/bus.h"
+#include "tests/support/sanitized.h"
 
 namespace plslam::bus::test {
 
@@ -45,7 +46,7 @@ class Waiter {
   /// True when the value reaches `n` within the limit.
   bool Reaches(int64_t n, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
     std::unique_lock lock(mutex_);
-    return changed_.wait_for(lock, limit, [&] { return value_ >= n; });
+    return changed_.wait_for(lock, plslam::test::Patience(limit), [&] { return value_ >= n; });
   }
 
   int64_t value() const {
@@ -88,7 +89,7 @@ bool WaitForReaders(Bus& publisher, const Channel& channel, int n);
 /// Waits until `condition` holds, looking at it now and then; for counters that have no event of their own.
 template <class Condition>
 bool Eventually(Condition condition, std::chrono::milliseconds limit = std::chrono::seconds(20)) {
-  const auto deadline = std::chrono::steady_clock::now() + limit;
+  const auto deadline = std::chrono::steady_clock::now() + plslam::test::Patience(limit);
   while (!condition()) {
     if (std::chrono::steady_clock::now() > deadline) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

@@ -118,6 +118,7 @@ TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
 
 TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
   const std::string url = PrivateUrl();
+  bus::Bus lives(On(url), "viewer");  // used on the thread of the keeper's bus, which ends before it
   RunningKeeper keeper(url, testing::TempDir());
   {
     bus::Bus ends(On(url), "vo");
@@ -126,7 +127,6 @@ TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {
     ASSERT_TRUE(Eventually([&] { return keeper->kept() == 3; }));
   }
   LateListener late(url);
-  bus::Bus lives(On(url), "viewer");
   keeper.bus().Post([&] {
     keeper->Stop();
     keeper->OnExit(7);

@@ -5,10 +5,8 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/features/descriptor_matcher.h"
-#include "tests/support/data_folder.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {
@@ -78,19 +76,6 @@ TEST(OrbExtractor, ShiftedTextureIsFoundAgainToAFractionOfAPixel) {
   ASSERT_GT(errors.size(), a.size() / 3) << "of " << a.size();
   std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
   EXPECT_LT(errors[errors.size() / 2], 0.35) << "median error in pixels of the octave";
-}
-
-TEST(OrbExtractor, EveryQuadrantOfAStreetHasItsShare) {
-  PLSLAM_REQUIRE_DATA(folder, "kitti_03");
-  const cv::Mat image = cv::imread(folder / "image_0" / "000000.png", cv::IMREAD_GRAYSCALE);
-  ASSERT_FALSE(image.empty());
-  const std::vector<PointFeature> points = OrbExtractor{OrbOptions{}}.Extract(image);
-  EXPECT_GE(points.size(), 950U);
-  std::array<int, 4> share{};
-  for (const PointFeature& p : points) {
-    ++share[(p.px.x() > image.cols / 2.0 ? 1 : 0) + (p.px.y() > image.rows / 2.0 ? 2 : 0)];
-  }
-  for (const int n : share) EXPECT_GE(n, 150) << "of " << points.size();
 }
 
 }  // namespace

@@ -5,32 +5,16 @@
 #include <string>
 
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/features/orb_extractor.h"
-#include "tests/support/data_folder.h"
+#include "tests/unit/features/stereo_points.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {
 namespace {
 
-void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
-           const cv::Mat& right, const StereoOptions& options) {
-  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, options), HalvedPair(left, right),
-                    options);
-}
-
-std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options = {}) {
-  OrbExtractor extractor{OrbOptions{}};
-  std::vector<StereoPoint> points = WithoutDepth(extractor.Extract(left), options);
-  Match(points, extractor.Extract(right), left, right, options);
-  return points;
-}
-
-double ShareWithDepth(const std::vector<StereoPoint>& points) {
-  const auto n = std::count_if(points.begin(), points.end(), [](const StereoPoint& p) { return p.HasDepth(); });
-  return static_cast<double>(n) / std::max<double>(1.0, static_cast<double>(points.size()));
-}
+using test::Match;
+using test::ShareWithDepth;
 
 TEST(MatchPointsStereo, KnownDisparityWithNoiseAndTwiceTheExposure) {
   const double truth = 18.37;
@@ -110,23 +94,6 @@ TEST(WithoutDepth, SigmaGrowsWithTheScale) {
   EXPECT_FALSE(points[0].HasDepth());
   EXPECT_DOUBLE_EQ(points[1].sigma_px, 2.0 * points[0].sigma_px);
 }
-
-class RealPair : public testing::TestWithParam<std::pair<const char*, double>> {};
-
-TEST_P(RealPair, ShareOfPointsWithDepth) {
-  PLSLAM_REQUIRE_DATA(folder, GetParam().first);
-  for (const char* name : {"000000.png", "000005.png"}) {
-    const cv::Mat left = cv::imread(folder / "image_0" / name, cv::IMREAD_GRAYSCALE);
-    const cv::Mat right = cv::imread(folder / "image_1" / name, cv::IMREAD_GRAYSCALE);
-    ASSERT_FALSE(left.empty());
-    EXPECT_GE(ShareWithDepth(Match(left, right)), GetParam().second) << folder << " " << name;
-  }
-}
-
-INSTANTIATE_TEST_SUITE_P(Data, RealPair,
-                         testing::Values(std::pair("kitti_03", 0.55), std::pair("sand_rand", 0.5),
-                                         std::pair("tsukuba_lamps_a", 0.6), std::pair("tartanair2_10", 0.4)),
-                         [](const auto& test) { return std::string(test.param.first); });
 
 }  // namespace
 }  // namespace plslam

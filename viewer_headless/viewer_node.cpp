@@ -20,9 +20,10 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
-// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing.
+// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing: it
+// may wait 15 s for the map.
 constexpr int kQuietTicksAfterFinish = 4;
-constexpr int kQuietTicksAtMost = 60;
+constexpr int kQuietTicksAtMost = 80;
 // Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a whole map is
 // adjusted in less.
 constexpr int kQuietTicksForTheMap = 240;

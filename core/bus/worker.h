@@ -11,11 +11,14 @@ namespace plslam::bus {
 /// sees it.
 template <class Work>
 void RunGuarded(Bus& bus, const Work& work) {
+  std::exception_ptr failure;
   try {
     work();
   } catch (...) {
-    bus.Post([failure = std::current_exception()] { std::rethrow_exception(failure); });
+    failure = std::current_exception();
   }
+  // Only now, so that the exception is no longer this thread's too.
+  if (failure) bus.Post([failure = std::move(failure)] { std::rethrow_exception(failure); });
 }
 
 /// Steady time, for durations.

@@ -4,11 +4,6 @@
 #include <filesystem>
 #include <random>
 
-#ifdef __SANITIZE_THREAD__
-/// Read by the thread sanitizer: LCM's mutexes are GLib's, whose making it does not see.
-extern "C" const char* __tsan_default_suppressions() { return "race:g_static_rec_mutex_lock\n"; }
-#endif
-
 namespace plslam::bus::test {
 
 std::string PrivateUrl() {

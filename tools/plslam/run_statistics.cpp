@@ -24,7 +24,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
 }
 
 void RunStatistics::AddLandmark(int64_t session, int64_t landmark_id, bool is_line) {
-  if (landmark_id >= 0) (is_line ? lines_ : points_).insert({session, landmark_id});
+  (is_line ? lines_ : points_).Add(session, landmark_id);
 }
 
 }  // namespace plslam

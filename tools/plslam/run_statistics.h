@@ -2,11 +2,11 @@
 
 #include <cstdint>
 #include <map>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tools/plslam/id_counter.h"
 #include "tools/plslam/quantile_sketch.h"
 
 namespace plslam {
@@ -27,7 +27,7 @@ struct FrameReport {
 /// Name of a `pose_t.state`.
 std::string TrackingStateName(int state);
 
-/// Counts a run, frame by frame, in memory that does not grow with its length (but for the landmark ids).
+/// Counts a run, frame by frame, in memory that hardly grows with its length: by a bit for each landmark.
 class RunStatistics {
  public:
   void AddFrame(const FrameReport& frame);
@@ -39,8 +39,8 @@ class RunStatistics {
   int64_t tracked_frames() const { return tracked_frames_; }
   int64_t keyframes() const { return keyframes_; }
   int64_t skipped_frames() const { return skipped_frames_; }
-  int64_t landmark_points() const { return static_cast<int64_t>(points_.size()); }
-  int64_t landmark_lines() const { return static_cast<int64_t>(lines_.size()); }
+  int64_t landmark_points() const { return points_.count(); }
+  int64_t landmark_lines() const { return lines_.count(); }
   const FrameReport& last() const { return last_; }
   /// Number and time of the newest frame that has a pose; -1: none.
   std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
@@ -58,8 +58,8 @@ class RunStatistics {
   FrameReport last_;
   std::pair<int64_t, int64_t> last_keyframe_{0, -1};
   std::map<std::string, QuantileSketch> stage_ms_;
-  std::set<std::pair<int64_t, int64_t>> points_;
-  std::set<std::pair<int64_t, int64_t>> lines_;
+  IdCounter points_;
+  IdCounter lines_;
 };
 
 }  // namespace plslam

@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <random>
+#include <set>
+#include <utility>
 
 #include "tools/plslam/progress_line.h"
 
@@ -56,6 +59,35 @@ TEST(RunStatistics, LandmarksOfSessionsAreDistinct) {
   s.AddLandmark(1, 4, true);
   EXPECT_EQ(s.landmark_points(), 3);
   EXPECT_EQ(s.landmark_lines(), 1);
+}
+
+TEST(IdCounter, AgreesWithASet) {
+  std::mt19937 random(3);
+  std::set<std::pair<int64_t, int64_t>> all;
+  IdCounter counter;
+  for (int i = 0; i < 20000; ++i) {
+    const auto session = static_cast<int64_t>(random() % 3);
+    const auto id = static_cast<int64_t>(random() % 30000);
+    all.insert({session, id});
+    counter.Add(session, id);
+  }
+  EXPECT_EQ(counter.count(), static_cast<int64_t>(all.size()));
+}
+
+TEST(IdCounter, AMillionLandmarksCostAQuarterOfAMegabyte) {
+  IdCounter counter;
+  for (int64_t id = 0; id < 1'000'000; ++id) counter.Add(7, id);
+  EXPECT_EQ(counter.count(), 1'000'000);
+  EXPECT_LT(counter.bytes(), 250'000);
+}
+
+TEST(IdCounter, InventedNumbersCostNoMoreThan40Megabytes) {
+  IdCounter counter;
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 200'000; ++i) counter.Add(1, static_cast<int64_t>(random() >> 1));
+  counter.Add(1, INT64_MAX);
+  counter.Add(1, INT64_MIN);
+  EXPECT_LT(counter.bytes(), 40'000'000);
 }
 
 TEST(QuantileSketch, AgreesWithSortingWithinHalfAPercent) {

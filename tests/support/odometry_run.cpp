@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "tests/support/dense_algebra.h"
 #include "vo_process/stereo_front_end.h"
 
 namespace plslam::test {
@@ -88,7 +88,7 @@ double MotionNees(const std::vector<OdometryFrame>& frames) {
     if (!frame.T_w_l || !previous.T_w_l || frame.state != TrackingState::kTracking) continue;
     const SE3 truth = frame.T_l_c.Inverse() * (previous.T_w_l->Inverse() * *frame.T_w_l) * frame.T_l_c;
     const Vector6d error = (frame.T_prev_c.Inverse() * truth).Log();
-    values.push_back(error.dot(frame.motion_covariance.ldlt().solve(error)));
+    values.push_back(ChiSquare(error, frame.motion_covariance));
   }
   if (values.empty()) return 0.0;
   std::sort(values.begin(), values.end());

@@ -10,6 +10,7 @@
 #include "core/optim/pose_graph_check.h"
 #include "core/optim/pose_graph_chordal.h"
 #include "core/optim/pose_graph_group.h"
+#include "tests/support/dense_algebra.h"
 #include "tests/unit/optim/pose_graph_world.h"
 
 namespace plslam {
@@ -118,7 +119,7 @@ std::vector<Pose> SlowTwin(const PoseGraph<Pose>& graph, std::vector<Pose> poses
       moved[1 + k / kN] = Group::Plus(poses[1 + k / kN], step.data());
       J.col(k) = (plus - residuals(moved)) / 2e-6;
     }
-    const Eigen::VectorXd step = (J.transpose() * J).ldlt().solve(-J.transpose() * r);
+    const Eigen::VectorXd step = test::LeastSquares(J, -r);
     for (int i = 1; i < n; ++i) poses[i] = Group::Plus(poses[i], step.data() + kN * (i - 1));
   }
   return poses;

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace plslam::test {
+
+// Compiled once: Eigen's factorisations take seconds in every source that has one.
+
+/// error^T covariance^-1 error: distributed as chi-square of the error's size where the covariance says what is true.
+double ChiSquare(const Eigen::VectorXd& error, const Eigen::MatrixXd& covariance);
+
+/// The x at which |J x - r| is smallest, by the normal equations.
+Eigen::VectorXd LeastSquares(const Eigen::MatrixXd& J, const Eigen::VectorXd& r);
+
+}  // namespace plslam::test

@@ -99,8 +99,9 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   Queue([&] {
     queue_.Add(keyframe, bus::NowMs());
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
+    // Under the lock: later it would end the solve for this very keyframe.
+    if (!keyframe.lockstep) stop_solve_ = true;
   });
-  if (!keyframe.lockstep) stop_solve_ = true;
 }
 
 void MappingNode::OnClosure(const LoopClosure& closure) {

@@ -18,9 +18,14 @@ class Ids {
     for (const auto& [id, keyframe] : map.keyframes()) by_name[{keyframe.session, keyframe.session_keyframe_id}] = id;
     for (const KeyframeName& name : names) {
       const auto here = by_name.find({name.session, name.session_keyframe_id});
-      if (here != by_name.end()) ids_[name.keyframe_id] = here->second;
+      if (here == by_name.end()) continue;
+      ids_[name.keyframe_id] = here->second;
+      differ_ = differ_ || here->second != name.keyframe_id;
     }
   }
+
+  /// A keyframe has another id here.
+  bool differ() const { return differ_; }
 
   std::optional<int64_t> Here(int64_t id) const {
     const auto here = ids_.find(id);
@@ -29,6 +34,7 @@ class Ids {
 
  private:
   std::map<int64_t, int64_t> ids_;
+  bool differ_ = false;
 };
 
 std::optional<LoopEdge> Translated(const LoopEdge& edge, const Ids& ids) {
@@ -47,7 +53,7 @@ std::optional<LoopEdge> Translated(const LoopEdge& edge, const Ids& ids) {
 
 }  // namespace
 
-LoopClosure InIdsOf(const Map& map, bool the_same_map, const LoopClosure& closure) {
+LoopClosure InIdsOf(const Map& map, const LoopClosure& closure) {
   const Ids ids(closure.names, map);
   LoopClosure translated = closure;
   translated.edges.clear();
@@ -64,7 +70,7 @@ LoopClosure InIdsOf(const Map& map, bool the_same_map, const LoopClosure& closur
   std::erase_if(translated.names, [](const KeyframeName& name) { return name.keyframe_id < 0; });
   std::sort(translated.names.begin(), translated.names.end(),
             [](const KeyframeName& a, const KeyframeName& b) { return a.keyframe_id < b.keyframe_id; });
-  if (the_same_map) return translated;
+  if (!ids.differ()) return translated;
   translated.points.clear();
   translated.lines.clear();
   translated.map_version = 0;

@@ -8,8 +8,8 @@ namespace plslam {
 /// one in its place, which heard the same keyframes again, perhaps numbers them in another order: sessions and numbers
 /// there tell which is which. Edges and poses of keyframes that the map does not have, or that bear no name, are left out.
 ///
-/// Landmarks bear no such names. Unless it is of `the_same_map`, pairs of them are left out too, and so is the version; what
-/// they would have joined is found by projection.
-LoopClosure InIdsOf(const Map& map, bool the_same_map, const LoopClosure& closure);
+/// Landmarks bear no such names: where a keyframe has another id here, pairs of them are left out too, and so is the
+/// version; what they would have joined is found by projection.
+LoopClosure InIdsOf(const Map& map, const LoopClosure& closure);
 
 }  // namespace plslam

@@ -244,8 +244,7 @@ void MappingNode::Correct(const Work& work) {
   const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
-  const bool of_this_map = work.closure.map_source == process_.bus().source();
-  const bool corrected = corrects && mapper_->Correct(InIdsOf(mapper_->map(), of_this_map, work.closure), &reason);
+  const bool corrected = corrects && mapper_->Correct(InIdsOf(mapper_->map(), work.closure), &reason);
   if (corrects && !corrected) spdlog::warn("a correction of the map is left: {}", reason);
   if (work.settles) mapper_->Settle();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});

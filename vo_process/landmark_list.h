@@ -77,15 +77,6 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
   std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
 }
 
-/// They are as if no map had known them.
-template <class Landmark>
-void ForgetNames(std::vector<Landmark>& landmarks) {
-  for (Landmark& landmark : landmarks) {
-    landmark.map_id = -1;
-    landmark.from_map = false;
-  }
-}
-
 /// Drops what has been out of sight, or missed in sight, for too long.
 template <class Landmark>
 void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {

@@ -5,7 +5,6 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/motion/motion_estimator.h"
-#include "vo_process/landmark_list.h"
 #include "vo_process/map_patch.h"
 #include "vo_process/options.h"
 #include "vo_process/tracked_frame.h"
@@ -58,9 +57,6 @@ class LineLandmarks {
   /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the same
   /// the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
   void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
-
-  /// Names of the map mean nothing any more; the landmarks stay.
-  void ForgetMap() { ForgetNames(landmarks_); }
 
   /// All into another frame, in which `T_new_odom` lies.
   void Move(const SE3& T_new_odom);

@@ -35,10 +35,6 @@ struct LocalLandmarks {
     points.Adopt(T_odom_w, patch.points, keep_own, next_point_id);
     lines.Adopt(T_odom_w, patch.lines, keep_own, next_line_id);
   }
-  void ForgetMap() {
-    points.ForgetMap();
-    lines.ForgetMap();
-  }
   void Move(const SE3& T_new_odom) {
     points.Move(T_new_odom);
     lines.Move(T_new_odom);

@@ -72,10 +72,6 @@ class Odometry {
   /// frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
   bool AdoptAround(const Map& map);
 
-  /// What was adopted was of a map that is no more: another one, or the same built anew, names its landmarks otherwise.
-  /// The landmarks stay where they are.
-  void ForgetMap();
-
   /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it is
   /// looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had lost its
   /// way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and T_w_odom takes

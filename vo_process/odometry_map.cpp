@@ -47,12 +47,6 @@ bool Odometry::AdoptAround(const Map& map) {
   return true;
 }
 
-void Odometry::ForgetMap() {
-  landmarks_.ForgetMap();
-  if (dormant_) dormant_->landmarks.ForgetMap();
-  relocalised_.reset();
-}
-
 bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
   const auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
   if (!patch) return false;

@@ -127,8 +127,6 @@ void VoNode::OnStatus(const status_t& message) {
 }
 
 void VoNode::OnMap() {
-  const int64_t before = std::exchange(map_source_, map_->replica().source());
-  if (before != 0 && before != map_source_) TakeOverMap();
   const auto awaited = map_wait_.awaited();
   if (!awaited) {
     if (!lockstep_) AdoptMap(adopted_keyframe_id_ + 1);
@@ -137,14 +135,6 @@ void VoNode::OnMap() {
   if (!AdoptMap(*awaited)) return;
   map_wait_.End();
   GoOn();
-}
-
-/// Of another mapping_process, perhaps in the place of one that has died: its names are not those of the last one, and what
-/// its keyframes show of this session tells which is which.
-void VoNode::TakeOverMap() {
-  if (!odometry_) return;
-  odometry_->ForgetMap();
-  odometry_->Adopt(map_->replica().map(), session_, map_keyframe_id_);
 }
 
 void VoNode::AwaitMap(int64_t keyframe_id) {

@@ -49,7 +49,6 @@ class VoNode {
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
-  void TakeOverMap();
   void OnRelocalisation(const relocalisation_t& message);
   bool IsWaiting() const;
   bool IsRepeated(const Frame& frame) const;
@@ -95,7 +94,6 @@ class VoNode {
   bool lockstep_ = false;
   /// The newest keyframe of the session in the map; other robots' may be in it too.
   int64_t map_keyframe_id_ = -1;
-  int64_t map_source_ = 0;
   int64_t adopted_keyframe_id_ = -1;
   int64_t last_keyframe_id_ = -1;
   std::unique_ptr<bus::MapSubscriber> map_;

@@ -49,8 +49,7 @@ void VoNode::OnRelocalisation(const relocalisation_t& message) {
       answer && question_ && answer->session == session_ && answer->frame_id == question_->frame_id && odometry_;
   if (!ours) return;
   const SE3 T_w_odom = answer->T_w_c * question_->T_odom_c.Inverse();
-  const bool of_this_map = answer->map_source == map_->replica().source();
-  if (answer->found && of_this_map && odometry_->Relocalise(map_->replica().map(), answer->keyframe_id, T_w_odom)) {
+  if (answer->found && odometry_->Relocalise(map_->replica().map(), answer->keyframe_id, T_w_odom)) {
     Count("relocalisation.found", 1);
   }
   question_.reset();

@@ -71,7 +71,7 @@ TEST(ClosureNames, AreOfAllKeyframesThatItSpeaksOf) {
 
 TEST(ClosureNames, OnItsOwnMapNothingChanges) {
   const LoopClosure closure = ClosureOn(Before());
-  const LoopClosure here = InIdsOf(Before(), true, closure);
+  const LoopClosure here = InIdsOf(Before(), closure);
   EXPECT_EQ(here.names, closure.names);
   EXPECT_EQ(here.points, closure.points);
   EXPECT_EQ(here.lines, closure.lines);
@@ -85,7 +85,7 @@ TEST(ClosureNames, OnItsOwnMapNothingChanges) {
 // A correction that moved keyframe 1 in place of 2 put each where the other belongs.
 TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
   const LoopClosure closure = ClosureOn(Before());
-  const LoopClosure here = InIdsOf(After(), false, closure);
+  const LoopClosure here = InIdsOf(After(), closure);
   EXPECT_EQ(PoseOf(here, 0).translation(), PoseOf(10).translation());
   EXPECT_EQ(PoseOf(here, 1).translation(), PoseOf(12).translation()) << "session 8";
   EXPECT_EQ(PoseOf(here, 2).translation(), PoseOf(11).translation()) << "session 7";
@@ -97,7 +97,7 @@ TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
 
 TEST(ClosureNames, AnEdgeWhoseEndsChangeOrderIsTurned) {
   const LoopClosure closure = ClosureOn(Before());
-  const LoopClosure here = InIdsOf(After(), false, closure);
+  const LoopClosure here = InIdsOf(After(), closure);
   ASSERT_EQ(here.edges.size(), 1U);
   const LoopEdge& edge = here.edges[0];
   EXPECT_EQ(edge.old_keyframe_id, 1);
@@ -117,7 +117,7 @@ TEST(ClosureNames, WhatTheMapDoesNotHaveOrIsNotNamedIsLeftOut) {
   closure.names.erase(closure.names.begin());
   Map map = Before();
   map.RemoveKeyframe(2);
-  const LoopClosure here = InIdsOf(map, true, closure);
+  const LoopClosure here = InIdsOf(map, closure);
   EXPECT_TRUE(here.edges.empty());
   ASSERT_EQ(here.poses.size(), 1U);
   EXPECT_EQ(here.poses[0].keyframe_id, 1);

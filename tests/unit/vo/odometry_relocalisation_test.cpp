@@ -112,22 +112,6 @@ TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
   for (int i = 13; i < 30; ++i) EXPECT_LT(in_map(visitor.Track(kFrame_ns * i, See(world_, i, 0.3)), i), 0.02) << i;
 }
 
-TEST_F(Relocalisation, AMapThatWasBuiltAnewNamesItsLandmarksAnew) {
-  odometry_.ForgetMap();
-  const OdometryResult forgotten = Track(See(world_, 60, 0.3));
-  EXPECT_EQ(forgotten.state, TrackingState::kTracking);
-  EXPECT_GT(forgotten.n_tracked_points, 30);
-  EXPECT_LT(ErrorInMap(forgotten, 60), 0.01) << "landmarks stay where they are";
-  const auto named = [](const OdometryResult& result) {
-    return std::count_if(result.point_tracks.begin(), result.point_tracks.end(),
-                         [](const FeatureTrack& track) { return track.map_id >= 0; });
-  };
-  EXPECT_EQ(named(forgotten), 0);
-  // As mapping_process sends it: the keyframes that the tracker knows, under other names.
-  ASSERT_TRUE(odometry_.Adopt(map_.map(), 1, map_.map().keyframes().rbegin()->second.session_keyframe_id));
-  EXPECT_GT(named(Track(See(world_, 61, 0.3))), 30);
-}
-
 TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
   EXPECT_FALSE(odometry_.Relocalise(map_.map(), 1000, SE3()));
 }

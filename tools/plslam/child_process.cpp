@@ -9,12 +9,23 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <fstream>
 #include <stdexcept>
 
 namespace plslam {
 namespace {
 
 double Seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
+
+/// Of a process that runs; nothing where it has just ended.
+std::optional<double> PeakMemory_mb(pid_t pid) {
+  std::ifstream status(fmt::format("/proc/{}/status", pid));
+  for (std::string word; status >> word;) {
+    double kib = 0.0;
+    if (word == "VmHWM:" && status >> kib) return kib * 1024e-6;
+  }
+  return std::nullopt;
+}
 
 /// posix_spawn's two bundles of wishes, freed at the end of the scope.
 struct SpawnWishes {
@@ -74,9 +85,14 @@ std::optional<ChildExit> ChildProcess::Poll() { return exit_ ? exit_ : Wait(WNOH
 std::optional<ChildExit> ChildProcess::Wait(int options) {
   int status = 0;
   rusage used{};
-  if (wait4(pid_, &status, options, &used) != pid_) return std::nullopt;
+  if (wait4(pid_, &status, options, &used) != pid_) {
+    if (const auto peak_mb = PeakMemory_mb(pid_)) peak_memory_mb_ = peak_mb;
+    return std::nullopt;
+  }
+  // Its ru_maxrss counts what we had when we started it.
+  const double peak_mb = peak_memory_mb_.value_or(static_cast<double>(used.ru_maxrss) * 1024e-6);
   exit_ = ChildExit{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-                    Seconds(used.ru_utime) + Seconds(used.ru_stime), static_cast<double>(used.ru_maxrss) * 1024e-6};
+                    Seconds(used.ru_utime) + Seconds(used.ru_stime), peak_mb};
   return exit_;
 }
 

@@ -13,7 +13,7 @@ namespace plslam {
 struct ChildExit {
   int code = 0;  ///< exit code, or 128 + signal as shells count
   double cpu_s = 0.0;
-  double peak_memory_mb = 0.0;
+  double peak_memory_mb = 0.0;  ///< as of the last `Poll` while it ran
 };
 
 /// A running program in a process group of its own (a Ctrl-C on the terminal reaches only the launcher, which then
@@ -38,6 +38,7 @@ class ChildProcess {
 
   pid_t pid_ = -1;
   std::optional<ChildExit> exit_;
+  std::optional<double> peak_memory_mb_;
 };
 
 }  // namespace plslam

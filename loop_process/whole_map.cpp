@@ -4,7 +4,6 @@
 #include <map>
 #include <set>
 
-#include "core/map/keyframe_names.h"
 #include "core/optim/bundle_sights.h"
 
 namespace plslam {
@@ -65,7 +64,7 @@ void AddPoses(const Map& map, const KeyframeFeatures& features, double relative_
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (!features.contains(id)) continue;
     places[id] = static_cast<int>(problem.keyframes.size());
-    problem.keyframes.push_back(id);
+    problem.keyframes.push_back({id, keyframe.session, keyframe.session_keyframe_id});
     problem.bundle.poses.push_back({keyframe.T_w_kf, problem.bundle.poses.empty()});
     const auto previous = places.find(keyframe.previous_id);
     if (previous == places.end()) continue;
@@ -82,7 +81,6 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
   problem.bundle.camera = camera;
   Places poses;
   AddPoses(map, features, options.relative_sigma, poses, problem);
-  problem.names = NamesIn(map, problem.keyframes);
   const auto points = Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe);
   const auto lines = Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe);
   for (const int64_t id : points) problem.bundle.points.push_back({map.FindPoint(id)->p_w});
@@ -104,9 +102,9 @@ LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions
   const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop);
   if (!result.ok) return closure;
   for (size_t i = 0; i < problem.keyframes.size(); ++i) {
-    closure.poses.push_back({problem.keyframes[i], result.T_w_c[i]});
+    closure.poses.push_back({problem.keyframes[i].keyframe_id, result.T_w_c[i]});
   }
-  closure.names = problem.names;
+  closure.names = problem.keyframes;
   return closure;
 }
 

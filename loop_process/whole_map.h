@@ -21,8 +21,7 @@ struct WholeMapProblem {
   int64_t t_ns = 0;
   int64_t map_source = 0;
   int64_t map_version = 0;
-  std::vector<int64_t> keyframes;
-  std::vector<KeyframeName> names;
+  std::vector<KeyframeName> keyframes;
   BundleProblem bundle;
 };
 

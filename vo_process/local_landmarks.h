@@ -26,6 +26,12 @@ struct LocalLandmarks {
   int64_t next_point_id = 0;
   int64_t next_line_id = 0;
 
+  /// New landmarks are numbered from where the others have come to.
+  void NumberBehind(const LocalLandmarks& others) {
+    next_point_id = others.next_point_id;
+    next_line_id = others.next_line_id;
+  }
+
   void Update(const SE3& T_odom_c, const FrameMatches& matches, TrackedFrame& frame) {
     points.Update(T_odom_c, matches.points, frame);
     lines.Update(T_odom_c, matches.lines, frame);

@@ -151,8 +151,7 @@ std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame
   auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, ExpectedWeight(), refiner_);
   const double share = dormant_->n_lost <= kSoonFrames ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
-  dormant_->landmarks.next_point_id = landmarks_.next_point_id;
-  dormant_->landmarks.next_line_id = landmarks_.next_line_id;
+  dormant_->landmarks.NumberBehind(landmarks_);
   landmarks_ = std::move(dormant_->landmarks);
   dormant_.reset();
   relocalised_.reset();

@@ -20,11 +20,9 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   }
   // While lost, the map is about the landmarks from before; names are drawn from one source.
   LocalLandmarks& before = dormant_->landmarks;
-  before.next_point_id = landmarks_.next_point_id;
-  before.next_line_id = landmarks_.next_line_id;
+  before.NumberBehind(landmarks_);
   before.Adopt(*patch, keep_own);
-  landmarks_.next_point_id = before.next_point_id;
-  landmarks_.next_line_id = before.next_line_id;
+  landmarks_.NumberBehind(before);
   return true;
 }
 
@@ -52,12 +50,10 @@ bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_
   if (!patch) return false;
   relocalised_ = Relocalised{LocalLandmarks(camera_, options_), T_w_odom};
   LocalLandmarks& landmarks = relocalised_->landmarks;
-  landmarks.next_point_id = landmarks_.next_point_id;
-  landmarks.next_line_id = landmarks_.next_line_id;
+  landmarks.NumberBehind(landmarks_);
   landmarks.Adopt(*patch, false);
   landmarks.CountAsSeen();
-  landmarks_.next_point_id = landmarks.next_point_id;
-  landmarks_.next_line_id = landmarks.next_line_id;
+  landmarks_.NumberBehind(landmarks);
   return true;
 }
 
@@ -67,8 +63,7 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
   auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
   if (!found || found->weak) return std::nullopt;
   const bool was_lost = !KeepOdometry(frame, prediction, *found, place);
-  place.landmarks.next_point_id = landmarks_.next_point_id;
-  place.landmarks.next_line_id = landmarks_.next_line_id;
+  place.landmarks.NumberBehind(landmarks_);
   landmarks_ = std::move(place.landmarks);
   T_w_odom_ = place.T_w_odom;
   is_in_map_ = true;

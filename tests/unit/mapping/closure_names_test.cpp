@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "core/map/keyframe_names.h"
 
 namespace plslam {
@@ -15,32 +17,24 @@ SE3 PoseOf(int64_t i) {
   return SE3::Exp(static_cast<double>(i) * twist);
 }
 
-MapKeyframe KeyframeOf(int64_t id, int64_t session, int64_t number) {
-  MapKeyframe keyframe;
-  keyframe.id = id;
-  keyframe.session = session;
-  keyframe.session_keyframe_id = number;
-  keyframe.T_w_kf = PoseOf(id);
-  return keyframe;
+Map MapOf(const std::vector<KeyframeName>& names) {
+  Map map;
+  for (const KeyframeName& name : names) {
+    MapKeyframe keyframe;
+    keyframe.id = name.keyframe_id;
+    keyframe.session = name.session;
+    keyframe.session_keyframe_id = name.session_keyframe_id;
+    keyframe.T_w_kf = PoseOf(name.keyframe_id);
+    map.Put(keyframe);
+  }
+  return map;
 }
 
 /// Two keyframes of a tracker that was killed, and the first one of the next, which came at last.
-Map Before() {
-  Map map;
-  map.Put(KeyframeOf(0, 7, 0));
-  map.Put(KeyframeOf(1, 7, 1));
-  map.Put(KeyframeOf(2, 8, 0));
-  return map;
-}
+Map Before() { return MapOf({{0, 7, 0}, {1, 7, 1}, {2, 8, 0}}); }
 
 /// The same, heard again in another order.
-Map After() {
-  Map map;
-  map.Put(KeyframeOf(0, 7, 0));
-  map.Put(KeyframeOf(1, 8, 0));
-  map.Put(KeyframeOf(2, 7, 1));
-  return map;
-}
+Map After() { return MapOf({{0, 7, 0}, {1, 8, 0}, {2, 7, 1}}); }
 
 LoopClosure ClosureOn(const Map& map) {
   LoopClosure closure;

@@ -18,13 +18,15 @@ class Ids {
     for (const auto& [id, keyframe] : map.keyframes()) by_name[{keyframe.session, keyframe.session_keyframe_id}] = id;
     for (const KeyframeName& name : names) {
       const auto here = by_name.find({name.session, name.session_keyframe_id});
-      if (here == by_name.end()) continue;
-      ids_[name.keyframe_id] = here->second;
-      differ_ = differ_ || here->second != name.keyframe_id;
+      if (here != by_name.end()) ids_[name.keyframe_id] = here->second;
+      const int64_t id_here = here != by_name.end() ? here->second : -1;
+      // One that was culled since has none; its id is still its own, as long as no other has it.
+      differ_ =
+          differ_ || (id_here != name.keyframe_id && (id_here >= 0 || map.FindKeyframe(name.keyframe_id) != nullptr));
     }
   }
 
-  /// A keyframe has another id here.
+  /// A keyframe has another id here, or its id is that of another.
   bool differ() const { return differ_; }
 
   std::optional<int64_t> Here(int64_t id) const {
@@ -55,6 +57,7 @@ std::optional<LoopEdge> Translated(const LoopEdge& edge, const Ids& ids) {
 
 LoopClosure InIdsOf(const Map& map, const LoopClosure& closure) {
   const Ids ids(closure.names, map);
+  if (!ids.differ()) return closure;
   LoopClosure translated = closure;
   translated.edges.clear();
   translated.poses.clear();
@@ -70,7 +73,6 @@ LoopClosure InIdsOf(const Map& map, const LoopClosure& closure) {
   std::erase_if(translated.names, [](const KeyframeName& name) { return name.keyframe_id < 0; });
   std::sort(translated.names.begin(), translated.names.end(),
             [](const KeyframeName& a, const KeyframeName& b) { return a.keyframe_id < b.keyframe_id; });
-  if (!ids.differ()) return translated;
   translated.points.clear();
   translated.lines.clear();
   translated.map_version = 0;

@@ -6,10 +6,11 @@ namespace plslam {
 
 /// A correction in the ids of this map. It may have been computed on the map of a mapping_process that has died, and the
 /// one in its place, which heard the same keyframes again, perhaps numbers them in another order: sessions and numbers
-/// there tell which is which. Edges and poses of keyframes that the map does not have, or that bear no name, are left out.
+/// there tell which is which. Where none differs, the correction as it is: also with keyframes that were culled since, whose
+/// ids are given to no other.
 ///
-/// Landmarks bear no such names: where a keyframe has another id here, pairs of them are left out too, and so is the
-/// version; what they would have joined is found by projection.
+/// Where one differs, edges and poses of keyframes that the map does not have, or that bear no name, are left out; and,
+/// since landmarks bear no names, all pairs of them and the version: what they would have joined is found by projection.
 LoopClosure InIdsOf(const Map& map, const LoopClosure& closure);
 
 }  // namespace plslam

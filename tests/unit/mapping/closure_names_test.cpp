@@ -106,16 +106,36 @@ TEST(ClosureNames, AnEdgeWhoseEndsChangeOrderIsTurned) {
   EXPECT_EQ(edge.n_points, 80);
 }
 
-TEST(ClosureNames, WhatTheMapDoesNotHaveOrIsNotNamedIsLeftOut) {
+TEST(ClosureNames, OfAMapBuiltAnewWhatItDoesNotHaveOrIsNotNamedIsLeftOut) {
   LoopClosure closure = ClosureOn(Before());
   closure.names.erase(closure.names.begin());
-  Map map = Before();
-  map.RemoveKeyframe(2);
+  Map map = After();
+  map.RemoveKeyframe(1);  // the one that was 2
   const LoopClosure here = InIdsOf(map, closure);
   EXPECT_TRUE(here.edges.empty());
   ASSERT_EQ(here.poses.size(), 1U);
-  EXPECT_EQ(here.poses[0].keyframe_id, 1);
-  EXPECT_THAT(here.names, ElementsAre(KeyframeName{1, 7, 1}));
+  EXPECT_EQ(here.poses[0].keyframe_id, 2);
+  EXPECT_THAT(here.names, ElementsAre(KeyframeName{2, 7, 1}));
+}
+
+// Found in the milliseconds before: its edge may still be of use to who carries the culled one along.
+TEST(ClosureNames, AKeyframeThatWasCulledSinceChangesNothing) {
+  const LoopClosure closure = ClosureOn(Before());
+  Map map = Before();
+  map.RemoveKeyframe(2);
+  const LoopClosure here = InIdsOf(map, closure);
+  EXPECT_EQ(here.edges.size(), 1U);
+  EXPECT_EQ(here.poses.size(), 3U);
+  EXPECT_EQ(here.points, closure.points);
+  EXPECT_EQ(here.map_version, 31);
+}
+
+TEST(ClosureNames, AnIdThatAnotherKeyframeHasNowDiffers) {
+  const LoopClosure closure = ClosureOn(Before());
+  const LoopClosure here = InIdsOf(MapOf({{0, 7, 0}, {1, 7, 1}, {2, 9, 0}}), closure);
+  EXPECT_TRUE(here.edges.empty());
+  EXPECT_EQ(here.poses.size(), 2U);
+  EXPECT_TRUE(here.points.empty());
 }
 
 }  // namespace

@@ -13,8 +13,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kMaxSize_px = 16384.0;
-
 // Name in the file, and ours.
 constexpr std::array<std::pair<const char*, const char*>, 6> kModels = {{{"radial-tangential", "radtan"},
                                                                          {"radtan", "radtan"},
@@ -24,8 +22,8 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kModels = {{{"radia
                                                                          {"None", "pinhole"}}};
 
 int ToPixels(const YamlMap& yaml, double value) {
-  if (!(value >= 1.0 && value <= kMaxSize_px) || value != std::floor(value)) {
-    yaml.Fail("resolution", fmt::format("{} is not a whole number from 1 to {}", value, kMaxSize_px));
+  if (!(value >= 1.0 && value <= kMaxImageSide_px) || value != std::floor(value)) {
+    yaml.Fail("resolution", fmt::format("{} is not a whole number from 1 to {}", value, kMaxImageSide_px));
   }
   return static_cast<int>(value);
 }

@@ -10,15 +10,14 @@
 namespace plslam {
 namespace {
 
-constexpr double kMaxSize_px = 16384.0;
 constexpr double kMaxRate_hz = 100000.0;
 
 ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
   if (!yaml.Has("resolution_px")) return image_size;
   const std::vector<double> size = yaml.Numbers("resolution_px", 2, 2);
   for (const double value : size) {
-    if (!(value >= 1.0 && value <= kMaxSize_px) || value != std::floor(value)) {
-      yaml.Fail("resolution_px", fmt::format("{} is not a whole number from 1 to {}", value, kMaxSize_px));
+    if (!(value >= 1.0 && value <= kMaxImageSide_px) || value != std::floor(value)) {
+      yaml.Fail("resolution_px", fmt::format("{} is not a whole number from 1 to {}", value, kMaxImageSide_px));
     }
   }
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};

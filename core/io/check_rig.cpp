@@ -9,7 +9,6 @@ namespace plslam {
 namespace {
 
 constexpr int kMinSize_px = 16;
-constexpr int kMaxSize_px = 16384;
 constexpr double kMinFocal_px = 1.0;
 constexpr double kMaxFocal_px = 1e5;
 constexpr double kMaxDistortion = 1e4;
@@ -38,11 +37,12 @@ std::string FirstOf(std::initializer_list<std::string> complaints) {
 }  // namespace
 
 std::string SizeComplaint(const CameraCalibration& camera) {
-  if (Inside(camera.width_px, kMinSize_px, kMaxSize_px) && Inside(camera.height_px, kMinSize_px, kMaxSize_px)) {
+  if (Inside(camera.width_px, kMinSize_px, kMaxImageSide_px) &&
+      Inside(camera.height_px, kMinSize_px, kMaxImageSide_px)) {
     return "";
   }
   return fmt::format("image size {} x {} is not within {} to {} pixels", camera.width_px, camera.height_px,
-                     kMinSize_px, kMaxSize_px);
+                     kMinSize_px, kMaxImageSide_px);
 }
 
 std::string FocalComplaint(const CameraCalibration& camera) {

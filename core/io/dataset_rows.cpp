@@ -39,6 +39,17 @@ std::vector<int64_t> ReadTimes(const std::string& path) {
   return times_ns;
 }
 
+Shots ReadShots(const std::string& path, const std::string& folder, int decimals, const char* columns) {
+  Shots shots;
+  ForEachDatasetRow(path, [&](const TextRow& row) {
+    RequireColumns(row, 2, columns);
+    AppendTime(row, row.Scaled(0, decimals), &shots.times_ns);
+    shots.files.push_back(FileBelow(folder, row, 1));
+  });
+  if (shots.files.empty()) throw DatasetError(path + ": lists no images");
+  return shots;
+}
+
 std::string FileBelow(const std::string& folder, const TextRow& row, size_t field) {
   const std::filesystem::path name(row.fields[field]);
   const bool climbs = std::any_of(name.begin(), name.end(), [](const auto& part) { return part == ".."; });

@@ -25,6 +25,16 @@ void AppendTime(const TextRow& row, int64_t t_ns, std::vector<int64_t>* times_ns
 /// One time in seconds a line.
 std::vector<int64_t> ReadTimes(const std::string& path);
 
+/// What a table of times and image files lists, in its order.
+struct Shots {
+  std::vector<int64_t> times_ns;
+  std::vector<std::string> files;
+};
+
+/// The table at `path`, one image a row: its time in units of 10^`decimals` ns, which increases, and its file, below
+/// `folder`. Fails where there are none, or where rows do not have these two columns (called `columns` when they fail).
+Shots ReadShots(const std::string& path, const std::string& folder, int decimals, const char* columns);
+
 /// The file of `row.fields[field]`, which must lie below `folder`: no absolute path, no "..".
 std::string FileBelow(const std::string& folder, const TextRow& row, size_t field);
 

@@ -15,26 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMaxPairing_ns = 500'000;
-constexpr int64_t kMaxGap_ns = 150'000'000;
-
-struct Shots {
-  std::vector<int64_t> times_ns;
-  std::vector<std::string> files;
-};
+constexpr int64_t kMaxStereoPairing_ns = 500'000;
 
 fs::path Mav(const fs::path& folder) { return fs::exists(folder / "mav0") ? folder / "mav0" : folder; }
 
-Shots ReadShots(const fs::path& camera) {
-  Shots shots;
-  const std::string data = (camera / "data").string();
-  ForEachDatasetRow((camera / "data.csv").string(), [&](const TextRow& row) {
-    RequireColumns(row, 2, "time in nanoseconds and file name");
-    AppendTime(row, row.Scaled(0, 0), &shots.times_ns);
-    shots.files.push_back(FileBelow(data, row, 1));
-  });
-  if (shots.files.empty()) throw DatasetError((camera / "data.csv").string() + ": lists no images");
-  return shots;
+Shots CameraShots(const fs::path& camera) {
+  return ReadShots((camera / "data.csv").string(), (camera / "data").string(), 0,
+                   "time in nanoseconds and file name");
 }
 
 // Both lists increase, so that one walk over the two finds all pairs.
@@ -43,16 +30,16 @@ std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right) {
   size_t r = 0;
   for (size_t l = 0; l < left.files.size(); ++l) {
     const int64_t t_ns = left.times_ns[l];
-    while (r < right.files.size() && right.times_ns[r] < t_ns && t_ns - right.times_ns[r] > kMaxPairing_ns) ++r;
+    while (r < right.files.size() && right.times_ns[r] < t_ns && t_ns - right.times_ns[r] > kMaxStereoPairing_ns) ++r;
     if (r == right.files.size()) break;
-    if (right.times_ns[r] > t_ns && right.times_ns[r] - t_ns > kMaxPairing_ns) continue;
+    if (right.times_ns[r] > t_ns && right.times_ns[r] - t_ns > kMaxStereoPairing_ns) continue;
     entries.push_back({t_ns, left.files[l], right.files[r], ""});
     ++r;
   }
   return entries;
 }
 
-void NoteUnpaired(const char* camera, size_t n, std::vector<std::string>* notes) {
+void NoteUnpairedImages(const char* camera, size_t n, std::vector<std::string>* notes) {
   if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are passed over", n, camera));
 }
 
@@ -63,7 +50,7 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const std::vect
   if (!fs::exists(path)) return poses;
   const Trajectory body = ReadDatasetTrajectory(path.string(), TrajectoryFormat::kEuroc);
   for (const ImageList::Entry& entry : entries) {
-    const std::optional<SE3> T_w_b = InterpolatePose(body, entry.t_ns, kMaxGap_ns);
+    const std::optional<SE3> T_w_b = InterpolatePose(body, entry.t_ns, kMaxTruthGap_ns);
     poses.push_back(T_w_b ? std::optional<SE3>(*T_w_b * T_b_l) : std::nullopt);
   }
   return poses;
@@ -85,14 +72,14 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   ImageList list;
   list.name = folder;
   list.rig = ReadRig(mav);
-  const Shots left = ReadShots(mav / "cam0");
-  const Shots right = ReadShots(mav / "cam1");
+  const Shots left = CameraShots(mav / "cam0");
+  const Shots right = CameraShots(mav / "cam1");
   list.entries = Pair(left, right);
   if (list.entries.empty()) {
     throw DatasetError((mav / "cam1" / "data.csv").string() + ": no image has the time of one of cam0");
   }
-  NoteUnpaired("cam0", left.files.size() - list.entries.size(), &list.notes);
-  NoteUnpaired("cam1", right.files.size() - list.entries.size(), &list.notes);
+  NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
+  NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);
   list.image_size = LearnImageSize(list.entries);
   list.ground_truth = GroundTruth(mav, list.entries, list.rig.left.T_b_cam);
   return MakeImageListDataset(std::move(list), (mav / "cam1" / "sensor.yaml").string());

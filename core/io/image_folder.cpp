@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<std::string_view, 4> kExtensions = {".png", ".jpg", ".jpeg", ".pgm"};
+constexpr std::array<std::string_view, 4> kImageExtensions = {".png", ".jpg", ".jpeg", ".pgm"};
 constexpr std::string_view kDigits = "0123456789";
 
 bool IsImage(const fs::path& path) {
@@ -21,7 +21,7 @@ bool IsImage(const fs::path& path) {
   std::string extension = path.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+  return std::find(kImageExtensions.begin(), kImageExtensions.end(), extension) != kImageExtensions.end();
 }
 
 // The characters of `set` that end at `last`.

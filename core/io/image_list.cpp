@@ -10,8 +10,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kNsPerS = 1e9;
-
 class ImageListDataset : public Dataset {
  public:
   explicit ImageListDataset(ImageList list) : list_(std::move(list)) {}
@@ -48,7 +46,7 @@ double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallba
   for (size_t i = 1; i < entries.size(); ++i) steps_ns.push_back(entries[i].t_ns - entries[i - 1].t_ns);
   const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
   std::nth_element(steps_ns.begin(), middle, steps_ns.end());
-  return kNsPerS / static_cast<double>(*middle);
+  return 1e9 / static_cast<double>(*middle);
 }
 
 }  // namespace

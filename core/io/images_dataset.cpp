@@ -18,8 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMaxGap_ns = 150'000'000;
-
 struct FolderNames {
   const char* left;
   const char* right;
@@ -76,7 +74,7 @@ std::vector<std::optional<SE3>> Interpolated(const std::string& path, const std:
   const Trajectory truth = ReadDatasetTrajectory(path, TrajectoryFormat::kTum);
   std::vector<std::optional<SE3>> poses;
   poses.reserve(entries.size());
-  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxGap_ns));
+  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxTruthGap_ns));
   return poses;
 }
 

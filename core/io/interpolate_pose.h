@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "core/io/trajectory.h"
 
 namespace plslam {
+
+/// The largest gap of a ground truth that datasets interpolate over.
+inline constexpr int64_t kMaxTruthGap_ns = 150'000'000;
 
 /// Pose at a time between two poses of a trajectory: translation on the straight line, rotation on the great arc. nullopt
 /// before the first and after the last pose, and where the two are further apart than `max_gap_ns`: nothing is

@@ -19,7 +19,7 @@ using Projection = Eigen::Matrix<double, 3, 4>;
 
 // Numbers of the left camera of a pair; the right one has the next.
 constexpr std::array<int, 2> kLeftCameras = {0, 2};
-constexpr std::array<const char*, 5> kExtensions = {".png", ".jpg", ".jpeg", ".pgm", ".PNG"};
+constexpr std::array<const char*, 5> kFrameExtensions = {".png", ".jpg", ".jpeg", ".pgm", ".PNG"};
 
 std::string ImageFolder(const std::string& folder, int camera) {
   return (fs::path(folder) / fmt::format("image_{}", camera)).string();
@@ -88,7 +88,7 @@ RigCalibration ReadRig(const std::string& path, int left) {
 std::string NamePattern(const std::string& folder, size_t n_frames) {
   for (size_t i = 0; i < n_frames; ++i) {
     for (const int digits : {6, 10}) {
-      for (const char* extension : kExtensions) {
+      for (const char* extension : kFrameExtensions) {
         std::string pattern = fmt::format("{{:0{}}}{}", digits, extension);
         if (fs::exists(fs::path(folder) / fmt::format(fmt::runtime(pattern), i))) return pattern;
       }

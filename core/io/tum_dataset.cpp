@@ -18,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t kMaxPairing_ns = 20'000'000;
-constexpr int64_t kMaxGap_ns = 150'000'000;
+constexpr int64_t kMaxDepthPairing_ns = 20'000'000;
 constexpr double kDepthUnitsPerM = 5000.0;
 
 // Calibration of the colour cameras as TUM's "file formats" page gives it; 640 x 480 pixels. Depth maps are registered
@@ -36,21 +35,8 @@ constexpr std::array<KnownCamera, 3> kKnownCameras = {
      {"freiburg3", "fr3", 535.4, 539.2, 320.1, 247.6, {0.0, 0.0, 0.0, 0.0, 0.0}}}};
 constexpr ImageSize kKnownSize{640, 480};
 
-struct Shots {
-  std::vector<int64_t> times_ns;
-  std::vector<std::string> files;
-};
-
-Shots ReadShots(const std::string& folder, const char* name) {
-  Shots shots;
-  const std::string path = (fs::path(folder) / name).string();
-  ForEachDatasetRow(path, [&](const TextRow& row) {
-    RequireColumns(row, 2, "time in seconds and file name");
-    AppendTime(row, row.Scaled(0, 9), &shots.times_ns);
-    shots.files.push_back(FileBelow(folder, row, 1));
-  });
-  if (shots.files.empty()) throw DatasetError(path + ": lists no images");
-  return shots;
+Shots ReadList(const std::string& folder, const char* name) {
+  return ReadShots((fs::path(folder) / name).string(), folder, 9, "time in seconds and file name");
 }
 
 std::vector<ImageList::Entry> ReadAssociations(const std::string& folder, const std::string& path) {
@@ -67,21 +53,21 @@ std::vector<ImageList::Entry> ReadAssociations(const std::string& folder, const 
   return entries;
 }
 
-void NoteUnpaired(const char* what, size_t n, std::vector<std::string>* notes) {
+void NoteUnpairedShots(const char* what, size_t n, std::vector<std::string>* notes) {
   if (n > 0) notes->push_back(fmt::format("{} {} have no partner within 20 ms and are passed over", n, what));
 }
 
 void PairByTime(const std::string& folder, ImageList* list) {
-  const Shots colour = ReadShots(folder, "rgb.txt");
-  const Shots depth = ReadShots(folder, "depth.txt");
-  for (const auto& [c, d] : AssociateTimes(colour.times_ns, depth.times_ns, kMaxPairing_ns)) {
+  const Shots colour = ReadList(folder, "rgb.txt");
+  const Shots depth = ReadList(folder, "depth.txt");
+  for (const auto& [c, d] : AssociateTimes(colour.times_ns, depth.times_ns, kMaxDepthPairing_ns)) {
     list->entries.push_back({colour.times_ns[c], colour.files[c], depth.files[d], ""});
   }
   if (list->entries.empty()) {
     throw DatasetError((fs::path(folder) / "depth.txt").string() + ": no depth map within 20 ms of a colour image");
   }
-  NoteUnpaired("colour images", colour.files.size() - list->entries.size(), &list->notes);
-  NoteUnpaired("depth maps", depth.files.size() - list->entries.size(), &list->notes);
+  NoteUnpairedShots("colour images", colour.files.size() - list->entries.size(), &list->notes);
+  NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
 }
 
 RigCalibration KnownRig(const std::string& folder, const ImageSize& size) {
@@ -118,7 +104,7 @@ std::vector<std::optional<SE3>> GroundTruth(const std::string& folder, const std
   std::vector<std::optional<SE3>> poses;
   if (!fs::exists(path)) return poses;
   const Trajectory camera = ReadDatasetTrajectory(path.string(), TrajectoryFormat::kTum);
-  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(camera, entry.t_ns, kMaxGap_ns));
+  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(camera, entry.t_ns, kMaxTruthGap_ns));
   return poses;
 }
 

@@ -19,7 +19,7 @@ namespace {
 constexpr size_t kMaxBytes = 65536;
 constexpr size_t kMaxShown = 40;
 // Calibration files give six digits and more.
-constexpr double kRotationTolerance = 1e-3;
+constexpr double kOrthogonalityTolerance = 1e-3;
 
 // Untrusted text in a message: short, and printable.
 std::string Shown(std::string text) {
@@ -158,9 +158,9 @@ std::string TransformFrom(const std::vector<double>& rows, SE3* T) {
   for (int i = 0; i < 12; ++i) m(i / 4, i % 4) = rows[static_cast<size_t>(i)];
   const Eigen::Matrix3d R = m.leftCols<3>();
   const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kRotationTolerance) || !(R.determinant() > 0.0)) {
+  if (!(error <= kOrthogonalityTolerance) || !(R.determinant() > 0.0)) {
     return fmt::format("is no rotation (determinant {:.6g}, off by {:.3g}, at most {})", R.determinant(), error,
-                       kRotationTolerance);
+                       kOrthogonalityTolerance);
   }
   if (!m.col(3).allFinite()) return "is not finite";
   if (rows.size() == 16 && (rows[12] != 0.0 || rows[13] != 0.0 || rows[14] != 0.0 || rows[15] != 1.0)) {

@@ -10,7 +10,7 @@ namespace plslam {
 namespace {
 
 /// Pixels that fill a vector register.
-constexpr int kBlock = 32;
+constexpr int kScoreBlock = 32;
 
 uint8_t Min(uint8_t a, uint8_t b) { return a < b ? a : b; }
 uint8_t Max(uint8_t a, uint8_t b) { return a < b ? b : a; }
@@ -152,7 +152,7 @@ void FastScores(const cv::Mat& image, cv::Mat& scores) {
       continue;
     }
     std::fill_n(out, kFastRadius_px, static_cast<uint8_t>(0));
-    InWholeBlocks<kBlock>(count, [&](int begin, int n) {
+    InWholeBlocks<kScoreBlock>(count, [&](int begin, int n) {
       const uint8_t* row = image.ptr<uint8_t>(y) + kFastRadius_px + begin;
       ScoreRow(row, CircleAround(row, image.step), n, out + kFastRadius_px + begin);
     });
@@ -166,7 +166,7 @@ void SuppressNonMaxima(const cv::Mat& scores, int min_score, cv::Mat& maxima) {
     auto* out = maxima.ptr<uint8_t>(y);
     std::fill_n(out, scores.cols, static_cast<uint8_t>(0));
     if (y == 0 || y == scores.rows - 1 || scores.cols < 3) continue;
-    InWholeBlocks<kBlock>(scores.cols - 2, [&](int begin, int n) {
+    InWholeBlocks<kScoreBlock>(scores.cols - 2, [&](int begin, int n) {
       const uint8_t* row = scores.ptr<uint8_t>(y) + 1 + begin;
       SuppressRow(row - scores.step, row, row + scores.step, n, static_cast<uint8_t>(std::clamp(min_score, 1, 255)),
                   out + 1 + begin);

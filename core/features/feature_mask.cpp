@@ -8,13 +8,13 @@ namespace plslam {
 namespace {
 
 // Descriptors and gradients reach this far around a feature.
-constexpr int kMargin_px = 8;
+constexpr int kMaskMargin_px = 8;
 
 }  // namespace
 
 FeatureMask::FeatureMask(const cv::Mat& seen) {
   if (seen.empty()) return;
-  const int size = 2 * kMargin_px + 1;
+  const int size = 2 * kMaskMargin_px + 1;
   cv::erode(seen, inside_, cv::Mat::ones(size, size, CV_8U), cv::Point(-1, -1), 1, cv::BORDER_CONSTANT,
             cv::Scalar(255));
 }

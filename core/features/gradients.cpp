@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kPad = 2;
 /// Pixels of a row that vector code does at a time.
-constexpr int kBlock = 32;
+constexpr int kGradientBlock = 32;
 
 /// Column sums of five rows: `smooth` [1 4 6 4 1] and `slope` [-1 -2 0 2 1].
 PLSLAM_AVX2_CLONES void CombineRows(const uint8_t* const rows[5], int width, int16_t* __restrict smooth,
@@ -54,7 +54,7 @@ void ComputeGradients(const cv::Mat& image, Gradients& out) {
   int16_t* smooth = buffer.data() + kPad;
   int16_t* slope = smooth + buffer.size() / 2;
   for (int y = 0; y < height; ++y) {
-    InWholeBlocks<kBlock>(width, [&](int begin, int n) {
+    InWholeBlocks<kGradientBlock>(width, [&](int begin, int n) {
       const uint8_t* rows[5];
       for (int i = 0; i < 5; ++i) rows[i] = image.ptr<uint8_t>(std::clamp(y + i - 2, 0, height - 1)) + begin;
       CombineRows(rows, n, smooth + begin, slope + begin);
@@ -63,7 +63,7 @@ void ComputeGradients(const cv::Mat& image, Gradients& out) {
     RepeatEnds(slope, width);
     auto* dx = out.dx.ptr<int16_t>(y);
     auto* dy = out.dy.ptr<int16_t>(y);
-    InWholeBlocks<kBlock>(
+    InWholeBlocks<kGradientBlock>(
         width, [&](int begin, int n) { CombineColumns(smooth + begin, slope + begin, n, dx + begin, dy + begin); });
   }
 }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kPlaceBits = 16;
 constexpr int kAxisBits = 14;
-constexpr int kHalf = kLbdRows / 2;
+constexpr int kHalfRows = kLbdRows / 2;
 constexpr size_t kSampleCount = size_t{kLbdRows} * kLbdSamples;
 static_assert(kLbdRows % 2 == 1 && kLbdBandWidth % 2 == 1, "rows and bands have a middle");
 
@@ -33,7 +33,7 @@ Lattice MakeLattice(const Segment2& segment, const Eigen::Vector2d& direction, i
   const Eigen::Vector2d step = (segment.q - segment.p) / count;
   const Eigen::Vector2d row(-direction.y(), direction.x());
   // Half a pixel, so that cutting the fraction off rounds.
-  const Eigen::Vector2d start = segment.p + 0.5 * step - kHalf * row + Eigen::Vector2d(0.5, 0.5);
+  const Eigen::Vector2d start = segment.p + 0.5 * step - kHalfRows * row + Eigen::Vector2d(0.5, 0.5);
   return {Fixed(start.x(), kPlaceBits), Fixed(start.y(), kPlaceBits), Fixed(step.x(), kPlaceBits),
           Fixed(step.y(), kPlaceBits),  Fixed(row.x(), kPlaceBits),   Fixed(row.y(), kPlaceBits)};
 }
@@ -146,7 +146,7 @@ std::array<LbdRow, kLbdRows> LbdRows(const Gradients& gradients, const Segment2&
 std::array<LbdBand, kLbdBands> LbdBands(const std::array<LbdRow, kLbdRows>& rows) {
   std::array<std::array<int64_t, kLbdChannels>, kLbdRows> weighted{};
   for (int r = 0; r < kLbdRows; ++r) {
-    const int64_t weight = 2 * kHalf - std::abs(r - kHalf);
+    const int64_t weight = 2 * kHalfRows - std::abs(r - kHalfRows);
     for (size_t c = 0; c < kLbdChannels; ++c) {
       weighted[static_cast<size_t>(r)][c] = (weight * rows[static_cast<size_t>(r)][c]) >> 6;
     }

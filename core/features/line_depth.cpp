@@ -9,8 +9,8 @@
 namespace plslam {
 namespace {
 
-constexpr int kMinSamples = 8;
-constexpr int kMaxSamples = 64;
+constexpr int kMinDepthSamples = 8;
+constexpr int kMaxDepthSamples = 64;
 constexpr double kMinKnownShare = 0.5;
 constexpr double kMinInlierShare = 0.7;
 /// Largest gap between inliers, as a share of the segment.
@@ -19,7 +19,7 @@ constexpr double kMaxHole = 0.25;
 constexpr double kInverseDepthNoise = 1.5e-3;
 
 /// Inverse depth at a place along a segment (0 at p, 1 at q).
-struct Sample {
+struct DepthSample {
   double t;
   double inverse_m;
 };
@@ -53,10 +53,10 @@ std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector
   return sum / close;
 }
 
-std::vector<Sample> SampleAlong(const cv::Mat& depth, const Segment2& s, int count, double units_per_m) {
+std::vector<DepthSample> SampleAlong(const cv::Mat& depth, const Segment2& s, int count, double units_per_m) {
   const Eigen::Vector2d step = s.q - s.p;
   const Eigen::Vector2d normal = Eigen::Vector2d(-step.y(), step.x()).normalized();
-  std::vector<Sample> samples;
+  std::vector<DepthSample> samples;
   for (int i = 0; i < count; ++i) {
     const double t = (i + 0.5) / count;
     const auto inverse = InverseDepthNear(depth, s.p + t * step, normal, units_per_m);
@@ -74,14 +74,15 @@ struct DepthLine {
 
 double Tolerance(double inverse_m) { return 3.0 * kInverseDepthNoise + 0.02 * inverse_m; }
 
-int CountInliers(const std::vector<Sample>& samples, const DepthLine& line) {
+int CountInliers(const std::vector<DepthSample>& samples, const DepthLine& line) {
   int count = 0;
-  for (const Sample& s : samples) count += std::abs(s.inverse_m - line.At(s.t)) <= Tolerance(s.inverse_m) ? 1 : 0;
+  for (const DepthSample& s : samples)
+    count += std::abs(s.inverse_m - line.At(s.t)) <= Tolerance(s.inverse_m) ? 1 : 0;
   return count;
 }
 
 /// The line through two samples that most agree with; all pairs of up to sixteen of them are tried.
-DepthLine MostAgreed(const std::vector<Sample>& samples) {
+DepthLine MostAgreed(const std::vector<DepthSample>& samples) {
   DepthLine best{samples.front().inverse_m, 0.0};
   int most = CountInliers(samples, best);
   const size_t stride = std::max<size_t>(1, samples.size() / 16);
@@ -106,10 +107,10 @@ struct FittedDepth {
   double sigma_q = 0.0;
 };
 
-std::optional<FittedDepth> LeastSquares(const std::vector<Sample>& inliers) {
+std::optional<FittedDepth> LeastSquares(const std::vector<DepthSample>& inliers) {
   const double n = static_cast<double>(inliers.size());
   double t = 0, y = 0, tt = 0, ty = 0;
-  for (const Sample& s : inliers) {
+  for (const DepthSample& s : inliers) {
     t += s.t;
     y += s.inverse_m;
     tt += s.t * s.t;
@@ -121,7 +122,7 @@ std::optional<FittedDepth> LeastSquares(const std::vector<Sample>& inliers) {
   fit.line.b = (ty - t * y / n) / spread;
   fit.line.a = (y - fit.line.b * t) / n;
   double squares = 0.0;
-  for (const Sample& s : inliers) squares += (s.inverse_m - fit.line.At(s.t)) * (s.inverse_m - fit.line.At(s.t));
+  for (const DepthSample& s : inliers) squares += (s.inverse_m - fit.line.At(s.t)) * (s.inverse_m - fit.line.At(s.t));
   const double noise = std::max(std::sqrt(squares / (n - 2.0)), kInverseDepthNoise);
   const auto sigma = [&](double place) {
     return noise * std::sqrt(1.0 / n + (place - t / n) * (place - t / n) / spread);
@@ -133,26 +134,26 @@ std::optional<FittedDepth> LeastSquares(const std::vector<Sample>& inliers) {
   return fit;
 }
 
-bool CoversSegment(const std::vector<Sample>& inliers) {
+bool CoversSegment(const std::vector<DepthSample>& inliers) {
   double last = 0.0;
-  for (const Sample& s : inliers) {
+  for (const DepthSample& s : inliers) {
     if (s.t - last > kMaxHole) return false;
     last = s.t;
   }
   return 1.0 - last <= kMaxHole;
 }
 
-std::optional<FittedDepth> FitDepth(const std::vector<Sample>& samples, int tried) {
-  if (static_cast<int>(samples.size()) < std::max<int>(kMinSamples, static_cast<int>(kMinKnownShare * tried))) {
+std::optional<FittedDepth> FitDepth(const std::vector<DepthSample>& samples, int tried) {
+  if (static_cast<int>(samples.size()) < std::max<int>(kMinDepthSamples, static_cast<int>(kMinKnownShare * tried))) {
     return std::nullopt;
   }
   const DepthLine agreed = MostAgreed(samples);
-  std::vector<Sample> inliers;
-  for (const Sample& s : samples) {
+  std::vector<DepthSample> inliers;
+  for (const DepthSample& s : samples) {
     if (std::abs(s.inverse_m - agreed.At(s.t)) <= Tolerance(s.inverse_m)) inliers.push_back(s);
   }
   const bool enough = static_cast<double>(inliers.size()) >= kMinInlierShare * static_cast<double>(samples.size());
-  if (!enough || inliers.size() < kMinSamples || !CoversSegment(inliers)) return std::nullopt;
+  if (!enough || inliers.size() < kMinDepthSamples || !CoversSegment(inliers)) return std::nullopt;
   return LeastSquares(inliers);
 }
 
@@ -166,7 +167,7 @@ void AttachDepthToLines(std::vector<StereoLine>& lines, const cv::Mat& depth16, 
     const Segment2& s = line.left.segment;
     const double length = s.Length();
     if (!s.p.allFinite() || !s.q.allFinite() || !(length > 0.0)) continue;
-    const int count = std::clamp(static_cast<int>(length), kMinSamples, kMaxSamples);
+    const int count = std::clamp(static_cast<int>(length), kMinDepthSamples, kMaxDepthSamples);
     const auto fit = FitDepth(SampleAlong(depth16, s, count, depth_units_per_m), count);
     if (!fit) continue;
     const double fb = camera.FocalBaseline();

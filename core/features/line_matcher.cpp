@@ -38,9 +38,9 @@ double Overlap(const Directed& a, const Directed& b) {
   return std::min(a.length, std::max(tp, tq)) - std::max(0.0, std::min(tp, tq));
 }
 
-class Gates {
+class MatchGates {
  public:
-  explicit Gates(const LineMatchOptions& o)
+  explicit MatchGates(const LineMatchOptions& o)
       : options_(o), min_cosine_(std::cos(std::min(o.max_angle_deg, 90.0) * M_PI / 180.0)) {}
 
   bool Pass(const Directed& a, const Directed& b) const {
@@ -69,22 +69,22 @@ struct Candidate {
 constexpr int kNoRival = 257;
 constexpr double kSamePlace_px = 1.5;
 
-struct Best {
+struct BestMatch {
   const Candidate* candidate = nullptr;
   int rival_distance = kNoRival;
 };
 
-std::vector<Best> BestOf(const std::vector<Candidate>& candidates, size_t count, size_t Candidate::*side) {
-  std::vector<Best> best(count);
+std::vector<BestMatch> BestOf(const std::vector<Candidate>& candidates, size_t count, size_t Candidate::*side) {
+  std::vector<BestMatch> best(count);
   const auto nearer = [](const Candidate& x, const Candidate& y) {
     return x.distance != y.distance ? x.distance < y.distance : std::abs(x.across) < std::abs(y.across);
   };
   for (const Candidate& c : candidates) {
-    Best& b = best[c.*side];
+    BestMatch& b = best[c.*side];
     if (b.candidate == nullptr || nearer(c, *b.candidate)) b.candidate = &c;
   }
   for (const Candidate& c : candidates) {
-    Best& b = best[c.*side];
+    BestMatch& b = best[c.*side];
     if (&c == b.candidate || std::abs(c.across - b.candidate->across) <= kSamePlace_px) continue;
     b.rival_distance = std::min(b.rival_distance, c.distance);
   }
@@ -94,8 +94,8 @@ std::vector<Best> BestOf(const std::vector<Candidate>& candidates, size_t count,
 std::vector<int> Choose(const std::vector<Candidate>& candidates, size_t count_a, size_t count_b,
                         const LineMatchOptions& options) {
   std::vector<int> match(count_a, -1);
-  const std::vector<Best> of_a = BestOf(candidates, count_a, &Candidate::a);
-  const std::vector<Best> of_b = BestOf(candidates, count_b, &Candidate::b);
+  const std::vector<BestMatch> of_a = BestOf(candidates, count_a, &Candidate::a);
+  const std::vector<BestMatch> of_b = BestOf(candidates, count_b, &Candidate::b);
   for (size_t i = 0; i < count_a; ++i) {
     const Candidate* c = of_a[i].candidate;
     if (c == nullptr || of_b[c->b].candidate != c || c->distance > options.max_descriptor_distance) continue;
@@ -113,7 +113,7 @@ std::vector<int> MatchByProjection(const std::vector<PredictedLine>& predicted, 
   std::vector<Directed> found;
   found.reserve(features.size());
   for (const Feature& f : features) found.push_back(MakeDirected(FeatureOf(f).segment));
-  const Gates gates(options);
+  const MatchGates gates(options);
   std::vector<Candidate> candidates;
   for (size_t i = 0; i < predicted.size(); ++i) {
     const Directed a = MakeDirected(predicted[i].segment);

@@ -49,9 +49,9 @@ struct Pairing {
 };
 
 /// Everything that geometry has to say against a match.
-class Gates {
+class StereoGates {
  public:
-  explicit Gates(const StereoOptions& o)
+  explicit StereoGates(const StereoOptions& o)
       : options_(o),
         min_sine_(std::sin(o.line_min_angle_deg * M_PI / 180.0)),
         min_cosine_(std::cos(o.line_max_angle_difference_deg * M_PI / 180.0)) {}
@@ -109,7 +109,7 @@ std::vector<RowLine> MakeRowLines(const std::vector<LineFeature>& lines) {
 
 std::vector<Pairing> AllPairings(const std::vector<StereoLine>& left, const std::vector<RowLine>& left_rows,
                                  const std::vector<LineFeature>& right, const std::vector<RowLine>& right_rows,
-                                 const Gates& gates) {
+                                 const StereoGates& gates) {
   std::vector<Pairing> pairings;
   for (size_t i = 0; i < left.size(); ++i) {
     if (!gates.HasAngle(left_rows[i])) continue;
@@ -123,8 +123,8 @@ std::vector<Pairing> AllPairings(const std::vector<StereoLine>& left, const std:
   return pairings;
 }
 
-/// Best pairing of each line on one side, and the distance of the best that says something else.
-struct Best {
+/// BestPairing pairing of each line on one side, and the distance of the best that says something else.
+struct BestPairing {
   const Pairing* pairing = nullptr;
   int rival_distance = Descriptor{}.size() * 64 + 1;
 };
@@ -132,14 +132,14 @@ struct Best {
 /// Pieces of one edge imply the same disparity; they are no rivals.
 constexpr double kSameDisparity_px = 1.5;
 
-std::vector<Best> BestOf(const std::vector<Pairing>& pairings, size_t count, size_t Pairing::*side) {
-  std::vector<Best> best(count);
+std::vector<BestPairing> BestOf(const std::vector<Pairing>& pairings, size_t count, size_t Pairing::*side) {
+  std::vector<BestPairing> best(count);
   for (const Pairing& p : pairings) {
-    Best& b = best[p.*side];
+    BestPairing& b = best[p.*side];
     if (b.pairing == nullptr || p.distance < b.pairing->distance) b.pairing = &p;
   }
   for (const Pairing& p : pairings) {
-    Best& b = best[p.*side];
+    BestPairing& b = best[p.*side];
     const bool differs = std::abs(p.disparity - b.pairing->disparity) > kSameDisparity_px;
     if (differs) b.rival_distance = std::min(b.rival_distance, p.distance);
   }
@@ -202,16 +202,16 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
                       const cv::Mat& right_image, const StereoCamera&, const StereoOptions& options) {
   const Appearance appearance(left_image, right_image, options.line_min_similarity);
-  const Gates gates(options);
+  const StereoGates gates(options);
   const std::vector<RowLine> left_rows = MakeRowLines(left);
   const std::vector<RowLine> right_rows = MakeRowLines(right);
   const std::vector<Pairing> pairings = AllPairings(left, left_rows, right, right_rows, gates);
-  const std::vector<Best> of_left = BestOf(pairings, left.size(), &Pairing::left);
-  const std::vector<Best> of_right = BestOf(pairings, right.size(), &Pairing::right);
+  const std::vector<BestPairing> of_left = BestOf(pairings, left.size(), &Pairing::left);
+  const std::vector<BestPairing> of_right = BestOf(pairings, right.size(), &Pairing::right);
   for (size_t i = 0; i < left.size(); ++i) {
     const Pairing* p = of_left[i].pairing;
     if (p == nullptr || p->distance > options.line_max_descriptor_distance) continue;
-    const Best& back = of_right[p->right];
+    const BestPairing& back = of_right[p->right];
     const int rival = std::min(of_left[i].rival_distance, back.rival_distance);
     if (back.pairing->left != i || p->distance > options.line_max_ratio * rival) continue;
     if (!appearance.Confirms(left[i].left.segment, right_rows[p->right])) continue;

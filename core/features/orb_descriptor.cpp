@@ -12,7 +12,7 @@ namespace plslam {
 namespace {
 
 /// Pixels of a row that vector code does at a time.
-constexpr int kBlock = 32;
+constexpr int kBlurBlock = 32;
 constexpr int kPatchRow = 32;  // 31 pixels and one of weight 0, for whole vector registers
 
 /// Weights of the disc: 1 inside, and the column inside.
@@ -222,7 +222,7 @@ void BlurForBrief(const cv::Mat& image, cv::Mat& blurred) {
   for (int y = 0; y < image.rows; ++y) {
     std::array<const uint8_t*, 7> rows{};
     for (int k = 0; k < 7; ++k) rows[k] = image.ptr<uint8_t>(std::clamp(y + k - 3, 0, image.rows - 1));
-    InWholeBlocks<kBlock>(width, [&](int begin, int n) {
+    InWholeBlocks<kBlurBlock>(width, [&](int begin, int n) {
       std::array<const uint8_t*, 7> from{};
       for (int k = 0; k < 7; ++k) from[k] = rows[k] + begin;
       BlurColumns(from, n, padded.data() + 3 + begin);
@@ -232,7 +232,7 @@ void BlurForBrief(const cv::Mat& image, cv::Mat& blurred) {
       padded[width + 3 + k] = padded[width + 2];
     }
     auto* out = blurred.ptr<uint8_t>(y);
-    InWholeBlocks<kBlock>(width, [&](int begin, int n) { BlurRow(padded.data() + begin, n, out + begin); });
+    InWholeBlocks<kBlurBlock>(width, [&](int begin, int n) { BlurRow(padded.data() + begin, n, out + begin); });
   }
 }
 

@@ -12,7 +12,7 @@ namespace plslam {
 namespace {
 
 /// The disc of the orientation, and one more column that its vector code reads.
-constexpr int kMargin_px = kOrbPatchRadius_px + 1;
+constexpr int kDescriptorMargin_px = kOrbPatchRadius_px + 1;
 
 /// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep enough).
 std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
@@ -29,7 +29,7 @@ std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
 
 std::vector<Corner> OrbExtractor::FindCorners(const cv::Mat& image, int quota) {
   std::vector<Corner> corners =
-      detector_.Detect(image, options_.fast_threshold, options_.min_fast_threshold, kMargin_px);
+      detector_.Detect(image, options_.fast_threshold, options_.min_fast_threshold, kDescriptorMargin_px);
   // Shapes are looked at after a first choice, with some to spare: there may be ten times as many corners as wanted.
   corners = SpreadCorners(corners, quota + quota / 4, image.cols, image.rows);
   std::erase_if(corners, [&](const Corner& c) { return CornerRatio(image, c.x, c.y) < options_.min_corner_ratio; });

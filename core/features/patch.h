@@ -4,7 +4,7 @@
 
 namespace plslam {
 
-// Square patches of grey levels for alignment; used by patch_aligner.cpp and slant_refiner.cpp only.
+// Square patches of grey levels for alignment; used by patch_aligner.cpp, patch_tracker.cpp and slant_refiner.cpp only.
 
 inline constexpr int kHalf = 5;
 inline constexpr int kSide = 2 * kHalf + 1;
@@ -12,6 +12,8 @@ inline constexpr int kRow = 12;  // a row of the patch and one column of weight 
 inline constexpr int kPixels = kSide * kSide;
 /// Grey levels; quantisation and sensor noise hardly go below this.
 inline constexpr double kMinNoise = 1.0;
+/// Steps below this, in pixels of the patch, end a search.
+inline constexpr double kPatchConverged = 0.01;
 
 /// Column-major, so one image row is one column here.
 using Patch = Eigen::Array<float, kRow, kSide>;

@@ -11,13 +11,12 @@
 namespace plslam {
 namespace {
 
-constexpr int kMaxIterations = 8;
-constexpr double kConverged = 0.01;
-constexpr double kMaxTravel = 2.5;
+constexpr int kMaxAlignIterations = 8;
+constexpr double kMaxAlignTravel = 2.5;
 /// More means that most of the gradient is noise.
 constexpr double kMaxInflation = 3.0;
 /// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
-constexpr double kModelError = 0.05;
+constexpr double kAlignModelError = 0.05;
 /// Slant makes errors in proportion to the disparity; below this, other errors are larger.
 constexpr double kMinSlantDisparity_px = 10.0;
 
@@ -86,15 +85,15 @@ bool Inside(const cv::Mat& image, double u, double v) {
 }
 
 /// What comparing the left patch with one right patch says.
-struct Comparison {
+struct PairComparison {
   double gain = 0.0;
   double correlation = 0.0;
   double noise = 0.0;  // residual standard deviation in grey levels of the left image
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
 };
 
-Comparison Compare(const Template& t, const Patch& right) {
-  Comparison c;
+PairComparison Compare(const Template& t, const Patch& right) {
+  PairComparison c;
   const double sum = right.sum();
   const double energy = Dot(right, right) - sum * sum / kPixels;
   const double cross = Dot(t.pixels, right);
@@ -131,10 +130,10 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
   const double row_information = size_px * size_px / (sigma_row_px_ * sigma_row_px_);
   Eigen::Vector2d shift(-start, 0.0);
   Patch right;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxAlignIterations; ++iteration) {
     if (!Inside(level.right, u + shift.x(), v + shift.y())) return std::nullopt;
     Sample(level.right, u + shift.x(), v + shift.y(), right);
-    const Comparison c = Compare(patch, right);
+    const PairComparison c = Compare(patch, right);
     if (!(c.correlation > 0.0)) return std::nullopt;
     Eigen::Matrix2d hessian = patch.hessian;
     Eigen::Vector2d gradient = c.gradient;
@@ -145,8 +144,8 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     if (!(determinant > 1e-6 * hessian(0, 0) * hessian(1, 1))) return std::nullopt;
     const Eigen::Vector2d step = hessian.inverse() * gradient;
     shift -= step;
-    if (!(std::abs(shift.x() + start) <= kMaxTravel)) return std::nullopt;
-    if (step.cwiseAbs().maxCoeff() > kConverged) continue;
+    if (!(std::abs(shift.x() + start) <= kMaxAlignTravel)) return std::nullopt;
+    if (step.cwiseAbs().maxCoeff() > kPatchConverged) continue;
     const double inflation = NoiseInflation(hessian(0, 0), c.noise);
     if (!(inflation < kMaxInflation)) return std::nullopt;
     PatchAlignment found{-shift.x(),
@@ -170,7 +169,8 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
       variance = slanted->variance;
     }
     found.disparity_px *= size_px;
-    found.sigma_disparity_px = std::sqrt(variance * inflation * inflation + kModelError * kModelError) * size_px;
+    found.sigma_disparity_px =
+        std::sqrt(variance * inflation * inflation + kAlignModelError * kAlignModelError) * size_px;
     return found;
   }
   return std::nullopt;

@@ -8,12 +8,10 @@
 namespace plslam {
 namespace {
 
-constexpr int kMaxIterations = 10;
-/// Steps below this, in pixels of the patch, end the search.
-constexpr double kConverged = 0.01;
-constexpr double kMaxTravel = 2.0;
+constexpr int kMaxTrackIterations = 10;
+constexpr double kMaxTrackTravel = 2.0;
 /// What residuals and shape do not show: interpolation, surfaces that are not flat.
-constexpr double kModelError = 0.05;
+constexpr double kTrackModelError = 0.05;
 /// Gradients must have this many times the energy that noise alone gives them, in every direction.
 constexpr double kMinSignal = 4.0;
 /// Smaller to larger eigenvalue of the gradients. A weak corner on a strong edge is pulled along by the edge wherever the
@@ -115,7 +113,7 @@ bool Sample(const cv::Mat& image, const Eigen::Vector2d& center, const Eigen::Ma
 }
 
 /// What comparing the reference with a patch of now says.
-struct Comparison {
+struct TrackComparison {
   double gain = 0.0;
   double correlation = 0.0;
   /// Residual standard deviation in grey levels of the reference.
@@ -123,12 +121,12 @@ struct Comparison {
   Eigen::Vector2d gradient = Eigen::Vector2d::Zero();
 };
 
-std::optional<Comparison> Compare(const ReferencePatch& reference, const Patch& now) {
+std::optional<TrackComparison> Compare(const ReferencePatch& reference, const Patch& now) {
   const double sum = now.sum();
   const double energy = Dot(now, now) - sum * sum / kPixels;
   const double cross = Dot(reference.pixels, now);
   if (!(energy > 0.0) || !(cross > 0.0)) return std::nullopt;
-  Comparison c;
+  TrackComparison c;
   c.gain = cross / reference.energy;
   c.correlation = cross / std::sqrt(reference.energy * energy);
   c.gradient = Eigen::Vector2d(Dot(reference.derivative_u, now), Dot(reference.derivative_v, now)) / c.gain;
@@ -145,7 +143,7 @@ std::optional<double> Deviation(const ReferencePatch& reference, double noise, d
   // The true gradients are weaker than they look.
   const double inflation = signal / (signal - from_noise);
   const double from_residuals = inflation * noise / std::sqrt(signal);
-  return std::hypot(from_residuals, shape_sigma * reference.shape_sensitivity, kModelError);
+  return std::hypot(from_residuals, shape_sigma * reference.shape_sensitivity, kTrackModelError);
 }
 
 }  // namespace
@@ -199,14 +197,14 @@ std::optional<TrackedPatch> TrackPatch(const ReferencePatch& reference, const Im
   const Eigen::Vector2d start = level.FromImage(expected.px) - off_center;
   Eigen::Vector2d center = start;
   Patch now;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxTrackIterations; ++iteration) {
     if (!Sample(level.image, center, shape, now)) return std::nullopt;
-    const std::optional<Comparison> c = Compare(reference, now);
+    const std::optional<TrackComparison> c = Compare(reference, now);
     if (!c) return std::nullopt;
     const Eigen::Vector2d step = step_from_gradient * c->gradient;
     center -= step;
-    if (!((center - start).norm() <= kMaxTravel)) return std::nullopt;
-    if (step.cwiseAbs().maxCoeff() > kConverged) continue;
+    if (!((center - start).norm() <= kMaxTrackTravel)) return std::nullopt;
+    if (step.cwiseAbs().maxCoeff() > kPatchConverged) continue;
     const std::optional<double> deviation = Deviation(reference, c->noise, expected.shape_sigma);
     if (!deviation) return std::nullopt;
     return TrackedPatch{level.ToImage(center + off_center), *deviation * level.size_px, c->correlation, c->gain};

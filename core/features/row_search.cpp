@@ -9,16 +9,16 @@
 namespace plslam {
 namespace {
 
-constexpr int kHalf = 5;
-constexpr int kSide = 2 * kHalf + 1;
-constexpr int kRow = 16;  // pixels of a patch row in memory, the last five of weight 0: whole vector registers
-constexpr int kPixels = kSide * kSide;
+constexpr int kWindowHalf = 5;
+constexpr int kWindowSide = 2 * kWindowHalf + 1;
+constexpr int kWindowRow = 16;  // pixels of a patch row in memory, the last five of weight 0: whole vector registers
+constexpr int kWindowPixels = kWindowSide * kWindowSide;
 /// Places nearer to the best than this are the same peak.
 constexpr int kPeakHalfWidth = 3;
 /// Grey levels^2: variance of a patch below which there is nothing to compare.
 constexpr double kMinVariance = 4.0;
 
-using Patch = std::array<int16_t, static_cast<size_t>(kSide) * kRow>;
+using WindowPixels = std::array<int16_t, static_cast<size_t>(kWindowSide) * kWindowRow>;
 
 /// The strip of rows under the patches, as 16 bit.
 PLSLAM_AVX2_CLONES
@@ -31,10 +31,10 @@ PLSLAM_AVX2_CLONES
 void Correlate(const int16_t* patch, const int16_t* strip, int stride, int places, int* cross) {
   for (int p = 0; p < places; ++p) {
     int sum = 0;
-    for (int y = 0; y < kSide; ++y) {
-      const int16_t* a = patch + y * kRow;
+    for (int y = 0; y < kWindowSide; ++y) {
+      const int16_t* a = patch + y * kWindowRow;
       const int16_t* b = strip + y * stride + p;
-      for (int x = 0; x < kRow; ++x) sum += a[x] * b[x];
+      for (int x = 0; x < kWindowRow; ++x) sum += a[x] * b[x];
     }
     cross[p] = sum;
   }
@@ -44,7 +44,7 @@ void Correlate(const int16_t* patch, const int16_t* strip, int stride, int place
 PLSLAM_AVX2_CLONES
 void ColumnSums(const int16_t* strip, int stride, int columns, int* sum, int* square) {
   for (int x = 0; x < columns; ++x) sum[x] = square[x] = 0;
-  for (int y = 0; y < kSide; ++y) {
+  for (int y = 0; y < kWindowSide; ++y) {
     const int16_t* row = strip + y * stride;
     for (int x = 0; x < columns; ++x) {
       sum[x] += row[x];
@@ -56,17 +56,17 @@ void ColumnSums(const int16_t* strip, int stride, int columns, int* sum, int* sq
 /// Column sums to window sums, in place.
 void WindowSums(std::vector<int>& columns, int places) {
   int window = 0;
-  for (int x = 0; x < kSide; ++x) window += columns[x];
+  for (int x = 0; x < kWindowSide; ++x) window += columns[x];
   for (int p = 0; p < places; ++p) {
     const int first = columns[p];
     columns[p] = window;
-    window += columns[p + kSide] - first;
+    window += columns[p + kWindowSide] - first;
   }
 }
 
 /// Left patch minus its mean (times 1, rounded); its energy is exact for what is stored.
 struct LeftPatch {
-  Patch pixels{};
+  WindowPixels pixels{};
   int sum = 0;
   double energy = 0.0;
 };
@@ -74,22 +74,22 @@ struct LeftPatch {
 LeftPatch ReadPatch(const cv::Mat& image, int u, int v) {
   LeftPatch patch;
   int total = 0;
-  for (int y = 0; y < kSide; ++y) {
-    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
-    for (int x = 0; x < kSide; ++x) total += row[x];
+  for (int y = 0; y < kWindowSide; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(v + y - kWindowHalf) + u - kWindowHalf;
+    for (int x = 0; x < kWindowSide; ++x) total += row[x];
   }
-  const int mean = (total + kPixels / 2) / kPixels;
+  const int mean = (total + kWindowPixels / 2) / kWindowPixels;
   int square = 0;
-  for (int y = 0; y < kSide; ++y) {
-    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
-    for (int x = 0; x < kSide; ++x) {
+  for (int y = 0; y < kWindowSide; ++y) {
+    const uint8_t* row = image.ptr<uint8_t>(v + y - kWindowHalf) + u - kWindowHalf;
+    for (int x = 0; x < kWindowSide; ++x) {
       const int value = row[x] - mean;
-      patch.pixels[static_cast<size_t>(y) * kRow + x] = static_cast<int16_t>(value);
+      patch.pixels[static_cast<size_t>(y) * kWindowRow + x] = static_cast<int16_t>(value);
       patch.sum += value;
       square += value * value;
     }
   }
-  patch.energy = square - static_cast<double>(patch.sum) * patch.sum / kPixels;
+  patch.energy = square - static_cast<double>(patch.sum) * patch.sum / kWindowPixels;
   return patch;
 }
 
@@ -102,20 +102,22 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
   const int columns = level.left.cols;
-  if (u < kHalf || v < kHalf || u >= columns - kHalf || v >= level.left.rows - kHalf) return std::nullopt;
+  if (u < kWindowHalf || v < kWindowHalf || u >= columns - kWindowHalf || v >= level.left.rows - kWindowHalf)
+    return std::nullopt;
   const LeftPatch patch = ReadPatch(level.left, u, v);
-  if (!(patch.energy > kMinVariance * kPixels)) return std::nullopt;
+  if (!(patch.energy > kMinVariance * kWindowPixels)) return std::nullopt;
 
   // Centres in the right image, left to right.
-  const int first = std::max(u - static_cast<int>(std::ceil(max_disparity_px / level.size_px)), kHalf);
-  const int last = std::min(u - static_cast<int>(std::floor(min_disparity_px / level.size_px)), columns - 1 - kHalf);
+  const int first = std::max(u - static_cast<int>(std::ceil(max_disparity_px / level.size_px)), kWindowHalf);
+  const int last =
+      std::min(u - static_cast<int>(std::floor(min_disparity_px / level.size_px)), columns - 1 - kWindowHalf);
   const int places = last - first + 1;
   if (places <= 0) return std::nullopt;
-  const int stride = places + kRow;
-  strip_.assign(static_cast<size_t>(kSide) * stride, 0);
-  for (int y = 0; y < kSide; ++y) {
-    const int start = first - kHalf;
-    Widen(level.right.ptr<uint8_t>(v + y - kHalf) + start, std::min(stride, columns - start),
+  const int stride = places + kWindowRow;
+  strip_.assign(static_cast<size_t>(kWindowSide) * stride, 0);
+  for (int y = 0; y < kWindowSide; ++y) {
+    const int start = first - kWindowHalf;
+    Widen(level.right.ptr<uint8_t>(v + y - kWindowHalf) + start, std::min(stride, columns - start),
           strip_.data() + static_cast<size_t>(y) * stride);
   }
   cross_.resize(places);
@@ -129,7 +131,7 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
 
   int best = -1;
   for (int p = 0; p < places; ++p) {
-    const double mean = static_cast<double>(sum_[p]) / kPixels;
+    const double mean = static_cast<double>(sum_[p]) / kWindowPixels;
     const double energy = square_[p] - mean * sum_[p];
     const double cross = cross_[p] - mean * patch.sum;
     // Squared, which keeps the order; negative correlations count as none.

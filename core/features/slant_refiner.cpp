@@ -15,9 +15,8 @@ constexpr double kSlopeSigma = 0.2;
 constexpr double kMaxSlope = 0.7;
 // Slopes of noisy patches take longer to settle than shifts. With six, one in ten patches of a noisy road did not, and fell
 // back to one shift.
-constexpr int kMaxIterations = 10;
-constexpr double kConverged = 0.01;
-constexpr double kMaxTravel = 1.5;
+constexpr int kMaxSlantIterations = 10;
+constexpr double kMaxSlantTravel = 1.5;
 
 /// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself, so
 /// that offset and gain of brightness drop out.
@@ -123,7 +122,7 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
                               1.0 / (kSlopeSigma * kSlopeSigma));
   Patch right;
   right.setZero();
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMaxSlantIterations; ++iteration) {
     if (!Sample(level.right, center, warp, right)) return std::nullopt;
     const double sum = right.sum();
     const double energy = Dot(right, right) - sum * sum / kPixels;
@@ -140,9 +139,10 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
     const Eigen::Vector4d step = solver.solve(gradient);
     warp -= step;
     const bool sane =
-        std::abs(warp(0) - shift.x()) <= kMaxTravel && warp.tail<2>().cwiseAbs().maxCoeff() <= kMaxSlope;
+        std::abs(warp(0) - shift.x()) <= kMaxSlantTravel && warp.tail<2>().cwiseAbs().maxCoeff() <= kMaxSlope;
     if (!sane) return std::nullopt;
-    if (std::abs(step(0)) > kConverged || step.tail<2>().cwiseAbs().maxCoeff() * kHalf > 5.0 * kConverged) continue;
+    if (std::abs(step(0)) > kPatchConverged || step.tail<2>().cwiseAbs().maxCoeff() * kHalf > 5.0 * kPatchConverged)
+      continue;
     const Eigen::Matrix4d P = solver.solve(Eigen::Matrix4d::Identity()) * (noise * noise);
     const Eigen::Vector2d information(1.0 / P(2, 2), 1.0 / P(3, 3));
     return SlantedAlignment{place.dot(warp), noise * noise * place.dot(solver.solve(place)),

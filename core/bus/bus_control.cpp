@@ -7,12 +7,9 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
 constexpr int64_t kHelloPeriod = 300 * kMs;
 /// How soon a reader looks again whether its handlers have caught up.
 constexpr int64_t kStalledPeriod = 2 * kMs;
-constexpr size_t kMaxReaders = 256;
-constexpr int64_t kRemembered = 60'000 * kMs;
 /// `delivered` of requests about no channel.
 constexpr int64_t kQuestion = -1;
 constexpr int64_t kAnswer = 0;

@@ -24,6 +24,10 @@
 
 namespace plslam::bus {
 
+inline constexpr int64_t kMs = 1'000'000;
+/// For how long a reader or publisher that is silent keeps its place.
+inline constexpr int64_t kRemembered = 60'000 * kMs;
+
 /// One Subscribe call.
 struct Subscription {
   enum class Kind { kOrdered, kAsItComes, kNewest, kOrderedBytes, kBytes, kPacedBytes };

@@ -7,10 +7,8 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
 /// Publishers remembered for each channel; one that was heard within kRemembered is not forgotten for a new one.
 constexpr size_t kMaxSources = 256;
-constexpr int64_t kRemembered = 60'000 * kMs;
 
 /// The member that has been silent for longest; end() where all were heard lately.
 template <class Map>

@@ -16,7 +16,6 @@ namespace {
 
 constexpr int kMaxSide_px = 32'768;
 constexpr double kMaxPixel = 1e6;
-constexpr int kMaxOctave = 31;
 
 bool Finite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -39,7 +38,7 @@ bool ModelOk(std::string_view model, size_t n) {
 
 float ToFloat(double value) { return static_cast<float>(value); }
 
-intrinsics_t ToMessage(const CameraCalibration& camera) {
+intrinsics_t ToIntrinsics(const CameraCalibration& camera) {
   intrinsics_t message{};
   message.width_px = camera.width_px;
   message.height_px = camera.height_px;
@@ -50,12 +49,12 @@ intrinsics_t ToMessage(const CameraCalibration& camera) {
   message.cy_px = camera.cy_px;
   message.n_distortion = static_cast<int32_t>(camera.distortion.size());
   message.distortion = camera.distortion;
-  message.T_b_cam = bus::ToMessage(camera.T_b_cam);
+  message.T_b_cam = ToMessage(camera.T_b_cam);
   return message;
 }
 
-std::optional<CameraCalibration> FromMessage(const intrinsics_t& message) {
-  const auto T_b_cam = bus::FromMessage(message.T_b_cam);
+std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
+  const auto T_b_cam = FromMessage(message.T_b_cam);
   const bool size_ok = message.width_px > 0 && message.height_px > 0 && message.width_px <= kMaxSide_px &&
                        message.height_px <= kMaxSide_px;
   const bool lens_ok =
@@ -125,16 +124,16 @@ camera_t ToMessage(const RigCalibration& rig) {
   message.rig_name = rig.name;
   message.kind = rig.kind == RigCalibration::Kind::kRgbd ? "rgbd" : "stereo";
   message.rate_hz = rig.rate_hz;
-  message.left = ToMessage(rig.left);
-  message.right = ToMessage(rig.right);
+  message.left = ToIntrinsics(rig.left);
+  message.right = ToIntrinsics(rig.right);
   message.depth_units_per_m = rig.depth_units_per_m;
   message.baseline_m = rig.baseline_m;
   return message;
 }
 
 std::optional<RigCalibration> FromMessage(const camera_t& message) {
-  const auto left = FromMessage(message.left);
-  const auto right = FromMessage(message.right);
+  const auto left = FromIntrinsics(message.left);
+  const auto right = FromIntrinsics(message.right);
   const bool rgbd = message.kind == "rgbd";
   if (!left || !right || (!rgbd && message.kind != "stereo")) return std::nullopt;
   const bool numbers_ok = std::isfinite(message.rate_hz) && message.rate_hz >= 0.0 &&

@@ -18,6 +18,9 @@ class pose3_t;
 
 namespace plslam::bus {
 
+/// Of features in messages.
+inline constexpr int kMaxOctave = 31;
+
 // Values to messages and back. Everything that comes from the wire is checked: numbers that are not finite, rotations
 // that are none, sizes that cannot be, unknown names. Such content gives nullopt (false), never a guess.
 

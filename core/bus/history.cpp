@@ -1,13 +1,14 @@
 #include "core/bus/history.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <utility>
 
 #include <lcm/eventlog.h>
+
+#include "core/bus/wall_clock.h"
 
 namespace plslam::bus {
 namespace {
@@ -16,11 +17,6 @@ using LogHandle = std::unique_ptr<lcm_eventlog_t, void (*)(lcm_eventlog_t*)>;
 
 LogHandle OpenLog(const std::string& path, const char* mode) {
   return LogHandle(lcm_eventlog_create(path.c_str(), mode), &lcm_eventlog_destroy);
-}
-
-int64_t NowMicroseconds() {
-  using std::chrono::duration_cast;
-  return duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
@@ -78,7 +74,7 @@ bool History::Spill(const Bytes& message) {
   lcm_eventlog_t* writer = log_->writer.get();
   const int64_t offset = writer != nullptr ? ftello(writer->f) : -1;
   lcm_eventlog_event_t event{};
-  event.timestamp = NowMicroseconds();
+  event.timestamp = WallClock_us();
   event.channellen = static_cast<int32_t>(channel_.size());
   event.channel = channel_.data();
   event.datalen = static_cast<int32_t>(message->size());

@@ -11,9 +11,9 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int32_t kMaxPages = 4096;
+constexpr int32_t kMaxKeyframePages = 4096;
 constexpr size_t kMaxFeatures = 200'000;
-constexpr size_t kMaxPublishers = 64;
+constexpr size_t kMaxKeyframePublishers = 64;
 
 keyframe_t HeadPage(const Keyframe& keyframe) {
   keyframe_t page{};
@@ -116,8 +116,8 @@ KeyframeAssembler::KeyframeAssembler()
     : PageAssembler({.head = Head,
                      .same_head = SameHead,
                      .append = Append,
-                     .max_pages = kMaxPages,
-                     .max_publishers = kMaxPublishers}) {}
+                     .max_pages = kMaxKeyframePages,
+                     .max_publishers = kMaxKeyframePublishers}) {}
 
 void KeyframePublisher::Publish(const Keyframe& keyframe) {
   for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(channel_, std::move(page));

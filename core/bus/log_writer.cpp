@@ -9,16 +9,13 @@
 
 #include <lcm/eventlog.h>
 
+#include "core/bus/wall_clock.h"
+
 namespace plslam::bus {
 namespace {
 
 /// What may wait to be written; more holds publishers back.
 constexpr int64_t kMaxWaitingBytes = 64'000'000;
-
-int64_t NowMicroseconds() {
-  using std::chrono::duration_cast;
-  return duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
-}
 
 }  // namespace
 
@@ -71,7 +68,7 @@ void LogRecorder::Record(std::string_view channel, ByteView data) {
   if (waiting_bytes_ >= 2 * kMaxWaitingBytes) return;  // a flood on unordered channels
   waiting_bytes_ += static_cast<int64_t>(data.size());
   bus_.Post([this, name = std::string(channel), bytes = std::vector<uint8_t>(data.begin(), data.end()),
-             time = NowMicroseconds()] {
+             time = WallClock_us()] {
     waiting_bytes_ -= static_cast<int64_t>(bytes.size());
     writer_.Write(name, bytes, time);
     ++events_;

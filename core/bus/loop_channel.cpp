@@ -17,7 +17,7 @@ namespace {
 
 using bus::ToMessage;
 
-constexpr size_t kMaxEntries = 2'000'000;
+constexpr size_t kMaxClosureEntries = 2'000'000;
 
 loop_closure_t HeadPage(const LoopClosure& closure) {
   loop_closure_t page{};
@@ -83,7 +83,7 @@ keyframe_name_t ToMessage(const KeyframeName& name) {
 }
 
 bool AppendEdges(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const loop_edge_t& message : messages) {
     const auto edge = FromMessage(message);
     if (!edge) return false;
@@ -93,7 +93,7 @@ bool AppendEdges(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>
 }
 
 bool AppendSame(const std::vector<same_landmarks_t>& messages, std::vector<SameLandmarks>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const same_landmarks_t& message : messages) {
     if (message.a < 0 || message.b < 0 || message.a == message.b) return false;
     to.push_back({message.a, message.b});
@@ -102,7 +102,7 @@ bool AppendSame(const std::vector<same_landmarks_t>& messages, std::vector<SameL
 }
 
 bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<CorrectedPose>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const corrected_pose_t& message : messages) {
     const auto T_w_kf = FromMessage(message.T_w_kf);
     if (!T_w_kf || message.keyframe_id <= (to.empty() ? -1 : to.back().keyframe_id)) return false;
@@ -112,7 +112,7 @@ bool AppendPoses(const std::vector<corrected_pose_t>& messages, std::vector<Corr
 }
 
 bool AppendNames(const std::vector<keyframe_name_t>& messages, std::vector<KeyframeName>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxClosureEntries) return false;
   for (const keyframe_name_t& message : messages) {
     const bool ascends = message.keyframe_id > (to.empty() ? -1 : to.back().keyframe_id);
     if (!ascends || message.session_keyframe_id < 0) return false;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kAskAgain(500);
 /// Publishers remembered, to tell old ones from new ones.
-constexpr size_t kMaxPublishers = 64;
+constexpr size_t kMaxMapPublishers = 64;
 
 }  // namespace
 
@@ -68,7 +68,7 @@ struct MapSubscriber::State {
 bool MapSubscriber::State::IsOld(int64_t source) {
   const auto place = [this](int64_t publisher) { return std::find(publishers.begin(), publishers.end(), publisher); };
   if (place(source) == publishers.end()) {
-    if (publishers.size() >= kMaxPublishers) publishers.erase(publishers.begin());
+    if (publishers.size() >= kMaxMapPublishers) publishers.erase(publishers.begin());
     publishers.push_back(source);
   }
   const auto ours = place(replica.source());

@@ -18,12 +18,11 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int kMaxOctave = 31;
 /// As many as a keyframe may have features.
 constexpr int32_t kMaxFeature = 200'000;
 
 /// Not to infinity, which the reader would refuse: a landmark may be as uncertain as it likes.
-float ToFloat(double value) {
+float ToFiniteFloat(double value) {
   constexpr double kMax = std::numeric_limits<float>::max();
   return static_cast<float>(std::isfinite(value) ? std::clamp(value, -kMax, kMax) : value);
 }
@@ -35,7 +34,7 @@ void TriangleToArray(const Eigen::Matrix<double, N, N>& covariance, Number (&val
   for (int row = 0; row < N; ++row) {
     for (int column = row; column < N; ++column) {
       if constexpr (std::is_same_v<Number, float>) {
-        values[k++] = ToFloat(covariance(row, column));
+        values[k++] = ToFiniteFloat(covariance(row, column));
       } else {
         values[k++] = covariance(row, column);
       }

@@ -14,9 +14,9 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int32_t kMaxPages = 1'000'000;
-constexpr size_t kMaxEntries = 2'000'000;
-constexpr size_t kMaxPublishers = 8;
+constexpr int32_t kMaxMapPages = 1'000'000;
+constexpr size_t kMaxMapEntries = 2'000'000;
+constexpr size_t kMaxMapWriters = 8;
 constexpr size_t kMaxStages = 64;
 
 map_update_t HeadPage(const MapUpdate& update) {
@@ -42,7 +42,7 @@ void AddStages(const MapUpdate& update, map_update_t& page) {
 }
 
 bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
-  if (to.size() + ids.size() > kMaxEntries) return false;
+  if (to.size() + ids.size() > kMaxMapEntries) return false;
   for (const int64_t id : ids) {
     if (id <= (to.empty() ? -1 : to.back())) return false;
     to.push_back(id);
@@ -51,7 +51,7 @@ bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
 }
 
 bool AppendKeyframes(const std::vector<map_keyframe_t>& messages, std::vector<MapKeyframe>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxMapEntries) return false;
   for (const map_keyframe_t& message : messages) {
     const auto keyframe = FromMessage(message);
     if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
@@ -63,7 +63,7 @@ bool AppendKeyframes(const std::vector<map_keyframe_t>& messages, std::vector<Ma
 /// An entry with the id of the one before goes on with its sights.
 template <class Message, class Landmark>
 bool AppendLandmarks(const std::vector<Message>& messages, std::vector<Landmark>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxMapEntries) return false;
   for (const Message& message : messages) {
     auto landmark = FromMessage(message);
     const int64_t last_id = to.empty() ? -1 : to.back().id;
@@ -82,7 +82,7 @@ bool AppendLandmarks(const std::vector<Message>& messages, std::vector<Landmark>
 }
 
 bool AppendLoops(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>& to) {
-  if (to.size() + messages.size() > kMaxEntries) return false;
+  if (to.size() + messages.size() > kMaxMapEntries) return false;
   for (const loop_edge_t& message : messages) {
     const auto loop = FromMessage(message);
     if (!loop) return false;
@@ -230,7 +230,7 @@ MapUpdateAssembler::MapUpdateAssembler()
     : PageAssembler({.head = HeadOf,
                      .same_head = SameHead,
                      .append = Append,
-                     .max_pages = kMaxPages,
-                     .max_publishers = kMaxPublishers}) {}
+                     .max_pages = kMaxMapPages,
+                     .max_publishers = kMaxMapWriters}) {}
 
 }  // namespace plslam::bus

@@ -8,7 +8,6 @@
 namespace plslam::bus {
 namespace {
 
-constexpr size_t kMaxReaders = 256;
 constexpr size_t kCostsKept = 4096;
 constexpr size_t kMaxResentNoted = 4096;
 constexpr int64_t kMinWindow = 64'000;

@@ -10,6 +10,9 @@
 
 namespace plslam::bus {
 
+/// Readers of one channel that its publisher remembers.
+inline constexpr size_t kMaxReaders = 256;
+
 /// What a datagram of `bytes` takes of a receive buffer, by the kernel's way of counting (payload plus buffer heads).
 constexpr int64_t WireCost(size_t bytes) { return static_cast<int64_t>(bytes + bytes / 16 + 2304); }
 

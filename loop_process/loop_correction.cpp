@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numbers>
 #include <set>
 #include <utility>
 
@@ -12,7 +11,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // Of an edge between keyframes at the same place: as of one that is so long.
 constexpr double kLeast_m = 0.05;
 // Shared landmarks that the options speak of; and how much more or fewer of them count.

@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kApart = 0.1;
 constexpr double kApart_rad = 5.0 * std::numbers::pi / 180.0;
-constexpr double kNear_m = 1.0;
 
 std::optional<size_t> Strongest(const std::vector<LoopEvidence>& evidence) {
   std::optional<size_t> best;
@@ -23,7 +22,7 @@ std::optional<size_t> Strongest(const std::vector<LoopEvidence>& evidence) {
 
 bool AreTwoPlaces(const FoundPlace& a, const FoundPlace& b) {
   const SE3 apart = a.pose.T_w_kf.Inverse() * b.pose.T_w_kf;
-  const double distance_m = std::max({kNear_m, a.median_depth_m, b.median_depth_m});
+  const double distance_m = std::max({kNearestScale_m, a.median_depth_m, b.median_depth_m});
   return apart.translation().norm() > kApart * distance_m || apart.Log().tail<3>().norm() > kApart_rad;
 }
 

@@ -3,20 +3,16 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <numbers>
 #include <set>
 
 namespace plslam {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 // The paper's gates (§VI.A.2).
 constexpr double kPaperEigenvalue = 0.01;
 constexpr double kPaperMove_m = 0.5;
 constexpr double kPaperTurn_rad = 3.0 * kRadPerDeg;
 constexpr double kPaperInlierShare = 0.5;
-// Nearest distance that tolerances are scaled by.
-constexpr double kNear_m = 1.0;
 
 double Turn_rad(const SE3& T) { return T.Log().tail<3>().norm(); }
 
@@ -152,7 +148,7 @@ bool Verification::HasInliers() const {
 
 bool Verification::Agree(const SE3& predicted, const SE3& found) const {
   const SE3 apart = predicted.Inverse() * found;
-  const double distance_m = std::max(kNear_m, evidence_.place.median_depth_m);
+  const double distance_m = std::max(kNearestScale_m, evidence_.place.median_depth_m);
   return apart.translation().norm() <= gates_.max_disagreement * distance_m &&
          Turn_rad(apart) <= gates_.max_disagreement_deg * kRadPerDeg;
 }

@@ -14,6 +14,9 @@
 
 namespace plslam {
 
+/// Nearest distance that tolerances are scaled by.
+inline constexpr double kNearestScale_m = 1.0;
+
 /// How far a candidate came, for reports and tests.
 enum class LoopVerdict {
   kAccepted,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <numbers>
 #include <string>
 
 #include "core/config/fields.h"
@@ -9,6 +10,8 @@
 #include "core/places/options.h"
 
 namespace plslam {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Files of the vocabularies.
 struct VocabularyOptions {

@@ -18,8 +18,6 @@
 namespace plslam {
 namespace {
 
-// As `pose_t.state` says it: the first frame after the tracker was lost.
-constexpr int kRecovered = 4;
 // Newest keyframes that are never redundant: the tracker's next steps lean on them.
 constexpr int64_t kNewestKept = 3;
 

@@ -73,6 +73,9 @@ class Mapper {
   const AdjustmentFigures& figures() const { return figures_; }
 
  private:
+  /// As `pose_t.state` says it: the first frame after the tracker was lost.
+  static constexpr int kRecovered = 4;
+
   struct Session {
     int64_t keyframe_id = -1;          ///< newest, in the map
     int64_t session_keyframe_id = -1;  ///< the same, as the session counts

@@ -19,8 +19,6 @@ namespace {
 constexpr int kMinWeight = 20;
 // Associations from which a keyframe is recognised wherever it is.
 constexpr int kRecognisedWeight = 40;
-// As `pose_t.state` says it: the first frame after the tracker was lost.
-constexpr int kRecovered = 4;
 // Squared error of the tracker's motion, in its deviations, that no motion has.
 constexpr double kElsewhere2 = 400.0;
 

@@ -16,7 +16,7 @@
 namespace plslam {
 namespace {
 
-constexpr double kMinDepth_m = 0.1;
+constexpr double kMinLineDepth_m = 0.1;
 // How far a segment may grow at one sight, in lengths of its own.
 constexpr double kMaxExtension = 0.5;
 
@@ -60,7 +60,7 @@ EndpointMeasurements MeasureEndpoint(const Eigen::Vector3d& p_c, const Eigen::Ma
 void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera, double forgetting,
                   Eigen::Vector3d& p_odom, Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d p_c = T_c_odom * p_odom;
-  if (p_c.z() < kMinDepth_m) return;
+  if (p_c.z() < kMinLineDepth_m) return;
   const EndpointMeasurements measured = MeasureEndpoint(p_c, T_c_odom.R(), seen, camera);
   FuseMeasurements(std::span(measured.values).first(measured.count), forgetting, p_odom, covariance);
 }

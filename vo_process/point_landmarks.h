@@ -11,6 +11,9 @@
 
 namespace plslam {
 
+/// Nearer points are not tracked.
+inline constexpr double kMinPointDepth_m = 0.05;
+
 /// A point that odometry tracks.
 struct PointLandmark {
   int64_t id = -1;

@@ -7,14 +7,14 @@ namespace plslam {
 namespace {
 
 // Above it the reduced system is mostly zeros.
-constexpr int kMaxDensePoses = 60;
+constexpr int kMaxDenselySolved = 60;
 // Outliers can be told once a step gains less than this share of the cost, or what is left is less than this for a
 // row; inliers alone leave 0.6.
 constexpr double kNearGain = 0.5;
 constexpr double kNearLoss = 1.5;
 
 ceres::LinearSolverType ChooseSolver(const ceres::ParameterBlockOrdering& order) {
-  const bool few = order.GroupSize(1) <= kMaxDensePoses;
+  const bool few = order.GroupSize(1) <= kMaxDenselySolved;
   if (order.GroupSize(0) == 0) return few ? ceres::DENSE_NORMAL_CHOLESKY : ceres::SPARSE_NORMAL_CHOLESKY;
   return few ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
 }

@@ -9,11 +9,10 @@ namespace plslam {
 namespace {
 
 constexpr double kMinLength_px = 1.0;
-constexpr double kMinLength_m = 1e-6;
 // A right end's own error across the line, as share of the left one's.
-constexpr double kOwnShare = 0.1;
+constexpr double kRightOwnShare = 0.1;
 // What is seen is part of the segment, or not much beyond it.
-constexpr double kMaxBeyond = 0.5;
+constexpr double kMaxSeenBeyond = 0.5;
 
 // Where along the segment (0: p, 1: q) the line is nearest to the ray; NaN for lines that are parallel to it.
 double AlongAt(const Eigen::Vector3d& ray, const Eigen::Vector3d& p, const Eigen::Vector3d& q) {
@@ -58,7 +57,7 @@ AdjustedLine::AdjustedLine(const BundleLine& line)
 
 bool AdjustedLine::IsUsable() const {
   return start_segment.p.allFinite() && start_segment.q.allFinite() &&
-         (start_segment.q - start_segment.p).norm() > kMinLength_m;
+         (start_segment.q - start_segment.p).norm() > kMinAdjusted_m;
 }
 
 Segment3 AdjustedLine::At(const double* parameters) const {
@@ -82,7 +81,7 @@ LineCost::LineCost(const LineSight& sight, const AdjustedLine& line, const Camer
   const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
   const auto end = [&](const Eigen::Vector2d& px, double sigma_disparity_px) {
     return End{0.0, ((px - centre) / camera.f_px).homogeneous(),
-               1.0 / std::hypot(right_.normal.x() * sigma_disparity_px, kOwnShare * sight.sigma_px)};
+               1.0 / std::hypot(right_.normal.x() * sigma_disparity_px, kRightOwnShare * sight.sigma_px)};
   };
   ends_ = {end(sight.observed.p, sight.sigma_disparity_p_px), end(sight.observed.q, sight.sigma_disparity_q_px)};
   Anchor(view, line);
@@ -92,7 +91,7 @@ void LineCost::Anchor(const CameraView& view, const AdjustedLine& line) {
   const Segment3 segment_w = line.Segment();
   const Eigen::Vector3d p = view.ToCamera(segment_w.p);
   const Eigen::Vector3d q = view.ToCamera(segment_w.q);
-  for (End& end : ends_) end.along = std::clamp(AlongAt(end.ray, p, q), -kMaxBeyond, 1.0 + kMaxBeyond);
+  for (End& end : ends_) end.along = std::clamp(AlongAt(end.ray, p, q), -kMaxSeenBeyond, 1.0 + kMaxSeenBeyond);
 }
 
 bool LineCost::IsUsable(const LineSight& s) {

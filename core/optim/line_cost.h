@@ -7,6 +7,9 @@
 
 namespace plslam {
 
+/// Shorter segments are not adjusted.
+inline constexpr double kMinAdjusted_m = 1e-6;
+
 /// An image's view of a segment: the infinite line through it, with pixels relative to the principal point.
 struct ObservedImage {
   ObservedImage() = default;

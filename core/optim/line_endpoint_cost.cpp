@@ -9,13 +9,12 @@
 namespace plslam {
 namespace {
 
-constexpr double kMinLength_m = 1e-6;
 // Observations far smaller than the segment, so that weights stay finite.
-constexpr double kMaxBeyond = 100.0;
+constexpr double kMaxEndBeyond = 100.0;
 // How far endpoints may go along the line, as share of the length.
 constexpr double kAlongShare = 0.01;
 // A distance's own error, as share of that of the observed ends.
-constexpr double kOwnShare = 0.1;
+constexpr double kDistanceOwnShare = 0.1;
 
 }  // namespace
 
@@ -25,7 +24,7 @@ AdjustedEndpoints::AdjustedEndpoints(const BundleLine& line) : free(!line.fixed)
 }
 
 bool AdjustedEndpoints::IsUsable() const {
-  return start.allFinite() && (start.tail<3>() - start.head<3>()).norm() > kMinLength_m;
+  return start.allFinite() && (start.tail<3>() - start.head<3>()).norm() > kMinAdjusted_m;
 }
 
 Matrix6d AdjustedEndpoints::PriorWeight(double distance_m) const {
@@ -75,7 +74,7 @@ void LineEndpointCost::Anchor(const CameraView& view, const AdjustedEndpoints& l
     double along = i;
     if (ends[i].z() > min_depth_m_) {
       const Eigen::Vector2d end_px = left_.f_px / ends[i].z() * ends[i].head<2>();
-      along = std::clamp(direction.dot(end_px - start_px_) / length_px_, -kMaxBeyond, 1.0 + kMaxBeyond);
+      along = std::clamp(direction.dot(end_px - start_px_) / length_px_, -kMaxEndBeyond, 1.0 + kMaxEndBeyond);
     }
     A(i, 0) = (1.0 - along) * sigma_px_;
     A(i, 1) = along * sigma_px_;
@@ -85,7 +84,7 @@ void LineEndpointCost::Anchor(const CameraView& view, const AdjustedEndpoints& l
     A(i + 2, 3) = along * tilt * sigma_disparity_q_px_;
   }
   Eigen::Matrix4d S = A * A.transpose();
-  S.diagonal().array() += kOwnShare * kOwnShare * sigma_px_ * sigma_px_;
+  S.diagonal().array() += kDistanceOwnShare * kDistanceOwnShare * sigma_px_ * sigma_px_;
   whitening_ = S.llt().matrixL().solve(Eigen::Matrix4d::Identity());
 }
 

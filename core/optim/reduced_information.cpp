@@ -9,7 +9,7 @@ namespace plslam {
 namespace {
 
 // Above it a dense inverse takes longer and more memory than sparse solves.
-constexpr int kMaxDensePoses = 60;
+constexpr int kMaxDenselyInverted = 60;
 constexpr double kUnseen_m = 1e3;
 constexpr double kUnseen_rad = 20.0 * std::numbers::pi;
 
@@ -29,7 +29,7 @@ Matrix6d& ReducedInformation::Block(int i, int j) {
 }
 
 std::vector<Matrix6d> ReducedInformation::Covariances() const {
-  return pose_count_ <= kMaxDensePoses ? DenseCovariances() : SparseCovariances();
+  return pose_count_ <= kMaxDenselyInverted ? DenseCovariances() : SparseCovariances();
 }
 
 std::vector<Matrix6d> ReducedInformation::DenseCovariances() const {

@@ -4,7 +4,7 @@
 
 namespace plslam {
 
-float Similarity(const BagOfWords& a, const BagOfWords& b) {
+float BagSimilarity(const BagOfWords& a, const BagOfWords& b) {
   float common = 0.0F;
   auto in_b = b.words.begin();
   for (const auto& [word, weight] : a.words) {

@@ -16,6 +16,6 @@ struct BagOfWords {
 
 /// 1 - |a - b|_1 / 2 (Galvez-Lopez and Tardos, T-RO 2012), which for weights that sum to 1 is the weight that the two have
 /// in common: 0 without a common word, 1 for equal bags, symmetric.
-float Similarity(const BagOfWords& a, const BagOfWords& b);
+float BagSimilarity(const BagOfWords& a, const BagOfWords& b);
 
 }  // namespace plslam

@@ -21,7 +21,7 @@ class PlaceIndex {
   void Add(int place, const BagOfWords& bag);
   void Remove(int place, const BagOfWords& bag);
 
-  /// Adds `Similarity(query, bag)` of each place, right to 1 part in 4096, to `scores[place]`. `scores` must be as long as
+  /// Adds `BagSimilarity(query, bag)` of each place, right to 1 part in 4096, to `scores[place]`. `scores` must be as long as
   /// the largest place in the index asks for. No score depends on the order in which places came and went.
   void Score(const BagOfWords& query, std::vector<float>& scores) const;
 

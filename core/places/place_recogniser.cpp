@@ -121,8 +121,8 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
 }
 
 PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
-  return Merge(-1, WeightsFor(query, options_), Similarity(query.points, other.points),
-               Similarity(query.lines, other.lines));
+  return Merge(-1, WeightsFor(query, options_), BagSimilarity(query.points, other.points),
+               BagSimilarity(query.lines, other.lines));
 }
 
 double PlaceRecogniser::Score(const PlaceDescription& query, const PlaceDescription& other) const {

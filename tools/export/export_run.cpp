@@ -22,7 +22,7 @@ namespace plslam {
 namespace {
 
 /// What is known while files are written.
-struct Export {
+struct OngoingExport {
   RunSource source;
   std::unique_ptr<KeyframeImages> images;
   std::string out;
@@ -34,12 +34,12 @@ struct Export {
   void Told(const std::string& name, const std::string& what) { files.push_back({Path(name), what}); }
 };
 
-void ExportPly(Export& e) {
+void ExportPly(OngoingExport& e) {
   WriteFileAtomically(e.Path("map.ply"), MapPly(e.map()));
   e.Told("map.ply", fmt::format("{} points, {} lines", e.map().points().size(), e.map().lines().size()));
 }
 
-void ExportObj(Export& e) {
+void ExportObj(OngoingExport& e) {
   WriteFileAtomically(e.Path("map.obj"), MapObj(e.map()));
   e.Told("map.obj", fmt::format("{} points, {} lines, the way of {} keyframes", e.map().points().size(),
                                 e.map().lines().size(), e.map().keyframes().size()));
@@ -50,13 +50,13 @@ std::string ModelText(const ColmapModel& model) {
 }
 
 /// Made once: two formats write it.
-const ColmapModel& ModelOf(Export& e) {
+const ColmapModel& ModelOf(OngoingExport& e) {
   if (!e.model) e.model = ColmapOf(*e.source.map, MapCamera(*e.source.map, e.source.map_path));
   return *e.model;
 }
 
 /// The images of the model, where the dataset has them.
-void ExportImages(Export& e) {
+void ExportImages(OngoingExport& e) {
   const std::string folder = e.Path("colmap/images");
   std::filesystem::create_directories(folder);
   size_t n = 0;
@@ -70,20 +70,20 @@ void ExportImages(Export& e) {
   e.Told("colmap/images", fmt::format("{} of {} rectified images of keyframes", n, names.size()));
 }
 
-void ExportColmap(Export& e) {
+void ExportColmap(OngoingExport& e) {
   const ColmapModel& model = ModelOf(e);
   WriteColmapBinary(e.Path("colmap/sparse"), model);
   e.Told("colmap/sparse", ModelText(model));
   if (e.images) ExportImages(e);
 }
 
-void ExportColmapText(Export& e) {
+void ExportColmapText(OngoingExport& e) {
   const ColmapModel& model = ModelOf(e);
   WriteColmapText(e.Path("colmap/text"), model);
   e.Told("colmap/text", ModelText(model));
 }
 
-void ExportG2o(Export& e) {
+void ExportG2o(OngoingExport& e) {
   const G2oGraph<SE3> graph = G2oOf(e.map());
   WriteG2o(e.Path("pose_graph.g2o"), graph);
   e.Told("pose_graph.g2o", fmt::format("{} poses, {} edges", graph.graph.poses.size(), graph.graph.edges.size()));
@@ -96,7 +96,7 @@ void WriteTimes(const std::string& path, const Trajectory& trajectory) {
 }
 
 void WritePoses(const std::string& name, TrajectoryFormat format, const Trajectory& trajectory,
-                const std::string& what, Export& e) {
+                const std::string& what, OngoingExport& e) {
   const std::string file = name + (format == TrajectoryFormat::kTum     ? ".tum"
                                    : format == TrajectoryFormat::kKitti ? ".kitti"
                                                                         : ".euroc");
@@ -107,7 +107,7 @@ void WritePoses(const std::string& name, TrajectoryFormat format, const Trajecto
   e.Told(name + "_times.txt", "the times of that, in seconds");
 }
 
-void ExportPoses(TrajectoryFormat format, Export& e) {
+void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
   if (!e.source.frames.empty()) WritePoses("trajectory", format, e.source.frames, "frames", e);
   if (!e.source.map || e.map().keyframes().empty()) return;
   Trajectory keyframes = TrajectoryOf(e.map());
@@ -118,7 +118,7 @@ void ExportPoses(TrajectoryFormat format, Export& e) {
 
 struct Writer {
   ExportFormat format;
-  void (*write)(Export&);
+  void (*write)(OngoingExport&);
 };
 
 const std::vector<Writer>& Writers() {
@@ -128,11 +128,12 @@ const std::vector<Writer>& Writers() {
       {{"colmap", "COLMAP's model, binary, and the images where there is a dataset", true}, ExportColmap},
       {{"colmap-text", "the same model as text", true}, ExportColmapText},
       {{"g2o", "pose graph", true}, ExportG2o},
-      {{"tum", "poses: t tx ty tz qx qy qz qw", false}, [](Export& e) { ExportPoses(TrajectoryFormat::kTum, e); }},
+      {{"tum", "poses: t tx ty tz qx qy qz qw", false},
+       [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kTum, e); }},
       {{"kitti", "poses: rows of [R t], and their times", false},
-       [](Export& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
+       [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
       {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
-       [](Export& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }}};
+       [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }}};
   return kWriters;
 }
 
@@ -162,7 +163,7 @@ const std::vector<ExportFormat>& ExportFormats() {
 
 std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   CheckNames(request.formats);
-  Export e{ReadRunSource(request.source), nullptr, request.out, {}, std::nullopt};
+  OngoingExport e{ReadRunSource(request.source), nullptr, request.out, {}, std::nullopt};
   if (!request.dataset.empty() && e.source.map) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
     e.images = std::make_unique<KeyframeImages>(request.dataset, camera);

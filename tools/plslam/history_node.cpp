@@ -50,7 +50,7 @@ constexpr std::array<KeptChannel, 4> kKept{{{bus::kPose, Publish<pose_t>},
 
 // What the bus remembers, too: more are invented.
 constexpr size_t kMaxPublishers = 256;
-constexpr size_t kMaxProcesses = 4096;
+constexpr size_t kMaxRecordedProcesses = 4096;
 
 int UnnamedFile(const std::string& folder) {
   std::string path = folder + "/.history_XXXXXX";
@@ -154,7 +154,7 @@ HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
   bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
     if (m.host != host) return;  // ids of its processes mean nothing here
-    if (sources_.size() < kMaxProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
+    if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
   });
   for (size_t i = 0; i < kKept.size(); ++i) {
     bus_.SubscribeBytes(

@@ -23,7 +23,7 @@ constexpr double kWorthSaying = 5.0;
 constexpr double kSilent_s = 2.5;
 constexpr double kDead_s = 10.0;
 // More are invented.
-constexpr size_t kMaxProcesses = 4096;
+constexpr size_t kMaxShownProcesses = 4096;
 
 FrameReport FromMessage(const pose_t& message) {
   FrameReport report;
@@ -83,7 +83,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 
 void MonitorNode::OnStatus(const status_t& message) {
   const std::pair process(message.host, message.pid);
-  if (processes_.size() >= kMaxProcesses && !processes_.contains(process)) return;
+  if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
   const ProcessStatus& status = processes_[process] = FromMessage(message);
   double& longest = longest_queue_[message.process];
   longest = std::max(longest, status.queue);

@@ -20,7 +20,7 @@ constexpr seconds kStartLimit{60};
 constexpr seconds kStallLimit{120};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
-constexpr seconds kSaveLimit{60};
+constexpr seconds kRunSaveLimit{60};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
@@ -143,7 +143,7 @@ void RunSession::CheckSaved(Clock::time_point now) {
   if (!options_.save_map.empty() && save_.result() != SaveNode::Result::kSaved) {
     save_.Send(std::filesystem::absolute(options_.save_map));
     const bool failed = save_.result() == SaveNode::Result::kFailed;
-    if (!failed && now - phase_began_ < kSaveLimit) return;
+    if (!failed && now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),
                                  (options_.out / "logs").string()));
   }

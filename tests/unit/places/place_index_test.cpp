@@ -34,7 +34,7 @@ TEST(PlaceIndex, ScoresEqualThoseOfPairsWhileAnyPlacesComeAndGo) {
     std::vector<float> scores(40, 0.0F);
     index.Score(query, scores);
     for (int i = 0; i < 40; ++i) {
-      const double expected = places.contains(i) ? Similarity(query, places[i]) : 0.0;
+      const double expected = places.contains(i) ? BagSimilarity(query, places[i]) : 0.0;
       ASSERT_NEAR(scores[i], expected, kRelativeError * expected) << "place " << i << " at step " << step;
     }
   }

@@ -151,16 +151,16 @@ TEST(BagOfWords, SimilarityIsOneMinusHalfTheDistance) {
     for (const auto& [word, weight] : b.words) difference[word] -= weight;
     double distance = 0.0;
     for (const auto& [word, d] : difference) distance += std::abs(d);
-    EXPECT_NEAR(Similarity(a, b), 1.0 - 0.5 * distance, 1e-5);
-    EXPECT_EQ(Similarity(a, b), Similarity(b, a));
-    EXPECT_NEAR(Similarity(a, a), 1.0, 1e-5);
+    EXPECT_NEAR(BagSimilarity(a, b), 1.0 - 0.5 * distance, 1e-5);
+    EXPECT_EQ(BagSimilarity(a, b), BagSimilarity(b, a));
+    EXPECT_NEAR(BagSimilarity(a, a), 1.0, 1e-5);
   }
 }
 
 TEST(BagOfWords, NothingInCommonIsZero) {
-  EXPECT_EQ(Similarity({}, {}), 0.0F);
-  EXPECT_EQ(Similarity({{{1, 1.0F}}}, {}), 0.0F);
-  EXPECT_EQ(Similarity({{{1, 0.5F}, {5, 0.5F}}}, {{{2, 0.5F}, {7, 0.5F}}}), 0.0F);
+  EXPECT_EQ(BagSimilarity({}, {}), 0.0F);
+  EXPECT_EQ(BagSimilarity({{{1, 1.0F}}}, {}), 0.0F);
+  EXPECT_EQ(BagSimilarity({{{1, 0.5F}, {5, 0.5F}}}, {{{2, 0.5F}, {7, 0.5F}}}), 0.0F);
 }
 
 }  // namespace

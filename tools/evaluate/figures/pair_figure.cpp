@@ -12,8 +12,8 @@ namespace plslam {
 namespace {
 
 constexpr double kWide = 1.8;
-constexpr double kTop_pt = 27.0;
-constexpr double kGap_pt = 4.0;
+constexpr double kPairTop_pt = 27.0;
+constexpr double kPairGap_pt = 4.0;
 constexpr double kName_pt = 9.0;
 constexpr size_t kMostJoined = 30;
 const Ink kAlone{170, 170, 170};
@@ -143,10 +143,10 @@ SameFeatures SharedBy(const Map& map, int64_t a, int64_t b) {
 Drawing PairFigure(const std::string& title, const PairedImage& first, const PairedImage& second,
                    const SameFeatures& same) {
   const bool above = first.image.cols > kWide * first.image.rows;
-  const double width = above ? kColumn_pt : 0.5 * (kColumn_pt - kGap_pt);
-  const Frame a{first, {0.0, kTop_pt}, width / first.image.cols, ColumnsOf(*first.features, same)};
+  const double width = above ? kColumn_pt : 0.5 * (kColumn_pt - kPairGap_pt);
+  const Frame a{first, {0.0, kPairTop_pt}, width / first.image.cols, ColumnsOf(*first.features, same)};
   const double height = a.Size().y();
-  const Place shift = above ? Place(0.0, height + kName_pt + kGap_pt) : Place(width + kGap_pt, 0.0);
+  const Place shift = above ? Place(0.0, height + kName_pt + kPairGap_pt) : Place(width + kPairGap_pt, 0.0);
   const Frame b{second, a.corner + shift, width / second.image.cols, {}};
   Drawing drawing;
   drawing.size = {kColumn_pt, b.corner.y() + height + kName_pt + 1.0};

@@ -15,8 +15,8 @@ using nlohmann::json;
 constexpr double kRow_pt = 10.0;
 constexpr double kNames_pt = 78.0;
 constexpr double kValues_pt = 56.0;
-constexpr double kTop_pt = 30.0;
-constexpr double kBottom_pt = 23.0;
+constexpr double kRowsTop_pt = 30.0;
+constexpr double kRowsBottom_pt = 23.0;
 constexpr double kSmallest_ms = 0.01;
 const Ink kMedian{31, 80, 180};
 const Ink kCpu{200, 100, 20};
@@ -113,16 +113,16 @@ Drawing RuntimeFigure(const std::string& title, const json& summary) {
   const std::vector<Row> rows = RowsOf(summary);
   const double height = kRow_pt * static_cast<double>(rows.size()) + 4.0;
   Drawing drawing;
-  drawing.size = {kColumn_pt, kTop_pt + height + kBottom_pt};
+  drawing.size = {kColumn_pt, kRowsTop_pt + height + kRowsBottom_pt};
   AddTitle(drawing, title);
   AddText(drawing, {kColumn_pt - 2.0, 24.0}, "ms: median (95 %)", 1.0);
   const Range x = RangeOf(rows);
   const Range y{0.0, height};
-  Axes axes(drawing, {{kNames_pt, kTop_pt}, {kColumn_pt - kNames_pt - kValues_pt, height}}, x, y, true);
+  Axes axes(drawing, {{kNames_pt, kRowsTop_pt}, {kColumn_pt - kNames_pt - kValues_pt, height}}, x, y, true);
   axes.DrawGrid("time [ms]", "");
   for (size_t i = 0; i < rows.size(); ++i) {
     const double middle = kRow_pt * (static_cast<double>(i) + 0.5) + 2.0;
-    DrawRow(rows[i], kTop_pt + middle + 0.35 * kType_pt, height - middle, x, axes, drawing);
+    DrawRow(rows[i], kRowsTop_pt + middle + 0.35 * kType_pt, height - middle, x, axes, drawing);
   }
   return drawing;
 }

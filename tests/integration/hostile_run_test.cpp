@@ -26,9 +26,9 @@ using testing::HasSubstr;
 
 constexpr const char* kGroup = "239.255.76.67";
 constexpr uint16_t kPort = 7667;
-constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
-constexpr int kFrames = 60;
-const std::string kWorld = fmt::format("synthetic:room?frames={}&size=376x240", kFrames);
+constexpr const char* kHostileUrl = "udpm://239.255.76.67:7667?ttl=0";
+constexpr int kHostileFrames = 60;
+const std::string kHostileWorld = fmt::format("synthetic:room?frames={}&size=376x240", kHostileFrames);
 
 std::string KeyFile(const std::filesystem::path& folder, char digit) {
   const std::filesystem::path path = folder / (std::string("key_") + digit);
@@ -38,14 +38,14 @@ std::string KeyFile(const std::filesystem::path& folder, char digit) {
 
 bus::BusOptions ListenerOptions(const std::string& key_file, const std::string& prefix = "") {
   bus::BusOptions options;
-  options.url = kUrl;
+  options.url = kHostileUrl;
   options.key_file = key_file;
   options.prefix = prefix;
   return options;
 }
 
 /// What a run gives, and what it had to bear.
-struct Outcome {
+struct HostileOutcome {
   test::RecordedRun log;
   std::string trajectory, keyframes, map;
   std::vector<std::vector<uint8_t>> packets;  // as on the wire
@@ -66,15 +66,15 @@ std::vector<std::vector<uint8_t>> PacketsOf(const std::string& log, size_t most_
 
 /// One lockstep run of all processes on `host`, with `hostile` traffic beside it where there is a plan.
 void Play(const NetworkHost& host, const std::string& key_file, const std::optional<HostileSender::Plan>& hostile,
-          Outcome* outcome) {
-  ByHand run(kUrl);
+          HostileOutcome* outcome) {
+  ByHand run(kHostileUrl);
   if (!key_file.empty()) run.SetCommon({"--set", "bus.key_file=" + key_file});
   StatusListener listener(host, ListenerOptions(key_file));
   std::unique_ptr<HostileSender> sender;
   if (hostile) host.Do([&] { sender = std::make_unique<HostileSender>(*hostile); });
   ASSERT_NO_FATAL_FAILURE(
       run.StartAll({.viewer = &host, .mapping = &host, .loop = &host, .vo = &host, .recorder = &host}, &listener));
-  run.StartPlayer(host, kWorld);
+  run.StartPlayer(host, kHostileWorld);
   ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   for (const auto& [name, status] : listener.statuses()) {
     if (name == "player") continue;
@@ -105,7 +105,7 @@ HostileSender::Plan HostilePlan() {
   return plan;
 }
 
-void ExpectUnharmed(const Outcome& quiet, const Outcome& attacked) {
+void ExpectUnharmed(const HostileOutcome& quiet, const HostileOutcome& attacked) {
   std::cout << fmt::format(
       "rejected {:.0f}, duplicates {:.0f}, of unproven senders {:.0f}; largest process {:.0f} MB, undisturbed {:.0f} "
       "MB; "
@@ -116,7 +116,7 @@ void ExpectUnharmed(const Outcome& quiet, const Outcome& attacked) {
   EXPECT_GT(attacked.duplicates, 500);
   EXPECT_LT(attacked.peak_mb, quiet.peak_mb + 100);
   EXPECT_THAT(attacked.complaint, HasSubstr("messages rejected: "));
-  EXPECT_EQ(attacked.log.poses.size(), static_cast<size_t>(kFrames));
+  EXPECT_EQ(attacked.log.poses.size(), static_cast<size_t>(kHostileFrames));
   EXPECT_TRUE(quiet.log.poses == attacked.log.poses);
   EXPECT_TRUE(quiet.log.keyframes == attacked.log.keyframes);
   EXPECT_TRUE(quiet.log.map_bytes == attacked.log.map_bytes);
@@ -134,9 +134,9 @@ class HostileRun : public testing::Test {
 
 TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
   const NetworkHost host;
-  const ByHand folder(kUrl);
+  const ByHand folder(kHostileUrl);
   const std::string key = KeyFile(folder.folder(), 'a');
-  Outcome quiet, attacked;
+  HostileOutcome quiet, attacked;
   ASSERT_NO_FATAL_FAILURE(Play(host, key, std::nullopt, &quiet));
   HostileSender::Plan plan = HostilePlan();
   plan.forge = true;
@@ -150,7 +150,7 @@ TEST_F(HostileRun, WithAKeyNothingGetsThrough) {
 TEST_F(HostileRun, WithoutAKeyJunkAndRepetitionsDoNoHarm) {
   PLSLAM_REQUIRE_LONG_TESTS();
   const NetworkHost host;
-  Outcome quiet, attacked;
+  HostileOutcome quiet, attacked;
   ASSERT_NO_FATAL_FAILURE(Play(host, "", std::nullopt, &quiet));
   ASSERT_NO_FATAL_FAILURE(Play(host, "", HostilePlan(), &attacked));
   ExpectUnharmed(quiet, attacked);
@@ -159,7 +159,7 @@ TEST_F(HostileRun, WithoutAKeyJunkAndRepetitionsDoNoHarm) {
 /// mapping_process with one key, and next to it one with another, or with another prefix.
 TEST_F(HostileRun, StrangersGetOneClearLineInTheStatus) {
   const NetworkHost host;
-  ByHand ours(kUrl), other_key(kUrl), no_key(kUrl), other_prefix(kUrl);
+  ByHand ours(kHostileUrl), other_key(kHostileUrl), no_key(kHostileUrl), other_prefix(kHostileUrl);
   const std::string key = KeyFile(ours.folder(), 'a');
   StatusListener listener(host, ListenerOptions(key));
   ours.Start(host, "mapping_process", {"--set", "bus.key_file=" + key});

@@ -18,39 +18,39 @@ using test::LossyLan;
 using test::StatusListener;
 using test::WholeRun;
 
-constexpr int kFrames = 60;
-constexpr const char* kWorld = "synthetic:room?frames=60&size=376x240";
-constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=1";
+constexpr int kLossyFrames = 60;
+constexpr const char* kLossyWorld = "synthetic:room?frames=60&size=376x240";
+constexpr const char* kLossyUrl = "udpm://239.255.76.67:7667?ttl=1";
 
 /// What a run gives.
-struct Outcome {
+struct LossyOutcome {
   test::RecordedRun log;
   std::string trajectory, keyframes, map;
   double seconds = 0.0;
 };
 
 template <class Run>
-Outcome OutcomeOf(const Run& run, double seconds) {
+LossyOutcome OutcomeOf(const Run& run, double seconds) {
   return {test::ReadRecordedRun(run.log()), run.Read("trajectory.tum"), run.Read("keyframes.tum"),
           run.Read("map.ply"), seconds};
 }
 
 /// All on this machine, by `plslam run`.
-void PlayHere(const std::vector<std::string>& options, Outcome* outcome) {
+void PlayHere(const std::vector<std::string>& options, LossyOutcome* outcome) {
   WholeRun run;
-  std::vector<std::string> arguments = {"run", kWorld, "--record", run.log()};
+  std::vector<std::string> arguments = {"run", kLossyWorld, "--record", run.log()};
   arguments.insert(arguments.end(), options.begin(), options.end());
   ASSERT_EQ(run.Run(arguments), 0) << run.Logs();
   *outcome = OutcomeOf(run, run.Summary()["wall_s"]);
 }
 
 /// Each process on a host of its own, one packet a message.
-void PlayOver(const LossyLan& lan, Outcome* outcome) {
-  ByHand run(kUrl);
+void PlayOver(const LossyLan& lan, LossyOutcome* outcome) {
+  ByHand run(kLossyUrl);
   run.SetCommon({"--set", "bus.max_message_bytes=1200", "--set", "vo.map.wait_s=60", "--set",
                  "vo.relocalisation.wait_s=60", "--set", "mapping.loops.wait_s=60"});
   bus::BusOptions options;
-  options.url = kUrl;
+  options.url = kLossyUrl;
   StatusListener listener(lan.host(5), options);
   ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(1),
                                         .mapping = &lan.host(2),
@@ -59,8 +59,8 @@ void PlayOver(const LossyLan& lan, Outcome* outcome) {
                                         .recorder = &lan.host(0)},
                                        &listener));
   const auto began = std::chrono::steady_clock::now();
-  run.StartPlayer(lan.host(5), kWorld);
-  ASSERT_TRUE(listener.WaitForFrame(kFrames - 1, 200)) << run.Logs();
+  run.StartPlayer(lan.host(5), kLossyWorld);
+  ASSERT_TRUE(listener.WaitForFrame(kLossyFrames - 1, 200)) << run.Logs();
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   EXPECT_TRUE(run.StopAll()) << run.Logs();
@@ -76,7 +76,7 @@ TEST_P(LossyRun, GivesTheSameBits) {
     PLSLAM_REQUIRE_LONG_TESTS();
   }
   const std::string obstacle = LossyLan::Obstacle();
-  Outcome whole, lossy;
+  LossyOutcome whole, lossy;
   const double share = percent / 100.0;
   if (obstacle.empty()) {
     const LossyLan lan(6, {share, share, share, std::chrono::milliseconds(1)});
@@ -90,8 +90,8 @@ TEST_P(LossyRun, GivesTheSameBits) {
   }
   ASSERT_NO_FATAL_FAILURE(PlayHere({}, &whole));
   std::cout << fmt::format("{} % lost, doubled, overtaking: {:.1f} frames/s; on one undisturbed machine {:.1f}\n",
-                           percent, kFrames / lossy.seconds, kFrames / whole.seconds);
-  EXPECT_EQ(lossy.log.Count("POSE"), kFrames);
+                           percent, kLossyFrames / lossy.seconds, kLossyFrames / whole.seconds);
+  EXPECT_EQ(lossy.log.Count("POSE"), kLossyFrames);
   EXPECT_GE(lossy.log.sequence_numbers.size(), 4U);
   for (const auto& [key, numbers] : lossy.log.sequence_numbers) {
     EXPECT_EQ(lossy.log.Gaps(key.first), 0) << key.first;

@@ -19,9 +19,9 @@ using test::NetworkHost;
 using test::StatusListener;
 using test::WholeRun;
 
-constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=1";
-constexpr int kFrames = 150;
-const std::string kWorld = fmt::format("synthetic:room?frames={}&size=376x240", kFrames);
+constexpr const char* kMachinesUrl = "udpm://239.255.76.67:7667?ttl=1";
+constexpr int kMachinesFrames = 150;
+const std::string kMachinesWorld = fmt::format("synthetic:room?frames={}&size=376x240", kMachinesFrames);
 
 /// Which host each process runs on.
 struct Plan {
@@ -34,14 +34,14 @@ struct Plan {
 
 bus::BusOptions ListenerOptions() {
   bus::BusOptions options;
-  options.url = kUrl;
+  options.url = kMachinesUrl;
   return options;
 }
 
 /// Pulls the cable in the middle of the run, for less than partners in lockstep wait for one that is out of reach (`wait_s`).
 void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
   if (host < 0) return;
-  ASSERT_TRUE(listener->WaitForFrame(kFrames / 3));
+  ASSERT_TRUE(listener->WaitForFrame(kMachinesFrames / 3));
   lan.SetLink(host, false);
   std::this_thread::sleep_for(std::chrono::seconds(5));  // the fault itself
   lan.SetLink(host, true);
@@ -49,8 +49,8 @@ void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
 
 void ExpectTheSameAsOnOneMachine(const ByHand& run) {
   WholeRun single;
-  ASSERT_EQ(single.Run({"run", kWorld}), 0) << single.Logs();
-  EXPECT_EQ(single.Summary()["tracked_frames"], kFrames);
+  ASSERT_EQ(single.Run({"run", kMachinesWorld}), 0) << single.Logs();
+  EXPECT_EQ(single.Summary()["tracked_frames"], kMachinesFrames);
   for (const char* file : {"trajectory.tum", "trajectory_live.tum", "keyframes.tum", "map.ply"}) {
     EXPECT_FALSE(run.Read(file).empty()) << file;
     EXPECT_TRUE(run.Read(file) == single.Read(file)) << file;
@@ -60,7 +60,7 @@ void ExpectTheSameAsOnOneMachine(const ByHand& run) {
 void PlayOnSeveralMachines(const Plan& plan) {
   if (!NetworkHost::Obstacle().empty()) GTEST_SKIP() << NetworkHost::Obstacle();
   const Lan lan(plan.n_hosts);
-  ByHand run(kUrl);
+  ByHand run(kMachinesUrl);
   // It listens where the player is: there it hears poses whatever cable is pulled.
   StatusListener listener(lan.host(plan.tracking), ListenerOptions());
   ASSERT_NO_FATAL_FAILURE(run.StartAll({.viewer = &lan.host(plan.viewer),
@@ -69,12 +69,12 @@ void PlayOnSeveralMachines(const Plan& plan) {
                                         .vo = &lan.host(plan.tracking)},
                                        &listener));
   const auto began = std::chrono::steady_clock::now();
-  run.StartPlayer(lan.host(plan.tracking), kWorld);
+  run.StartPlayer(lan.host(plan.tracking), kMachinesWorld);
   CutFor5s(lan, plan.cut, &listener);
   ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   std::cout << fmt::format("{} hosts{}: {} frames in {:.1f} s\n", plan.n_hosts,
-                           plan.cut >= 0 ? fmt::format(", host {} cut off for 5 s", plan.cut) : "", kFrames,
+                           plan.cut >= 0 ? fmt::format(", host {} cut off for 5 s", plan.cut) : "", kMachinesFrames,
                            took.count());
   EXPECT_TRUE(run.StopAll()) << run.Logs();
   ExpectTheSameAsOnOneMachine(run);

@@ -24,8 +24,8 @@ using test::NetworkHost;
 using test::StatusListener;
 using test::WholeRun;
 
-constexpr int kFrames = 60;
-const std::string kWorld = fmt::format("synthetic:room?frames={}&size=376x240", kFrames);
+constexpr int kRelayedFrames = 60;
+const std::string kRelayedWorld = fmt::format("synthetic:room?frames={}&size=376x240", kRelayedFrames);
 
 /// Where LCM's Java package (Debian: liblcm-java) puts it.
 constexpr const char* kJar = "/usr/share/java/lcm.jar";
@@ -71,7 +71,7 @@ class LocalSocket {
 
 void ExpectSameRun(const WholeRun& expected, const WholeRun& run) {
   const auto a = test::ReadRecordedRun(expected.log()), b = test::ReadRecordedRun(run.log());
-  EXPECT_EQ(run.Summary()["tracked_frames"], kFrames);
+  EXPECT_EQ(run.Summary()["tracked_frames"], kRelayedFrames);
   for (const auto& [key, numbers] : b.sequence_numbers) EXPECT_EQ(b.Gaps(key.first), 0) << key.first;
   EXPECT_EQ(expected.Read("trajectory.tum"), run.Read("trajectory.tum"));
   EXPECT_TRUE(expected.Read("map.ply") == run.Read("map.ply"));
@@ -86,9 +86,10 @@ TEST(Relay, OfLcmsJavaPackageCarriesARun) {
   ASSERT_GT(port, 0);
   ChildProcess relay(java, {"-cp", kJar, "lcm.lcm.TCPService", std::to_string(port)}, relayed.folder() / "relay.log");
   ASSERT_TRUE(WholeRun::WaitFor([&] { return LocalSocket().Connect(port); }));
-  ASSERT_EQ(direct.Run({"run", kWorld, "--record", direct.log()}), 0) << direct.Logs();
-  ASSERT_EQ(
-      relayed.Run({"run", kWorld, "--record", relayed.log(), "--url", fmt::format("tcpq://127.0.0.1:{}", port)}), 0)
+  ASSERT_EQ(direct.Run({"run", kRelayedWorld, "--record", direct.log()}), 0) << direct.Logs();
+  ASSERT_EQ(relayed.Run(
+                {"run", kRelayedWorld, "--record", relayed.log(), "--url", fmt::format("tcpq://127.0.0.1:{}", port)}),
+            0)
       << relayed.Logs();
   std::cout << fmt::format("{} s through LCM's relay, {} s by multicast\n", relayed.Summary()["wall_s"].dump(),
                            direct.Summary()["wall_s"].dump());
@@ -110,11 +111,11 @@ TEST(Relay, JoinsMachinesWithoutMulticast) {
   StatusListener listener(lan.host(0), options);
   ASSERT_NO_FATAL_FAILURE(run.StartAll(
       {.viewer = &lan.host(2), .mapping = &lan.host(1), .loop = &lan.host(1), .vo = &lan.host(0)}, &listener));
-  run.StartPlayer(lan.host(0), kWorld);
+  run.StartPlayer(lan.host(0), kRelayedWorld);
   ASSERT_NO_FATAL_FAILURE(run.WaitUntilPlayed(&listener));
   EXPECT_TRUE(run.StopAll()) << run.Logs();
   WholeRun single;
-  ASSERT_EQ(single.Run({"run", kWorld}), 0) << single.Logs();
+  ASSERT_EQ(single.Run({"run", kRelayedWorld}), 0) << single.Logs();
   EXPECT_EQ(run.Read("trajectory.tum"), single.Read("trajectory.tum"));
   EXPECT_TRUE(run.Read("map.ply") == single.Read("map.ply"));
 }

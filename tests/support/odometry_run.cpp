@@ -1,20 +1,16 @@
 #include "tests/support/odometry_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <Eigen/Geometry>
 
 #include "tests/support/dense_algebra.h"
+#include "tests/support/steady_ms.h"
 #include "vo_process/stereo_front_end.h"
 
 namespace plslam::test {
 namespace {
-
-double NowMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 OdometryFrame Summarise(const OdometryResult& result, const SE3& T_l_c) {
   OdometryFrame frame;
@@ -42,7 +38,7 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
   std::vector<OdometryFrame> frames;
   for (int i = 0; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
-    StageTimer timer(NowMs);
+    StageTimer timer(SteadyMs);
     OdometryResult result;
     timer.Time("total", [&] {
       StereoFeatures features = front_end.Process(images, timer);

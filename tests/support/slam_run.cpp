@@ -1,17 +1,13 @@
 #include "tests/support/slam_run.h"
 
-#include <chrono>
 #include <utility>
 
+#include "tests/support/steady_ms.h"
 #include "vo_process/keyframe_value.h"
 #include "vo_process/stereo_front_end.h"
 
 namespace plslam::test {
 namespace {
-
-double NowMs() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 SE3 Blend(const SE3& a, const SE3& b, double t) {
   return {a.rotation().slerp(t, b.rotation()), Eigen::Vector3d((1.0 - t) * a.translation() + t * b.translation())};
@@ -68,7 +64,7 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
   constexpr int64_t kSession = 1;
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
-    StageTimer timer(NowMs);
+    StageTimer timer(SteadyMs);
     const OdometryResult result = odometry.Track(images.t_ns, front_end.Process(images, timer));
     OdometryFrame frame;
     frame.t_ns = images.t_ns;
@@ -86,11 +82,11 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
     keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;
     if (keyframe.keyframe_id > 0 && vo.map.enabled) odometry.Adopt(mapper.map(), kSession, keyframe.keyframe_id - 1);
     std::string reason;
-    const double t0 = NowMs();
+    const double t0 = SteadyMs();
     mapper.Insert(keyframe, &reason);
-    const double t1 = NowMs();
+    const double t1 = SteadyMs();
     mapper.Adjust(nullptr);
-    const double t2 = NowMs();
+    const double t2 = SteadyMs();
     mapper.Cull();
     mapper.TakeUpdate();
     run.insert_ms.push_back(t1 - t0);

@@ -9,6 +9,9 @@
 
 namespace plslam::bus::test {
 
+/// Nanoseconds.
+inline constexpr int64_t kMs = 1'000'000;
+
 /// `size` bytes that carry a number.
 inline Bytes MessageOf(int64_t n, size_t size = 100) {
   std::vector<uint8_t> bytes(size, static_cast<uint8_t>(n));

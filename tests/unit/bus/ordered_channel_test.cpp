@@ -11,10 +11,9 @@ namespace plslam::bus {
 namespace {
 
 using test::Drain;
+using test::kMs;
 using test::MessageOf;
 using test::NumberOf;
-
-constexpr int64_t kMs = 1'000'000;
 
 OrderedWriter WriterOf(Retention retention = Retention::kAll) {
   return OrderedWriter(retention, 100'000'000, "CHANNEL", "", false);

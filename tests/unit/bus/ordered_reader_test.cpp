@@ -10,9 +10,8 @@ namespace plslam::bus {
 namespace {
 
 using test::Drain;
+using test::kMs;
 using test::MessageOf;
-
-constexpr int64_t kMs = 1'000'000;
 
 using Numbers = std::vector<int64_t>;
 

@@ -11,7 +11,7 @@
 namespace plslam {
 namespace {
 
-const StereoCamera kCamera{
+const StereoCamera kDepthCamera{
     .f_px = 500.0, .cx_px = 40.0, .cy_px = 30.0, .baseline_m = 0.08, .width_px = 80, .height_px = 60};
 constexpr double kUnits = 5000.0;
 
@@ -19,7 +19,7 @@ StereoPoint At(const cv::Mat& depth, double u, double v) {
   PointFeature feature;
   feature.px = {u, v};
   std::vector<StereoPoint> points = WithoutDepth({feature}, {});
-  AttachDepthToPoints(points, depth, kUnits, kCamera, {});
+  AttachDepthToPoints(points, depth, kUnits, kDepthCamera, {});
   return points[0];
 }
 
@@ -65,9 +65,9 @@ TEST(AttachDepthToPoints, TooFewKnownOutsideAndNaN) {
 TEST(AttachDepthToPoints, EmptyMapAndBadArguments) {
   EXPECT_FALSE(At(cv::Mat(), 30, 20).HasDepth());
   std::vector<StereoPoint> points(1);
-  EXPECT_THROW(AttachDepthToPoints(points, cv::Mat(5, 5, CV_8UC1, cv::Scalar(1)), kUnits, kCamera, {}),
+  EXPECT_THROW(AttachDepthToPoints(points, cv::Mat(5, 5, CV_8UC1, cv::Scalar(1)), kUnits, kDepthCamera, {}),
                std::invalid_argument);
-  EXPECT_THROW(AttachDepthToPoints(points, Plane(1.0), 0.0, kCamera, {}), std::invalid_argument);
+  EXPECT_THROW(AttachDepthToPoints(points, Plane(1.0), 0.0, kDepthCamera, {}), std::invalid_argument);
 }
 
 }  // namespace

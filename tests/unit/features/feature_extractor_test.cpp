@@ -8,7 +8,7 @@
 namespace plslam {
 namespace {
 
-const StereoCamera kCamera{
+const StereoCamera kExtractorCamera{
     .f_px = 300.0, .cx_px = 160.0, .cy_px = 120.0, .baseline_m = 0.1, .width_px = 320, .height_px = 240};
 
 /// Texture with a few bright bars, so that it has both kinds of features.
@@ -46,7 +46,7 @@ TEST(MatchStereo, KeepsEveryLeftFeatureInItsPlace) {
   const cv::Mat right = Scene(10.0);
   FeatureExtractor extractor(Only("both"));
   const ImageFeatures features = extractor.Extract(left);
-  const StereoFeatures stereo = MatchStereo(features, extractor.Extract(right), left, right, kCamera, {});
+  const StereoFeatures stereo = MatchStereo(features, extractor.Extract(right), left, right, kExtractorCamera, {});
   ASSERT_EQ(stereo.points.size(), features.points.size());
   ASSERT_EQ(stereo.lines.size(), features.lines.size());
   int with_depth = 0;
@@ -63,7 +63,7 @@ TEST(MatchStereo, KeepsEveryLeftFeatureInItsPlace) {
 TEST(MatchStereo, ImagesOfOnePixel) {
   const cv::Mat pixel(1, 1, CV_8UC1, cv::Scalar(9));
   FeatureExtractor extractor(Only("both"));
-  const StereoFeatures stereo = MatchStereo(extractor.Extract(pixel), {}, pixel, pixel, kCamera, {});
+  const StereoFeatures stereo = MatchStereo(extractor.Extract(pixel), {}, pixel, pixel, kExtractorCamera, {});
   EXPECT_TRUE(stereo.points.empty());
   EXPECT_TRUE(stereo.lines.empty());
 }
@@ -72,7 +72,7 @@ TEST(AttachDepth, GivesBothKindsTheirDisparity) {
   const cv::Mat image = Scene(0.0);
   const cv::Mat depth(240, 320, CV_16UC1, cv::Scalar(3000));
   const StereoFeatures stereo =
-      AttachDepth(FeatureExtractor(Only("both")).Extract(image), depth, 1000.0, kCamera, {});
+      AttachDepth(FeatureExtractor(Only("both")).Extract(image), depth, 1000.0, kExtractorCamera, {});
   ASSERT_FALSE(stereo.points.empty());
   ASSERT_FALSE(stereo.lines.empty());
   for (const StereoPoint& p : stereo.points) EXPECT_NEAR(p.disparity_px, 10.0, 1e-9);

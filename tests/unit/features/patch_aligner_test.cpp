@@ -11,10 +11,10 @@
 namespace plslam {
 namespace {
 
-constexpr int kWidth = 260;
-constexpr int kHeight = 120;
+constexpr int kPairWidth = 260;
+constexpr int kPairHeight = 120;
 
-struct Errors {
+struct ShiftErrors {
   int tried = 0;
   std::vector<double> error_px;
   std::vector<double> normalised;
@@ -27,16 +27,16 @@ struct Errors {
 };
 
 /// Aligns a grid of patches, each from a start that is wrong by about a pixel.
-Errors AlignAll(const test::View& left_view, const test::View& right_view, double scale = 1.0, double softness = 1.0,
-                double sigma_row_px = 0.3) {
-  const cv::Mat left = test::RenderTexture(kWidth, kHeight, left_view, 3, softness);
-  const cv::Mat right = test::RenderTexture(kWidth, kHeight, right_view, 3, softness);
+ShiftErrors AlignAll(const test::View& left_view, const test::View& right_view, double scale = 1.0,
+                     double softness = 1.0, double sigma_row_px = 0.3) {
+  const cv::Mat left = test::RenderTexture(kPairWidth, kPairHeight, left_view, 3, softness);
+  const cv::Mat right = test::RenderTexture(kPairWidth, kPairHeight, right_view, 3, softness);
   const HalvedPair pair(left, right);
   const PatchAligner aligner(pair, sigma_row_px);
   const double truth = right_view.shift_x_px - left_view.shift_x_px;
-  Errors errors;
-  for (int v = 30; v < kHeight - 30; v += 6) {
-    for (int u = 60; u < kWidth - 40; u += 7) {
+  ShiftErrors errors;
+  for (int v = 30; v < kPairHeight - 30; v += 6) {
+    for (int u = 60; u < kPairWidth - 40; u += 7) {
       ++errors.tried;
       const double start = truth + 0.8 * scale * ((u + v) % 2 == 0 ? 1.0 : -1.0);
       const auto found = aligner.Align({u + 0.3, v - 0.2}, scale, start);
@@ -50,21 +50,21 @@ Errors AlignAll(const test::View& left_view, const test::View& right_view, doubl
 
 TEST(PatchAligner, SubPixelDisparityOfACleanPair) {
   for (const double disparity : {20.0, 20.25, 20.5, 31.8}) {
-    const Errors e = AlignAll({}, {.shift_x_px = disparity});
+    const ShiftErrors e = AlignAll({}, {.shift_x_px = disparity});
     EXPECT_GT(e.error_px.size(), 0.9 * e.tried) << disparity;
     EXPECT_LT(e.Rms(e.error_px), 0.03) << disparity;
   }
 }
 
 TEST(PatchAligner, TwiceTheExposureOnOneSide) {
-  const Errors e = AlignAll({.gain = 0.5}, {.shift_x_px = 14.4, .gain = 1.0, .offset = 10.0});
+  const ShiftErrors e = AlignAll({.gain = 0.5}, {.shift_x_px = 14.4, .gain = 1.0, .offset = 10.0});
   EXPECT_GT(e.error_px.size(), 0.9 * e.tried);
   EXPECT_LT(e.Rms(e.error_px), 0.05);
 }
 
 TEST(PatchAligner, SigmaIsTheErrorUnderNoise) {
   for (const double noise : {4.0, 10.0}) {
-    const Errors e =
+    const ShiftErrors e =
         AlignAll({.noise = noise, .noise_seed = 1}, {.shift_x_px = 17.6, .noise = noise, .noise_seed = 2}, 1.0, 2.0);
     EXPECT_GT(e.error_px.size(), 0.5 * e.tried);
     EXPECT_GT(e.Rms(e.normalised), 0.6) << "noise " << noise << ", rms " << e.Rms(e.error_px) << " px";
@@ -73,14 +73,14 @@ TEST(PatchAligner, SigmaIsTheErrorUnderNoise) {
 }
 
 TEST(PatchAligner, RowErrorWithinThePriorDoesNotBecomeDisparity) {
-  const Errors e = AlignAll({}, {.shift_x_px = 12.3, .shift_y_px = 0.4}, 1.0, 1.5);
+  const ShiftErrors e = AlignAll({}, {.shift_x_px = 12.3, .shift_y_px = 0.4}, 1.0, 1.5);
   EXPECT_GT(e.error_px.size(), 0.9 * e.tried);
   EXPECT_LT(e.Rms(e.error_px), 0.06);
 }
 
 TEST(PatchAligner, CoarseFeaturesUseHalvedImages) {
   for (const double scale : {2.0, 3.6}) {
-    const Errors e = AlignAll({}, {.shift_x_px = 21.7}, scale, 3.0);
+    const ShiftErrors e = AlignAll({}, {.shift_x_px = 21.7}, scale, 3.0);
     EXPECT_GT(e.error_px.size(), 0.3 * e.tried) << scale;
     EXPECT_LT(e.Rms(e.error_px), 0.05 * scale) << scale;
   }

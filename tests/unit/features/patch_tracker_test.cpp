@@ -17,8 +17,8 @@
 namespace plslam {
 namespace {
 
-constexpr int kWidth = 200;
-constexpr int kHeight = 160;
+constexpr int kTrackedWidth = 200;
+constexpr int kTrackedHeight = 160;
 const Eigen::Vector2d kMiddle(100.3, 79.6);
 
 /// How a place of the plane turns up in the view: `A` about the middle, then the shift.
@@ -42,9 +42,9 @@ cv::Mat Render(const Motion& motion, const test::View& view = {}, uint64_t seed 
   }
   std::mt19937_64 noise_source(view.noise_seed);
   std::normal_distribution<double> normal(0.0, 1.0);
-  cv::Mat image(kHeight, kWidth, CV_8UC1);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  cv::Mat image(kTrackedHeight, kTrackedWidth, CV_8UC1);
+  for (int y = 0; y < kTrackedHeight; ++y) {
+    for (int x = 0; x < kTrackedWidth; ++x) {
       const Eigen::Vector2d place = motion.Back(Eigen::Vector2d(x, y));
       double value = 100.0;
       for (const auto& [fx, fy, phase] : waves) value += 8.0 * std::sin(fx * place.x() + fy * place.y() + phase);
@@ -186,11 +186,11 @@ TEST(PatchTracker, HiddenPlacesAreNotFoundOrDoNotCorrelate) {
 }
 
 TEST(PatchTracker, EdgesAndFlatPlacesAreNoReference) {
-  cv::Mat image(kHeight, kWidth, CV_8UC1, cv::Scalar(90));
+  cv::Mat image(kTrackedHeight, kTrackedWidth, CV_8UC1, cv::Scalar(90));
   EXPECT_FALSE(Reference(ImageLevels(image), kMiddle, 1.0));
-  image.colRange(100, kWidth).setTo(160);
+  image.colRange(100, kTrackedWidth).setTo(160);
   EXPECT_FALSE(Reference(ImageLevels(image), kMiddle, 1.0));
-  image.rowRange(80, kHeight).setTo(30);
+  image.rowRange(80, kTrackedHeight).setTo(30);
   EXPECT_TRUE(Reference(ImageLevels(image), kMiddle, 1.0));
 }
 
@@ -198,9 +198,9 @@ TEST(PatchTracker, NoiseAlongAnEdgeIsNoCorner) {
   const auto noisy_edge = [](uint64_t seed) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal(0.0, 6.0);
-    cv::Mat image(kHeight, kWidth, CV_8UC1);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    cv::Mat image(kTrackedHeight, kTrackedWidth, CV_8UC1);
+    for (int y = 0; y < kTrackedHeight; ++y) {
+      for (int x = 0; x < kTrackedWidth; ++x) {
         image.at<uint8_t>(y, x) = static_cast<uint8_t>(std::lround((x < 100 ? 90.0 : 160.0) + normal(random)));
       }
     }
@@ -215,10 +215,10 @@ TEST(PatchTracker, NoiseAlongAnEdgeIsNoCorner) {
 TEST(PatchTracker, TheBorderEndsATrack) {
   const ImageLevels image(Render({}));
   EXPECT_FALSE(Reference(image, {4.0, 80.0}, 1.0));
-  EXPECT_FALSE(Reference(image, {80.0, kHeight - 3.0}, 1.0));
+  EXPECT_FALSE(Reference(image, {80.0, kTrackedHeight - 3.0}, 1.0));
   const auto reference = Reference(image, kMiddle, 1.0);
   ASSERT_TRUE(reference);
-  for (const Eigen::Vector2d& px : {Eigen::Vector2d(3.0, 80.0), Eigen::Vector2d(kWidth - 3.0, 80.0),
+  for (const Eigen::Vector2d& px : {Eigen::Vector2d(3.0, 80.0), Eigen::Vector2d(kTrackedWidth - 3.0, 80.0),
                                     Eigen::Vector2d(80.0, 2.0), Eigen::Vector2d(-1e9, 80.0)}) {
     EXPECT_FALSE(TrackPatch(*reference, image, {px})) << px.transpose();
   }

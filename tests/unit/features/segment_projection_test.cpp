@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-const StereoCamera kCamera{400.0, 320.0, 240.0, 0.1, 640, 480};
+const StereoCamera kProjectionCamera{400.0, 320.0, 240.0, 0.1, 640, 480};
 
 TEST(ClipInFront, KeepsWhatIsInFront) {
   const Segment3 segment{{0.0, 0.0, 2.0}, {1.0, 0.0, 3.0}};
@@ -35,7 +35,7 @@ std::optional<Segment2> ClipByWalking(const Segment2& segment, double margin_px)
   std::optional<Segment2> inside;
   for (int i = 0; i <= kSteps; ++i) {
     const Eigen::Vector2d px = segment.p + i * (1.0 / kSteps) * (segment.q - segment.p);
-    if (!kCamera.InImage(px, -margin_px)) continue;
+    if (!kProjectionCamera.InImage(px, -margin_px)) continue;
     if (!inside) inside = Segment2{px, px};
     inside->q = px;
   }
@@ -53,7 +53,7 @@ TEST(ClipToImage, AgreesWithWalkingAlongTheSegment) {
     if (i % 10 == 0) segment.q.x() = segment.p.x();
     if (i % 10 == 5) segment.q.y() = segment.p.y();
     const auto expected = ClipByWalking(segment, margin_px);
-    const auto found = ClipToImage(segment, kCamera, margin_px);
+    const auto found = ClipToImage(segment, kProjectionCamera, margin_px);
     const double length_px = expected ? expected->Length() : 0.0;
     const double step_px = segment.Length() / 20000.0;
     if (std::abs(length_px - 5.0) < 3.0 * step_px) continue;  // either is right
@@ -61,7 +61,8 @@ TEST(ClipToImage, AgreesWithWalkingAlongTheSegment) {
     gone += found ? 0 : 1;
     if (!found) continue;
     EXPECT_LT((found->p - expected->p).norm() + (found->q - expected->q).norm(), 3.0 * step_px) << i;
-    EXPECT_TRUE(kCamera.InImage(found->p, -margin_px) && kCamera.InImage(found->q, -margin_px)) << i;
+    EXPECT_TRUE(kProjectionCamera.InImage(found->p, -margin_px) && kProjectionCamera.InImage(found->q, -margin_px))
+        << i;
     cut += found->p != segment.p || found->q != segment.q ? 1 : 0;
   }
   EXPECT_GT(cut, 100);
@@ -70,11 +71,11 @@ TEST(ClipToImage, AgreesWithWalkingAlongTheSegment) {
 
 TEST(ClipToImage, EndsInsideStayBitForBit) {
   const Segment2 inside{{0.1, 0.3}, {639.0, 479.0}};
-  const auto same = ClipToImage(inside, kCamera, 0.0);
+  const auto same = ClipToImage(inside, kProjectionCamera, 0.0);
   ASSERT_TRUE(same);
   EXPECT_EQ(same->p, inside.p);
   EXPECT_EQ(same->q, inside.q);
-  EXPECT_FALSE(ClipToImage({{5.0, 5.0}, {8.0, 5.0}}, kCamera, 0.0)) << "too short to be of use";
+  EXPECT_FALSE(ClipToImage({{5.0, 5.0}, {8.0, 5.0}}, kProjectionCamera, 0.0)) << "too short to be of use";
 }
 
 // Twin: places of the segment in space, projected, those in front and in the image.
@@ -91,15 +92,15 @@ TEST(ProjectSegment, AgreesWithProjectingManyPlaces) {
     Eigen::Vector2d before = Eigen::Vector2d::Zero();
     for (int k = 0; k <= kSteps; ++k) {
       const Eigen::Vector3d p_c = segment.p + k * (1.0 / kSteps) * (segment.q - segment.p);
-      if (p_c.z() < 0.1 || !kCamera.InImage(kCamera.Project(p_c), 0.0)) continue;
-      const Eigen::Vector2d px = kCamera.Project(p_c);
+      if (p_c.z() < 0.1 || !kProjectionCamera.InImage(kProjectionCamera.Project(p_c), 0.0)) continue;
+      const Eigen::Vector2d px = kProjectionCamera.Project(p_c);
       if (expected) step_px = std::max(step_px, (px - before).norm());
       if (!expected) expected = Segment2{px, px};
       expected->q = before = px;
     }
     const double length_px = expected ? expected->Length() : 0.0;
     if (std::abs(length_px - 5.0) < 1.0) continue;
-    const auto found = ProjectSegment(segment, kCamera, 0.0);
+    const auto found = ProjectSegment(segment, kProjectionCamera, 0.0);
     ASSERT_EQ(found.has_value(), length_px >= 5.0) << i << " length " << length_px;
     if (!found) continue;
     crossing += segment.p.z() < 0.1 || segment.q.z() < 0.1 ? 1 : 0;
@@ -118,15 +119,15 @@ TEST(VarianceAcross, GrowsOnlyBeyondTheObservedPiece) {
 TEST(AlongLine, FindsThePlaceUnderAPixel) {
   const Segment3 segment{{-1.0, -1.0, 4.0}, {1.0, 1.0, 5.0}};
   for (const double s : {-0.3, 0.0, 0.4, 1.0, 1.2}) {
-    const Eigen::Vector2d px = kCamera.Project(segment.p + s * (segment.q - segment.p));
-    const auto found = AlongLine(segment, px, kCamera);
+    const Eigen::Vector2d px = kProjectionCamera.Project(segment.p + s * (segment.q - segment.p));
+    const auto found = AlongLine(segment, px, kProjectionCamera);
     ASSERT_TRUE(found);
     EXPECT_NEAR(*found, s, 1e-9);
   }
 }
 
 TEST(AlongLine, RefusesALineThroughTheCameraCentre) {
-  EXPECT_FALSE(AlongLine({{0.0, 0.0, 1.0}, {0.0, 0.0, 2.0}}, {320.0, 240.0}, kCamera));
+  EXPECT_FALSE(AlongLine({{0.0, 0.0, 1.0}, {0.0, 0.0, 2.0}}, {320.0, 240.0}, kProjectionCamera));
 }
 
 }  // namespace

@@ -15,31 +15,32 @@
 namespace plslam {
 namespace {
 
-constexpr int kWidth = 300;
-constexpr int kHeight = 140;
+constexpr int kSlantedWidth = 300;
+constexpr int kSlantedHeight = 140;
 constexpr double kRowInformation = 1.0 / (0.3 * 0.3);
 
 /// Disparity over the left image: `at_center` in its middle, growing by the slopes a pixel to the right and down.
-struct Plane {
+struct DisparityPlane {
   double at_center = 0.0;
   double along_row = 0.0;
   double down = 0.0;
 
   double At(double u, double v) const {
-    return at_center + along_row * (u - kWidth / 2.0) + down * (v - kHeight / 2.0);
+    return at_center + along_row * (u - kSlantedWidth / 2.0) + down * (v - kSlantedHeight / 2.0);
   }
   /// Left column that the right pixel shows.
   double LeftOf(double u_right, double v) const {
-    return (u_right + at_center - along_row * kWidth / 2.0 + down * (v - kHeight / 2.0)) / (1.0 - along_row);
+    return (u_right + at_center - along_row * kSlantedWidth / 2.0 + down * (v - kSlantedHeight / 2.0)) /
+           (1.0 - along_row);
   }
 };
 
-cv::Mat RenderRight(const Plane& plane, const test::View& view, uint64_t seed, double softness) {
-  return test::RenderTexture(kWidth, kHeight, view, seed, softness,
+cv::Mat RenderRight(const DisparityPlane& plane, const test::View& view, uint64_t seed, double softness) {
+  return test::RenderTexture(kSlantedWidth, kSlantedHeight, view, seed, softness,
                              [&plane](double u, double v) { return plane.LeftOf(u, v); });
 }
 
-struct Errors {
+struct SlantErrors {
   int tried = 0;
   std::vector<double> error_px;
   std::vector<double> normalised;
@@ -60,13 +61,13 @@ struct Errors {
 
 /// Aligns a grid of patches on the plane, `align` being (place, start) to (disparity, variance).
 template <class Align>
-Errors AlignAll(const Plane& plane, const Align& align) {
-  Errors errors;
-  for (int v = 20; v < kHeight - 20; v += 6) {
-    for (int u = 20; u < kWidth - 20; u += 7) {
+SlantErrors AlignAll(const DisparityPlane& plane, const Align& align) {
+  SlantErrors errors;
+  for (int v = 20; v < kSlantedHeight - 20; v += 6) {
+    for (int u = 20; u < kSlantedWidth - 20; u += 7) {
       const Eigen::Vector2d px(u + 0.3, v - 0.4);
       const double truth = plane.At(px.x(), px.y());
-      if (px.x() - truth < 20.0 || px.x() - truth > kWidth - 20.0) continue;
+      if (px.x() - truth < 20.0 || px.x() - truth > kSlantedWidth - 20.0) continue;
       ++errors.tried;
       const std::optional<std::pair<double, double>> found = align(px, truth);
       if (!found) continue;
@@ -82,13 +83,13 @@ struct Pair {
   cv::Mat right;
   HalvedPair halved;
 
-  Pair(const Plane& plane, double noise, double softness)
-      : left(test::RenderTexture(kWidth, kHeight, {.noise = noise, .noise_seed = 1}, 3, softness)),
+  Pair(const DisparityPlane& plane, double noise, double softness)
+      : left(test::RenderTexture(kSlantedWidth, kSlantedHeight, {.noise = noise, .noise_seed = 1}, 3, softness)),
         right(RenderRight(plane, {.noise = noise, .noise_seed = 2}, 3, softness)),
         halved(left, right) {}
 };
 
-Errors WithSlant(const Plane& plane, const Pair& pair) {
+SlantErrors WithSlant(const DisparityPlane& plane, const Pair& pair) {
   const HalvedPair::Level& level = pair.halved.LevelFor(1.0);
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const Eigen::Vector2i center(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
@@ -100,7 +101,7 @@ Errors WithSlant(const Plane& plane, const Pair& pair) {
 
 /// The slow twin without slant: the shift of least squared difference (means removed, no gain), by a search over
 /// sixteenths of a pixel.
-Errors WithoutSlant(const Plane& plane, const Pair& pair) {
+SlantErrors WithoutSlant(const DisparityPlane& plane, const Pair& pair) {
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const int u = static_cast<int>(std::lround(px.x()));
     const int v = static_cast<int>(std::lround(px.y()));
@@ -128,18 +129,18 @@ Errors WithoutSlant(const Plane& plane, const Pair& pair) {
   });
 }
 
-struct Surface {
+struct SlantedSurface {
   const char* name;
-  Plane plane;
+  DisparityPlane plane;
 };
 
-class RefineSlantedOn : public testing::TestWithParam<Surface> {};
+class RefineSlantedOn : public testing::TestWithParam<SlantedSurface> {};
 
 TEST_P(RefineSlantedOn, IsUnbiasedAndSeveralTimesMoreAccurateThanOneShift) {
-  const Plane& plane = GetParam().plane;
+  const DisparityPlane& plane = GetParam().plane;
   const Pair pair(plane, 0.0, 1.5);
-  const Errors with = WithSlant(plane, pair);
-  const Errors without = WithoutSlant(plane, pair);
+  const SlantErrors with = WithSlant(plane, pair);
+  const SlantErrors without = WithoutSlant(plane, pair);
   const std::string figures = "found " + std::to_string(with.Found()) + ", mean " + std::to_string(with.Mean()) +
                               ", rms " + std::to_string(with.Rms()) + ", without slant " +
                               std::to_string(without.Rms());
@@ -151,24 +152,25 @@ TEST_P(RefineSlantedOn, IsUnbiasedAndSeveralTimesMoreAccurateThanOneShift) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, RefineSlantedOn,
-                         testing::Values(Surface{"Road", {40.0, 0.0, 0.3}}, Surface{"Ceiling", {40.0, 0.0, -0.25}},
-                                         Surface{"WallOnTheLeft", {45.0, -0.2, 0.0}},
-                                         Surface{"WallOnTheRight", {45.0, 0.2, 0.0}},
-                                         Surface{"Both", {40.0, 0.15, 0.2}}),
+                         testing::Values(SlantedSurface{"Road", {40.0, 0.0, 0.3}},
+                                         SlantedSurface{"Ceiling", {40.0, 0.0, -0.25}},
+                                         SlantedSurface{"WallOnTheLeft", {45.0, -0.2, 0.0}},
+                                         SlantedSurface{"WallOnTheRight", {45.0, 0.2, 0.0}},
+                                         SlantedSurface{"Both", {40.0, 0.15, 0.2}}),
                          [](const auto& surface) { return surface.param.name; });
 
 TEST(RefineSlanted, SurfacesParallelToTheImagesStayAsGood) {
   for (const double disparity : {20.0, 20.25, 31.8}) {
-    const Plane plane{disparity, 0.0, 0.0};
-    const Errors with = WithSlant(plane, Pair(plane, 0.0, 1.0));
+    const DisparityPlane plane{disparity, 0.0, 0.0};
+    const SlantErrors with = WithSlant(plane, Pair(plane, 0.0, 1.0));
     EXPECT_GT(with.Found(), 0.9) << disparity;
     EXPECT_LT(with.Rms(), 0.03) << disparity;
   }
 }
 
 TEST(RefineSlanted, SlopesBeyondReasonAndWrongStartsAreRefusedOrRight) {
-  const Plane steep{40.0, 0.0, 0.95};
-  const Errors e = WithSlant(steep, Pair(steep, 0.0, 1.5));
+  const DisparityPlane steep{40.0, 0.0, 0.95};
+  const SlantErrors e = WithSlant(steep, Pair(steep, 0.0, 1.5));
   EXPECT_LT(e.Found(), 0.5) << "rms " << e.Rms();
 }
 
@@ -192,7 +194,7 @@ TEST(RefineSlanted, OutsideTheImageAndWithoutTextureThereIsNothing) {
 }
 
 // As the front end calls it: the aligner takes slant into account where the disparity is large.
-Errors AlignedByPatchAligner(const Plane& plane, const Pair& pair) {
+SlantErrors AlignedByPatchAligner(const DisparityPlane& plane, const Pair& pair) {
   const PatchAligner aligner(pair.halved, 0.3);
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const auto found = aligner.Align(px, 1.0, truth + 0.8);
@@ -202,26 +204,27 @@ Errors AlignedByPatchAligner(const Plane& plane, const Pair& pair) {
 }
 
 TEST(PatchAlignerOnSlant, NormalisedErrorsAreAboutOne) {
-  for (const Plane& plane : {Plane{40.0, 0.0, 0.3}, Plane{45.0, 0.2, 0.0}, Plane{30.0, 0.0, 0.0}}) {
+  for (const DisparityPlane& plane :
+       {DisparityPlane{40.0, 0.0, 0.3}, DisparityPlane{45.0, 0.2, 0.0}, DisparityPlane{30.0, 0.0, 0.0}}) {
     for (const double noise : {2.0, 5.0}) {
-      const Errors e = AlignedByPatchAligner(plane, Pair(plane, noise, 2.0));
+      const SlantErrors e = AlignedByPatchAligner(plane, Pair(plane, noise, 2.0));
       const std::string figures = "noise " + std::to_string(noise) + ", found " + std::to_string(e.Found()) +
                                   ", mean " + std::to_string(e.Mean()) + ", rms " + std::to_string(e.Rms());
       EXPECT_GT(e.Found(), 0.5) << figures;
-      EXPECT_GT(Errors::Rms(e.normalised), 0.5) << figures;
-      EXPECT_LT(Errors::Rms(e.normalised), 1.4) << figures;
+      EXPECT_GT(SlantErrors::Rms(e.normalised), 0.5) << figures;
+      EXPECT_LT(SlantErrors::Rms(e.normalised), 1.4) << figures;
       EXPECT_LT(std::abs(e.Mean()), 0.3 * e.Rms()) << figures;
     }
   }
 }
 
 TEST(PatchAlignerOnSlant, CleanRoadsAndWallsAreWithinTheModelError) {
-  for (const Plane& plane : {Plane{40.0, 0.0, 0.3}, Plane{45.0, 0.2, 0.0}}) {
-    const Errors e = AlignedByPatchAligner(plane, Pair(plane, 0.0, 1.5));
+  for (const DisparityPlane& plane : {DisparityPlane{40.0, 0.0, 0.3}, DisparityPlane{45.0, 0.2, 0.0}}) {
+    const SlantErrors e = AlignedByPatchAligner(plane, Pair(plane, 0.0, 1.5));
     EXPECT_GT(e.Found(), 0.9);
     EXPECT_LT(std::abs(e.Mean()), 0.01) << e.Mean();
     EXPECT_LT(e.Rms(), 0.06) << e.Rms();
-    EXPECT_LT(Errors::Rms(e.normalised), 1.2) << e.Rms();
+    EXPECT_LT(SlantErrors::Rms(e.normalised), 1.2) << e.Rms();
   }
 }
 

@@ -10,7 +10,7 @@
 namespace plslam {
 namespace {
 
-const StereoCamera kCamera{400.0, 320.0, 240.0, 0.1, 640, 480};
+const StereoCamera kTriangulating{400.0, 320.0, 240.0, 0.1, 640, 480};
 
 double SmallestEigenvalue(const Eigen::Matrix3d& m) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m).eigenvalues()(0);
@@ -18,15 +18,15 @@ double SmallestEigenvalue(const Eigen::Matrix3d& m) {
 
 TEST(Triangulate, SegmentEndpointsProjectBack) {
   const Segment2 left{{100.0, 50.0}, {180.0, 300.0}};
-  const UncertainSegment3 s = TriangulateSegment(kCamera, left, 12.0, 9.0, 0.5, 5.0, 0.6, 0.7);
-  EXPECT_LT((kCamera.ProjectStereo(s.segment.p) - Eigen::Vector3d(100.0, 50.0, 12.0)).norm(), 1e-9);
-  EXPECT_LT((kCamera.ProjectStereo(s.segment.q) - Eigen::Vector3d(180.0, 300.0, 9.0)).norm(), 1e-9);
+  const UncertainSegment3 s = TriangulateSegment(kTriangulating, left, 12.0, 9.0, 0.5, 5.0, 0.6, 0.7);
+  EXPECT_LT((kTriangulating.ProjectStereo(s.segment.p) - Eigen::Vector3d(100.0, 50.0, 12.0)).norm(), 1e-9);
+  EXPECT_LT((kTriangulating.ProjectStereo(s.segment.q) - Eigen::Vector3d(180.0, 300.0, 9.0)).norm(), 1e-9);
 }
 
 TEST(Triangulate, SlidingIsAlongTheSegmentInSpace) {
   const Segment2 left{{100.0, 50.0}, {180.0, 300.0}};
-  const UncertainSegment3 fixed = TriangulateSegment(kCamera, left, 12.0, 9.0, 0.5, 0.0, 0.6, 0.7);
-  const UncertainSegment3 sliding = TriangulateSegment(kCamera, left, 12.0, 9.0, 0.5, 5.0, 0.6, 0.7);
+  const UncertainSegment3 fixed = TriangulateSegment(kTriangulating, left, 12.0, 9.0, 0.5, 0.0, 0.6, 0.7);
+  const UncertainSegment3 sliding = TriangulateSegment(kTriangulating, left, 12.0, 9.0, 0.5, 5.0, 0.6, 0.7);
   const Eigen::Vector3d direction = (fixed.segment.q - fixed.segment.p).normalized();
   const Eigen::Matrix3d difference = sliding.covariance_p - fixed.covariance_p;
   EXPECT_GT(difference.norm(), 1e-4);

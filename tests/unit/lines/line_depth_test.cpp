@@ -9,7 +9,7 @@ namespace plslam {
 namespace {
 
 constexpr double kUnits = 5000.0;
-const StereoCamera kCamera{500.0, 160.0, 120.0, 0.08, 320, 240};
+const StereoCamera kDepthCamera{500.0, 160.0, 120.0, 0.08, 320, 240};
 
 /// Depth of the plane 1/Z = inverse + slope * u.
 cv::Mat Plane(double inverse, double slope, double noise) {
@@ -35,7 +35,7 @@ const Segment2 kSegment{{60, 100}, {240, 130}};
 
 TEST(LineDepth, PlaneGivesExactVirtualDisparities) {
   auto lines = OneLine(kSegment);
-  AttachDepthToLines(lines, Plane(0.4, 0.001, 0.0), kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, Plane(0.4, 0.001, 0.0), kUnits, kDepthCamera, StereoOptions());
   ASSERT_TRUE(lines[0].HasDepth());
   EXPECT_NEAR(lines[0].disparity_p_px, 40.0 * (0.4 + 0.001 * 60), 0.01);
   EXPECT_NEAR(lines[0].disparity_q_px, 40.0 * (0.4 + 0.001 * 240), 0.01);
@@ -43,7 +43,7 @@ TEST(LineDepth, PlaneGivesExactVirtualDisparities) {
 
 TEST(LineDepth, ParallelToTheBaselineHasItsDepth) {
   auto lines = OneLine({{60, 100}, {240, 100}});
-  AttachDepthToLines(lines, Plane(0.5, 0.0, 0.0), kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, Plane(0.5, 0.0, 0.0), kUnits, kDepthCamera, StereoOptions());
   ASSERT_TRUE(lines[0].HasDepth());
   EXPECT_NEAR(lines[0].disparity_p_px, 20.0, 0.01);
 }
@@ -53,7 +53,7 @@ TEST(LineDepth, NoiseAndHolesStayWithinTheSigma) {
   for (int x = 60; x < 240; x += 7) depth.colRange(x, x + 2).setTo(0);
   depth.colRange(150, 156).setTo(600);  // something in front of a few samples
   auto lines = OneLine(kSegment);
-  AttachDepthToLines(lines, depth, kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, depth, kUnits, kDepthCamera, StereoOptions());
   ASSERT_TRUE(lines[0].HasDepth());
   EXPECT_NEAR(lines[0].disparity_p_px, 40.0 * 0.53, 3.0 * lines[0].sigma_disparity_p_px);
   EXPECT_NEAR(lines[0].disparity_q_px, 40.0 * 0.62, 3.0 * lines[0].sigma_disparity_q_px);
@@ -64,7 +64,7 @@ TEST(LineDepth, EdgeOfAnObjectBelongsToTheObject) {
   cv::Mat depth = Plane(0.25, 0.0, 0.0);
   depth.colRange(100, 320).setTo(kUnits / 1.0);  // 1 m in front of 4 m, from column 100
   auto lines = OneLine({{99.4, 40}, {99.4, 200}});
-  AttachDepthToLines(lines, depth, kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, depth, kUnits, kDepthCamera, StereoOptions());
   ASSERT_TRUE(lines[0].HasDepth());
   EXPECT_NEAR(lines[0].disparity_p_px, 40.0, 0.1);
 }
@@ -73,19 +73,19 @@ TEST(LineDepth, BreakAcrossTheSegmentGivesNone) {
   cv::Mat depth = Plane(0.25, 0.0, 0.0);
   depth.colRange(150, 320).setTo(kUnits / 1.0);
   auto lines = OneLine(kSegment);
-  AttachDepthToLines(lines, depth, kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, depth, kUnits, kDepthCamera, StereoOptions());
   EXPECT_FALSE(lines[0].HasDepth());
 }
 
 TEST(LineDepth, UnknownDepthsGiveNone) {
   auto lines = OneLine(kSegment);
   cv::Mat depth(240, 320, CV_16UC1, cv::Scalar(0));
-  AttachDepthToLines(lines, depth, kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, depth, kUnits, kDepthCamera, StereoOptions());
   EXPECT_FALSE(lines[0].HasDepth());
   depth.colRange(60, 120).setTo(5000);  // a third of the segment
-  AttachDepthToLines(lines, depth, kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, depth, kUnits, kDepthCamera, StereoOptions());
   EXPECT_FALSE(lines[0].HasDepth());
-  AttachDepthToLines(lines, cv::Mat(), kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(lines, cv::Mat(), kUnits, kDepthCamera, StereoOptions());
   EXPECT_FALSE(lines[0].HasDepth());
 }
 
@@ -93,11 +93,11 @@ TEST(LineDepth, SegmentsOutsideOrNotFiniteGiveNone) {
   for (const Segment2& s :
        {Segment2{{-500, -500}, {-400, -400}}, Segment2{{NAN, 1}, {2, 3}}, Segment2{{5, 5}, {5, 5}}}) {
     auto lines = OneLine(s);
-    AttachDepthToLines(lines, Plane(0.5, 0.0, 0.0), kUnits, kCamera, StereoOptions());
+    AttachDepthToLines(lines, Plane(0.5, 0.0, 0.0), kUnits, kDepthCamera, StereoOptions());
     EXPECT_FALSE(lines[0].HasDepth());
   }
   std::vector<StereoLine> none;
-  AttachDepthToLines(none, Plane(0.5, 0.0, 0.0), kUnits, kCamera, StereoOptions());
+  AttachDepthToLines(none, Plane(0.5, 0.0, 0.0), kUnits, kDepthCamera, StereoOptions());
 }
 
 }  // namespace

@@ -7,11 +7,11 @@
 namespace plslam::test {
 namespace {
 
-constexpr double kRadius_m = 10.0;
+constexpr double kSquareRadius_m = 10.0;
 
 SE3 OnCircle(int i, int n) {
   const double a = 2.0 * std::numbers::pi * i / n;
-  return {ExpSO3({0.0, a, 0.0}), {kRadius_m * (1.0 - std::cos(a)), 0.0, kRadius_m * std::sin(a)}};
+  return {ExpSO3({0.0, a, 0.0}), {kSquareRadius_m * (1.0 - std::cos(a)), 0.0, kSquareRadius_m * std::sin(a)}};
 }
 
 // Keyframes around a circle whose steps are all wrong in the same way; and where they truly are.

@@ -7,7 +7,7 @@
 namespace plslam::test {
 namespace {
 
-constexpr double kRadius_m = 4.0;
+constexpr double kWorldRadius_m = 4.0;
 constexpr double kStep_m = 0.4;
 
 template <class Landmark>
@@ -38,8 +38,8 @@ PlaceRecogniser PlacesOf(const FeatureWorld& world) {
 }
 
 Ring::Ring(int keyframes, uint64_t seed)
-    : world(MakeRing(kRadius_m, 1500, 150, seed)),
-      walk(MakeWalk(world, RingPath(kRadius_m, kStep_m, keyframes), WithoutIds(seed))) {}
+    : world(MakeRing(kWorldRadius_m, 1500, 150, seed)),
+      walk(MakeWalk(world, RingPath(kWorldRadius_m, kStep_m, keyframes), WithoutIds(seed))) {}
 
 Closing::Closing(const PlaceRecogniser& places, const LoopOptions& options)
     : mapper(FeatureWorld::Camera(), MappingOptions()), closer(FeatureWorld::Camera(), places, options) {}

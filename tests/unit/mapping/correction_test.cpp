@@ -19,17 +19,17 @@ using test::FeatureWorld;
 using test::Revisit;
 using test::Walk;
 
-constexpr double kRadius_m = 6.0;
-constexpr size_t kRound = 75;  // keyframes once round
-constexpr size_t kBeyond = 5;  // keyframes of the second round that are mapped
+constexpr double kDriftedRadius_m = 6.0;
+constexpr size_t kDriftedRound = 75;  // keyframes once round
+constexpr size_t kBeyond = 5;         // keyframes of the second round that are mapped
 
-struct Situation {
+struct DriftedWorld {
   std::string name;
   int points = 0;
   int lines = 0;
 };
 
-void PrintTo(const Situation& situation, std::ostream* stream) { *stream << situation.name; }
+void PrintTo(const DriftedWorld& situation, std::ostream* stream) { *stream << situation.name; }
 
 MappingOptions WithoutCulling() {
   MappingOptions options;
@@ -39,16 +39,16 @@ MappingOptions WithoutCulling() {
 
 /// A drifted map of a walk a little more than once round a ring.
 struct Drifted {
-  explicit Drifted(const Situation& situation)
-      : world(test::MakeRing(kRadius_m, situation.points, situation.lines, 3)),
-        walk(test::MakeWalk(world, test::RingPath(kRadius_m, 0.5, kRound + 2 * kBeyond), {})),
+  explicit Drifted(const DriftedWorld& situation)
+      : world(test::MakeRing(kDriftedRadius_m, situation.points, situation.lines, 3)),
+        walk(test::MakeWalk(world, test::RingPath(kDriftedRadius_m, 0.5, kDriftedRound + 2 * kBeyond), {})),
         mapper(FeatureWorld::Camera(), WithoutCulling()) {
     // The tracker has long forgotten what it saw at first.
-    for (size_t i = kRound / 2; i < walk.keyframes.size(); ++i) {
+    for (size_t i = kDriftedRound / 2; i < walk.keyframes.size(); ++i) {
       for (int64_t& id : walk.keyframes[i].point_landmark_ids) id += 1'000'000;
       for (int64_t& id : walk.keyframes[i].line_landmark_ids) id += 1'000'000;
     }
-    for (size_t i = 0; i < kRound + kBeyond; ++i) test::MapOne(walk.keyframes[i], mapper);
+    for (size_t i = 0; i < kDriftedRound + kBeyond; ++i) test::MapOne(walk.keyframes[i], mapper);
     std::string reason;
     EXPECT_TRUE(mapper.Correct(test::Drift(mapper.map()), &reason)) << reason;
   }
@@ -59,12 +59,12 @@ struct Drifted {
 };
 
 /// Each test has a copy: making one takes longer than most tests.
-const Drifted& DriftedMap(const Situation& situation) {
+const Drifted& DriftedMap(const DriftedWorld& situation) {
   static std::map<std::string, Drifted> made;
   return made.try_emplace(situation.name, situation).first->second;
 }
 
-class Correction : public testing::TestWithParam<Situation> {
+class Correction : public testing::TestWithParam<DriftedWorld> {
  protected:
   void MapNext() { EXPECT_TRUE(test::MapOne(walk_.keyframes[n_mapped_++], mapper_, &reason_)) << reason_; }
   LoopClosure Loop() const { return test::CloseByTruth(mapper_.map(), revisit_, walk_.T_w_c); }
@@ -76,7 +76,7 @@ class Correction : public testing::TestWithParam<Situation> {
   const FeatureWorld& world_ = DriftedMap(GetParam()).world;
   const Walk& walk_ = DriftedMap(GetParam()).walk;
   Mapper mapper_ = DriftedMap(GetParam()).mapper;
-  size_t n_mapped_ = kRound + kBeyond;
+  size_t n_mapped_ = kDriftedRound + kBeyond;
   const Revisit revisit_ = test::RevisitOf(mapper_.map(), walk_.T_w_c);
   std::string reason_;
 };
@@ -127,7 +127,9 @@ TEST_P(Correction, AfterALoopTheNextKeyframesGoOnInTheOldPartOfTheMap) {
     MapNext();
     ASSERT_EQ(test::WrongWith(mapper_.map()), "");
     const auto neighbours = mapper_.map().Neighbours(Newest(), 15);
-    const auto old = [](const Map::Neighbour& neighbour) { return neighbour.keyframe_id < int64_t{kRound / 2}; };
+    const auto old = [](const Map::Neighbour& neighbour) {
+      return neighbour.keyframe_id < int64_t{kDriftedRound / 2};
+    };
     EXPECT_TRUE(std::any_of(neighbours.begin(), neighbours.end(), old)) << Newest();
   }
   EXPECT_LT(Error_m(), 1.5 * error_m + 0.01);
@@ -163,12 +165,12 @@ TEST_P(Correction, WhatWasRemovedMeanwhileIsLeftOut) {
   const auto map = [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) ASSERT_TRUE(test::MapOne(walk_.keyframes[i], mapper, &reason_)) << reason_;
   };
-  map(0, kRound + kBeyond);
+  map(0, kDriftedRound + kBeyond);
   ASSERT_TRUE(mapper.Correct(test::Drift(mapper.map()), &reason_)) << reason_;
   const double error_m = test::PositionError_m(mapper.map(), walk_.T_w_c);
   const Revisit revisit = test::RevisitOf(mapper.map(), walk_.T_w_c);
   const LoopClosure closure = test::CloseByTruth(mapper.map(), revisit, walk_.T_w_c);
-  map(kRound + kBeyond, kRound + 2 * kBeyond);
+  map(kDriftedRound + kBeyond, kDriftedRound + 2 * kBeyond);
   const auto is_gone = [&](const CorrectedPose& pose) {
     return mapper.map().FindKeyframe(pose.keyframe_id) == nullptr;
   };
@@ -302,12 +304,12 @@ TEST_P(Correction, UpdatesSayWhetherTheNewestKeyframeIsSettled) {
   EXPECT_FALSE(mapper_.Whole().settled);
 }
 
-std::string Name(const testing::TestParamInfo<Situation>& situation) { return situation.param.name; }
+std::string NameOfWorld(const testing::TestParamInfo<DriftedWorld>& situation) { return situation.param.name; }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Correction,
-                         testing::Values(Situation{"Points", 600, 0}, Situation{"Lines", 0, 400},
-                                         Situation{"Both", 500, 120}),
-                         Name);
+                         testing::Values(DriftedWorld{"Points", 600, 0}, DriftedWorld{"Lines", 0, 400},
+                                         DriftedWorld{"Both", 500, 120}),
+                         NameOfWorld);
 
 }  // namespace
 }  // namespace plslam

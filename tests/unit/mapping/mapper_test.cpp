@@ -25,15 +25,15 @@ double MeanSights(const Map& map) {
 
 double Median(const std::vector<double>& ascending) { return ascending[ascending.size() / 2]; }
 
-struct Situation {
+struct WalkSituation {
   std::string name;
   FeatureWorld::Counts counts;
   bool with_ids = true;
 };
 
-void PrintTo(const Situation& situation, std::ostream* stream) { *stream << situation.name; }
+void PrintTo(const WalkSituation& situation, std::ostream* stream) { *stream << situation.name; }
 
-class MapperWalk : public testing::TestWithParam<Situation> {
+class MapperWalk : public testing::TestWithParam<WalkSituation> {
  protected:
   MapperWalk() : world_(GetParam().counts, 7) {
     WalkOptions options;
@@ -161,14 +161,15 @@ TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
   EXPECT_EQ(mapper.Whole().session_keyframe_id, 19);
 }
 
-std::string Name(const testing::TestParamInfo<Situation>& situation) { return situation.param.name; }
+std::string NameOfWalk(const testing::TestParamInfo<WalkSituation>& situation) { return situation.param.name; }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, MapperWalk,
-                         testing::Values(Situation{"Points", {200, 0}}, Situation{"Lines", {0, 100}},
-                                         Situation{"Both", {150, 50}}, Situation{"PointsWithoutIds", {200, 0}, false},
-                                         Situation{"LinesWithoutIds", {0, 100}, false},
-                                         Situation{"BothWithoutIds", {150, 50}, false}),
-                         Name);
+                         testing::Values(WalkSituation{"Points", {200, 0}}, WalkSituation{"Lines", {0, 100}},
+                                         WalkSituation{"Both", {150, 50}},
+                                         WalkSituation{"PointsWithoutIds", {200, 0}, false},
+                                         WalkSituation{"LinesWithoutIds", {0, 100}, false},
+                                         WalkSituation{"BothWithoutIds", {150, 50}, false}),
+                         NameOfWalk);
 
 }  // namespace
 }  // namespace plslam

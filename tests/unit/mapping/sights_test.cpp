@@ -13,29 +13,29 @@ namespace {
 using test::DescriptorOf;
 using test::HandmadeMap;
 
-SE3 At(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
+SE3 StandingAt(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
 
 // Where keyframes, points and lines stand does not matter here.
-const Eigen::Vector3d kPoint(0.2, 0.1, 4.0);
-const Segment3 kSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
+const Eigen::Vector3d kSeenPoint(0.2, 0.1, 4.0);
+const Segment3 kSeenSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
 
 /// The kinds side by side.
 struct Points {
   using Kind = PointKind;
   static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
-    return m.SeePoint(keyframe_id, kPoint, d);
+    return m.SeePoint(keyframe_id, kSeenPoint, d);
   }
   static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
-    m.PutPoint(id, kPoint, d, std::move(sights));
+    m.PutPoint(id, kSeenPoint, d, std::move(sights));
   }
 };
 struct Lines {
   using Kind = LineKind;
   static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
-    return m.SeeLine(keyframe_id, kSegment, d);
+    return m.SeeLine(keyframe_id, kSeenSegment, d);
   }
   static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
-    m.PutLine(id, kSegment, d, std::move(sights));
+    m.PutLine(id, kSeenSegment, d, std::move(sights));
   }
 };
 
@@ -43,7 +43,7 @@ template <class Of>
 class Sights : public testing::Test {
  protected:
   Sights() {
-    for (int i = 0; i < 6; ++i) m_.AddKeyframe(At(0.1 * i));
+    for (int i = 0; i < 6; ++i) m_.AddKeyframe(StandingAt(0.1 * i));
   }
   // A landmark seen by these keyframes with descriptors of their own.
   void Put(int64_t id, const std::vector<int64_t>& keyframes) {
@@ -129,7 +129,7 @@ TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
     const Descriptor base = DescriptorOf(static_cast<uint64_t>(round));
     const int n = 2 + static_cast<int>(generator() % 6);
     for (int k = 0; k < n; ++k) {
-      m.AddKeyframe(At(0.1 * k));
+      m.AddKeyframe(StandingAt(0.1 * k));
       Descriptor d = base;
       const int flips = static_cast<int>(generator() % 40);
       for (int f = 0; f < flips; ++f) d[generator() % 4] ^= 1ULL << (generator() % 64);
@@ -156,11 +156,11 @@ TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
 
 TEST(SightsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
   HandmadeMap m;
-  m.AddKeyframe(At(0.0));
+  m.AddKeyframe(StandingAt(0.0));
   m.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 1.0)});
   const Descriptor d = DescriptorOf(1);
-  m.PutPoint(0, kPoint, d, {m.SeePoint(0, kPoint, d)});
-  const Sight nearer = m.SeePoint(1, kPoint, d);
+  m.PutPoint(0, kSeenPoint, d, {m.SeePoint(0, kSeenPoint, d)});
+  const Sight nearer = m.SeePoint(1, kSeenPoint, d);
   m.features[1].points[0].left.octave = 2;
   m.features[1].points[0].left.angle_rad = 0.5F;
   ASSERT_TRUE(AddSight<PointKind>(0, nearer, m.features, m.map));

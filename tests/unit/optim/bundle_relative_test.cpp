@@ -43,7 +43,7 @@ RelativePose Between(int a, int b, double sigma) {
   return {a, b, TrueAt(a).Inverse() * TrueAt(b), sigma * sigma * Matrix6d::Identity()};
 }
 
-BundleOptions Thorough() {
+BundleOptions ThoroughOptions() {
   BundleOptions options;
   options.max_iterations = 50;
   options.function_tolerance = 1e-9;
@@ -53,9 +53,9 @@ BundleOptions Thorough() {
 TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
   constexpr int kPoses = 6;
   BundleProblem problem = Strangers(kPoses);
-  const BundleResult alone = AdjustBundle(problem, Thorough());
+  const BundleResult alone = AdjustBundle(problem, ThoroughOptions());
   for (int k = 1; k < kPoses; ++k) problem.relative_poses.push_back(Between(k - 1, k, 0.01));
-  const BundleResult chained = AdjustBundle(problem, Thorough());
+  const BundleResult chained = AdjustBundle(problem, ThoroughOptions());
   ASSERT_TRUE(alone.ok && chained.ok) << alone.reason << chained.reason;
   for (int k = 1; k < kPoses; ++k) {
     const auto i = static_cast<size_t>(k);
@@ -85,7 +85,7 @@ TEST(AdjustBundleRelative, MeasurementsCountByTheirCovariances) {
   problem.relative_poses = {Between(0, 1, 0.01), Between(0, 1, 0.02)};
   const SE3 off(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.01, 0.0, 0.0));
   problem.relative_poses[1].T_a_b = problem.relative_poses[1].T_a_b * off;
-  const BundleResult result = AdjustBundle(problem, Thorough());
+  const BundleResult result = AdjustBundle(problem, ThoroughOptions());
   ASSERT_TRUE(result.ok) << result.reason;
   const Vector6d error = test::ErrorOf(result.T_w_c[1], TrueAt(1));
   EXPECT_NEAR(error(0), 0.002, 1e-4);
@@ -99,7 +99,7 @@ TEST(AdjustBundleRelative, DirectionsCountEachByItself) {
   problem.relative_poses[1].T_a_b =
       problem.relative_poses[1].T_a_b * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.01, 0.01, 0.0));
   problem.relative_poses[1].covariance(0, 0) = 1e6;
-  const BundleResult result = AdjustBundle(problem, Thorough());
+  const BundleResult result = AdjustBundle(problem, ThoroughOptions());
   ASSERT_TRUE(result.ok) << result.reason;
   const Vector6d error = test::ErrorOf(result.T_w_c[1], TrueAt(1));
   EXPECT_NEAR(error(0), 0.0, 1e-4);
@@ -119,7 +119,7 @@ TEST(AdjustBundleRelative, MotionsWeighAgainstSights) {
       problem.relative_poses.push_back(
           {k - 1, k, world.true_T_w_c[i - 1].Inverse() * world.true_T_w_c[i], sigma * sigma * Matrix6d::Identity()});
     }
-    const BundleResult result = AdjustBundle(problem, Thorough());
+    const BundleResult result = AdjustBundle(problem, ThoroughOptions());
     EXPECT_TRUE(result.ok) << result.reason;
     return test::ErrorsOf(world, result).translation_m;
   };
@@ -163,12 +163,12 @@ TEST(AdjustBundleRelative, OneWrongMotionDoesNotOverruleTheSights) {
   spec.points = 200;
   spec.lines = 0;
   const test::BundleWorld world = test::MakeBundleWorld(spec, 11);
-  const double before = test::ErrorsOf(world, AdjustBundle(world.problem, Thorough())).translation_m;
+  const double before = test::ErrorsOf(world, AdjustBundle(world.problem, ThoroughOptions())).translation_m;
   BundleProblem problem = world.problem;
   RelativePose wrong{3, 4, world.true_T_w_c[3].Inverse() * world.true_T_w_c[4], 1e-4 * Matrix6d::Identity()};
   wrong.T_a_b = wrong.T_a_b * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(1.0, 0.0, 0.0));
   problem.relative_poses.push_back(wrong);
-  const BundleResult result = AdjustBundle(problem, Thorough());
+  const BundleResult result = AdjustBundle(problem, ThoroughOptions());
   ASSERT_TRUE(result.ok) << result.reason;
   EXPECT_LT(test::ErrorsOf(world, result).translation_m, 2.0 * before + 0.005) << "without it " << before;
 }

@@ -29,7 +29,7 @@ test::BundleWorld SmallWorld(const Size& size) {
 }
 
 // Everything takes part, until nothing moves.
-BundleOptions Thorough() {
+BundleOptions ToTheEnd() {
   BundleOptions options;
   options.max_iterations = 200;
   options.max_refinements = 0;
@@ -40,7 +40,7 @@ BundleOptions Thorough() {
 TEST(AdjustBundle, AgreesWithDenseReference) {
   for (const Size& size : {Size{20, 0, 0.0}, Size{0, 20, 0.0}, Size{12, 10, 0.0}, Size{15, 12, 0.3}}) {
     const test::BundleWorld world = SmallWorld(size);
-    const BundleOptions options = Thorough();
+    const BundleOptions options = ToTheEnd();
     const BundleResult result = AdjustBundle(world.problem, options);
     const test::DenseResult dense = test::AdjustDense(world.problem, options.huber_delta);
     ASSERT_TRUE(result.ok) << result.reason;
@@ -72,7 +72,7 @@ TEST(AdjustBundle, PoseCovariancesAgreeWithDenseInverse) {
     sight.sigma_disparity_p_px *= 2.0;
     sight.sigma_disparity_q_px *= 2.0;
   }
-  BundleOptions options = Thorough();
+  BundleOptions options = ToTheEnd();
   options.huber_delta = 100.0;
   options.gate_sigmas = 10.0;
   const BundleResult result = AdjustBundle(world.problem, options);

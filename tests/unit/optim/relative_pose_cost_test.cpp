@@ -163,7 +163,7 @@ TEST(RelativePoseCost, NoiseAsStatedGivesWhiteResiduals) {
 }
 
 TEST(RelativePoseCost, WhatCannotBeUsedIsRefused) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kNotFinite = std::numeric_limits<double>::quiet_NaN();
   const Pair pair(2, true, true, 0.01);
   const auto usable = [&](const Matrix6d& covariance) {
     RelativePose measured = pair.measured;
@@ -173,13 +173,13 @@ TEST(RelativePoseCost, WhatCannotBeUsedIsRefused) {
   EXPECT_TRUE(usable(pair.measured.covariance));
   EXPECT_FALSE(usable(Matrix6d::Zero()));
   EXPECT_FALSE(usable(-pair.measured.covariance));
-  EXPECT_FALSE(usable(kNan * Matrix6d::Identity()));
+  EXPECT_FALSE(usable(kNotFinite * Matrix6d::Identity()));
   EXPECT_FALSE(usable(std::numeric_limits<double>::infinity() * Matrix6d::Identity()));
   Matrix6d singular = Matrix6d::Identity();
   singular(3, 3) = 0.0;
   EXPECT_FALSE(usable(singular));
   RelativePose broken = pair.measured;
-  broken.T_a_b = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, kNan, 0.0));
+  broken.T_a_b = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, kNotFinite, 0.0));
   EXPECT_FALSE(RelativePoseCost(broken, pair.a, pair.b).IsUsable());
   const Pair fixed(2, false, false, 0.01);
   EXPECT_FALSE(RelativePoseCost(fixed.measured, fixed.a, fixed.b).IsUsable()) << "nothing is free";

@@ -1,8 +1,6 @@
 #include "loop_process/map_way.h"
 
 #include <algorithm>
-#include <functional>
-#include <queue>
 #include <utility>
 
 #include "loop_process/map_edges.h"
@@ -25,16 +23,17 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 }  // namespace
 
 int MapWays::PlaceOf(int64_t id) const {
-  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), id,
-                                      [](const Node& node, int64_t value) { return node.keyframe->id < value; });
-  return found != nodes_.end() && found->keyframe->id == id ? static_cast<int>(found - nodes_.begin()) : -1;
+  if (nodes_.empty() || id < nodes_.front().keyframe->id || id > nodes_.back().keyframe->id) return -1;
+  return place_of_[static_cast<size_t>(id - nodes_.front().keyframe->id)];
 }
 
-void MapWays::FindWays() {
+void MapWays::MakeGraph() {
   nodes_.reserve(map_.keyframes().size());
   for (const auto& [id, keyframe] : map_.keyframes()) {
     nodes_.emplace_back();
     nodes_.back().keyframe = &keyframe;
+    place_of_.resize(static_cast<size_t>(id - nodes_.front().keyframe->id), -1);
+    place_of_.push_back(static_cast<int>(nodes_.size()) - 1);
   }
   edges_.reserve(2 * nodes_.size() + map_.loops().size());
   for (const Node& node : nodes_) {
@@ -48,7 +47,9 @@ void MapWays::FindWays() {
   }
   SortEdgesByNode();
   to_ = PlaceOf(to_id_);
-  if (to_ >= 0) Reach(to_);
+  if (to_ < 0) return;
+  nodes_[to_].distance_m = 0.0;
+  open_.emplace(0.0, to_);
 }
 
 void MapWays::Connect(int64_t a, int64_t b, int loop) {
@@ -73,26 +74,28 @@ void MapWays::SortEdgesByNode() {
   }
 }
 
-void MapWays::Reach(int to) {
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  const Eigen::Vector3d end = nodes_[to].keyframe->T_w_kf.translation();
-  nodes_[to].distance_m = 0.0;
-  open.emplace(0.0, to);
-  while (!open.empty()) {
-    const auto [distance_m, at] = open.top();
-    open.pop();
-    if (distance_m > nodes_[at].distance_m) continue;
-    for (int i = first_edge_[at]; i < first_edge_[at + 1]; ++i) {
-      const Edge& edge = edges_[edges_of_[i]];
-      Node& next = nodes_[edge.a == at ? edge.b : edge.a];
-      const double total_m = distance_m + edge.length_m;
-      if (next.distance_m >= 0.0 && next.distance_m <= total_m) continue;
-      next.distance_m = total_m;
-      next.reach_m = std::max(nodes_[at].reach_m, (next.keyframe->T_w_kf.translation() - end).norm());
-      next.towards = edges_of_[i];
-      open.emplace(total_m, edge.a == at ? edge.b : edge.a);
-    }
+void MapWays::SearchUntil(int place) {
+  while (!open_.empty() && !nodes_[place].settled) {
+    const int at = open_.top().second;
+    open_.pop();
+    if (nodes_[at].settled) continue;
+    nodes_[at].settled = true;
+    Leave(at);
+  }
+}
+
+void MapWays::Leave(int place) {
+  const Eigen::Vector3d end = nodes_[to_].keyframe->T_w_kf.translation();
+  for (int i = first_edge_[place]; i < first_edge_[place + 1]; ++i) {
+    const Edge& edge = edges_[edges_of_[i]];
+    const int other = edge.a == place ? edge.b : edge.a;
+    Node& next = nodes_[other];
+    const double total_m = nodes_[place].distance_m + edge.length_m;
+    if (next.distance_m >= 0.0 && next.distance_m <= total_m) continue;
+    next.distance_m = total_m;
+    next.reach_m = std::max(nodes_[place].reach_m, (next.keyframe->T_w_kf.translation() - end).norm());
+    next.towards = edges_of_[i];
+    open_.emplace(total_m, other);
   }
 }
 
@@ -124,9 +127,11 @@ Matrix6d MapWays::StepCovariance(int from) const {
 }
 
 int MapWays::Reached(int64_t id) {
-  if (nodes_.empty()) FindWays();
+  if (nodes_.empty()) MakeGraph();
   const int place = PlaceOf(id);
-  return place >= 0 && nodes_[place].distance_m >= 0.0 ? place : -1;
+  if (place < 0) return -1;
+  SearchUntil(place);
+  return nodes_[place].settled ? place : -1;
 }
 
 std::optional<MapWay> MapWays::From(int64_t keyframe_id) {

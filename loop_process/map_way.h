@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <queue>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/se3.h"
@@ -18,8 +21,8 @@ struct MapWay {
 };
 
 /// Shortest ways to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra): how far the map may be wrong
-/// about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are looked for when the
-/// first is asked for: in a large map that takes milliseconds, and most keyframes ask for none.
+/// about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are looked for when they
+/// are asked for, and no farther: in a large map that takes milliseconds, and most keyframes ask for none.
 class MapWays {
  public:
   MapWays(const Map& map, int64_t to) : map_(map), to_id_(to) {}
@@ -43,27 +46,34 @@ class MapWays {
     const MapKeyframe* keyframe = nullptr;
     double distance_m = -1.0;
     double reach_m = 0.0;
-    int towards = -1;  ///< edge of the way; -1: the end, or no way
+    bool settled = false;  ///< no shorter way can be found
+    int towards = -1;      ///< edge of the way; -1: the end, or no way
     int covariance = -1;
   };
 
+  // Entry of the queue of Dijkstra: distance, place.
+  using Open = std::pair<double, int>;
+
   int PlaceOf(int64_t id) const;
   int Reached(int64_t id);
-  void FindWays();
+  void MakeGraph();
   void Connect(int64_t a, int64_t b, int loop);
   void SortEdgesByNode();
-  void Reach(int to);
+  void SearchUntil(int place);
+  void Leave(int place);
   int Next(int place) const;
   Matrix6d StepCovariance(int from) const;
 
   const Map& map_;
   int64_t to_id_;
   int to_ = -1;
-  std::vector<Node> nodes_;  // ascending by id
+  std::vector<Node> nodes_;    // ascending by id
+  std::vector<int> place_of_;  // of ids from the first one on; -1: none
   std::vector<Edge> edges_;
   // The edges of node i: edges_of_[first_edge_[i]] to edges_of_[first_edge_[i + 1]].
   std::vector<int> first_edge_;
   std::vector<int> edges_of_;
+  std::priority_queue<Open, std::vector<Open>, std::greater<>> open_;
   std::vector<Matrix6d> covariances_;
 };
 

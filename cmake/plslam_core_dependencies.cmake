@@ -2,8 +2,10 @@
 # package. All of it is a Debian 12 package (scripts/setup installs them).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc imgcodecs features2d line_descriptor ximgproc)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d line_descriptor ximgproc)
 find_package(Ceres 2.1 REQUIRED)
+find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)

@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <exception>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/io/png_file.h"
 #include "plslam/tracks_t.hpp"
@@ -15,6 +14,7 @@ namespace plslam {
 namespace {
 
 constexpr size_t kMaxWaiting = 16;
+constexpr int kOverlayCompression = 3;
 
 /// A picture of every so many-th frame is wanted by somebody; keyframes, which the report wants, can be any.
 int64_t Every(const ViewerOptions& options, const PictureStore* store) {
@@ -81,7 +81,7 @@ void PictureNode::Use(const std::optional<OverlayQueue::Ready>& ready) {
 }
 
 void PictureNode::WriteOverlay(int64_t frame_id, const cv::Mat& picture) const {
-  WritePng(fmt::format("{}/overlays/{:06}.png", options_.out, frame_id), picture, {cv::IMWRITE_PNG_COMPRESSION, 3});
+  WritePng(fmt::format("{}/overlays/{:06}.png", options_.out, frame_id), picture, kOverlayCompression);
 }
 
 }  // namespace plslam

@@ -2,16 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <span>
 #include <vector>
 
 #include "core/io/dataset.h"
 #include "core/io/image_header.h"
+#include "core/io/jpeg_codec.h"
+#include "core/io/png_codec.h"
 
 namespace plslam {
 namespace {
@@ -67,19 +70,21 @@ cv::Mat DecodePgm(const ImageHeader& header, std::span<const uint8_t> bytes) {
   return image;
 }
 
-// JPEGs give their luma without the detour over colour.
-cv::Mat Decode(const std::string& path, const ImageHeader& header, const std::vector<uint8_t>& bytes) {
-  if (header.format == ImageFormat::kPgm) return DecodePgm(header, bytes);
-  const int flags = header.format == ImageFormat::kJpeg ? cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION
-                                                        : cv::IMREAD_UNCHANGED;
-  cv::Mat image;
+cv::Mat DecodeImage(const std::string& path, const ImageHeader& header, std::span<const uint8_t> bytes) {
+  const cv::Size size(static_cast<int>(header.width_px), static_cast<int>(header.height_px));
   try {
-    image = cv::imdecode(bytes, flags);
-  } catch (const cv::Exception&) {
-    image.release();
+    switch (header.format) {
+      case ImageFormat::kPng:
+        return DecodePng(bytes, size);
+      case ImageFormat::kJpeg:
+        return DecodeJpeg(bytes, size);
+      case ImageFormat::kPgm:
+        return DecodePgm(header, bytes);
+    }
+  } catch (const std::exception& e) {
+    Fail(path, fmt::format("the image is damaged and cannot be decoded: {}", e.what()));
   }
-  if (image.empty()) Fail(path, "the image is damaged and cannot be decoded");
-  return image;
+  Fail(path, "is of no known format");
 }
 
 cv::Mat ReadImage(const std::string& path, const ImageSize& expected) {
@@ -90,11 +95,7 @@ cv::Mat ReadImage(const std::string& path, const ImageSize& expected) {
                            expected.width_px, expected.height_px));
   }
   if (!IsComplete(header, bytes)) Fail(path, fmt::format("the image is truncated after {} bytes", bytes.size()));
-  cv::Mat image = Decode(path, header, bytes);
-  if (image.cols != expected.width_px || image.rows != expected.height_px) {
-    Fail(path, "the image is damaged: its pixels contradict its header");
-  }
-  return image;
+  return DecodeImage(path, header, bytes);
 }
 
 // round(v / 257) in integers: 65535 / 255 = 257.
@@ -124,6 +125,8 @@ cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
   if (grey.channels() != 1) Fail(path, fmt::format("has {} channels", image.channels()));
   return grey.depth() == CV_16U ? To8Bit(grey) : grey;
 }
+
+cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }
 
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected) {
   cv::Mat image = ReadImage(path, expected);

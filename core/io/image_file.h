@@ -23,6 +23,8 @@ ImageSize ReadImageSize(const std::string& path);
 /// BT.601; both in integers. Throws DatasetError where the file is missing, truncated, no image, or not of the size
 /// `expected` (looked at before anything is decoded).
 cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected);
+/// The same of whatever size.
+cv::Mat ReadGreyImage(const std::string& path);
 
 /// A 16-bit single-channel image (depth map). Throws DatasetError like `ReadGreyImage`, and where it has other pixels.
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected);

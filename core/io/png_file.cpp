@@ -1,16 +1,12 @@
 #include "core/io/png_file.h"
 
-#include <opencv2/imgcodecs.hpp>
-#include <string_view>
-
 #include "core/io/atomic_file.h"
+#include "core/io/png_codec.h"
 
 namespace plslam {
 
-void WritePng(const std::string& path, const cv::Mat& image, const std::vector<int>& parameters) {
-  std::vector<uchar> png;
-  cv::imencode(".png", image, png, parameters);
-  WriteFileAtomically(path, std::string_view(reinterpret_cast<const char*>(png.data()), png.size()));
+void WritePng(const std::string& path, const cv::Mat& image, std::optional<int> compression) {
+  WriteFileAtomically(path, EncodePng(image, compression));
 }
 
 }  // namespace plslam

@@ -1,3 +1,3 @@
 plslam_benchmark(features_benchmark
   SOURCES features_benchmark.cpp
-  LINK plslam_features opencv_imgcodecs)
+  LINK plslam_features plslam_io)

@@ -6,7 +6,6 @@
 
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/features/descriptor_matcher.h"
@@ -14,6 +13,7 @@
 #include "core/features/orb_extractor.h"
 #include "core/features/point_stereo.h"
 #include "core/features/stereo_matcher.h"
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 
 namespace plslam {
@@ -39,7 +39,7 @@ Pair GeneratedPair(int width_px, int height_px) {
 Pair ReadPair(const std::string& sequence, const std::string& left, const std::string& right) {
   const auto folder = test::DataFolder(sequence);
   if (!folder) return {};
-  return {cv::imread(*folder / left, cv::IMREAD_GRAYSCALE), cv::imread(*folder / right, cv::IMREAD_GRAYSCALE)};
+  return {ReadGreyImage(*folder / left), ReadGreyImage(*folder / right)};
 }
 
 const Pair& PairFor(int which) {

@@ -5,7 +5,6 @@
 
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/features/gradients.h"
@@ -14,6 +13,7 @@
 #include "core/features/line_extractor.h"
 #include "core/features/line_matcher.h"
 #include "core/features/line_stereo.h"
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 
 namespace plslam {
@@ -50,7 +50,7 @@ cv::Mat Drawn(cv::Size size, int shift) {
 cv::Mat Load(const Scene& scene, bool left) {
   const auto folder = test::DataFolder(scene.folder);
   cv::Mat image;
-  if (folder) image = cv::imread((*folder / (left ? scene.left : scene.right)).string(), cv::IMREAD_GRAYSCALE);
+  if (folder) image = ReadGreyImage(*folder / (left ? scene.left : scene.right));
   return image.empty() ? Drawn(scene.size, left ? 0 : 15) : image;
 }
 

@@ -11,9 +11,9 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/io/png_file.h"
 #include "core/places/place_recogniser.h"
 #include "tests/support/data_folder.h"
 #include "tools/evaluate/chart.h"
@@ -173,7 +173,8 @@ int DrawGrowth(const std::string& path) {
   chart.DrawLine(growth, {190, 90, 20}, 2.0);
   for (const cv::Point2d& point : growth) chart.DrawMarker(point, {190, 90, 20});
   cv::resize(picture, picture, {}, 0.5, 0.5, cv::INTER_AREA);
-  return cv::imwrite(path, picture) ? 0 : 1;
+  WritePng(path, picture);
+  return 0;
 }
 
 template <class Benchmark>

@@ -3,16 +3,15 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <opencv2/imgcodecs.hpp>
+
+#include "core/io/png_file.h"
 
 namespace plslam::test {
 namespace {
 
 void WriteImage(const std::filesystem::path& path, const cv::Mat& image, bool covered) {
   const cv::Mat black(image.size(), image.type(), cv::Scalar(3));
-  if (!cv::imwrite(path.string(), covered ? black : image, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
-    throw std::runtime_error(path.string() + " cannot be written");
-  }
+  WritePng(path.string(), covered ? black : image, 1);
 }
 
 }  // namespace

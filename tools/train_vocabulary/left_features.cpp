@@ -52,7 +52,7 @@ void ForEachImageOf(const std::string& source, int stride, const FeatureOptions&
   }
   FeatureExtractor extractor(options);
   for (size_t i = 0; i < images.size(); i += static_cast<size_t>(stride)) {
-    use(extractor.Extract(ReadGreyImage(images[i], ReadImageSize(images[i]))));
+    use(extractor.Extract(ReadGreyImage(images[i])));
     progress(static_cast<int>(i) + 1, static_cast<int>(images.size()));
   }
 }

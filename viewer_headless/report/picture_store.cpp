@@ -1,8 +1,10 @@
 #include "viewer_headless/report/picture_store.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "core/io/jpeg_codec.h"
 
 namespace plslam {
 namespace {
@@ -17,12 +19,6 @@ cv::Mat Shrink(const cv::Mat& image, int width_px) {
   cv::Mat small;
   cv::resize(image, small, {width_px, height_px}, 0, 0, cv::INTER_AREA);
   return small;
-}
-
-std::string Jpeg(const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-  return {bytes.begin(), bytes.end()};
 }
 
 OverlayFeatures Scale(const OverlayFeatures& features, float scale) {
@@ -45,8 +41,8 @@ void PictureStore::Announce(int64_t n_frames) {
 void PictureStore::Add(int64_t frame_id, const cv::Mat& image, const OverlayFeatures& features) {
   const cv::Mat small = Shrink(image, kPictureWidth_px);
   const float scale = static_cast<float>(small.cols) / static_cast<float>(image.cols);
-  pictures_.insert_or_assign(frame_id,
-                             ReportPicture{frame_id, small.cols, small.rows, Jpeg(small), Scale(features, scale)});
+  pictures_.insert_or_assign(
+      frame_id, ReportPicture{frame_id, small.cols, small.rows, EncodeJpeg(small, kQuality), Scale(features, scale)});
   while (static_cast<int64_t>(pictures_.size()) > max_pictures_) {
     stride_ *= 2;
     std::erase_if(pictures_, [this](const auto& picture) { return !Wants(picture.first); });
@@ -54,7 +50,7 @@ void PictureStore::Add(int64_t frame_id, const cv::Mat& image, const OverlayFeat
 }
 
 void PictureStore::AddKeyframe(int64_t frame_id, const cv::Mat& image) {
-  keyframes_.insert_or_assign(frame_id, Jpeg(Shrink(image, kKeyframeWidth_px)));
+  keyframes_.insert_or_assign(frame_id, EncodeJpeg(Shrink(image, kKeyframeWidth_px), kQuality));
   if (keyframes_.size() <= kMaxKeyframes) return;
   bool drop = false;
   std::erase_if(keyframes_, [&drop](const auto&) { return std::exchange(drop, !drop); });

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
@@ -74,7 +73,7 @@ void RunVideo::Add(const cv::Mat& picture) {
   if (film_) {
     film_->writer.write(scaled);
   } else {
-    WritePng(fmt::format("{}/{:06}.png", path_, n_pictures_), scaled, {cv::IMWRITE_PNG_COMPRESSION, 3});
+    WritePng(fmt::format("{}/{:06}.png", path_, n_pictures_), scaled, 3);
   }
   ++n_pictures_;
 }

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/features/orb_extractor.h"
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/features/stereo_points.h"
 
@@ -14,7 +14,7 @@ namespace {
 
 TEST(OrbExtractor, EveryQuadrantOfAStreetHasItsShare) {
   PLSLAM_REQUIRE_DATA(folder, "kitti_03");
-  const cv::Mat image = cv::imread(folder / "image_0" / "000000.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat image = ReadGreyImage(folder / "image_0" / "000000.png");
   ASSERT_FALSE(image.empty());
   const std::vector<PointFeature> points = OrbExtractor{OrbOptions{}}.Extract(image);
   EXPECT_GE(points.size(), 950U);
@@ -30,8 +30,8 @@ class RealPair : public testing::TestWithParam<std::pair<const char*, double>> {
 TEST_P(RealPair, ShareOfPointsWithDepth) {
   PLSLAM_REQUIRE_DATA(folder, GetParam().first);
   for (const char* name : {"000000.png", "000005.png"}) {
-    const cv::Mat left = cv::imread(folder / "image_0" / name, cv::IMREAD_GRAYSCALE);
-    const cv::Mat right = cv::imread(folder / "image_1" / name, cv::IMREAD_GRAYSCALE);
+    const cv::Mat left = ReadGreyImage(folder / "image_0" / name);
+    const cv::Mat right = ReadGreyImage(folder / "image_1" / name);
     ASSERT_FALSE(left.empty());
     EXPECT_GE(test::ShareWithDepth(test::Match(left, right)), GetParam().second) << folder << " " << name;
   }

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/geometry/test_rigs.h"
 
@@ -80,8 +80,8 @@ std::filesystem::path FirstImage(const std::filesystem::path& folder) {
 
 // Root mean square row difference of mutually best ORB matches with a plausible disparity.
 double RowError_px(const Rectifier& rectifier, const std::filesystem::path& mav0) {
-  const cv::Mat left = rectifier.RectifyLeft(cv::imread(FirstImage(mav0 / "cam0/data"), cv::IMREAD_GRAYSCALE));
-  const cv::Mat right = rectifier.RectifyRight(cv::imread(FirstImage(mav0 / "cam1/data"), cv::IMREAD_GRAYSCALE));
+  const cv::Mat left = rectifier.RectifyLeft(ReadGreyImage(FirstImage(mav0 / "cam0/data")));
+  const cv::Mat right = rectifier.RectifyRight(ReadGreyImage(FirstImage(mav0 / "cam1/data")));
   const auto orb = cv::ORB::create(1000, 1.2F, 1);
   std::vector<cv::KeyPoint> left_points;
   std::vector<cv::KeyPoint> right_points;

@@ -7,8 +7,9 @@
 #include <fstream>
 #include <iterator>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
+
+#include "core/io/png_file.h"
 
 namespace plslam::test {
 namespace {
@@ -24,13 +25,13 @@ void WriteImage(const fs::path& path, int frame, int camera) {
     for (int x = 0; x < image.cols; ++x)
       image.at<uint8_t>(y, x) = static_cast<uint8_t>(TinyPixel(frame, camera, x, y));
   }
-  if (!cv::imwrite(path.string(), image)) throw std::runtime_error("cannot write " + path.string());
+  WritePng(path.string(), image);
 }
 
 void WriteDepth(const fs::path& path, cv::Size size, int frame) {
   fs::create_directories(path.parent_path());
   const cv::Mat depth(size, CV_16UC1, cv::Scalar(5000 + 100 * frame));
-  if (!cv::imwrite(path.string(), depth)) throw std::runtime_error("cannot write " + path.string());
+  WritePng(path.string(), depth);
 }
 
 std::string SensorYaml(double x_m) {
@@ -133,7 +134,7 @@ void MakeTumFolder(const fs::path& folder, int width_px, int height_px) {
     depth += fmt::format("1305031102.{}80000 depth/{}.png\n", i + 1, i);
     truth += fmt::format("1305031102.{}75304 {} 0 0 0 0 0 1\n", i + 1, i);
     fs::create_directories(folder / "rgb");
-    cv::imwrite((folder / "rgb" / (name + ".png")).string(), cv::Mat(size, CV_8UC3, cv::Scalar(10, 100, 200)));
+    WritePng((folder / "rgb" / (name + ".png")).string(), cv::Mat(size, CV_8UC3, cv::Scalar(10, 100, 200)));
     WriteDepth(folder / "depth" / fmt::format("{}.png", i), size, i);
   }
   WriteText(folder / "rgb.txt", colour);

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/features/line_extractor.h"
 #include "core/features/line_matcher.h"
 #include "core/features/line_stereo.h"
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 
 namespace plslam {
@@ -24,7 +24,7 @@ std::vector<LineFeature> ExtractAll(const std::string& detector, const cv::Mat& 
 
 TEST(LinesOnRealImages, EdgeChainFindsAtLeastAsManyAsLsd) {
   PLSLAM_REQUIRE_DATA(folder, "kitti_03");
-  const cv::Mat image = cv::imread((folder / "image_0/000010.png").string(), cv::IMREAD_GRAYSCALE);
+  const cv::Mat image = ReadGreyImage(folder / "image_0/000010.png");
   ASSERT_FALSE(image.empty());
   const size_t own = CountLong(ExtractAll("edgechain", image));
   const size_t lsd = CountLong(ExtractAll("lsd", image));
@@ -34,7 +34,7 @@ TEST(LinesOnRealImages, EdgeChainFindsAtLeastAsManyAsLsd) {
 
 TEST(LinesOnRealImages, StereoAndTrackingFindMostLines) {
   PLSLAM_REQUIRE_DATA(folder, "tsukuba_lamps_a");
-  const auto read = [&](const char* name) { return cv::imread((folder / name).string(), cv::IMREAD_GRAYSCALE); };
+  const auto read = [&](const char* name) { return ReadGreyImage(folder / name); };
   const cv::Mat left = read("image_0/000000.png");
   const cv::Mat right = read("image_1/000000.png");
   ASSERT_FALSE(left.empty() || right.empty());

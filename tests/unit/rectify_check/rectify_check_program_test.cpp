@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 
+#include "core/io/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 
@@ -39,7 +39,7 @@ TEST_F(RectifyCheckProgram, AWorldIsWellRectified) {
   EXPECT_TRUE(json["usable"].get<bool>());
   EXPECT_LT(json["median_abs_px"].get<double>(), 0.5);
   EXPECT_GT(json["matches"].get<int>(), 100);
-  EXPECT_GT(cv::imread((folder_ / "a.png").string()).cols, 2 * 376);
+  EXPECT_GT(ReadImageSize((folder_ / "a.png").string()).width_px, 2 * 376);
 }
 
 TEST_F(RectifyCheckProgram, ErrorsAreOneSentence) {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <opencv2/imgcodecs.hpp>
 
 #include "plslam/tracks_t.hpp"
 #include "tests/support/text_file.h"

@@ -2,8 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <opencv2/imgcodecs.hpp>
-
+#include "core/io/jpeg_codec.h"
 #include "tests/unit/viewer/frame_poses.h"
 #include "tests/unit/viewer/report_columns.h"
 
@@ -164,8 +163,8 @@ TEST(PictureStore, ThinsOutWhatDoesNotFit) {
   EXPECT_EQ(picture.height_px, 60);
   EXPECT_FLOAT_EQ(picture.features.points[0].px.x, 256.0F);
   EXPECT_FLOAT_EQ(picture.features.points[0].disparity_px, 4.0F);
-  const cv::Mat decoded =
-      cv::imdecode(std::vector<uchar>(picture.jpeg.begin(), picture.jpeg.end()), cv::IMREAD_GRAYSCALE);
+  const cv::Mat decoded = DecodeJpeg({reinterpret_cast<const uint8_t*>(picture.jpeg.data()), picture.jpeg.size()},
+                                     {picture.width_px, picture.height_px});
   EXPECT_EQ(decoded.cols, 512);
   EXPECT_NEAR(decoded.at<uchar>(30, 256), 80, 3);
 }

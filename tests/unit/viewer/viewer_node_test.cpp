@@ -7,10 +7,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <opencv2/imgcodecs.hpp>
 #include <thread>
 
 #include "core/bus/convert.h"
+#include "core/io/image_file.h"
 #include "core/io/trajectory.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
@@ -252,7 +252,7 @@ TEST_F(ViewerNodeTest, DrawsEveryNthFrame) {
     PublishStream("end", 2);
   });
   bus().Run();
-  const cv::Mat picture = cv::imread(Out("overlays/000004.png"));
+  const cv::Mat picture = ReadGreyImage(Out("overlays/000004.png"));
   EXPECT_EQ(picture.cols, 320);
   EXPECT_GT(picture.rows, 240);
   EXPECT_FALSE(std::filesystem::exists(Out("overlays/000005.png")));
@@ -313,7 +313,7 @@ TEST_F(ViewerNodeTest, FilmsTheRun) {
   int n = 0;
   while (std::filesystem::exists(folder_.Path(fmt::format("film/{:06}.png", n)))) ++n;
   EXPECT_EQ(n, 5);
-  const cv::Mat picture = cv::imread(folder_.Path("film/000000.png"));
+  const cv::Mat picture = ReadGreyImage(folder_.Path("film/000000.png"));
   EXPECT_EQ(picture.cols, 320 + 284) << "image with its bar, and the map beside it";
 }
 

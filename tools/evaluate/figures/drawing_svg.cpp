@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
 
 #include "core/io/base64.h"
+#include "core/io/png_codec.h"
 #include "tools/evaluate/figures/drawing.h"
 
 namespace plslam {
@@ -73,13 +73,11 @@ class SvgWriter {
   }
 
   void operator()(const DrawnImage& image) {
-    std::vector<uchar> png;
-    cv::imencode(".png", image.image, png);
     fmt::format_to(out_,
                    "<image x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" preserveAspectRatio=\"none\" "
                    "xlink:href=\"data:image/png;base64,{}\"/>\n",
                    image.corner.x(), image.corner.y(), image.size.x(), image.size.y(),
-                   Base64({reinterpret_cast<const char*>(png.data()), png.size()}));
+                   Base64(EncodePng(image.image)));
   }
 
  private:

@@ -23,7 +23,7 @@ constexpr double kOrthogonalityTolerance = 1e-3;
 
 // Untrusted text in a message: short, and printable.
 std::string Shown(std::string text) {
-  if (text.size() > kMaxShown) text = text.substr(0, kMaxShown) + "...";
+  if (text.size() > kMaxShown) text.replace(kMaxShown, std::string::npos, "...");
   std::replace_if(
       text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   return text;

@@ -91,11 +91,11 @@ set(PLSLAM_COST_integration 100)
 set(PLSLAM_COST_replay 50)
 set(PLSLAM_COST_fuzz 10)
 
-# plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL Rates.*:Times.*]): a GoogleTest
-# executable, run by ctest test by test. What judges times or rates runs alone, after all others: SERIAL and patterns as
-# --gtest_filter takes them, * for all.
+# plslam_test(NAME SOURCES a_test.cpp ... LINK target ... [LABEL unit] [TIMEOUT 300] [SERIAL Rates.*:Times.*] [ONE_BY_ONE]): a
+# GoogleTest executable, run by ctest test by test. What judges times or rates runs alone, after all others: SERIAL and
+# patterns as --gtest_filter takes them, * for all. ONE_BY_ONE: its tests are not run beside each other.
 function(plslam_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT;SERIAL" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "ONE_BY_ONE" "LABEL;TIMEOUT;SERIAL" "SOURCES;LINK" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -117,6 +117,9 @@ function(plslam_test name)
   endif()
   set(discovery DISCOVERY_MODE PRE_TEST WORKING_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
   set(properties PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} COST ${cost})
+  if(ARG_ONE_BY_ONE)
+    list(APPEND properties RESOURCE_LOCK ${name})
+  endif()
   if(ARG_SERIAL)
     gtest_discover_tests(${name} ${discovery} TEST_FILTER ${ARG_SERIAL} ${properties} RUN_SERIAL TRUE)
   endif()

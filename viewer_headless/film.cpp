@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <stdexcept>
 
 namespace plslam {
 namespace {
@@ -37,17 +38,28 @@ Film::~Film() {
 }
 
 void Film::Open(double rate_hz, const cv::Size& size) {
-  video_ = std::make_unique<RunVideo>(path_, rate_hz, size);
-  if (video_->is_folder() && video_->path() != path_) {
-    spdlog::warn("{}: OpenCV cannot write MP4 files here; numbered pictures go to {}", path_, video_->path());
+  video_ = std::make_unique<RunVideo>(path_, std::move(program_), rate_hz, size);
+  if (!video_->why_folder().empty()) {
+    spdlog::warn("{}; numbered pictures go to {}", video_->why_folder(), video_->path());
   }
 }
 
 void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
+  if (failed_) return;
   positions_.push_back((pose.T_w_odom * pose.T_odom_c).translation());
   window_.Include({positions_.back()});
   const cv::Mat view = DrawTopView(SceneOf(map, positions_), window_, MapSizeBeside(overlay.size()));
-  const cv::Mat picture = Join(overlay, view);
+  try {
+    Write(pose, Join(overlay, view));
+  } catch (const std::runtime_error& e) {
+    spdlog::error("frame {}: {}", pose.frame_id, e.what());
+    failed_ = true;
+    first_.reset();
+    video_.reset();
+  }
+}
+
+void Film::Write(const FramePose& pose, const cv::Mat& picture) {
   if (!video_ && !first_) {
     // The second one tells how many there are in a second.
     first_ = Waiting{pose, picture};

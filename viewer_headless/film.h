@@ -15,13 +15,13 @@ namespace plslam {
 /// The film of a run: what the camera sees with its features, and beside it the map from above as it was then.
 class Film {
  public:
-  explicit Film(std::string path) : path_(std::move(path)) {}
+  explicit Film(std::string path) : path_(std::move(path)), program_(StartFilm(path_)) {}
   /// Writes what waits for a second picture, and says in the log what there is.
   ~Film();
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// `overlay` as DrawOverlay draws it. Throws std::runtime_error where nothing can be written.
+  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and there is no film.
   void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
 
  private:
@@ -29,9 +29,13 @@ class Film {
     FramePose pose;
     cv::Mat picture;
   };
+  void Write(const FramePose& pose, const cv::Mat& picture);
   void Open(double rate_hz, const cv::Size& size);
 
   std::string path_;
+  /// Until the first picture comes.
+  std::unique_ptr<FilmProcess> program_;
+  bool failed_ = false;
   TopViewWindow window_;
   std::vector<Eigen::Vector3d> positions_;
   std::optional<Waiting> first_;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
+#include <opencv2/core.hpp>
 #include <regex>
 
 #include "core/io/image_file.h"

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <stdexcept>
-#include <system_error>
+#include <utility>
 
 #include "core/io/atomic_file.h"
 #include "core/io/png_file.h"
@@ -16,40 +15,24 @@ namespace plslam {
 namespace {
 
 constexpr double kWide = 2.0;
+constexpr int kPictureCompression = 3;
 
 }  // namespace
 
-struct RunVideo::Film {
-  std::string part;
-  cv::VideoWriter writer;
+std::unique_ptr<FilmProcess> StartFilm(const std::string& path) {
+  return path.ends_with(".mp4") ? std::make_unique<FilmProcess>(path) : nullptr;
+}
 
-  bool Open(const std::string& path, double rate_hz, const cv::Size& size) {
-    part = path.substr(0, path.size() - 4) + ".part.mp4";
-    for (const char* code : {"avc1", "mp4v"}) {
-      if (writer.open(part, cv::CAP_FFMPEG, cv::VideoWriter::fourcc(code[0], code[1], code[2], code[3]), rate_hz,
-                      size)) {
-        return true;
-      }
-    }
-    return false;
-  }
-
-  /// Once; later nothing is to be done.
-  std::error_code Close(const std::string& path) {
-    std::error_code error;
-    if (!writer.isOpened()) return error;
-    writer.release();
-    std::filesystem::rename(part, path, error);
-    return error;
-  }
-};
-
-RunVideo::RunVideo(const std::string& path, double rate_hz, const cv::Size& size)
-    : size_((size.width + 1) / 2 * 2, (size.height + 1) / 2 * 2), path_(path) {
-  if (path.ends_with(".mp4")) {
+RunVideo::RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, double rate_hz, const cv::Size& size)
+    : size_((size.width + 1) / 2 * 2, (size.height + 1) / 2 * 2), path_(path), film_(std::move(film)) {
+  if (film_) {
     MakeFolder(std::filesystem::path(path).parent_path().string());
-    film_ = std::make_unique<Film>();
-    if (film_->Open(path, rate_hz, size_)) return;
+    try {
+      film_->Begin(rate_hz, size_);
+      return;
+    } catch (const std::runtime_error& e) {
+      why_folder_ = e.what();
+    }
     film_.reset();
     path_ = path.substr(0, path.size() - 4);
   }
@@ -57,23 +40,24 @@ RunVideo::RunVideo(const std::string& path, double rate_hz, const cv::Size& size
 }
 
 RunVideo::~RunVideo() {
-  if (film_) film_->Close(path_);
+  try {
+    Close();
+  } catch (const std::exception&) {
+    // Who wants to know calls Close.
+  }
 }
 
 void RunVideo::Close() {
-  const std::error_code error = film_ ? film_->Close(path_) : std::error_code();
-  if (error) throw std::runtime_error(fmt::format("{}: cannot be put in place: {}", path_, error.message()));
+  if (film_ && !std::exchange(closed_, true)) film_->Finish();
 }
-
-bool RunVideo::is_folder() const { return film_ == nullptr; }
 
 void RunVideo::Add(const cv::Mat& picture) {
   cv::Mat scaled = picture;
   if (picture.size() != size_) cv::resize(picture, scaled, size_, 0, 0, cv::INTER_AREA);
   if (film_) {
-    film_->writer.write(scaled);
+    film_->Add(scaled);
   } else {
-    WritePng(fmt::format("{}/{:06}.png", path_, n_pictures_), scaled, 3);
+    WritePng(fmt::format("{}/{:06}.png", path_, n_pictures_), scaled, kPictureCompression);
   }
   ++n_pictures_;
 }

@@ -5,37 +5,46 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "viewer_headless/video/film_process.h"
+
 namespace plslam {
 
-/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one, and else, or
-/// where the name does not end in ".mp4", a folder of numbered PNG files. The first picture decides the size (made even).
+/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one (FilmProcess), and
+/// else, or where the name does not end in ".mp4", a folder of numbered PNG files. The first picture decides the size (made
+/// even).
 class RunVideo {
  public:
-  /// `rate_hz` pictures a second. Throws std::runtime_error where neither can be written.
-  RunVideo(const std::string& path, double rate_hz, const cv::Size& size);
+  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error where
+  /// neither can be written.
+  RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, double rate_hz, const cv::Size& size);
   /// Closes, without a word where that fails.
   ~RunVideo();
   RunVideo(const RunVideo&) = delete;
   RunVideo& operator=(const RunVideo&) = delete;
 
-  /// 8-bit BGR; of another size it is scaled.
+  /// 8-bit BGR; of another size it is scaled. Throws std::runtime_error where it cannot be written; it is over then.
   void Add(const cv::Mat& picture);
   /// No more pictures: the file has its name from here on; while it is written it ends in ".part.mp4". Throws
-  /// std::runtime_error where it cannot be named so.
+  /// std::runtime_error where it cannot be finished and named so.
   void Close();
   /// The file, or the folder.
   const std::string& path() const { return path_; }
-  bool is_folder() const;
+  bool is_folder() const { return film_ == nullptr; }
+  /// Why it is a folder where a file was asked for.
+  const std::string& why_folder() const { return why_folder_; }
   int64_t pictures() const { return n_pictures_; }
 
  private:
-  struct Film;
-
   cv::Size size_;
   std::string path_;
-  std::unique_ptr<Film> film_;
+  std::string why_folder_;
+  std::unique_ptr<FilmProcess> film_;
+  bool closed_ = false;
   int64_t n_pictures_ = 0;
 };
+
+/// The program that is to write `path`, started; nullptr where that is to be a folder of pictures.
+std::unique_ptr<FilmProcess> StartFilm(const std::string& path);
 
 /// Pictures a second of the recording, by the times of two frames and how many lie between; 20 where they say nothing.
 double PictureRate_hz(int64_t t0_ns, int64_t t1_ns, int64_t n_frames);

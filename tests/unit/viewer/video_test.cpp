@@ -1,7 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <filesystem>
-#include <opencv2/videoio.hpp>
+#include <opencv2/core.hpp>
 
 #include "tests/support/text_file.h"
 #include "viewer_headless/video/run_video.h"
@@ -10,33 +10,10 @@
 namespace plslam {
 namespace {
 
-TEST(RunVideo, AnMp4FileThatOpenCvReadsBack) {
-  const ScratchFolder folder;
-  const std::string file = folder.Path("deep/film.mp4");
-  std::string written;
-  {
-    RunVideo video(file, 10.0, {161, 121});
-    if (video.is_folder()) GTEST_SKIP() << "OpenCV has no FFmpeg that writes MP4 here";
-    for (int i = 0; i < 12; ++i) video.Add(cv::Mat(121, 161, CV_8UC3, cv::Scalar::all(20 * i)));
-    EXPECT_FALSE(std::filesystem::exists(file)) << "not before it is whole";
-    EXPECT_EQ(video.pictures(), 12);
-    written = video.path();
-  }
-  EXPECT_EQ(written, file);
-  cv::VideoCapture capture(file);
-  ASSERT_TRUE(capture.isOpened());
-  cv::Mat picture;
-  int n = 0;
-  for (; capture.read(picture); ++n) EXPECT_NEAR(cv::mean(picture)[1], 20 * n, 6.0) << "picture " << n;
-  EXPECT_EQ(n, 12);
-  EXPECT_EQ(picture.size(), cv::Size()) << "read to the end";
-  EXPECT_NEAR(capture.get(cv::CAP_PROP_FPS), 10.0, 0.01);
-}
-
 TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
   const ScratchFolder folder;
   {
-    RunVideo video(folder.Path("film"), 10.0, {64, 48});
+    RunVideo video(folder.Path("film"), nullptr, 10.0, {64, 48});
     EXPECT_TRUE(video.is_folder());
     video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
     video.Add(cv::Mat(96, 128, CV_8UC3, cv::Scalar::all(9)));
@@ -45,22 +22,31 @@ TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000001.png")));
 }
 
+TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsMissing) {
+  const ScratchFolder folder;
+  RunVideo video(folder.Path("film.mp4"),
+                 std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/nowhere/plslam_film"), 10.0, {64, 48});
+  EXPECT_TRUE(video.is_folder());
+  EXPECT_EQ(video.path(), folder.Path("film"));
+  EXPECT_EQ(video.why_folder(), "/nowhere/plslam_film cannot be started: No such file or directory");
+  video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
+  EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
+}
+
+// The other end of the connection is closed before a word is said.
+TEST(RunVideo, AFolderOfPicturesWhereTheProgramIsNone) {
+  const ScratchFolder folder;
+  RunVideo video(folder.Path("film.mp4"), std::make_unique<FilmProcess>(folder.Path("film.mp4"), "/bin/false"), 10.0,
+                 {64, 48});
+  EXPECT_TRUE(video.is_folder());
+  EXPECT_THAT(video.why_folder(), testing::HasSubstr("film.mp4: no film: /bin/false ended with exit code 1"));
+}
+
 TEST(RunVideo, WhereNothingCanBeWrittenItSaysSo) {
   const ScratchFolder folder;
   const std::string file = folder.Write("file", "");
-  EXPECT_THROW(RunVideo(file + "/film.mp4", 10.0, {64, 48}), std::runtime_error);
-  EXPECT_THROW(RunVideo(file + "/film", 10.0, {64, 48}), std::runtime_error);
-}
-
-TEST(RunVideo, AFilmThatCannotBePutInPlaceSaysSo) {
-  const ScratchFolder folder;
-  const std::string file = folder.Path("film.mp4");
-  std::filesystem::create_directories(file);
-  RunVideo video(file, 10.0, {64, 48});
-  if (video.is_folder()) GTEST_SKIP() << "OpenCV has no FFmpeg that writes MP4 here";
-  video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
-  EXPECT_THAT([&] { video.Close(); },
-              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("film.mp4: cannot be put in place: ")));
+  EXPECT_THROW(RunVideo(file + "/film.mp4", StartFilm(file + "/film.mp4"), 10.0, {64, 48}), std::runtime_error);
+  EXPECT_THROW(RunVideo(file + "/film", nullptr, 10.0, {64, 48}), std::runtime_error);
 }
 
 TEST(RunVideo, RateOfTheRecording) {

@@ -1,0 +1,104 @@
+// Films as files, which OpenCV's videoio reads back.
+#include <gmock/gmock.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
+#include "viewer_headless/video/run_video.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+std::unique_ptr<FilmProcess> Start(const std::string& file) {
+  return std::make_unique<FilmProcess>(file, test::BinaryFolder() / "plslam_film");
+}
+
+/// Leaves the test where OpenCV has no FFmpeg that writes MP4.
+#define PLSLAM_REQUIRE_FILM(video) \
+  if ((video).is_folder()) GTEST_SKIP() << (video).why_folder()
+
+TEST(Film, AnMp4FileThatOpenCvReadsBack) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("deep/film.mp4");
+  {
+    RunVideo video(file, Start(file), 10.0, {161, 121});
+    PLSLAM_REQUIRE_FILM(video);
+    for (int i = 0; i < 12; ++i) video.Add(cv::Mat(121, 161, CV_8UC3, cv::Scalar::all(20 * i)));
+    EXPECT_FALSE(std::filesystem::exists(file)) << "not before it is whole";
+    EXPECT_EQ(video.pictures(), 12);
+    EXPECT_EQ(video.path(), file);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("deep/film.part.mp4")));
+  cv::VideoCapture capture(file);
+  ASSERT_TRUE(capture.isOpened());
+  cv::Mat picture;
+  int n = 0;
+  for (; capture.read(picture); ++n) EXPECT_NEAR(cv::mean(picture)[1], 20 * n, 6.0) << "picture " << n;
+  EXPECT_EQ(n, 12);
+  EXPECT_EQ(picture.size(), cv::Size()) << "read to the end";
+  EXPECT_NEAR(capture.get(cv::CAP_PROP_FPS), 10.0, 0.01);
+}
+
+TEST(Film, OneThatCannotBePutInPlaceSaysSo) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("film.mp4");
+  std::filesystem::create_directories(file);
+  RunVideo video(file, Start(file), 10.0, {64, 48});
+  PLSLAM_REQUIRE_FILM(video);
+  video.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
+  EXPECT_THAT([&] { video.Close(); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: cannot be put in place: ")));
+  EXPECT_FALSE(std::filesystem::exists(folder.Path("film.part.mp4")));
+}
+
+TEST(Film, WhereTheProgramIsKilledOneSentenceSaysSo) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("film.mp4");
+  auto film = Start(file);
+  const pid_t pid = film->pid();
+  RunVideo video(file, std::move(film), 10.0, {640, 480});
+  PLSLAM_REQUIRE_FILM(video);
+  const cv::Mat picture(480, 640, CV_8UC3, cv::Scalar::all(9));
+  video.Add(picture);
+  kill(pid, SIGKILL);
+  const auto add = [&] {
+    // What is on its way when it dies is lost without a word.
+    for (int i = 0; i < 10; ++i) video.Add(picture);
+  };
+  EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film: ")));
+  EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film any more")));
+  EXPECT_THROW(video.Close(), std::runtime_error);
+  EXPECT_FALSE(std::filesystem::exists(file));
+}
+
+/// As where the viewer is killed.
+TEST(Film, NothingIsLeftOfOneThatIsNotFinished) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("film.mp4");
+  {
+    FilmProcess film(file, test::BinaryFolder() / "plslam_film");
+    try {
+      film.Begin(10.0, {64, 48});
+    } catch (const std::runtime_error& e) {
+      GTEST_SKIP() << e.what();
+    }
+    film.Add(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(9)));
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path("")));
+}
+
+TEST(Film, SizesThatAreNoneAreRefused) {
+  const ScratchFolder folder;
+  FilmProcess film(folder.Path("film.mp4"), test::BinaryFolder() / "plslam_film");
+  EXPECT_THAT([&] { film.Begin(10.0, {63, 48}); }, ThrowsMessage<std::runtime_error>(HasSubstr("two even sides")));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,25 @@
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "viewer_headless/video/film_writer.h"
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "Writes the film of a run: viewer_headless --video starts it, and hands it the pictures on its standard input.",
+      "plslam_film");
+  app.set_version_flag("--version", PLSLAM_VERSION);
+  std::string file;
+  app.add_option("FILE", file, "the film, ending in .mp4")->required()->check([](const std::string& name) {
+    return name.ends_with(".mp4") ? std::string() : name + " does not end in .mp4";
+  });
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 1;
+  }
+  // It ends when its input ends: a signal to all of a group lets the viewer finish the film.
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE}) signal(number, SIG_IGN);
+  return plslam::WriteFilm(file, stdin, stdout);
+}

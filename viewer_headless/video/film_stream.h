@@ -1,0 +1,20 @@
+#pragma once
+
+/// What viewer_headless and plslam_film say to each other, on the standard input and output of the latter:
+///
+///   "WIDTH HEIGHT RATE\n"                what the film is; even numbers of pixels, pictures a second
+///       "ready\n" or "error WHY\n"
+///   byte 1, WIDTH * HEIGHT * 3 bytes     a picture, BGR; any number of them
+///   byte 0                               the film is whole
+///       "done\n" or "error WHY\n"
+///
+/// Where the input ends before byte 0 nothing is left of the film.
+namespace plslam::film_stream {
+
+inline constexpr char kPicture = 1;
+inline constexpr char kEnd = 0;
+inline constexpr char kReady[] = "ready";
+inline constexpr char kDone[] = "done";
+inline constexpr int kMaxSide_px = 16384;
+
+}  // namespace plslam::film_stream

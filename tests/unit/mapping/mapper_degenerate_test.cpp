@@ -240,9 +240,9 @@ TEST_P(Degenerate, CovarianceThatIsNoneCountsAsHardlyKnown) {
   }
 }
 
-std::string Name(const testing::TestParamInfo<bool>& with_ids) { return with_ids.param ? "WithIds" : "WithoutIds"; }
+std::string NameOfIds(const testing::TestParamInfo<bool>& with_ids) { return with_ids.param ? "WithIds" : "WithoutIds"; }
 
-INSTANTIATE_TEST_SUITE_P(Ids, Degenerate, testing::Bool(), Name);
+INSTANTIATE_TEST_SUITE_P(Ids, Degenerate, testing::Bool(), NameOfIds);
 
 }  // namespace
 }  // namespace plslam

@@ -103,12 +103,12 @@ TEST_P(MapperLong, CorridorIsMappedWithinBounds) {
   EXPECT_LT(error_m, GetParam().most_error * test::OdometryError_m(walk));
 }
 
-std::string Name(const testing::TestParamInfo<Culled>& culled) { return culled.param.name; }
+std::string NameOfCulled(const testing::TestParamInfo<Culled>& culled) { return culled.param.name; }
 
 INSTANTIATE_TEST_SUITE_P(Keyframes, MapperLong,
                          testing::Values(Culled{"AreCulled", CullingOptions().redundant_share, 1.0, 60.0},
                                          Culled{"AreAllKept", 1.01, 0.1, 60.0}),
-                         Name);
+                         NameOfCulled);
 
 }  // namespace
 }  // namespace plslam

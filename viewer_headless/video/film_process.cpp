@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
 #include <stdexcept>
 
@@ -85,7 +86,11 @@ std::string FilmProcess::End() {
   const pid_t pid = pid_;
   pid_ = -1;
   if (pid < 0 || waitpid(pid, &status, 0) != pid) return "is gone";
-  if (WIFSIGNALED(status)) return fmt::format("was ended by signal {}", WTERMSIG(status));
+  if (WIFSIGNALED(status)) {
+    // It had no time to.
+    std::remove(film_stream::PartOf(file_).c_str());
+    return fmt::format("was ended by signal {}", WTERMSIG(status));
+  }
   return fmt::format("ended with exit code {}", WEXITSTATUS(status));
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 /// What viewer_headless and plslam_film say to each other, on the standard input and output of the latter:
 ///
 ///   "WIDTH HEIGHT RATE\n"                what the film is; even numbers of pixels, pictures a second
@@ -16,5 +18,8 @@ inline constexpr char kEnd = 0;
 inline constexpr char kReady[] = "ready";
 inline constexpr char kDone[] = "done";
 inline constexpr int kMaxSide_px = 16384;
+
+/// The name of FILE.mp4 while it is written.
+inline std::string PartOf(const std::string& file) { return file.substr(0, file.size() - 4) + ".part.mp4"; }
 
 }  // namespace plslam::film_stream

@@ -65,7 +65,7 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
     return Refuse(out, fmt::format("{}: a film has two even sides of at most {} pixels and a rate", file,
                                    film_stream::kMaxSide_px));
   }
-  const std::string part = file.substr(0, file.size() - 4) + ".part.mp4";
+  const std::string part = film_stream::PartOf(file);
   cv::VideoWriter writer;
   if (!OpenFilm(writer, part, format)) return Refuse(out, file + ": OpenCV cannot write MP4 files here");
   Answer(out, film_stream::kReady);

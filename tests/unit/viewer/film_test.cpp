@@ -75,7 +75,7 @@ TEST(Film, WhereTheProgramIsKilledOneSentenceSaysSo) {
   EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film: ")));
   EXPECT_THAT(add, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: no film any more")));
   EXPECT_THROW(video.Close(), std::runtime_error);
-  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path("")));
 }
 
 /// As where the viewer is killed.

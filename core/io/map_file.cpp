@@ -151,7 +151,7 @@ void WriteMap(map_file::Writer& write, const std::map<int64_t, Value>& values) {
 }
 
 template <class Value>
-void WriteValues(map_file::Writer& write, const std::map<int64_t, Value>& values) {
+void WriteValues(map_file::Writer& write, const IdMap<Value>& values) {
   write(static_cast<uint64_t>(values.size()));
   for (const auto& [id, value] : values) write(value);
 }

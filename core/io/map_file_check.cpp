@@ -55,7 +55,7 @@ void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights,
 }
 
 template <class Landmark>
-int64_t LastId(const std::map<int64_t, Landmark>& landmarks) {
+int64_t LastId(const IdMap<Landmark>& landmarks) {
   return landmarks.empty() ? -1 : landmarks.rbegin()->first;
 }
 

@@ -19,7 +19,7 @@ struct PointKind {
   using Landmark = MapPoint;
   using Feature = StereoPoint;
   static const std::vector<StereoPoint>& Features(const StereoFeatures& features) { return features.points; }
-  static const std::map<int64_t, MapPoint>& Landmarks(const Map& map) { return map.points(); }
+  static const IdMap<MapPoint>& Landmarks(const Map& map) { return map.points(); }
   static const MapPoint* Find(const Map& map, int64_t id) { return map.FindPoint(id); }
   static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
     return map.LandmarksOf(keyframe_id).points;
@@ -32,7 +32,7 @@ struct LineKind {
   using Landmark = MapLine;
   using Feature = StereoLine;
   static const std::vector<StereoLine>& Features(const StereoFeatures& features) { return features.lines; }
-  static const std::map<int64_t, MapLine>& Landmarks(const Map& map) { return map.lines(); }
+  static const IdMap<MapLine>& Landmarks(const Map& map) { return map.lines(); }
   static const MapLine* Find(const Map& map, int64_t id) { return map.FindLine(id); }
   static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
     return map.LandmarksOf(keyframe_id).lines;

@@ -8,12 +8,6 @@
 namespace plslam {
 namespace {
 
-template <class Value>
-const Value* Find(const std::map<int64_t, Value>& values, int64_t id) {
-  const auto found = values.find(id);
-  return found == values.end() ? nullptr : &found->second;
-}
-
 void SetLandmark(std::vector<int64_t>& of, int32_t feature, int64_t landmark_id) {
   const auto place = static_cast<size_t>(feature);
   if (of.size() <= place) of.resize(place + 1, -1);
@@ -49,9 +43,9 @@ bool MapChanges::empty() const {
          lines.empty() && removed_lines.empty() && loops.empty();
 }
 
-const MapKeyframe* Map::FindKeyframe(int64_t id) const { return Find(keyframes_, id); }
-const MapPoint* Map::FindPoint(int64_t id) const { return Find(points_, id); }
-const MapLine* Map::FindLine(int64_t id) const { return Find(lines_, id); }
+const MapKeyframe* Map::FindKeyframe(int64_t id) const { return keyframes_.Find(id); }
+const MapPoint* Map::FindPoint(int64_t id) const { return points_.Find(id); }
+const MapLine* Map::FindLine(int64_t id) const { return lines_.Find(id); }
 
 MapTotals Map::Totals() const {
   return {static_cast<int64_t>(keyframes_.size()),
@@ -65,8 +59,8 @@ MapTotals Map::Totals() const {
 void Map::Put(const MapKeyframe& keyframe) {
   const auto [place, added] = keyframes_.try_emplace(keyframe.id, keyframe);
   if (!added) {
-    children_[place->second.parent_id].erase(keyframe.id);
-    place->second = keyframe;
+    children_[place->parent_id].erase(keyframe.id);
+    *place = keyframe;
   }
   children_[keyframe.parent_id].insert(keyframe.id);
   landmarks_of_.try_emplace(keyframe.id);
@@ -133,10 +127,10 @@ void Map::Put(const MapLine& line) {
 
 template <class Landmark>
 void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
-  const auto found = kind.landmarks.find(id);
-  if (found == kind.landmarks.end()) return;
-  SetSights(found->second, {}, kind);
-  kind.landmarks.erase(found);
+  Landmark* landmark = kind.landmarks.Find(id);
+  if (landmark == nullptr) return;
+  SetSights(*landmark, {}, kind);
+  kind.landmarks.erase(id);
   kind.changed.erase(id);
   kind.removed.insert(id);
 }
@@ -162,9 +156,9 @@ void Map::DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind) {
 }
 
 void Map::RemoveKeyframe(int64_t id) {
-  const auto found = keyframes_.find(id);
-  if (found == keyframes_.end()) return;
-  const int64_t parent_id = found->second.parent_id;
+  const MapKeyframe* keyframe = FindKeyframe(id);
+  if (keyframe == nullptr) return;
+  const int64_t parent_id = keyframe->parent_id;
   for (const int64_t child_id : Children(id)) {
     MapKeyframe child = keyframes_.at(child_id);
     child.parent_id = parent_id;
@@ -182,7 +176,7 @@ void Map::RemoveKeyframe(int64_t id) {
   children_.erase(id);
   shared_.erase(id);
   landmarks_of_.erase(id);
-  keyframes_.erase(found);
+  keyframes_.erase(id);
   changes_.keyframes.erase(id);
   changes_.removed_keyframes.insert(id);
 }
@@ -237,17 +231,17 @@ void Map::CountShared(const std::vector<int64_t>& changed, const std::vector<int
 const Map::FeatureLandmarks& Map::LandmarksOf(int64_t keyframe_id) const { return landmarks_of_.at(keyframe_id); }
 
 int Map::Shared(int64_t a, int64_t b) const {
-  const auto row = shared_.find(a);
-  if (row == shared_.end()) return 0;
-  const auto count = row->second.find(b);
-  return count == row->second.end() ? 0 : count->second;
+  const std::map<int64_t, int>* row = shared_.Find(a);
+  if (row == nullptr) return 0;
+  const auto count = row->find(b);
+  return count == row->end() ? 0 : count->second;
 }
 
 std::vector<Map::Neighbour> Map::Neighbours(int64_t keyframe_id, int min_shared) const {
   std::vector<Neighbour> neighbours;
-  const auto row = shared_.find(keyframe_id);
-  if (row == shared_.end()) return neighbours;
-  for (const auto& [other, shared] : row->second) {
+  const std::map<int64_t, int>* row = shared_.Find(keyframe_id);
+  if (row == nullptr) return neighbours;
+  for (const auto& [other, shared] : *row) {
     if (shared >= min_shared) neighbours.push_back({other, shared});
   }
   std::stable_sort(neighbours.begin(), neighbours.end(),
@@ -256,9 +250,9 @@ std::vector<Map::Neighbour> Map::Neighbours(int64_t keyframe_id, int min_shared)
 }
 
 std::vector<int64_t> Map::Children(int64_t keyframe_id) const {
-  const auto found = children_.find(keyframe_id);
-  if (found == children_.end()) return {};
-  return {found->second.begin(), found->second.end()};
+  const std::set<int64_t>* children = children_.Find(keyframe_id);
+  if (children == nullptr) return {};
+  return {children->begin(), children->end()};
 }
 
 MapChanges Map::TakeChanges() { return std::exchange(changes_, {}); }

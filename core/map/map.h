@@ -5,6 +5,7 @@
 #include <set>
 #include <vector>
 
+#include "core/map/id_map.h"
 #include "core/map/landmarks.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_keyframe.h"
@@ -58,9 +59,9 @@ class Map {
     std::vector<int64_t> lines;
   };
 
-  const std::map<int64_t, MapKeyframe>& keyframes() const { return keyframes_; }
-  const std::map<int64_t, MapPoint>& points() const { return points_; }
-  const std::map<int64_t, MapLine>& lines() const { return lines_; }
+  const IdMap<MapKeyframe>& keyframes() const { return keyframes_; }
+  const IdMap<MapPoint>& points() const { return points_; }
+  const IdMap<MapLine>& lines() const { return lines_; }
   /// nullptr where there is none.
   const MapKeyframe* FindKeyframe(int64_t id) const;
   const MapPoint* FindPoint(int64_t id) const;
@@ -100,7 +101,7 @@ class Map {
   /// Where everything about one kind of landmarks stands.
   template <class Landmark>
   struct Kind {
-    std::map<int64_t, Landmark>& landmarks;
+    IdMap<Landmark>& landmarks;
     std::vector<int64_t> FeatureLandmarks::*of;
     std::set<int64_t>& changed;
     std::set<int64_t>& removed;
@@ -119,12 +120,12 @@ class Map {
   void DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind);
   void CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign);
 
-  std::map<int64_t, MapKeyframe> keyframes_;
-  std::map<int64_t, MapPoint> points_;
-  std::map<int64_t, MapLine> lines_;
-  std::map<int64_t, FeatureLandmarks> landmarks_of_;
-  std::map<int64_t, std::map<int64_t, int>> shared_;
-  std::map<int64_t, std::set<int64_t>> children_;
+  IdMap<MapKeyframe> keyframes_;
+  IdMap<MapPoint> points_;
+  IdMap<MapLine> lines_;
+  IdMap<FeatureLandmarks> landmarks_of_;
+  IdMap<std::map<int64_t, int>> shared_;
+  IdMap<std::set<int64_t>> children_;
   int64_t n_point_sights_ = 0;
   int64_t n_line_sights_ = 0;
   std::vector<LoopEdge> loops_;

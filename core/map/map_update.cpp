@@ -4,12 +4,12 @@ namespace plslam {
 namespace {
 
 template <class Value>
-void Copy(const std::map<int64_t, Value>& from, const std::set<int64_t>& ids, std::vector<Value>& to) {
+void Copy(const IdMap<Value>& from, const std::set<int64_t>& ids, std::vector<Value>& to) {
   for (const int64_t id : ids) to.push_back(from.at(id));
 }
 
 template <class Value>
-void CopyAll(const std::map<int64_t, Value>& from, std::vector<Value>& to) {
+void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
   for (const auto& [id, value] : from) to.push_back(value);
 }
 

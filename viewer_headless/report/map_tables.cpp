@@ -18,7 +18,7 @@ int32_t FirstSeen(const Map& map, const std::vector<Sight>& sights) {
 
 /// The landmarks that are shown, by id; those seen most often where there are too many.
 template <class Landmark>
-std::vector<const Landmark*> Choose(const std::map<int64_t, Landmark>& landmarks, size_t limit) {
+std::vector<const Landmark*> Choose(const IdMap<Landmark>& landmarks, size_t limit) {
   std::vector<const Landmark*> chosen;
   chosen.reserve(landmarks.size());
   for (const auto& [id, landmark] : landmarks) chosen.push_back(&landmark);

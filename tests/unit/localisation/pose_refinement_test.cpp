@@ -37,7 +37,7 @@ class PoseRefinement : public testing::TestWithParam<FeatureWorld::Counts> {
     for (const StereoLine& seen : features_.lines) truth_.lines.push_back(IdOf(seen.left.descriptor, map_.lines()));
   }
   template <class Landmark>
-  static int64_t IdOf(const Descriptor& descriptor, const std::map<int64_t, Landmark>& landmarks) {
+  static int64_t IdOf(const Descriptor& descriptor, const IdMap<Landmark>& landmarks) {
     for (const auto& [id, landmark] : landmarks) {
       if (landmark.descriptor == descriptor) return id;
     }

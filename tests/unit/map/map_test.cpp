@@ -43,7 +43,7 @@ using PairCounts = std::map<std::pair<int64_t, int64_t>, int>;
 
 /// Slow twin of the covisibility counts: every pair of sights of every landmark.
 template <class Landmark>
-void Recount(const std::map<int64_t, Landmark>& landmarks, PairCounts& counts) {
+void Recount(const IdMap<Landmark>& landmarks, PairCounts& counts) {
   for (const auto& [id, landmark] : landmarks) {
     for (const Sight& a : landmark.sights) {
       for (const Sight& b : landmark.sights) {
@@ -55,8 +55,8 @@ void Recount(const std::map<int64_t, Landmark>& landmarks, PairCounts& counts) {
 
 /// Slow twin of the tables from features to landmarks, and of the number of sights.
 template <class Landmark>
-void ExpectTables(const Map& map, const std::map<int64_t, Landmark>& landmarks,
-                  std::vector<int64_t> Map::FeatureLandmarks::*of, int64_t n_sights) {
+void ExpectTables(const Map& map, const IdMap<Landmark>& landmarks, std::vector<int64_t> Map::FeatureLandmarks::*of,
+                  int64_t n_sights) {
   std::map<Sight, int64_t, decltype([](const Sight& a, const Sight& b) {
              return std::pair(a.keyframe_id, a.feature) < std::pair(b.keyframe_id, b.feature);
            })>

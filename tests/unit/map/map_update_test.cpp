@@ -10,7 +10,7 @@ namespace {
 using Outcome = MapReplica::Outcome;
 
 template <class Landmark>
-void ExpectSameSights(const std::map<int64_t, Landmark>& a, const std::map<int64_t, Landmark>& b) {
+void ExpectSameSights(const IdMap<Landmark>& a, const IdMap<Landmark>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (auto x = a.begin(), y = b.begin(); x != a.end(); ++x, ++y) {
     ASSERT_EQ(x->first, y->first);

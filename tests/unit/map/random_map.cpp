@@ -24,7 +24,7 @@ Eigen::Matrix3d RandomMap::DrawCovariance() {
 }
 
 template <class Value>
-const Value& RandomMap::DrawFrom(const std::map<int64_t, Value>& values) {
+const Value& RandomMap::DrawFrom(const IdMap<Value>& values) {
   return std::next(values.begin(), static_cast<std::ptrdiff_t>(Draw(values.size())))->second;
 }
 
@@ -77,7 +77,7 @@ void RandomMap::Place(MapLine& line) {
 
 /// A new landmark, or another state of an old one.
 template <class Landmark>
-void RandomMap::Change(const std::map<int64_t, Landmark>& landmarks, int64_t& next_id) {
+void RandomMap::Change(const IdMap<Landmark>& landmarks, int64_t& next_id) {
   Landmark landmark;
   if (landmarks.empty() || Draw(2) == 0) {
     landmark.id = next_id++;
@@ -91,7 +91,7 @@ void RandomMap::Change(const std::map<int64_t, Landmark>& landmarks, int64_t& ne
 
 /// One of two takes the sights of both; in a keyframe that has both, its own.
 template <class Landmark>
-void RandomMap::Fuse(const std::map<int64_t, Landmark>& landmarks) {
+void RandomMap::Fuse(const IdMap<Landmark>& landmarks) {
   if (landmarks.size() < 2) return;
   const Landmark gone = DrawFrom(landmarks);
   Landmark stays = DrawFrom(landmarks);

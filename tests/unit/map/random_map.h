@@ -25,9 +25,9 @@ class RandomMap {
   void AddKeyframe();
   void CloseLoop();
   template <class Landmark>
-  void Change(const std::map<int64_t, Landmark>& landmarks, int64_t& next_id);
+  void Change(const IdMap<Landmark>& landmarks, int64_t& next_id);
   template <class Landmark>
-  void Fuse(const std::map<int64_t, Landmark>& landmarks);
+  void Fuse(const IdMap<Landmark>& landmarks);
   void Remove(const MapPoint& point) { map_.RemovePoint(point.id); }
   void Remove(const MapLine& line) { map_.RemoveLine(line.id); }
   void Place(MapPoint& point);
@@ -38,7 +38,7 @@ class RandomMap {
   Eigen::Matrix3d DrawCovariance();
   std::vector<Sight> DrawSights();
   template <class Value>
-  const Value& DrawFrom(const std::map<int64_t, Value>& values);
+  const Value& DrawFrom(const IdMap<Value>& values);
 
   std::mt19937_64 random_;
   Map map_;

@@ -1,3 +1,3 @@
 plslam_test(map_file_fuzz_test
-  SOURCES map_file_fuzz_test.cpp ${CMAKE_SOURCE_DIR}/tests/unit/bus/allocation_counter.cpp
-  LINK plslam_stored_maps LABEL fuzz)
+  SOURCES map_file_fuzz_test.cpp
+  LINK plslam_allocation_counter plslam_stored_maps LABEL fuzz)

@@ -1,3 +1,3 @@
 plslam_test(message_fuzz_test
-  SOURCES message_fuzz_test.cpp ${CMAKE_SOURCE_DIR}/tests/unit/bus/allocation_counter.cpp
-  LINK plslam_bus_test_support plslam_random_map LABEL fuzz)
+  SOURCES message_fuzz_test.cpp
+  LINK plslam_allocation_counter plslam_bus_test_support plslam_random_map LABEL fuzz)

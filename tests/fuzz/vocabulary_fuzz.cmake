@@ -1,3 +1,3 @@
 plslam_test(vocabulary_fuzz_test
-  SOURCES vocabulary_fuzz_test.cpp ${CMAKE_SOURCE_DIR}/tests/unit/bus/allocation_counter.cpp
-  LINK plslam_places sodium::sodium LABEL fuzz)
+  SOURCES vocabulary_fuzz_test.cpp
+  LINK plslam_allocation_counter plslam_places sodium::sodium LABEL fuzz)

@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <opencv2/core.hpp>
+#include <sstream>
+
+#include "tests/support/text_file.h"
+#include "viewer_headless/film.h"
+
+namespace plslam {
+namespace {
+
+/// What the log gets while it lives.
+class CapturedLog {
+ public:
+  CapturedLog() : before_(spdlog::default_logger()) {
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("film", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_)));
+  }
+  ~CapturedLog() { spdlog::set_default_logger(before_); }
+  CapturedLog(const CapturedLog&) = delete;
+  CapturedLog& operator=(const CapturedLog&) = delete;
+
+  int Count(const std::string& part) const {
+    const std::string text = text_.str();
+    int n = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++n;
+    return n;
+  }
+
+ private:
+  std::ostringstream text_;
+  std::shared_ptr<spdlog::logger> before_;
+};
+
+void AddPictures(Film& film, int n) {
+  const cv::Mat overlay(48, 64, CV_8UC3, cv::Scalar::all(9));
+  for (int i = 0; i < n; ++i) {
+    FramePose pose;
+    pose.frame_id = i;
+    pose.t_ns = 100'000'000LL * i;
+    film.Add(pose, overlay, Map());
+  }
+}
+
+TEST(FilmLog, WhereNothingCanBeWrittenItIsSaidOnceAndTheRunGoesOn) {
+  const ScratchFolder folder;
+  const CapturedLog log;
+  {
+    Film film(folder.Write("file", "") + "/film");
+    AddPictures(film, 6);
+  }
+  EXPECT_EQ(log.Count("cannot be made a folder"), 1);
+  EXPECT_EQ(log.Count("film of the run"), 0);
+}
+
+TEST(FilmLog, APictureAloneIsWrittenAtTheEnd) {
+  const ScratchFolder folder;
+  const CapturedLog log;
+  {
+    Film film(folder.Path("film"));
+    AddPictures(film, 1);
+  }
+  EXPECT_EQ(log.Count("film (1 pictures)"), 1);
+  EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
+}
+
+}  // namespace
+}  // namespace plslam

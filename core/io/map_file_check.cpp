@@ -9,7 +9,7 @@
 namespace plslam::map_file {
 namespace {
 
-constexpr double kMaxNormError = 1e-6;
+constexpr double kMaxUnitError = 1e-6;
 constexpr int kMaxOctave = 31;
 
 template <class... T>
@@ -17,7 +17,7 @@ void Demand(bool condition, fmt::format_string<T...> what, T&&... values) {
   if (!condition) throw std::runtime_error(fmt::format(what, std::forward<T>(values)...));
 }
 
-bool IsPose(const SE3& pose) { return pose.IsFinite() && std::abs(pose.rotation().norm() - 1.0) <= kMaxNormError; }
+bool IsPose(const SE3& pose) { return pose.IsFinite() && std::abs(pose.rotation().norm() - 1.0) <= kMaxUnitError; }
 
 template <int N>
 bool IsCovariance(const Eigen::Matrix<double, N, N>& covariance) {

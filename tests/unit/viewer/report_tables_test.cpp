@@ -14,7 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 
-const Eigen::Quaterniond kNoTurn = Eigen::Quaterniond::Identity();
+const Eigen::Quaterniond kUnturned = Eigen::Quaterniond::Identity();
 
 SE3 Random(std::mt19937& random) {
   std::normal_distribution<double> normal;
@@ -40,7 +40,7 @@ TEST(RigidAlignment, StraightPathsFewPosesAndNone) {
   std::vector<SE3> a, b;
   EXPECT_LT(AlignPoses(a, b).Log().norm(), 1e-12);
   for (int i = 0; i < 5; ++i) {
-    b.push_back(SE3(kNoTurn, {0, 0, 1.0 * i}));
+    b.push_back(SE3(kUnturned, {0, 0, 1.0 * i}));
     a.push_back(T_a_b * b.back());
     EXPECT_LT((AlignPoses(a, b).Inverse() * T_a_b).Log().norm(), 1e-9) << a.size() << " poses on a line";
   }
@@ -50,7 +50,7 @@ TEST(FrameTable, RowsSayWhatWasPublished) {
   Recorder recorder;
   for (int64_t id = 0; id < 5; ++id) {
     FramePose pose = SomePose(id, id == 3 ? TrackingState::kLost : TrackingState::kTracking);
-    pose.T_w_odom = SE3(kNoTurn, {id >= 2 ? 1.0 : 0.0, 0, 0});
+    pose.T_w_odom = SE3(kUnturned, {id >= 2 ? 1.0 : 0.0, 0, 0});
     pose.keyframe_id = id == 2 ? 1 : -1;
     ASSERT_TRUE(recorder.AddPose(pose));
   }
@@ -94,10 +94,10 @@ TEST(PathTable, ErrorsAreThoseAfterAlignment) {
     FramePose pose = SomePose(id);
     pose.T_odom_c = SE3(ExpSO3({0, angle, 0}), {3.0 * std::sin(angle), 0, 3.0 * std::cos(angle)});
     recorder.AddPose(pose);
-    const SE3 off(kNoTurn, {0, id % 2 == 0 ? 0.01 : -0.01, 0});
+    const SE3 off(kUnturned, {0, id % 2 == 0 ? 0.01 : -0.01, 0});
     recorder.AddTruth(id, {pose.t_ns, T_truth_w * off * pose.T_odom_c});
   }
-  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   ASSERT_TRUE(path.ate_m);
   EXPECT_NEAR(*path.ate_m, 0.01, 2e-5);
   EXPECT_NEAR(*path.live_ate_m, 0.01, 2e-5);
@@ -113,10 +113,10 @@ TEST(PathTable, ErrorsAreThoseAfterAlignment) {
 TEST(PathTable, WithoutTruthThereAreNoErrors) {
   Recorder recorder;
   for (int64_t id = 0; id < 3; ++id) recorder.AddPose(SomePose(id));
-  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   EXPECT_FALSE(path.ate_m);
   EXPECT_EQ(FindColumn(path.table, "truth"), nullptr);
-  EXPECT_EQ(Rows(PathTable(Recorder(), Map(), kNoTurn, 1).table), 0U);
+  EXPECT_EQ(Rows(PathTable(Recorder(), Map(), kUnturned, 1).table), 0U);
 }
 
 TEST(PathTable, FramesWithoutTruthAndLostOnesHaveNone) {
@@ -126,7 +126,7 @@ TEST(PathTable, FramesWithoutTruthAndLostOnesHaveNone) {
     recorder.AddPose(pose);
     if (id != 4) recorder.AddTruth(id, {pose.t_ns, pose.T_odom_c});
   }
-  const PathOfRun path = PathTable(recorder, Map(), kNoTurn, 1);
+  const PathOfRun path = PathTable(recorder, Map(), kUnturned, 1);
   const std::vector<float> error_m = Numbers<float>(path.table, "error_m");
   ASSERT_EQ(error_m.size(), 6U);
   EXPECT_TRUE(std::isnan(error_m[2]));
@@ -143,7 +143,7 @@ Map SmallMap(int n_points) {
     keyframe.id = id;
     keyframe.frame_id = 10 * id;
     keyframe.parent_id = id - 1;
-    keyframe.T_w_kf = SE3(kNoTurn, {0, 0, 1.0 * static_cast<double>(id)});
+    keyframe.T_w_kf = SE3(kUnturned, {0, 0, 1.0 * static_cast<double>(id)});
     map.Put(keyframe);
   }
   for (int i = 0; i < n_points; ++i) {

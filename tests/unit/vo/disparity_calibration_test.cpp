@@ -12,11 +12,11 @@ namespace {
 
 using test::FeatureWorld;
 
-constexpr int64_t kFrame_ns = 100'000'000;
+constexpr int64_t kDriveFrame_ns = 100'000'000;
 constexpr double kNoise_px = 0.3;
 
 // Forwards and a little sideways through the shell of landmarks.
-SE3 PoseAt(int frame) {
+SE3 DrivenPoseAt(int frame) {
   return SE3(ExpSO3(Eigen::Vector3d(0.0, 0.01 * frame, 0.0)), Eigen::Vector3d(0.02 * frame, 0.0, 0.05 * frame - 2.0));
 }
 
@@ -27,14 +27,14 @@ Odometry Drive(const std::function<double(double)>& error_px, bool enabled) {
   options.disparity_calibration.enabled = enabled;
   Odometry odometry(FeatureWorld::Camera(), options);
   for (int i = 0; i < 60; ++i) {
-    StereoFeatures features = world.Observe(PoseAt(i), kNoise_px, static_cast<uint64_t>(i));
+    StereoFeatures features = world.Observe(DrivenPoseAt(i), kNoise_px, static_cast<uint64_t>(i));
     for (StereoPoint& point : features.points) point.disparity_px += error_px(point.left.px.x());
     for (StereoLine& line : features.lines) {
       if (!line.HasDepth()) continue;
       line.disparity_p_px += error_px(line.left.segment.p.x());
       line.disparity_q_px += error_px(line.left.segment.q.x());
     }
-    odometry.Track(i * kFrame_ns, std::move(features));
+    odometry.Track(i * kDriveFrame_ns, std::move(features));
   }
   return odometry;
 }
@@ -78,9 +78,9 @@ TEST(DisparityCalibration, StandingCameraLearnsNothing) {
   const FeatureWorld world({400, 60}, 11);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 60; ++i) {
-    StereoFeatures features = world.Observe(PoseAt(0), kNoise_px, static_cast<uint64_t>(i));
+    StereoFeatures features = world.Observe(DrivenPoseAt(0), kNoise_px, static_cast<uint64_t>(i));
     for (StereoPoint& point : features.points) point.disparity_px -= 0.4;
-    odometry.Track(i * kFrame_ns, std::move(features));
+    odometry.Track(i * kDriveFrame_ns, std::move(features));
   }
   EXPECT_EQ(Offset(odometry, 320.0), 0.0);
 }

@@ -28,7 +28,7 @@ constexpr double kCommonShare = 0.3;
 double Shrink(int n) { return std::sqrt(kCommonShare + (1.0 - kCommonShare) / n); }
 
 /// Forwards, sideways, and turning about all axes.
-SE3 PoseAt(int frame) {
+SE3 TrueAt(int frame) {
   return SE3(ExpSO3(0.01 * frame * Eigen::Vector3d(0.3, -0.2, 1.0)), 0.02 * frame * Eigen::Vector3d(1.0, -0.5, 1.5));
 }
 
@@ -46,15 +46,15 @@ TEST_P(KeyframeMeasurementsByDepth, ExactMeasurementsStayExact) {
   constexpr int kFrames = 6;
   std::optional<TrackedFrame> last;
   for (int k = 1; k <= kFrames; ++k) {
-    last = See(scene, PoseAt(k), {.seed = static_cast<uint32_t>(k), .depth = depth, .cut = true});
-    measurements.Add(PoseAt(k), *last);
+    last = See(scene, TrueAt(k), {.seed = static_cast<uint32_t>(k), .depth = depth, .cut = true});
+    measurements.Add(TrueAt(k), *last);
   }
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
   ASSERT_EQ(content.features.points.size(), scene.points.size());
   ASSERT_EQ(content.features.lines.size(), scene.lines.size());
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const StereoPoint& seen = content.features.points[i];
-    EXPECT_LT(PointError(seen, scene.points[i], PoseAt(kFrames)).head(depth ? 3 : 2).norm(), 1e-9) << "point " << i;
+    EXPECT_LT(PointError(seen, scene.points[i], TrueAt(kFrames)).head(depth ? 3 : 2).norm(), 1e-9) << "point " << i;
     EXPECT_EQ(seen.HasDepth(), depth);
     EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(kFrames), 1e-12);
     EXPECT_NEAR(seen.sigma_disparity_px, kSigma_px * (depth ? Shrink(kFrames) : 1.0), 1e-12);
@@ -62,7 +62,7 @@ TEST_P(KeyframeMeasurementsByDepth, ExactMeasurementsStayExact) {
   for (size_t i = 0; i < scene.lines.size(); ++i) {
     const StereoLine& seen = content.features.lines[i];
     const Segment2& own = last->features.lines[i].left.segment;
-    EXPECT_LT(LineError(seen, scene.lines[i], PoseAt(kFrames)).head(depth ? 4 : 2).norm(), 1e-8) << "line " << i;
+    EXPECT_LT(LineError(seen, scene.lines[i], TrueAt(kFrames)).head(depth ? 4 : 2).norm(), 1e-8) << "line " << i;
     EXPECT_LT((seen.left.segment.p - own.p).norm() + (seen.left.segment.q - own.q).norm(), 1e-9) << "line " << i;
     EXPECT_EQ(seen.HasDepth(), depth);
     EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(kFrames), 1e-12);
@@ -81,15 +81,15 @@ TEST(KeyframeMeasurements, PointsAreTheAverageOfTheErrorsOfAllFrames) {
   std::vector<Eigen::Vector3d> average(scene.points.size(), Eigen::Vector3d::Zero());
   std::optional<TrackedFrame> last;
   for (int k = 1; k <= kFrames; ++k) {
-    last = See(scene, PoseAt(k), {.noise_px = kSigma_px, .seed = static_cast<uint32_t>(k)});
-    measurements.Add(PoseAt(k), *last);
+    last = See(scene, TrueAt(k), {.noise_px = kSigma_px, .seed = static_cast<uint32_t>(k)});
+    measurements.Add(TrueAt(k), *last);
     for (size_t i = 0; i < average.size(); ++i) {
-      average[i] += PointError(last->features.points[i], scene.points[i], PoseAt(k)) / kFrames;
+      average[i] += PointError(last->features.points[i], scene.points[i], TrueAt(k)) / kFrames;
     }
   }
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
   for (size_t i = 0; i < average.size(); ++i) {
-    const Eigen::Vector3d error = PointError(content.features.points[i], scene.points[i], PoseAt(kFrames));
+    const Eigen::Vector3d error = PointError(content.features.points[i], scene.points[i], TrueAt(kFrames));
     EXPECT_LT((error - average[i]).norm(), 1e-9) << error.transpose() << " instead of " << average[i].transpose();
   }
 }
@@ -98,17 +98,17 @@ TEST(KeyframeMeasurements, SurerMeasurementsCountMore) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
-  TrackedFrame off = See(scene, PoseAt(1));
+  TrackedFrame off = See(scene, TrueAt(1));
   for (StereoPoint& point : off.features.points) {
     point.left.px.x() += 1.0;
     point.sigma_px *= 3.0;
   }
-  measurements.Add(PoseAt(1), off);
-  const TrackedFrame last = See(scene, PoseAt(2));
-  measurements.Add(PoseAt(2), last);
+  measurements.Add(TrueAt(1), off);
+  const TrackedFrame last = See(scene, TrueAt(2));
+  measurements.Add(TrueAt(2), last);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
   for (size_t i = 0; i < scene.points.size(); ++i) {
-    EXPECT_NEAR(PointError(content.features.points[i], scene.points[i], PoseAt(2)).x(), 0.1, 1e-9);
+    EXPECT_NEAR(PointError(content.features.points[i], scene.points[i], TrueAt(2)).x(), 0.1, 1e-9);
   }
 }
 
@@ -122,13 +122,13 @@ TEST(KeyframeMeasurements, NoiseOfLinesFallsWithTheNumberOfFrames) {
     KeyframeMeasurements measurements(kCamera);
     std::optional<TrackedFrame> last;
     for (int k = 1; k <= kFrames; ++k) {
-      last = See(scene, PoseAt(k), {.noise_px = kSigma_px, .seed = 100 * run + static_cast<uint32_t>(k)});
-      measurements.Add(PoseAt(k), *last);
+      last = See(scene, TrueAt(k), {.noise_px = kSigma_px, .seed = 100 * run + static_cast<uint32_t>(k)});
+      measurements.Add(TrueAt(k), *last);
     }
     const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
     for (size_t i = 0; i < scene.lines.size(); ++i) {
-      one_frame += LineError(last->features.lines[i], scene.lines[i], PoseAt(kFrames)).array().square();
-      mean += LineError(content.features.lines[i], scene.lines[i], PoseAt(kFrames)).array().square();
+      one_frame += LineError(last->features.lines[i], scene.lines[i], TrueAt(kFrames)).array().square();
+      mean += LineError(content.features.lines[i], scene.lines[i], TrueAt(kFrames)).array().square();
     }
   }
   const Eigen::Array4d ratio = (mean / one_frame).sqrt();
@@ -140,12 +140,12 @@ TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
   // Point 5 and line 5 are seen once only, which is not enough.
-  measurements.Add(PoseAt(1), See(scene, PoseAt(1)));
+  measurements.Add(TrueAt(1), See(scene, TrueAt(1)));
   for (int k = 2; k <= 3; ++k) {
-    measurements.Add(PoseAt(k), See(scene, PoseAt(k), {.cut = true, .missed_points = {5}, .missed_lines = {5}}));
+    measurements.Add(TrueAt(k), See(scene, TrueAt(k), {.cut = true, .missed_points = {5}, .missed_lines = {5}}));
   }
-  const TrackedFrame last = See(scene, PoseAt(4), {.missed_points = {3, 5, 7}, .missed_lines = {2, 5}});
-  measurements.Add(PoseAt(4), last);
+  const TrackedFrame last = See(scene, TrueAt(4), {.missed_points = {3, 5, 7}, .missed_lines = {2, 5}});
+  measurements.Add(TrueAt(4), last);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
   ASSERT_EQ(content.features.points.size(), last.features.points.size() + 2);
   ASSERT_EQ(content.features.lines.size(), last.features.lines.size() + 1);
@@ -156,15 +156,15 @@ TEST(KeyframeMeasurements, AddsWhatTheKeyframesOwnFrameMissed) {
     const int64_t id = added == 0 ? 3 : 7;
     EXPECT_EQ(content.point_tracks[place].landmark_id, id);
     const StereoPoint& seen = content.features.points[place];
-    EXPECT_LT(PointError(seen, scene.points[static_cast<size_t>(id)], PoseAt(4)).norm(), 1e-9) << "point " << id;
+    EXPECT_LT(PointError(seen, scene.points[static_cast<size_t>(id)], TrueAt(4)).norm(), 1e-9) << "point " << id;
     EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(3), 1e-12);
   }
   EXPECT_EQ(content.line_tracks.back().landmark_id, 2);
   const StereoLine& seen = content.features.lines.back();
-  EXPECT_LT(LineError(seen, scene.lines[2], PoseAt(4)).norm(), 1e-8) << LineError(seen, scene.lines[2], PoseAt(4));
+  EXPECT_LT(LineError(seen, scene.lines[2], TrueAt(4)).norm(), 1e-8) << LineError(seen, scene.lines[2], TrueAt(4));
   EXPECT_TRUE(seen.HasDepth());
   EXPECT_NEAR(seen.sigma_px, kSigma_px * Shrink(3), 1e-12);
-  const Eigen::Vector2d p = kCamera.Project(PoseAt(4).Inverse() * scene.lines[2].p);
+  const Eigen::Vector2d p = kCamera.Project(TrueAt(4).Inverse() * scene.lines[2].p);
   EXPECT_LT((seen.left.segment.p - p).norm(), 1e-9) << "directed and cut as the landmark is";
 }
 
@@ -173,18 +173,18 @@ TEST(KeyframeMeasurements, DisparityOfAnAddedLineIsTheOneThatWasSeen) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
-  measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.depth = false}));
-  TrackedFrame near = See(scene, PoseAt(2));
+  measurements.Add(TrueAt(1), See(scene, TrueAt(1), {.depth = false}));
+  TrackedFrame near = See(scene, TrueAt(2));
   for (StereoLine& line : near.features.lines) {
     line.disparity_p_px += 0.5;
     line.disparity_q_px += 0.5;
   }
-  measurements.Add(PoseAt(2), near);
-  const TrackedFrame last = See(scene, PoseAt(3), {.missed_lines = {4}});
-  measurements.Add(PoseAt(3), last);
+  measurements.Add(TrueAt(2), near);
+  const TrackedFrame last = See(scene, TrueAt(3), {.missed_lines = {4}});
+  measurements.Add(TrueAt(3), last);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
   ASSERT_EQ(content.line_tracks.back().landmark_id, 4);
-  const Eigen::Vector4d error = LineError(content.features.lines.back(), scene.lines[4], PoseAt(3));
+  const Eigen::Vector4d error = LineError(content.features.lines.back(), scene.lines[4], TrueAt(3));
   EXPECT_LT((error - Eigen::Vector4d(0.0, 0.0, 0.5, 0.5)).norm(), 0.02) << error.transpose();
   EXPECT_NEAR(content.features.lines.back().sigma_disparity_p_px, kSigma_px, 1e-12);
 }
@@ -195,11 +195,11 @@ TEST(KeyframeMeasurements, FeaturesOfNoLandmarkStayAsTheyAre) {
   KeyframeMeasurements measurements(kCamera);
   std::optional<TrackedFrame> last;
   for (int k = 1; k <= 4; ++k) {
-    last = See(scene, PoseAt(k), {.noise_px = 1.0, .seed = static_cast<uint32_t>(k)});
+    last = See(scene, TrueAt(k), {.noise_px = 1.0, .seed = static_cast<uint32_t>(k)});
     // Without a landmark, or of one that has been dropped since.
     for (FeatureTrack& track : last->point_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
     for (FeatureTrack& track : last->line_tracks) track.landmark_id = track.landmark_id % 2 == 0 ? -1 : 1000;
-    measurements.Add(PoseAt(k), *last);
+    measurements.Add(TrueAt(k), *last);
   }
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(*last));
   ASSERT_EQ(content.features.points.size(), scene.points.size());
@@ -221,14 +221,14 @@ TEST(KeyframeMeasurements, StandingCameraDoesNotNeedTheLandmarksPlace) {
   const Scene scene = MakeScene();
   const LocalLandmarks landmarks = LandmarksOf(scene, {0.02, -0.01, 0.05});
   KeyframeMeasurements measurements(kCamera);
-  const TrackedFrame frame = See(scene, PoseAt(1));
-  for (int k = 0; k < 5; ++k) measurements.Add(PoseAt(1), frame);
+  const TrackedFrame frame = See(scene, TrueAt(1));
+  for (int k = 0; k < 5; ++k) measurements.Add(TrueAt(1), frame);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(frame));
   for (size_t i = 0; i < scene.points.size(); ++i) {
-    EXPECT_LT(PointError(content.features.points[i], scene.points[i], PoseAt(1)).norm(), 1e-9) << "point " << i;
+    EXPECT_LT(PointError(content.features.points[i], scene.points[i], TrueAt(1)).norm(), 1e-9) << "point " << i;
   }
   for (size_t i = 0; i < scene.lines.size(); ++i) {
-    EXPECT_LT(LineError(content.features.lines[i], scene.lines[i], PoseAt(1)).norm(), 1e-8) << "line " << i;
+    EXPECT_LT(LineError(content.features.lines[i], scene.lines[i], TrueAt(1)).norm(), 1e-8) << "line " << i;
   }
 }
 
@@ -237,13 +237,13 @@ TEST(KeyframeMeasurements, FramesOfACameraThatStandsForLongAreForgotten) {
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
   for (uint32_t k = 0; k < 50; ++k) {
-    measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.noise_px = 5.0, .seed = k}));
+    measurements.Add(TrueAt(1), See(scene, TrueAt(1), {.noise_px = 5.0, .seed = k}));
   }
-  const TrackedFrame exact = See(scene, PoseAt(1));
-  for (size_t k = 0; k < KeyframeMeasurements::kMaxFrames; ++k) measurements.Add(PoseAt(1), exact);
+  const TrackedFrame exact = See(scene, TrueAt(1));
+  for (size_t k = 0; k < KeyframeMeasurements::kMaxFrames; ++k) measurements.Add(TrueAt(1), exact);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(exact));
   for (size_t i = 0; i < scene.points.size(); ++i) {
-    EXPECT_LT(PointError(content.features.points[i], scene.points[i], PoseAt(1)).norm(), 1e-9) << "point " << i;
+    EXPECT_LT(PointError(content.features.points[i], scene.points[i], TrueAt(1)).norm(), 1e-9) << "point " << i;
   }
 }
 
@@ -254,7 +254,7 @@ TEST(KeyframeMeasurements, LandmarksBehindTheCameraOrOutOfViewAreNotAdded) {
   const SE3 aside(ExpSO3(Eigen::Vector3d(0.0, 1.4, 0.0)), Eigen::Vector3d::Zero());
   for (const SE3& T_odom_c : {behind, aside}) {
     KeyframeMeasurements measurements(kCamera);
-    for (int k = 1; k <= 3; ++k) measurements.Add(PoseAt(k), See(scene, PoseAt(k)));
+    for (int k = 1; k <= 3; ++k) measurements.Add(TrueAt(k), See(scene, TrueAt(k)));
     // A feature that was taken for landmark 0 stays as it is.
     StereoFeatures wrong;
     wrong.points.push_back(SeePoint({100.0, 50.0, 7.0}, true));
@@ -281,7 +281,7 @@ TEST(KeyframeMeasurements, EndsOfAddedLinesStayInTheImageAndOnTheLine) {
   for (const double turn : {-0.55, -0.6, -0.65}) {
     const SE3 T_odom_c(ExpSO3(Eigen::Vector3d(0.25, turn, 0.3)), Eigen::Vector3d::Zero());
     KeyframeMeasurements measurements(kCamera);
-    for (int k = 1; k <= 3; ++k) measurements.Add(PoseAt(k), See(scene, PoseAt(k)));
+    for (int k = 1; k <= 3; ++k) measurements.Add(TrueAt(k), See(scene, TrueAt(k)));
     const TrackedFrame last{StereoFeatures{}};
     measurements.Add(T_odom_c, last);
     const KeyframeContent content = measurements.Take(landmarks, ContentOf(last));
@@ -326,11 +326,11 @@ TEST(KeyframeMeasurements, WhatWasCollectedIsForgottenAfterTake) {
   const LocalLandmarks landmarks = LandmarksOf(scene);
   KeyframeMeasurements measurements(kCamera);
   for (uint32_t k = 1; k <= 3; ++k) {
-    measurements.Add(PoseAt(1), See(scene, PoseAt(1), {.noise_px = 3.0, .seed = k}));
+    measurements.Add(TrueAt(1), See(scene, TrueAt(1), {.noise_px = 3.0, .seed = k}));
   }
-  measurements.Take(landmarks, ContentOf(See(scene, PoseAt(1))));
-  const TrackedFrame next = See(scene, PoseAt(2), {.missed_points = {1}, .missed_lines = {1}});
-  measurements.Add(PoseAt(2), next);
+  measurements.Take(landmarks, ContentOf(See(scene, TrueAt(1))));
+  const TrackedFrame next = See(scene, TrueAt(2), {.missed_points = {1}, .missed_lines = {1}});
+  measurements.Add(TrueAt(2), next);
   const KeyframeContent content = measurements.Take(landmarks, ContentOf(next));
   ASSERT_EQ(content.features.points.size(), scene.points.size() - 1);
   ASSERT_EQ(content.features.lines.size(), scene.lines.size() - 1);
@@ -344,7 +344,7 @@ TEST(KeyframeMeasurements, WhatWasCollectedIsForgottenAfterTake) {
 TEST(KeyframeMeasurements, NothingCollectedChangesNothing) {
   const Scene scene = MakeScene();
   KeyframeMeasurements measurements(kCamera);
-  const TrackedFrame frame = See(scene, PoseAt(1));
+  const TrackedFrame frame = See(scene, TrueAt(1));
   const KeyframeContent content = measurements.Take(LandmarksOf(scene), ContentOf(frame));
   ASSERT_EQ(content.features.points.size(), frame.features.points.size());
   EXPECT_EQ(content.features.points[0].left.px, frame.features.points[0].left.px);

@@ -19,7 +19,7 @@ using test::PerfectMap;
 using test::PoseAt;
 using test::See;
 
-constexpr int64_t kFrame_ns = 50'000'000;
+constexpr int64_t kMappedFrame_ns = 50'000'000;
 
 double DistanceTo(const SE3& T, const SE3& expected) { return (T.translation() - expected.translation()).norm(); }
 
@@ -37,8 +37,8 @@ TEST(OdometryAndMap, KeyframeThatTheMapDoesNotHaveChangesNothing) {
   Odometry without(FeatureWorld::Camera(), VoOptions());
   PerfectMap map(world);
   for (int i = 0; i < 20; ++i) {
-    const OdometryResult a = with.Track(i * kFrame_ns, See(world, i, 0.3));
-    const OdometryResult b = without.Track(i * kFrame_ns, See(world, i, 0.3));
+    const OdometryResult a = with.Track(i * kMappedFrame_ns, See(world, i, 0.3));
+    const OdometryResult b = without.Track(i * kMappedFrame_ns, See(world, i, 0.3));
     const Eigen::Matrix4d A = a.T_odom_c.matrix();
     const Eigen::Matrix4d B = b.T_odom_c.matrix();
     ASSERT_EQ(std::memcmp(A.data(), B.data(), 16 * sizeof(double)), 0) << "frame " << i;
@@ -59,9 +59,9 @@ TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
   int adopted = 0;
   double worst_with = 0.0;
   for (int i = 0; i < 60; ++i) {
-    const OdometryResult result = with.Track(i * kFrame_ns, See(world, i, 0.3));
+    const OdometryResult result = with.Track(i * kMappedFrame_ns, See(world, i, 0.3));
     EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
-    const OdometryResult alone = without.Track(i * kFrame_ns, See(world, i, 0.3));
+    const OdometryResult alone = without.Track(i * kMappedFrame_ns, See(world, i, 0.3));
     EXPECT_LT(DistanceTo(result.T_odom_c, alone.T_odom_c), 0.01) << "frame " << i;
     worst_with = std::max(worst_with, DistanceTo(result.T_odom_c, Expected(i)));
     if (!result.keyframe) continue;
@@ -88,7 +88,7 @@ TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
     ASSERT_TRUE(first.keyframe);
     map.Add(1, 0, first);
     ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
-    const OdometryResult next = odometry.Track(kFrame_ns, See(world, 1, 0.0));
+    const OdometryResult next = odometry.Track(kMappedFrame_ns, See(world, 1, 0.0));
     const SE3 T_w_c = odometry.T_w_odom() * next.T_odom_c;
     const Eigen::Vector3d off = T_w_c.translation() - (kT_w_world * PoseAt(1)).translation();
     const Eigen::Vector3d expected = kind == "all" ? shift_w : Eigen::Vector3d(0.0, 0.0, 0.0);
@@ -102,7 +102,7 @@ TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
   PerfectMap map(world);
   Odometry before(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i <= 40; ++i) {
-    const OdometryResult result = before.Track(i * kFrame_ns, See(world, i, 0.3));
+    const OdometryResult result = before.Track(i * kMappedFrame_ns, See(world, i, 0.3));
     if (result.keyframe) map.Add(1, i, result);
   }
   const int64_t known_points = static_cast<int64_t>(map.map().points().size());
@@ -117,7 +117,7 @@ TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
   for (const StereoPoint& point : first.features.points) own.insert(point.left.descriptor);
   int from_map = 0;
   for (int i = 1; i <= 25; ++i) {
-    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, 40 - i, 0.3));
+    const OdometryResult result = odometry.Track(i * kMappedFrame_ns, See(world, 40 - i, 0.3));
     EXPECT_EQ(result.state, TrackingState::kTracking);
     from_map = 0;
     for (size_t k = 0; k < result.point_tracks.size(); ++k) {
@@ -155,18 +155,18 @@ TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
     std::optional<int64_t> last_keyframe;
     int64_t largest_id = 0;
     for (int i = 0; i < 20; ++i) {
-      const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, i, 0.3));
+      const OdometryResult result = odometry.Track(i * kMappedFrame_ns, See(world, i, 0.3));
       for (const FeatureTrack& track : result.point_tracks) largest_id = std::max(largest_id, track.landmark_id);
       if (!result.keyframe) continue;
       map.Add(1, i, result);
       last_keyframe = result.keyframe->id;
     }
     ASSERT_TRUE(last_keyframe);
-    const OdometryResult lost = odometry.Track(20 * kFrame_ns, dark ? StereoFeatures() : See(strange, 20, 0.3));
+    const OdometryResult lost = odometry.Track(20 * kMappedFrame_ns, dark ? StereoFeatures() : See(strange, 20, 0.3));
     ASSERT_EQ(lost.state, TrackingState::kLost);
     EXPECT_TRUE(odometry.Adopt(map.map(), 1, *last_keyframe));
     for (int i = 21; i < 30; ++i) {
-      const OdometryResult back = odometry.Track(i * kFrame_ns, See(world, i, 0.3));
+      const OdometryResult back = odometry.Track(i * kMappedFrame_ns, See(world, i, 0.3));
       EXPECT_EQ(back.state, i == 21 ? TrackingState::kRecovered : TrackingState::kTracking) << "frame " << i;
       EXPECT_LT(DistanceTo(back.T_odom_c, Expected(i)), 0.015) << "frame " << i;
       ExpectNamesAreUnique(back, i);
@@ -187,9 +187,9 @@ TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
   map.Add(1, 0, first);
   std::set<int64_t> before;
   for (const FeatureTrack& track : first.point_tracks) before.insert(track.landmark_id);
-  ASSERT_EQ(odometry.Track(kFrame_ns, See(strange, 1, 0.3)).state, TrackingState::kLost);
+  ASSERT_EQ(odometry.Track(kMappedFrame_ns, See(strange, 1, 0.3)).state, TrackingState::kLost);
   ASSERT_TRUE(odometry.Adopt(map.map(), 1, 0));
-  const OdometryResult entered = odometry.Track(2 * kFrame_ns, See(strange, 2, 0.3));
+  const OdometryResult entered = odometry.Track(2 * kMappedFrame_ns, See(strange, 2, 0.3));
   ASSERT_EQ(entered.state, TrackingState::kRecovered);
   ExpectNamesAreUnique(entered, 2);
   for (const FeatureTrack& track : entered.point_tracks) EXPECT_FALSE(before.contains(track.landmark_id));

@@ -13,7 +13,7 @@ using test::PerfectMap;
 using test::PoseAt;
 using test::See;
 
-constexpr int64_t kFrame_ns = 50'000'000;
+constexpr int64_t kAskingFrame_ns = 50'000'000;
 
 /// A tracker that has walked 60 frames with a map, and then sees nothing for some.
 class Relocalisation : public testing::Test {
@@ -27,7 +27,9 @@ class Relocalisation : public testing::Test {
       odometry_.Adopt(map_.map(), 1, result.keyframe->id);
     }
   }
-  OdometryResult Track(StereoFeatures features) { return odometry_.Track(kFrame_ns * frame_++, std::move(features)); }
+  OdometryResult Track(StereoFeatures features) {
+    return odometry_.Track(kAskingFrame_ns * frame_++, std::move(features));
+  }
   OdometryResult Blind() { return Track({}); }
   /// As loop_process says it of a frame that shows what frame `i` showed, with an error of a centimetre.
   bool Answer(int i, const SE3& T_odom_c) {
@@ -94,11 +96,11 @@ TEST_F(Relocalisation, AWrongAnswerIsNotBelieved) {
 TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
   Odometry visitor(FeatureWorld::Camera(), VoOptions());
   const OdometryResult first = visitor.Track(0, See(world_, 10, 0.3));
-  const OdometryResult before = visitor.Track(kFrame_ns, See(world_, 11, 0.3));
+  const OdometryResult before = visitor.Track(kAskingFrame_ns, See(world_, 11, 0.3));
   // Some centimetres off: what is seen says better.
   const SE3 error(Eigen::Quaterniond::Identity(), {0.0, 0.05, 0.02});
   ASSERT_TRUE(visitor.Relocalise(map_.map(), 0, kT_w_world * PoseAt(10) * error * first.T_odom_c.Inverse()));
-  const OdometryResult found = visitor.Track(2 * kFrame_ns, See(world_, 12, 0.3));
+  const OdometryResult found = visitor.Track(2 * kAskingFrame_ns, See(world_, 12, 0.3));
   ASSERT_TRUE(visitor.is_in_map());
   EXPECT_EQ(found.state, TrackingState::kTracking);
   ASSERT_TRUE(found.keyframe) << "the map is to know at once";
@@ -109,7 +111,8 @@ TEST_F(Relocalisation, ACameraThatWasNotLostGoesOnAsItDid) {
     return ((visitor.T_w_odom() * result.T_odom_c).translation() - (kT_w_world * PoseAt(i)).translation()).norm();
   };
   EXPECT_LT(in_map(found, 12), 0.01);
-  for (int i = 13; i < 30; ++i) EXPECT_LT(in_map(visitor.Track(kFrame_ns * i, See(world_, i, 0.3)), i), 0.02) << i;
+  for (int i = 13; i < 30; ++i)
+    EXPECT_LT(in_map(visitor.Track(kAskingFrame_ns * i, See(world_, i, 0.3)), i), 0.02) << i;
 }
 
 TEST_F(Relocalisation, AKeyframeThatTheMapDoesNotHaveIsRefused) {
@@ -124,7 +127,7 @@ TEST_F(Relocalisation, AMapThatStaysIsFollowedByWhatIsSeen) {
   EXPECT_FALSE(visitor.is_in_map());
   ASSERT_TRUE(visitor.Relocalise(map_.map(), 0, kT_w_world * PoseAt(10) * first.T_odom_c.Inverse()));
   for (int i = 11; i < 60; ++i) {
-    const OdometryResult result = visitor.Track(kFrame_ns * i, See(world_, i, 0.3));
+    const OdometryResult result = visitor.Track(kAskingFrame_ns * i, See(world_, i, 0.3));
     ASSERT_TRUE(visitor.is_in_map());
     const SE3 T_w_c = visitor.T_w_odom() * result.T_odom_c;
     EXPECT_LT((T_w_c.translation() - (kT_w_world * PoseAt(i)).translation()).norm(), 0.01) << i;

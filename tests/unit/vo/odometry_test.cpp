@@ -14,19 +14,19 @@ using test::FeatureWorld;
 
 constexpr int64_t kFrame_ns = 50'000'000;
 
-SE3 PoseAt(int frame) {
+SE3 PathAt(int frame) {
   const double s = 0.02 * frame;
   return SE3(ExpSO3(Eigen::Vector3d(0.05 * std::sin(s), 0.3 * s, 0.0)),
              Eigen::Vector3d(0.5 * std::sin(s), 0.1 * s, 0.8 * (1.0 - std::cos(s))));
 }
 
 // Features of the pose on the path, with the frame number as noise seed.
-StereoFeatures See(const FeatureWorld& world, int frame, double noise_px = 0.3) {
-  return world.Observe(PoseAt(frame), noise_px, static_cast<uint64_t>(frame));
+StereoFeatures SeenAt(const FeatureWorld& world, int frame, double noise_px = 0.3) {
+  return world.Observe(PathAt(frame), noise_px, static_cast<uint64_t>(frame));
 }
 
 double PositionError(const OdometryResult& result, int frame) {
-  return (result.T_odom_c.translation() - (PoseAt(0).Inverse() * PoseAt(frame)).translation()).norm();
+  return (result.T_odom_c.translation() - (PathAt(0).Inverse() * PathAt(frame)).translation()).norm();
 }
 
 bool IsSane(const OdometryResult& result) {
@@ -40,7 +40,7 @@ TEST_P(OdometryByKind, FollowsAPathWithSmallDrift) {
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   OdometryResult result;
   for (int i = 0; i < 60; ++i) {
-    result = odometry.Track(i * kFrame_ns, See(world, i));
+    result = odometry.Track(i * kFrame_ns, SeenAt(world, i));
     EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
     ASSERT_TRUE(IsSane(result));
   }
@@ -65,8 +65,8 @@ TEST(Odometry, FrameToFrameDriftsMoreThanLandmarks) {
   double error_landmarks = 0.0;
   double error_frames = 0.0;
   for (int i = 0; i < 80; ++i) {
-    error_landmarks += PositionError(landmarks.Track(i * kFrame_ns, See(world, i)), i);
-    error_frames += PositionError(frame_to_frame.Track(i * kFrame_ns, See(world, i)), i);
+    error_landmarks += PositionError(landmarks.Track(i * kFrame_ns, SeenAt(world, i)), i);
+    error_frames += PositionError(frame_to_frame.Track(i * kFrame_ns, SeenAt(world, i)), i);
   }
   EXPECT_LT(error_landmarks, error_frames);
   EXPECT_LT(error_frames / 80, 0.05);
@@ -77,7 +77,7 @@ TEST(Odometry, StandingStillDriftsNowhereAndMakesOneKeyframe) {
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   int keyframes = 0;
   for (int i = 0; i < 100; ++i) {
-    const OdometryResult result = odometry.Track(i * kFrame_ns, world.Observe(PoseAt(0), 0.3, i));
+    const OdometryResult result = odometry.Track(i * kFrame_ns, world.Observe(PathAt(0), 0.3, i));
     keyframes += result.keyframe ? 1 : 0;
     EXPECT_LT(result.T_odom_c.translation().norm(), 0.003) << "frame " << i;
   }
@@ -88,7 +88,7 @@ TEST(Odometry, IdenticalFramesGiveZeroMotionAndFiniteCovariance) {
   const FeatureWorld world({300, 60}, 5);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 5; ++i) {
-    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, 0));
+    const OdometryResult result = odometry.Track(i * kFrame_ns, SeenAt(world, 0));
     EXPECT_LT(result.T_odom_c.Log().norm(), 1e-9);
     ASSERT_TRUE(IsSane(result));
   }
@@ -97,40 +97,40 @@ TEST(Odometry, IdenticalFramesGiveZeroMotionAndFiniteCovariance) {
 TEST(Odometry, FramesWithoutFeaturesAreLostAndThenRecovered) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));
   for (int i = 10; i < 20; ++i) {
     const OdometryResult dark = odometry.Track(i * kFrame_ns, {});
     EXPECT_EQ(dark.state, TrackingState::kLost);
     ASSERT_TRUE(IsSane(dark));
   }
-  const OdometryResult back = odometry.Track(20 * kFrame_ns, See(world, 20));
+  const OdometryResult back = odometry.Track(20 * kFrame_ns, SeenAt(world, 20));
   EXPECT_EQ(back.state, TrackingState::kRecovered);
   EXPECT_TRUE(back.keyframe);
   EXPECT_LT(PositionError(back, 20), 0.02);
-  EXPECT_EQ(odometry.Track(21 * kFrame_ns, See(world, 21)).state, TrackingState::kTracking);
+  EXPECT_EQ(odometry.Track(21 * kFrame_ns, SeenAt(world, 21)).state, TrackingState::kTracking);
 }
 
 TEST(Odometry, AnotherWorldIsEnteredWithTheGapInTheCovariance) {
   const FeatureWorld before({300, 60}, 9);
   const FeatureWorld after({300, 60}, 10);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(before, i));
-  const OdometryResult lost = odometry.Track(10 * kFrame_ns, See(after, 10));
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(before, i));
+  const OdometryResult lost = odometry.Track(10 * kFrame_ns, SeenAt(after, 10));
   EXPECT_EQ(lost.state, TrackingState::kLost);
-  const OdometryResult back = odometry.Track(11 * kFrame_ns, See(after, 11));
+  const OdometryResult back = odometry.Track(11 * kFrame_ns, SeenAt(after, 11));
   EXPECT_EQ(back.state, TrackingState::kRecovered);
   ASSERT_TRUE(back.keyframe);
   EXPECT_GT(back.keyframe->covariance.trace(), 0.5 * lost.motion_covariance.trace());
-  EXPECT_EQ(odometry.Track(12 * kFrame_ns, See(after, 12)).state, TrackingState::kTracking);
+  EXPECT_EQ(odometry.Track(12 * kFrame_ns, SeenAt(after, 12)).state, TrackingState::kTracking);
 }
 
 TEST(Odometry, OneStrangeFrameDoesNotLoseThePlace) {
   const FeatureWorld world({300, 60}, 9);
   const FeatureWorld strange({300, 60}, 10);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
-  EXPECT_EQ(odometry.Track(10 * kFrame_ns, See(strange, 10)).state, TrackingState::kLost);
-  const OdometryResult back = odometry.Track(11 * kFrame_ns, See(world, 11));
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));
+  EXPECT_EQ(odometry.Track(10 * kFrame_ns, SeenAt(strange, 10)).state, TrackingState::kLost);
+  const OdometryResult back = odometry.Track(11 * kFrame_ns, SeenAt(world, 11));
   EXPECT_EQ(back.state, TrackingState::kRecovered);
   EXPECT_LT(PositionError(back, 11), 0.02);
 }
@@ -142,16 +142,16 @@ TEST(Odometry, StaysInitialisingUntilThereIsSomethingToSee) {
     EXPECT_EQ(odometry.Track(i * kFrame_ns, {}).state, TrackingState::kInitialising);
   }
   StereoFeatures one;
-  one.points.push_back(See(world, 0).points.front());
+  one.points.push_back(SeenAt(world, 0).points.front());
   EXPECT_EQ(odometry.Track(3 * kFrame_ns, one).state, TrackingState::kInitialising);
-  EXPECT_EQ(odometry.Track(4 * kFrame_ns, See(world, 4)).state, TrackingState::kTracking);
+  EXPECT_EQ(odometry.Track(4 * kFrame_ns, SeenAt(world, 4)).state, TrackingState::kTracking);
 }
 
 TEST(Odometry, FewFeaturesAreWeakNotLost) {
   const FeatureWorld world({300, 0}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, See(world, i));
-  StereoFeatures few = See(world, 10);
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));
+  StereoFeatures few = SeenAt(world, 10);
   few.points.resize(16);
   const OdometryResult result = odometry.Track(10 * kFrame_ns, few);
   EXPECT_EQ(result.state, TrackingState::kWeak);
@@ -161,9 +161,9 @@ TEST(Odometry, FewFeaturesAreWeakNotLost) {
 TEST(Odometry, StepFarBeyondTheSearchWindowIsFollowed) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  for (int i = 0; i < 5; ++i) odometry.Track(i * kFrame_ns, See(world, 0));
+  for (int i = 0; i < 5; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, 0));
   const SE3 step(ExpSO3(Eigen::Vector3d(0.0, 0.25, 0.0)), Eigen::Vector3d(0.5, 0.1, 0.3));
-  const OdometryResult result = odometry.Track(5 * kFrame_ns, world.Observe(PoseAt(0) * step, 0.3, 5));
+  const OdometryResult result = odometry.Track(5 * kFrame_ns, world.Observe(PathAt(0) * step, 0.3, 5));
   EXPECT_EQ(result.state, TrackingState::kTracking);
   EXPECT_LT((result.T_odom_c.translation() - step.translation()).norm(), 0.02);
 }
@@ -171,9 +171,9 @@ TEST(Odometry, StepFarBeyondTheSearchWindowIsFollowed) {
 TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
-  odometry.Track(5 * kFrame_ns, See(world, 0));
-  ASSERT_TRUE(IsSane(odometry.Track(5 * kFrame_ns, See(world, 1))));
-  ASSERT_TRUE(IsSane(odometry.Track(2 * kFrame_ns, See(world, 2))));
+  odometry.Track(5 * kFrame_ns, SeenAt(world, 0));
+  ASSERT_TRUE(IsSane(odometry.Track(5 * kFrame_ns, SeenAt(world, 1))));
+  ASSERT_TRUE(IsSane(odometry.Track(2 * kFrame_ns, SeenAt(world, 2))));
 }
 
 TEST(Odometry, KeyframesChainToTheOdometryPose) {
@@ -182,7 +182,7 @@ TEST(Odometry, KeyframesChainToTheOdometryPose) {
   SE3 chained;
   int64_t expected = 0;
   for (int i = 0; i < 150; ++i) {
-    const OdometryResult result = odometry.Track(i * kFrame_ns, See(world, i));
+    const OdometryResult result = odometry.Track(i * kFrame_ns, SeenAt(world, i));
     if (!result.keyframe) continue;
     EXPECT_EQ(result.keyframe->id, expected);
     EXPECT_EQ(result.keyframe->previous_id, expected - 1);
@@ -198,8 +198,8 @@ TEST(Odometry, SameInputSameBits) {
   Odometry a(FeatureWorld::Camera(), VoOptions());
   Odometry b(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 40; ++i) {
-    const Eigen::Matrix4d A = a.Track(i * kFrame_ns, See(world, i)).T_odom_c.matrix();
-    const Eigen::Matrix4d B = b.Track(i * kFrame_ns, See(world, i)).T_odom_c.matrix();
+    const Eigen::Matrix4d A = a.Track(i * kFrame_ns, SeenAt(world, i)).T_odom_c.matrix();
+    const Eigen::Matrix4d B = b.Track(i * kFrame_ns, SeenAt(world, i)).T_odom_c.matrix();
     ASSERT_EQ(std::memcmp(A.data(), B.data(), 16 * sizeof(double)), 0) << "frame " << i;
   }
 }

@@ -240,7 +240,9 @@ TEST_P(Degenerate, CovarianceThatIsNoneCountsAsHardlyKnown) {
   }
 }
 
-std::string NameOfIds(const testing::TestParamInfo<bool>& with_ids) { return with_ids.param ? "WithIds" : "WithoutIds"; }
+std::string NameOfIds(const testing::TestParamInfo<bool>& with_ids) {
+  return with_ids.param ? "WithIds" : "WithoutIds";
+}
 
 INSTANTIATE_TEST_SUITE_P(Ids, Degenerate, testing::Bool(), NameOfIds);
 

@@ -11,6 +11,9 @@ namespace {
 constexpr int kRecentFrames = 2;
 constexpr double kRansacInlier_px = 4.0;
 constexpr uint64_t kRansacSeed = 1;
+// Motions that are expected (all but one in 3000, 6 degrees of freedom), and how much farther off elsewhere is.
+constexpr double kExpectedChi2 = 25.0;
+constexpr double kFartherChi2 = 4.0;
 
 // The first estimate has only to bring the second search near.
 MotionOptions Coarse(MotionOptions options) {
@@ -40,7 +43,7 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
                                              int expected_weight, const PointRefiner& refiner) const {
   const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
-  auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, expected_weight);
+  auto coarse = FindStrongest(landmarks, frame, T_odom_prev, prediction, expected_weight);
   if (!coarse) {
     const Search near{options_.tracking.search_radius_px, kRecentFrames};
     const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
@@ -52,13 +55,15 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
 }
 
 std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                                     const SE3& T_odom_predicted, int expected_weight) const {
+                                                     const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                                     int expected_weight) const {
+  const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
   // weaker than the last frame's is believed only when nothing better is found.
   const double convincing = options_.tracking.convincing_ratio * expected_weight;
   std::optional<Alignment> best;
   const auto consider = [&](std::optional<Alignment> found) {
-    if (found && (!best || found->matches.Weight() > best->matches.Weight())) best = std::move(found);
+    if (found && (!best || IsBetter(*found, *best, T_odom_predicted, prediction))) best = std::move(found);
     return best && best->matches.Weight() >= convincing;
   };
   for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
@@ -68,6 +73,18 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
   }
   consider(FindByDescriptor(landmarks, frame));
   return best;
+}
+
+// Where structure repeats, as much of it agrees a period away: what the motion so far speaks against must show more.
+bool FrameAligner::IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
+                            const MotionPrediction& prediction) const {
+  const auto chi2 = [&](const Alignment& alignment) {
+    const Vector6d off = (T_odom_predicted.Inverse() * alignment.T_odom_c).Log();
+    return off.dot(prediction.covariance.ldlt().solve(off));
+  };
+  const bool is_elsewhere = prediction.goes_on && chi2(found) > kExpectedChi2 + kFartherChi2 * chi2(best);
+  const double needed = is_elsewhere ? options_.tracking.elsewhere_ratio : 1.0;
+  return found.matches.Weight() > needed * best.matches.Weight();
 }
 
 FrameMatches FrameAligner::MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame,

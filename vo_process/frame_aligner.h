@@ -32,14 +32,18 @@ class FrameAligner {
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
   /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
-  /// (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that all are compared. `refiner` knows the landmarks. nullopt: lost.
+  /// (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that all are
+  /// compared. `refiner` knows the landmarks. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
                                  const MotionPrediction& prediction, int expected_weight,
                                  const PointRefiner& refiner) const;
 
  private:
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                         const SE3& T_odom_predicted, int expected_weight) const;
+                                         const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                         int expected_weight) const;
+  bool IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
+                const MotionPrediction& prediction) const;
   FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
                                  const Search& search) const;
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,

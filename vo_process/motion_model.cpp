@@ -19,14 +19,19 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
   prediction.covariance = Matrix6d::Zero();
   prediction.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
   prediction.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+  prediction.goes_on = !slowed_ && dt_s <= kMaxExtrapolation * last_dt_s_;
   return prediction;
 }
 
 void MotionModel::Observe(const SE3& T_prev_c, double dt_s) {
   velocity_ = T_prev_c.Log() / dt_s;
   last_dt_s_ = dt_s;
+  slowed_ = false;
 }
 
-void MotionModel::Slow() { velocity_ *= 0.5; }
+void MotionModel::Slow() {
+  velocity_ *= 0.5;
+  slowed_ = true;
+}
 
 }  // namespace plslam

@@ -10,6 +10,8 @@ namespace plslam {
 struct MotionPrediction {
   SE3 T_prev_c;
   Matrix6d covariance = Matrix6d::Identity();
+  /// The frame before was measured, and not long ago: the motion goes on.
+  bool goes_on = false;
 };
 
 /// Constant velocity, with bounded acceleration as its uncertainty.
@@ -33,6 +35,7 @@ class MotionModel {
   TrackingOptions options_;
   Vector6d velocity_ = Vector6d::Zero();
   double last_dt_s_ = 0.0;
+  bool slowed_ = false;
 };
 
 }  // namespace plslam

@@ -41,6 +41,7 @@ struct TrackingOptions {
   int weak_inliers = 25;
   double min_inlier_ratio = 0.3;
   double convincing_ratio = 0.7;
+  double elsewhere_ratio = 1.5;
   double max_acceleration_m_s2 = 10.0;
   double max_angular_acceleration_rad_s2 = 20.0;
 };
@@ -119,6 +120,8 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
   visit("min_inlier_ratio", o.min_inlier_ratio, Bounds{0, 1}, "share of matches that must agree with the motion");
   visit("convincing_ratio", o.convincing_ratio, Bounds{0, 1},
         "share of the last frame's inliers below which wider searches are tried too");
+  visit("elsewhere_ratio", o.elsewhere_ratio, Bounds{1, 100},
+        "times the inliers at an expected pose with which an unexpected one is believed instead");
   visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "deviation of the motion prior");
   visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
         "deviation of the motion prior");

@@ -39,5 +39,18 @@ TEST(MotionModel, SlowsDownWhileLost) {
   EXPECT_LT(model.Predict(0.1).T_prev_c.translation().norm(), 1e-9);
 }
 
+TEST(MotionModel, IsTrustedToGoOnFromOneMeasuredFrameToTheNext) {
+  MotionModel model{TrackingOptions()};
+  EXPECT_FALSE(model.Predict(0.1).goes_on) << "never measured";
+  model.Observe(Forward(1.0), 0.1);
+  EXPECT_TRUE(model.Predict(0.1).goes_on);
+  EXPECT_TRUE(model.Predict(0.2).goes_on) << "one frame is missing";
+  EXPECT_FALSE(model.Predict(0.3).goes_on);
+  model.Slow();
+  EXPECT_FALSE(model.Predict(0.1).goes_on) << "lost";
+  model.Observe(Forward(1.0), 0.1);
+  EXPECT_TRUE(model.Predict(0.1).goes_on);
+}
+
 }  // namespace
 }  // namespace plslam

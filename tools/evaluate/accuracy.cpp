@@ -77,6 +77,9 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
   a.kitti = ComputeKittiErrors(a.pairs);
   a.kitti_short = ComputeShortKittiErrors(a.pairs);
   AddOptionalMeasures(options, a);
+  if (options.max_clock_offset_s > 0.0) {
+    a.clock = FitClockOffset(estimate, truth, options.alignment, options.max_gap_ns, options.max_clock_offset_s);
+  }
   a.note = Note(a, options);
   return a;
 }

@@ -10,6 +10,7 @@
 #include "core/io/trajectory.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/alignment.h"
+#include "tools/evaluate/clock_offset.h"
 #include "tools/evaluate/consistency.h"
 #include "tools/evaluate/keyframe_error.h"
 #include "tools/evaluate/kitti_error.h"
@@ -34,6 +35,8 @@ struct EvaluateOptions {
   std::vector<int64_t> keyframe_t_ns;
   std::vector<PoseCovariance> covariances;
   std::vector<PoseCovariance> motion_covariances;
+  /// Largest offset of the clocks to look for; 0: none is looked for.
+  double max_clock_offset_s = 0.0;
 };
 
 struct RelativeErrorSummary {
@@ -63,6 +66,8 @@ struct Accuracy {
   std::optional<KeyframeErrors> keyframes;
   std::optional<Consistency> pose_consistency;
   std::optional<Consistency> motion_consistency;
+  /// All else is without it.
+  std::optional<ClockOffset> clock;
   /// A sentence where something stands in the way ("no pose of the estimate is within 0.02 s of a true one").
   std::string note;
 };

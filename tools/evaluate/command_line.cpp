@@ -35,6 +35,7 @@ struct Arguments {
   std::string keyframes;
   std::string covariance;
   std::string motion_covariance;
+  double clock_s = 0.0;
   std::string json;
   std::string plot;
 };
@@ -59,6 +60,8 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--keyframes", a.keyframes, "trajectory of the keyframes alone: errors between keyframes");
   app.add_option("--covariance", a.covariance, "covariances of the poses (covariance.txt of the viewer): NEES");
   app.add_option("--motion-covariance", a.motion_covariance, "covariances of the motions: NEES");
+  app.add_option("--clock", a.clock_s, "look for an offset of the clocks, up to so much [s]")
+      ->check(CLI::Range(0.0, 10.0));
   app.add_option("--json", a.json, "write all numbers to this file");
   app.add_option("--plot", a.plot, "write a picture of the paths and errors (PNG)");
   app.set_version_flag("--version", PLSLAM_VERSION);
@@ -78,6 +81,7 @@ EvaluateOptions ToOptions(const Arguments& a) {
   options.interpolate_truth = a.interpolate;
   options.max_gap_ns = ToNs(a.max_gap_s);
   options.n_frames = a.frames;
+  options.max_clock_offset_s = a.clock_s;
   options.deltas.clear();
   for (const std::string& delta : a.deltas) options.deltas.push_back(DeltaFromText(delta));
   if (!a.keyframes.empty()) {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace plslam {
 namespace {
 
@@ -61,6 +63,12 @@ std::string ConsistencyRow(const std::string& name, const Consistency& c) {
                      name, c.n, c.mean_nees, c.lower_bound, c.upper_bound, c.above_95_percent);
 }
 
+std::string ClockRow(const ClockOffset& clock) {
+  return fmt::format(
+      "\nclock                     the estimate fits best {:.1f} ms {}: ATE {:.4f} m instead of {:.4f}\n",
+      1e3 * std::abs(clock.offset_s), clock.offset_s < 0.0 ? "earlier" : "later", clock.ate_m, clock.ate_now_m);
+}
+
 }  // namespace
 
 std::string AccuracyTable(const Accuracy& a) {
@@ -70,6 +78,7 @@ std::string AccuracyTable(const Accuracy& a) {
   if (a.keyframes) text += KeyframeTable(*a.keyframes);
   if (a.pose_consistency) text += ConsistencyRow("NEES of poses", *a.pose_consistency);
   if (a.motion_consistency) text += ConsistencyRow("NEES of motions", *a.motion_consistency);
+  if (a.clock) text += ClockRow(*a.clock);
   return text;
 }
 

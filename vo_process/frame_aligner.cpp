@@ -43,7 +43,7 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
                                              int expected_weight, const PointRefiner& refiner) const {
   const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
-  auto coarse = FindStrongest(landmarks, frame, T_odom_prev, prediction, expected_weight);
+  auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, prediction, expected_weight);
   if (!coarse) {
     const Search near{options_.tracking.search_radius_px, kRecentFrames};
     const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
@@ -55,9 +55,8 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
 }
 
 std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                                     const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                                     const SE3& T_odom_predicted, const MotionPrediction& prediction,
                                                      int expected_weight) const {
-  const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
   // weaker than the last frame's is believed only when nothing better is found.
   const double convincing = options_.tracking.convincing_ratio * expected_weight;

@@ -40,7 +40,7 @@ class FrameAligner {
 
  private:
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                         const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                         const SE3& T_odom_predicted, const MotionPrediction& prediction,
                                          int expected_weight) const;
   bool IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
                 const MotionPrediction& prediction) const;

@@ -123,7 +123,7 @@ std::vector<Pairing> AllPairings(const std::vector<StereoLine>& left, const std:
   return pairings;
 }
 
-/// BestPairing pairing of each line on one side, and the distance of the best that says something else.
+/// Best pairing of each line on one side, and the distance of the best that says something else.
 struct BestPairing {
   const Pairing* pairing = nullptr;
   int rival_distance = Descriptor{}.size() * 64 + 1;

@@ -3,12 +3,13 @@
 #include <csetjmp>
 #include <cstddef>
 #include <cstdio>
-#include <exception>
 #include <stdexcept>
 #include <type_traits>
 
 // Needs size_t and FILE from above.
 #include <jpeglib.h>
+
+#include "core/io/append_bytes.h"
 
 namespace plslam {
 namespace {
@@ -97,18 +98,9 @@ void BeginJpegSink(j_compress_ptr jpeg) {
   sink.manager.free_in_buffer = sizeof(sink.waiting);
 }
 
-/// No exception may pass through libjpeg.
-bool AppendJpegBytes(JpegSink& sink, size_t n) noexcept {
-  try {
-    sink.file->append(reinterpret_cast<const char*>(sink.waiting), n);
-    return true;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 void EmptyJpegSink(j_compress_ptr jpeg, size_t n) {
-  if (!AppendJpegBytes(*reinterpret_cast<JpegSink*>(jpeg->dest), n)) {
+  const auto& sink = *reinterpret_cast<JpegSink*>(jpeg->dest);
+  if (!AppendBytes(*sink.file, sink.waiting, n)) {
     GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "no memory is left");
   }
   BeginJpegSink(jpeg);

@@ -11,6 +11,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/io/append_bytes.h"
+
 namespace plslam {
 namespace {
 
@@ -74,18 +76,8 @@ void TakePngBytes(png_structp png, png_bytep out, size_t n) {
   rest = rest.subspan(n);
 }
 
-/// No exception may pass through libpng.
-bool AppendPngBytes(std::string& file, png_const_bytep bytes, size_t n) noexcept {
-  try {
-    file.append(reinterpret_cast<const char*>(bytes), n);
-    return true;
-  } catch (const std::exception&) {
-    return false;
-  }
-}
-
 void GivePngBytes(png_structp png, png_bytep bytes, size_t n) {
-  if (!AppendPngBytes(*static_cast<std::string*>(png_get_io_ptr(png)), bytes, n)) png_error(png, "no memory is left");
+  if (!AppendBytes(*static_cast<std::string*>(png_get_io_ptr(png)), bytes, n)) png_error(png, "no memory is left");
 }
 
 void FlushNothingOfPng(png_structp /*png*/) {}

@@ -18,4 +18,7 @@ struct BagOfWords {
 /// in common: 0 without a common word, 1 for equal bags, symmetric.
 float BagSimilarity(const BagOfWords& a, const BagOfWords& b);
 
+/// The same where the common weight of the i-th word of `a` counts `worth[i]`: at most 1, and symmetric no more.
+float BagSimilarity(const BagOfWords& a, const std::vector<float>& worth, const BagOfWords& b);
+
 }  // namespace plslam

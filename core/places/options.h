@@ -9,18 +9,24 @@ namespace plslam {
 /// How places are compared.
 struct PlaceOptions {
   /// How the similarities of points and lines become one (see place_score.h).
-  std::string merge = "balanced";
-  /// What a line counts in "balanced", in points.
+  std::string merge = "adaptive";
+  /// What a line counts in "adaptive" and "balanced", in points.
   double line_worth = 0.5;
+  /// In "adaptive" a word counts by this power of the share of places without it.
+  double rarity = 1.5;
 };
 
 template <class Visitor>
 void VisitFields(Visitor& visit, PlaceOptions& o) {
-  visit("merge", o.merge, OneOf{"balanced", "paper", "strength", "dispersion", "points", "lines"},
-        "weights of the similarities of points and lines: by number with lines at their worth, by number and "
-        "dispersion "
-        "(the paper's), by number, by dispersion, one kind alone");
-  visit("line_worth", o.line_worth, Bounds{0, 1000}, "what a line counts in balanced, in points");
+  visit(
+      "merge", o.merge, OneOf{"adaptive", "balanced", "paper", "strength", "dispersion", "points", "lines"},
+      "weights of the similarities of points and lines: by number with lines at their worth and words by their "
+      "rarity "
+      "in the map, the same with all words alike, by number and dispersion (the paper's), by number, by dispersion, "
+      "one kind alone");
+  visit("line_worth", o.line_worth, Bounds{0, 1000}, "what a line counts in adaptive and balanced, in points");
+  visit("rarity", o.rarity, Bounds{0, 100},
+        "a word counts by this power of the share of places without it, in adaptive");
 }
 
 }  // namespace plslam

@@ -53,6 +53,10 @@ void PlaceIndex::Remove(int place, const BagOfWords& bag) {
 }
 
 void PlaceIndex::Score(const BagOfWords& query, std::vector<float>& scores) const {
+  Score(query, std::vector<float>(query.words.size(), 1.0F), scores);
+}
+
+void PlaceIndex::Score(const BagOfWords& query, const std::vector<float>& worth, std::vector<float>& scores) const {
   const auto first = query.words.begin();
   const auto last = std::find_if(first, query.words.end(), [this](const auto& word) { return word.first >= words_; });
   for (size_t b = 0; b < blocks_.size(); ++b) {
@@ -61,11 +65,23 @@ void PlaceIndex::Score(const BagOfWords& query, std::vector<float>& scores) cons
     for (auto word = first; word != last; ++word) {
       if (last - word > 2) __builtin_prefetch(&block[(word + 2)->first]);
       if (last - word > 1) Prefetch(block[(word + 1)->first]);
+      const float counts = worth[static_cast<size_t>(word - first)];
       for (const uint32_t entry : block[word->first]) {
-        out[entry & kPlaceMask] += std::min(word->second, WeightOf(entry));
+        out[entry & kPlaceMask] += counts * std::min(word->second, WeightOf(entry));
       }
     }
   }
+}
+
+std::vector<int> PlaceIndex::PlacesWith(const BagOfWords& query) const {
+  std::vector<int> counts(query.words.size(), 0);
+  for (const Block& block : blocks_) {
+    for (size_t i = 0; i < counts.size(); ++i) {
+      const int32_t word = query.words[i].first;
+      if (word < words_) counts[i] += static_cast<int>(block[word].size());
+    }
+  }
+  return counts;
 }
 
 }  // namespace plslam

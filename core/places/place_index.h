@@ -24,6 +24,11 @@ class PlaceIndex {
   /// Adds `BagSimilarity(query, bag)` of each place, right to 1 part in 4096, to `scores[place]`. `scores` must be as long as
   /// the largest place in the index asks for. No score depends on the order in which places came and went.
   void Score(const BagOfWords& query, std::vector<float>& scores) const;
+  /// The same with words that count `worth`, one for each word of the query.
+  void Score(const BagOfWords& query, const std::vector<float>& worth, std::vector<float>& scores) const;
+
+  /// How many places have each word of the query.
+  std::vector<int> PlacesWith(const BagOfWords& query) const;
 
  private:
   // Entries of each word, without order: the place within the block in the lower half, its weight in the upper half.

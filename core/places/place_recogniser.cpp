@@ -104,12 +104,16 @@ const PlaceDescription& PlaceRecogniser::Of(int64_t keyframe_id) const {
   return descriptions_[place_of_.at(keyframe_id)];
 }
 
+std::vector<float> PlaceRecogniser::Worths(const PlaceIndex& index, const BagOfWords& query) const {
+  return WordWorths(index.PlacesWith(query), size(), options_);
+}
+
 std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
                                                const std::function<bool(int64_t)>& excluded, int max_results) const {
   std::vector<float> points(keyframe_ids_.size(), 0.0F);
   std::vector<float> lines(keyframe_ids_.size(), 0.0F);
-  point_index_.Score(query.points, points);
-  line_index_.Score(query.lines, lines);
+  point_index_.Score(query.points, Worths(point_index_, query.points), points);
+  line_index_.Score(query.lines, Worths(line_index_, query.lines), lines);
   const PlaceWeights weights = WeightsFor(query, options_);
   std::vector<PlaceMatch> matches;
   matches.reserve(keyframe_ids_.size());
@@ -121,8 +125,9 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
 }
 
 PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
-  return Merge(-1, WeightsFor(query, options_), BagSimilarity(query.points, other.points),
-               BagSimilarity(query.lines, other.lines));
+  return Merge(-1, WeightsFor(query, options_),
+               BagSimilarity(query.points, Worths(point_index_, query.points), other.points),
+               BagSimilarity(query.lines, Worths(line_index_, query.lines), other.lines));
 }
 
 double PlaceRecogniser::Score(const PlaceDescription& query, const PlaceDescription& other) const {

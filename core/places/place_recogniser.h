@@ -17,7 +17,7 @@ namespace plslam {
 /// A keyframe that looks like the query.
 struct PlaceMatch {
   int64_t keyframe_id = 0;
-  /// By the merge of the options; `score_points` and `score_lines` are the plain similarities, 0 to 1.
+  /// By the merge of the options, of `score_points` and `score_lines`, the similarities with words as they count in it, 0 to 1.
   double score = 0.0;
   double score_points = 0.0;
   double score_lines = 0.0;
@@ -50,12 +50,14 @@ class PlaceRecogniser {
   std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(int64_t)>& excluded,
                                 int max_results) const;
 
-  /// The score that a query for `query` gives to `other`; a query is right to 1 part in 4096 of it.
+  /// The score that a query for `query` gives to `other`, which need not be one of the keyframes; a query is right to 1 part in
+  /// 4096 of it. In the merge "adaptive" scores depend on the keyframes that are there.
   PlaceMatch Compare(const PlaceDescription& query, const PlaceDescription& other) const;
   double Score(const PlaceDescription& query, const PlaceDescription& other) const;
 
  private:
   int FreePlace();
+  std::vector<float> Worths(const PlaceIndex& index, const BagOfWords& query) const;
 
   Vocabulary points_;
   Vocabulary lines_;

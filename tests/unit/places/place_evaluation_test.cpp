@@ -98,7 +98,7 @@ TEST(PlaceEvaluation, TwoLapsAreRecognisedWhereTheyLookAlikeOnly) {
   EXPECT_EQ(alike.revisiting_frames, 10);
   EXPECT_EQ(alike.revisits, 10);
   EXPECT_EQ(alike.other_places, 190 - 10);
-  ASSERT_EQ(alike.merges.size(), 6U);
+  ASSERT_EQ(alike.merges.size(), 7U);
   EXPECT_EQ(alike.merges[0].merge, PlaceOptions().merge);
   for (const MergeEvaluation& m : alike.merges) {
     EXPECT_DOUBLE_EQ(m.best_match.area, 1.0) << m.merge;

@@ -23,7 +23,7 @@ std::vector<int64_t> Ids(const std::vector<PlaceMatch>& matches) {
   return ids;
 }
 
-const std::vector<std::string> kMerges{"balanced", "paper", "strength", "dispersion", "points", "lines"};
+const std::vector<std::string> kMerges{"adaptive", "balanced", "paper", "strength", "dispersion", "points", "lines"};
 
 TEST(PlaceRecogniser, FindsThePlaceSeenAgainByEveryMerge) {
   for (const std::string& merge : kMerges) {
@@ -181,7 +181,7 @@ TEST(PlaceWeights, AreThoseOfThePaper) {
   query.dispersion_points_px = 120.0;
   query.dispersion_lines_px = 180.0;
   const auto points = [&](const std::string& merge, double line_worth = 0.5) {
-    const PlaceWeights weights = WeightsFor(query, {merge, line_worth});
+    const PlaceWeights weights = WeightsFor(query, {.merge = merge, .line_worth = line_worth});
     EXPECT_DOUBLE_EQ(weights.points + weights.lines, 1.0);
     return weights.points;
   };
@@ -192,7 +192,48 @@ TEST(PlaceWeights, AreThoseOfThePaper) {
   EXPECT_DOUBLE_EQ(points("lines"), 0.0);
   EXPECT_DOUBLE_EQ(points("balanced"), 300.0 / 350.0);
   EXPECT_DOUBLE_EQ(points("balanced", 1.0), 0.75);
-  EXPECT_DOUBLE_EQ(WeightsFor({}, {}).points, 0.5);
+  EXPECT_DOUBLE_EQ(WeightsFor({}, {.merge = "balanced"}).points, 0.5);
+}
+
+TEST(PlaceWeights, AdaptiveTrustsImagesOfFewFeaturesLess) {
+  PlaceDescription query;
+  query.n_points = 300;
+  query.n_lines = 100;
+  EXPECT_DOUBLE_EQ(WeightsFor(query, {.merge = "adaptive"}).points, 300.0 / 370.0);
+  EXPECT_DOUBLE_EQ(WeightsFor(query, {.merge = "adaptive"}).lines, 50.0 / 370.0);
+  EXPECT_EQ(WeightsFor({}, {.merge = "adaptive"}).points, 0.0);
+}
+
+TEST(WordWorths, FallWithTheShareOfPlacesThatHaveTheWord) {
+  const std::vector<int> places_with{0, 1, 50, 95};
+  const std::vector<float> worths = WordWorths(places_with, 95, {.merge = "adaptive", .rarity = 2.0});
+  EXPECT_THAT(worths, ElementsAre(1.0F, testing::FloatEq(0.9801F), 0.25F, testing::FloatNear(0.0025F, 1e-7F)));
+  EXPECT_THAT(WordWorths(places_with, 95, {.merge = "adaptive", .rarity = 0.0}), testing::Each(1.0F));
+  EXPECT_THAT(WordWorths(places_with, 95, {.merge = "balanced"}), testing::Each(1.0F));
+  EXPECT_THAT(WordWorths({0, 0}, 0, {.merge = "adaptive"}), testing::Each(1.0F));
+}
+
+// Two places with the same share of their words in common with the query; what one shares is everywhere.
+TEST(PlaceRecogniser, WhatEveryPlaceHasSaysLittleInTheAdaptiveMerge) {
+  std::mt19937_64 random(11);
+  const auto take = [](const ImageFeatures& from, size_t begin, size_t end, ImageFeatures& to) {
+    for (size_t i = begin; i < end; ++i) {
+      to.points.push_back(from.points[i]);
+      to.lines.push_back(from.lines[i]);
+    }
+  };
+  const ImageFeatures door = test::RandomFeatures(20, 20, random);
+  const ImageFeatures own = test::RandomFeatures(20, 20, random);
+  const auto score = [&](const std::string& merge) {
+    PlaceRecogniser places = SmallRecogniser(merge);
+    ImageFeatures query = door;
+    take(own, 0, 20, query);
+    places.Add(0, places.Describe(own));
+    for (int64_t id = 1; id < 40; ++id) places.Add(id, places.Describe(door));
+    const PlaceDescription description = places.Describe(query);
+    return places.Score(description, places.Of(0)) / places.Score(description, places.Of(1));
+  };
+  EXPECT_GT(score("adaptive"), 3.0 * score("balanced"));
 }
 
 }  // namespace

@@ -33,9 +33,9 @@ TEST(PlacePrograms, TrainAndEvaluateOnABuiltInWorld) {
             "places " + world + " --points " + folder.Path("points") + " --lines " + folder.Path("lines") +
                 " --out " + folder.Path("p") + " --json " + folder.Path("j"));
   EXPECT_EQ(run.exit_code, 0) << run.error;
-  EXPECT_THAT(run.out, HasSubstr("balanced"));
+  EXPECT_THAT(run.out, HasSubstr("adaptive"));
   const auto json = nlohmann::json::parse(ReadText(folder.Path("j")));
-  EXPECT_GT(json["sequences"][0]["merges"]["balanced"]["best_match"]["area"].get<double>(), 0.99);
+  EXPECT_GT(json["sequences"][0]["merges"]["adaptive"]["best_match"]["area"].get<double>(), 0.99);
   EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_similarity.png")).substr(1, 3), "PNG");
   EXPECT_EQ(ReadText(folder.Path("p/synthetic_room_size_320x240_rate_1_loops_2_precision_recall.png")).substr(1, 3),
             "PNG");

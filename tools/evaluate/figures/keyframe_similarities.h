@@ -15,7 +15,7 @@ struct KeyframeSimilarities {
   SimilarityMatrix merged;
 };
 
-/// Of at most `most` keyframes.
+/// Of at most `most` keyframes. The recogniser should have no places: words count the same for each pair then.
 KeyframeSimilarities SimilaritiesOf(const StoredMap& stored, const PlaceRecogniser& recogniser, int most);
 
 }  // namespace plslam

@@ -56,7 +56,7 @@ std::vector<ScoredProposal> BestMatches(const std::vector<PlaceFrame>& frames, c
 }
 
 std::vector<ScoredProposal> AllPairs(const std::vector<PlaceFrame>& frames, const TruthTable& truth,
-                                     const PlaceRecogniser& recogniser) {
+                                     PlaceRecogniser recogniser) {
   std::vector<ScoredProposal> proposals;
   for (size_t i = 0; i < frames.size(); ++i) {
     for (size_t j = 0; j < i; ++j) {
@@ -65,12 +65,14 @@ std::vector<ScoredProposal> AllPairs(const std::vector<PlaceFrame>& frames, cons
       proposals.push_back(
           {recogniser.Score(frames[i].description, frames[j].description), what == PairTruth::kRevisit});
     }
+    recogniser.Add(static_cast<int64_t>(i), frames[i].description);
   }
   return proposals;
 }
 
-SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, const PlaceRecogniser& recogniser) {
+SimilarityMatrix MatrixOf(const std::vector<PlaceFrame>& frames, PlaceRecogniser recogniser) {
   SimilarityMatrix matrix;
+  for (const PlaceFrame& frame : frames) recogniser.Add(recogniser.size(), frame.description);
   matrix.size = static_cast<int>(frames.size());
   for (const PlaceFrame& row : frames) {
     for (const PlaceFrame& column : frames) {

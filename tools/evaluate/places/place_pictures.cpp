@@ -18,8 +18,8 @@ const cv::Size kCharts(2800, 1300);
 const cv::Rect kBestMatchArea(190, 190, 1080, 920);
 const cv::Rect kAllPairsArea(1610, 190, 1080, 920);
 
-const std::vector<cv::Scalar> kColours{{40, 40, 40},   {200, 110, 20}, {60, 160, 60},
-                                       {30, 150, 220}, {50, 60, 200},  {170, 60, 150}};
+const std::vector<cv::Scalar> kColours{{40, 40, 40},  {200, 110, 20}, {60, 160, 60},  {30, 150, 220},
+                                       {50, 60, 200}, {170, 60, 150}, {150, 150, 150}};
 
 cv::Mat DrawMatrix(const SimilarityMatrix& matrix, const std::string& name) {
   cv::Mat picture(kMatrix_px + kTitle_px, kMatrix_px, CV_8UC3, cv::Scalar::all(255));

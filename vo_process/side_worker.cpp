@@ -1,9 +1,25 @@
 #include "vo_process/side_worker.h"
 
+#include <sched.h>
+
 #include <exception>
 #include <utility>
 
+#include "vo_process/prompt_threads.h"
+
 namespace plslam {
+namespace {
+
+std::exception_ptr ErrorOf(const std::function<void()>& job) {
+  try {
+    job();
+  } catch (...) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+}  // namespace
 
 SideWorker::SideWorker() : thread_([this] { Loop(); }) {}
 
@@ -17,22 +33,25 @@ SideWorker::~SideWorker() {
 }
 
 void SideWorker::RunBoth(const std::function<void()>& here, const std::function<void()>& there) {
+  // The caller is seldom moved, so this is seldom more than a look at where it is.
+  if (sched_getcpu() != avoided_core_) avoided_core_ = KeepOffThisCore(thread_);
   {
     const std::lock_guard lock(mutex_);
     job_ = &there;
   }
   changed_.notify_all();
-  std::exception_ptr error;
-  try {
-    here();
-  } catch (...) {
-    error = std::current_exception();
-  }
-  // `there` refers to the caller's data, so it is awaited whatever happened here.
+  const std::exception_ptr error = ErrorOf(here);
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return job_ == nullptr; });
-  const std::exception_ptr error_there = std::exchange(error_, nullptr);
-  lock.unlock();
+  std::exception_ptr error_there;
+  if (std::exchange(job_, nullptr) != nullptr) {
+    lock.unlock();
+    error_there = ErrorOf(there);
+  } else {
+    // `there` refers to the caller's data, so it is awaited whatever happened here.
+    changed_.wait(lock, [this] { return !working_; });
+    error_there = std::exchange(error_, nullptr);
+    lock.unlock();
+  }
   if (error) std::rethrow_exception(error);
   if (error_there) std::rethrow_exception(error_there);
 }
@@ -42,17 +61,13 @@ void SideWorker::Loop() {
   while (true) {
     changed_.wait(lock, [this] { return stopping_ || job_ != nullptr; });
     if (job_ == nullptr) return;
-    const std::function<void()>& job = *job_;
+    const std::function<void()>& job = *std::exchange(job_, nullptr);
+    working_ = true;
     lock.unlock();
-    std::exception_ptr error;
-    try {
-      job();
-    } catch (...) {
-      error = std::current_exception();
-    }
+    std::exception_ptr error = ErrorOf(job);
     lock.lock();
-    error_ = error;
-    job_ = nullptr;
+    error_ = std::move(error);
+    working_ = false;
     changed_.notify_all();
   }
 }

@@ -7,8 +7,9 @@
 namespace plslam {
 namespace {
 
-ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask) {
-  ImageFeatures features = extractor.Extract(image);
+ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask,
+                            const RunBoth& run_both = RunInTurn) {
+  ImageFeatures features = extractor.Extract(image, run_both);
   mask.RemoveOutside(features);
   return features;
 }
@@ -34,34 +35,43 @@ void StereoFrontEnd::KeepLeft(const cv::Mat& left) {
   if (options_.refinement.enabled && options_.features.features != "lines") left_ = ImageLevels(left);
 }
 
+RunBoth StereoFrontEnd::OnBothThreads() {
+  return
+      [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
+}
+
 StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer) {
   cv::Mat left;
   cv::Mat right;
-  timer.Time("rectify", [&] {
-    worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
-                    [&] { right = rectifier_.RectifyRight(images.right); });
-  });
   ImageFeatures left_features;
   ImageFeatures right_features;
   timer.Time("features", [&] {
-    worker_.RunBoth([&] { left_features = ExtractInside(left_extractor_, left, left_mask_); },
-                    [&] { right_features = ExtractInside(right_extractor_, right, right_mask_); });
+    worker_.RunBoth(
+        [&] {
+          left = rectifier_.RectifyLeft(images.left);
+          left_features = ExtractInside(left_extractor_, left, left_mask_);
+        },
+        [&] {
+          right = rectifier_.RectifyRight(images.right);
+          right_features = ExtractInside(right_extractor_, right, right_mask_);
+        });
   });
   return timer.Time("stereo", [&] {
     KeepLeft(left);
     return MatchStereo(std::move(left_features), right_features, left, right, camera(), options_.stereo,
-                       [this](const auto& here, const auto& there) { worker_.RunBoth(here, there); });
+                       OnBothThreads());
   });
 }
 
 StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTimer& timer) {
   cv::Mat left;
   cv::Mat depth;
-  timer.Time("rectify", [&] {
+  ImageFeatures features;
+  timer.Time("features", [&] {
     worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
                     [&] { depth = rectifier_.RectifyDepth(images.right); });
+    features = ExtractInside(left_extractor_, left, left_mask_, OnBothThreads());
   });
-  ImageFeatures features = timer.Time("features", [&] { return ExtractInside(left_extractor_, left, left_mask_); });
   return timer.Time("stereo", [&] {
     KeepLeft(left);
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);

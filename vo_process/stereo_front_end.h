@@ -5,6 +5,7 @@
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
 #include "core/features/image_levels.h"
+#include "core/features/run_both.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/stereo_images.h"
 #include "vo_process/options.h"
@@ -30,6 +31,7 @@ class StereoFrontEnd {
 
  private:
   void KeepLeft(const cv::Mat& left);
+  RunBoth OnBothThreads();
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer);
 

@@ -6,6 +6,7 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/features/run_both.h"
 
 namespace plslam {
 
@@ -21,7 +22,8 @@ class FeatureExtractor {
   FeatureExtractor(FeatureExtractor&&) noexcept;
   FeatureExtractor& operator=(FeatureExtractor&&) noexcept;
 
-  ImageFeatures Extract(const cv::Mat& image);
+  /// `run_both` may do points and lines at the same time.
+  ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn);
 
  private:
   struct Impl;

@@ -7,6 +7,8 @@ namespace {
 
 // Intervals up to which constant velocity is extrapolated, in multiples of the one it was measured over.
 constexpr double kMaxExtrapolation = 2.0;
+// Uncertainty of a rotation from which on a prediction says nothing.
+constexpr double kAnyRotation_rad = 1.0;
 
 }  // namespace
 
@@ -19,7 +21,7 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
   prediction.covariance = Matrix6d::Zero();
   prediction.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
   prediction.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
-  prediction.goes_on = !slowed_ && dt_s <= kMaxExtrapolation * last_dt_s_;
+  prediction.goes_on = !slowed_ && dt_s <= kMaxExtrapolation * last_dt_s_ && sigma_rad < kAnyRotation_rad;
   return prediction;
 }
 

@@ -10,7 +10,7 @@ namespace plslam {
 struct MotionPrediction {
   SE3 T_prev_c;
   Matrix6d covariance = Matrix6d::Identity();
-  /// The frame before was measured, and not long ago: the motion goes on.
+  /// The frame before was measured, and so lately that its motion says where to look: the motion goes on.
   bool goes_on = false;
 };
 

@@ -134,7 +134,9 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
   auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
-  if (!found || (dormant_ && found->weak)) return std::nullopt;
+  // After a gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
+  const bool gap = motion_model_.knows_motion() && !prediction.goes_on;
+  if (!found || ((dormant_ || gap) && found->weak)) return std::nullopt;
   const bool was_lost = dormant_.has_value();
   dormant_.reset();
   return Tracked{std::move(*found), was_lost ? Reference::kFoundedWhileLost : Reference::kCurrent};

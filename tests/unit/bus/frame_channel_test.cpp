@@ -146,6 +146,29 @@ INSTANTIATE_TEST_SUITE_P(Rates, LockstepStress,
                                          StressCase{"Euroc40HzDrop5", 752, 480, 40.0, 0.05}),
                          [](const auto& test) { return test.param.name; });
 
+/// A player that has waited long for a pose sends its frame again: it comes once, and nothing counts as skipped.
+TEST(FrameChannel, FramesSentAgainInLockstepAreNoSkippedOnes) {
+  const std::string url = PrivateUrl();
+  Waiter handled;
+  int64_t skipped = 0;
+  std::vector<int64_t> ids;
+  RunningBus reader(OptionsFor(url), "reader");
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kReliable, [&](const FrameSubscriber::Frame& frame) {
+    ids.push_back(frame.images.frame_id);
+    skipped += frame.skipped;
+    handled.Add();
+  });
+  reader.Start();
+  RunningBus publisher(OptionsFor(url), "publisher");
+  ASSERT_TRUE(test::WaitForReaders(*publisher, kStereoFrame, 1));
+  FramePublisher frame_publisher(*publisher, true);
+  for (const int64_t id : {0, 1, 1, 1, 2, 2, 3}) frame_publisher.Publish(FrameOf(id, 320, 240));
+  ASSERT_TRUE(handled.Reaches(4));
+  reader.Join();
+  EXPECT_EQ(ids, (std::vector<int64_t>{0, 1, 2, 3}));
+  EXPECT_EQ(skipped, 0);
+}
+
 /// In real time: a slow handler sees the newest frames, and how many it missed.
 TEST(FrameChannel, LiveFramesThatAreLateAreSkippedAndCounted) {
   const std::string url = PrivateUrl();

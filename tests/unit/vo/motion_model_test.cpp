@@ -52,5 +52,11 @@ TEST(MotionModel, IsTrustedToGoOnFromOneMeasuredFrameToTheNext) {
   EXPECT_TRUE(model.Predict(0.1).goes_on);
 }
 
+TEST(MotionModel, SaysNothingWhereTheCameraMayHaveTurnedAnywhereSince) {
+  MotionModel model{TrackingOptions()};
+  model.Observe(Forward(1.0), 5.0);
+  EXPECT_FALSE(model.Predict(5.0).goes_on);
+}
+
 }  // namespace
 }  // namespace plslam

@@ -158,6 +158,20 @@ TEST(Odometry, FewFeaturesAreWeakNotLost) {
   EXPECT_LT(PositionError(result, 10), 0.05);
 }
 
+TEST(Odometry, FewFeaturesAfterALongWhileAreLost) {
+  // A picture every second: the motion before allows any place now, so that few may agree on a wrong one.
+  constexpr int64_t kSecond_ns = 1'000'000'000;
+  const FeatureWorld world({300, 0}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kSecond_ns, SeenAt(world, i));
+  StereoFeatures few = SeenAt(world, 10);
+  few.points.resize(16);
+  EXPECT_EQ(odometry.Track(10 * kSecond_ns, few).state, TrackingState::kLost);
+  const OdometryResult back = odometry.Track(11 * kSecond_ns, SeenAt(world, 11));
+  EXPECT_EQ(back.state, TrackingState::kRecovered);
+  EXPECT_LT(PositionError(back, 11), 0.02);
+}
+
 TEST(Odometry, StepFarBeyondTheSearchWindowIsFollowed) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

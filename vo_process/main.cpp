@@ -1,8 +1,4 @@
 #include "core/bus/process.h"
-#include "vo_process/prompt_threads.h"
 #include "vo_process/vo_node.h"
 
-int main(int argc, char** argv) {
-  plslam::AskForShortTurns();
-  return plslam::bus::RunProcess(argc, argv, plslam::VoSpec());
-}
+int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::VoSpec()); }

@@ -1,11 +1,10 @@
 #include "vo_process/side_worker.h"
 
+#include <pthread.h>
 #include <sched.h>
 
 #include <exception>
 #include <utility>
-
-#include "vo_process/prompt_threads.h"
 
 namespace plslam {
 namespace {
@@ -33,8 +32,7 @@ SideWorker::~SideWorker() {
 }
 
 void SideWorker::RunBoth(const std::function<void()>& here, const std::function<void()>& there) {
-  // The caller is seldom moved, so this is seldom more than a look at where it is.
-  if (sched_getcpu() != avoided_core_) avoided_core_ = KeepOffThisCore(thread_);
+  KeepOffThisCore();
   {
     const std::lock_guard lock(mutex_);
     job_ = &there;
@@ -54,6 +52,18 @@ void SideWorker::RunBoth(const std::function<void()>& here, const std::function<
   }
   if (error) std::rethrow_exception(error);
   if (error_there) std::rethrow_exception(error_there);
+}
+
+/// The caller is seldom moved, so this is seldom more than a look at where it is. Where nothing can be avoided (one core,
+/// or the caller bound to one), or the system refuses, the scheduler decides as ever.
+void SideWorker::KeepOffThisCore() {
+  const int core = sched_getcpu();
+  if (core < 0 || core >= CPU_SETSIZE || core == std::exchange(avoided_core_, core)) return;
+  cpu_set_t cores;
+  CPU_ZERO(&cores);
+  if (sched_getaffinity(0, sizeof cores, &cores) != 0) return;
+  CPU_CLR(static_cast<size_t>(core), &cores);
+  if (CPU_COUNT(&cores) > 0) pthread_setaffinity_np(thread_.native_handle(), sizeof cores, &cores);
 }
 
 void SideWorker::Loop() {

@@ -23,6 +23,7 @@ class SideWorker {
 
  private:
   void Loop();
+  void KeepOffThisCore();
 
   std::mutex mutex_;
   std::condition_variable changed_;

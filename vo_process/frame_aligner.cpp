@@ -105,6 +105,8 @@ std::optional<Alignment> FrameAligner::Estimate(const LocalLandmarks& landmarks,
   Alignment alignment;
   alignment.T_odom_c = estimate->T_cur_ref.Inverse();
   alignment.covariance = estimate->covariance;
+  alignment.point_deviation = estimate->point_deviation;
+  alignment.line_deviation = estimate->line_deviation;
   alignment.matches = {Inliers(matches.points, estimate->point_inliers),
                        Inliers(matches.lines, estimate->line_inliers)};
   return alignment;

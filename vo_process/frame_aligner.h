@@ -22,6 +22,9 @@ struct Alignment {
   std::vector<RefinedPoint> refined;
   /// Few inliers: the prior took part.
   bool weak = false;
+  /// Typical residuals of each kind in their own deviations, as in `MotionEstimate`.
+  double point_deviation = 0.0;
+  double line_deviation = 0.0;
 };
 
 /// Finds a frame among landmarks: by projection from the expected pose, in a wider window, and at last by descriptors

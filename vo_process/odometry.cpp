@@ -59,6 +59,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       aligner_(camera, options),
       refiner_(camera, options.refinement),
       motion_model_(options.tracking),
+      kind_balance_(options.landmarks.max_point_scale),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
       landmarks_(camera, options),
@@ -67,6 +68,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   std::vector<double> raw_disparities_px = PointDisparities(features);
+  kind_balance_.Apply(features);
   calibration_.Correct(features);
   TrackedFrame frame(std::move(features), left);
   OdometryResult result;
@@ -174,6 +176,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   // One mediocre frame does not lower what is expected of the next by much.
   tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
   PropagateCovariance(tracked, result);
+  kind_balance_.Observe(alignment);
 
   landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);
   if (options_.tracking.reference == "previous_frame") {

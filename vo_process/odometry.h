@@ -9,6 +9,7 @@
 #include "vo_process/frame_aligner.h"
 #include "vo_process/keyframe_measurements.h"
 #include "vo_process/keyframe_policy.h"
+#include "vo_process/kind_balance.h"
 #include "vo_process/local_landmarks.h"
 #include "vo_process/motion_model.h"
 
@@ -122,6 +123,7 @@ class Odometry {
   FrameAligner aligner_;
   PointRefiner refiner_;
   MotionModel motion_model_;
+  KindBalance kind_balance_;
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
   LocalLandmarks landmarks_;

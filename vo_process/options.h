@@ -11,6 +11,7 @@ namespace plslam {
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
   double line_model_sigma_px = 0.1;
+  double max_point_scale = 2.0;
   double max_relative_depth_sigma = 0.3;
   double forgetting = 1.02;
   int max_unseen_frames = 30;
@@ -93,6 +94,8 @@ template <class Visitor>
 void VisitFields(Visitor& visit, LandmarkOptions& o) {
   visit("line_model_sigma_px", o.line_model_sigma_px, Bounds{0, 10},
         "deviation of lines from the model of a straight edge in space, added to that of their fit");
+  visit("max_point_scale", o.max_point_scale, Bounds{1, 100},
+        "largest factor of the deviations of points where lines show that they are too small; 1 leaves them");
   visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
         "largest deviation of a disparity, relative, with which a landmark is founded");
   visit("forgetting", o.forgetting, Bounds{1.0, 2.0},

@@ -49,6 +49,7 @@ class Estimator {
   ActiveSet Classify(const SE3& T_cur_ref) const;
   std::optional<Matrix6d> Covariance(const Solution& solution, const ActiveSet& active) const;
   double MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const;
+  void JudgeKinds(MotionEstimate& estimate) const;
   bool Enough(const ActiveSet& active) const {
     return active.CountPoints() + 2 * active.CountLines() >= options_.min_inliers;
   }
@@ -68,6 +69,13 @@ Matrix6d InverseRightJacobian(const Vector6d& x) {
   ad.topRightCorner<3, 3>() = Skew(x.head<3>());
   ad.bottomRightCorner<3, 3>() = ad.topLeftCorner<3, 3>();
   return Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
+}
+
+double TypicalDeviation(const std::vector<Deviation>& deviations) {
+  std::vector<double> ratios;
+  ratios.reserve(deviations.size());
+  for (const Deviation& d : deviations) ratios.push_back(d.squared / d.median);
+  return std::sqrt(Median(ratios));
 }
 
 NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) const {
@@ -167,6 +175,14 @@ std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const Ac
   return Matrix6d(0.5 * (covariance + covariance.transpose()));
 }
 
+void Estimator::JudgeKinds(MotionEstimate& estimate) const {
+  // The sigmas as they are: the floor is for gates.
+  MotionOptions options = options_;
+  options.min_scale_px = 0.0;
+  estimate.point_deviation = TypicalDeviation(PointDeviations(observations_, estimate.T_cur_ref, camera_, options));
+  estimate.line_deviation = TypicalDeviation(LineDeviations(observations_, estimate.T_cur_ref, camera_, options));
+}
+
 std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_points, size_t n_lines) const {
   ActiveSet active{std::vector<char>(observations_.points.size(), 1),
                    std::vector<char>(observations_.lines.size(), 1)};
@@ -200,6 +216,7 @@ std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_p
   estimate.n_line_inliers = active.CountLines();
   estimate.iterations = iterations;
   estimate.rms = std::sqrt(solution.equations.squares / solution.equations.dimensions);
+  JudgeKinds(estimate);
   return estimate;
 }
 

@@ -135,6 +135,25 @@ TEST(EstimateMotion, FortyPercentOutliers) {
   }
 }
 
+TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
+  MotionWorldMaker maker(5);
+  MotionWorld world = maker.Make(400, 200, {0.5, 0.6, 0.4});
+  const auto honest = Estimate(world);
+  ASSERT_TRUE(honest);
+  EXPECT_NEAR(honest->point_deviation, 1.0, 0.1);
+  EXPECT_NEAR(honest->line_deviation, 1.0, 0.15);
+  for (PointObservation& o : world.points) {
+    o.sigma_px *= 0.5;
+    o.sigma_disparity_px *= 0.5;
+    o.covariance *= 0.25;
+  }
+  const auto boastful = Estimate(world);
+  ASSERT_TRUE(boastful);
+  EXPECT_NEAR(boastful->point_deviation, 2.0, 0.2);
+  EXPECT_NEAR(boastful->line_deviation, 1.0, 0.15);
+  EXPECT_EQ(Estimate(maker.Make(50, 0, {0.5, 0.6, 0.4}))->line_deviation, 0.0);
+}
+
 TEST(EstimateMotion, TooFewFeatures) {
   MotionWorldMaker maker(3);
   for (const auto& [n_points, n_lines] : {std::pair(0, 0), std::pair(1, 0), std::pair(2, 0), std::pair(0, 1),

@@ -1,0 +1,73 @@
+#include "vo_process/kind_balance.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace plslam {
+namespace {
+
+constexpr int kManyFrames = 200;
+
+// A frame whose points, before any scale, deviate so many times as far as its lines.
+Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
+  Alignment alignment;
+  alignment.matches.points.resize(n_points);
+  alignment.matches.lines.resize(n_lines);
+  alignment.point_deviation = 0.8 * ratio;
+  alignment.line_deviation = 0.8;
+  return alignment;
+}
+
+// Deviations of points shrink as their sigmas grow.
+double ScaleAfter(KindBalance& balance, double ratio, int n_frames) {
+  for (int i = 0; i < n_frames; ++i) balance.Observe(Frame(ratio / balance.scale()));
+  return balance.scale();
+}
+
+TEST(KindBalance, GrowsUntilPointsDeviateAsLinesDo) {
+  KindBalance balance(4.0);
+  const double early = ScaleAfter(balance, 2.0, 3);
+  EXPECT_GT(early, 1.0);
+  EXPECT_LT(early, 1.4);
+  EXPECT_NEAR(ScaleAfter(balance, 2.0, kManyFrames), 2.0, 0.25);
+}
+
+TEST(KindBalance, StaysWithinItsBounds) {
+  KindBalance balance(2.0);
+  EXPECT_EQ(ScaleAfter(balance, 9.0, kManyFrames), 2.0);
+  EXPECT_EQ(ScaleAfter(balance, 0.4, kManyFrames), 1.0);
+  KindBalance off(1.0);
+  EXPECT_EQ(ScaleAfter(off, 9.0, kManyFrames), 1.0);
+}
+
+TEST(KindBalance, LearnsNothingFromTooFewOrFromNonsense) {
+  KindBalance balance(4.0);
+  Alignment frame = Frame(3.0, 5, 50);
+  balance.Observe(frame);
+  balance.Observe(Frame(3.0, 100, 5));
+  frame = Frame(3.0);
+  for (const double nonsense :
+       {0.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    frame.line_deviation = nonsense;
+    balance.Observe(frame);
+  }
+  EXPECT_EQ(balance.scale(), 1.0);
+}
+
+TEST(KindBalance, MultipliesAllDeviationsOfPointsOnly) {
+  KindBalance balance(4.0);
+  ScaleAfter(balance, 2.0, kManyFrames);
+  StereoFeatures features;
+  features.points.resize(2);
+  features.lines.resize(1);
+  features.points[1].sigma_px = 0.5;
+  features.points[1].sigma_disparity_px = 0.25;
+  balance.Apply(features);
+  EXPECT_DOUBLE_EQ(features.points[1].sigma_px, 0.5 * balance.scale());
+  EXPECT_DOUBLE_EQ(features.points[1].sigma_disparity_px, 0.25 * balance.scale());
+  EXPECT_EQ(features.lines[0].sigma_px, 1.0);
+}
+
+}  // namespace
+}  // namespace plslam

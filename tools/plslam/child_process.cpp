@@ -59,7 +59,7 @@ struct SpawnWishes {
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           const std::filesystem::path& log) {
+                           const std::filesystem::path& log, int niceness) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
@@ -72,6 +72,8 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
     pid_ = -1;
     throw std::runtime_error(fmt::format("{} cannot be started: {}", program.string(), std::strerror(error)));
   }
+  // Before it has threads, which would not follow. Where it is refused the process runs as we do.
+  if (niceness != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(pid_), getpriority(PRIO_PROCESS, 0) + niceness);
 }
 
 ChildProcess::~ChildProcess() {

@@ -20,9 +20,10 @@ struct ChildExit {
 /// stops its children in order). Standard output and errors are appended to a file; nothing else of ours is inherited.
 class ChildProcess {
  public:
-  /// Throws std::runtime_error that names the program where it cannot be started.
+  /// `niceness` is added to our own: 0 is as important as we are, 19 runs when nobody else wants to. Throws
+  /// std::runtime_error that names the program where it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               const std::filesystem::path& log);
+               const std::filesystem::path& log, int niceness);
   /// Kills it where it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

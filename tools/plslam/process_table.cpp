@@ -69,6 +69,15 @@ Arguments MappingArguments(const RunOptions& options) {
   return settings.Take();
 }
 
+// Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for the
+// adjustment of the one before. Live it is the tracker, beside the map. A millisecond of the others is nobody's.
+bool Live(const RunOptions& options) { return options.pace.starts_with("realtime"); }
+int First(const RunOptions&) { return 0; }
+int FirstWhenLive(const RunOptions& options) { return Live(options) ? 0 : 5; }
+int SourceOfFrames(const RunOptions& options) { return Live(options) ? 0 : 8; }
+int StandsBack(const RunOptions&) { return 8; }
+int Last(const RunOptions&) { return 10; }
+
 Arguments NoArguments(const RunOptions&) { return {}; }
 
 Arguments PlayerArguments(const RunOptions& options) {
@@ -87,17 +96,17 @@ Arguments PlayerArguments(const RunOptions& options) {
 
 constexpr ProcessRow kTable[] = {
     {"recorder", "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
-     Recorded, RecorderArguments},
+     Recorded, First, RecorderArguments},
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
-     false, Always, ViewerArguments},
+     false, Always, Last, ViewerArguments},
     {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
-     false, OwnMap, MappingArguments},
+     false, OwnMap, First, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
-     false, OwnLoops, NoArguments},
+     false, OwnLoops, StandsBack, NoArguments},
     {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
-     VoArguments},
+     FirstWhenLive, VoArguments},
     {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
-     PlayerArguments},
+     SourceOfFrames, PlayerArguments},
 };
 
 }  // namespace

@@ -22,6 +22,8 @@ struct ProcessRow {
   /// Started when all others are ready.
   bool starts_last;
   bool (*wanted)(const RunOptions&);
+  /// How far it stands back where processors are few (`ChildProcess`).
+  int (*niceness)(const RunOptions&);
   /// Arguments of its own; those that all processes share come from CommonArguments.
   std::vector<std::string> (*arguments)(const RunOptions&);
 };

@@ -75,7 +75,8 @@ void RunSession::StartRows(bool last) {
     if (row.starts_last != last || !row.wanted(options_)) continue;
     std::vector<std::string> arguments = row.arguments(options_);
     for (std::string& common : CommonArguments(options_)) arguments.push_back(std::move(common));
-    supervisor_.Start(std::string(row.name), std::string(row.executable), arguments, row.ending);
+    supervisor_.Start(std::string(row.name), std::string(row.executable), arguments, row.ending,
+                      row.niceness(options_));
   }
 }
 

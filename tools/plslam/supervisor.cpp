@@ -11,13 +11,14 @@ namespace plslam {
 Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
 
 void Supervisor::Start(const std::string& name, const std::string& executable,
-                       const std::vector<std::string>& arguments, Ending ending) {
+                       const std::vector<std::string>& arguments, Ending ending, int niceness) {
   std::filesystem::remove(LogOf(name));
   Child child;
   child.name = child.report.name = name;
   child.executable = executable;
   child.arguments = arguments;
   child.ending = ending;
+  child.niceness = niceness;
   Spawn(&child);
   children_.push_back(std::move(child));
 }
@@ -27,7 +28,8 @@ void Supervisor::Spawn(Child* child) {
   if (child->report.restarts > 0 && options_.arguments_of_restart) {
     for (std::string& more : options_.arguments_of_restart(child->name)) arguments.push_back(std::move(more));
   }
-  child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name));
+  child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name),
+                                                  child->niceness);
   child->start_at.reset();
   child->ready_again = false;
   child->report.exit_code.reset();

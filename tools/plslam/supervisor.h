@@ -53,9 +53,9 @@ class Supervisor {
 
   explicit Supervisor(Options options);
 
-  /// Throws std::runtime_error where the program cannot be started.
+  /// `niceness` as in `ChildProcess`. Throws std::runtime_error where the program cannot be started.
   void Start(const std::string& name, const std::string& executable, const std::vector<std::string>& arguments,
-             Ending ending);
+             Ending ending, int niceness = 0);
   /// From here on a crash of this process leads to a restart; before (while it reads its options) to a failure.
   void SetReady(const std::string& name, TimePoint now);
   /// -1 where it does not run.
@@ -79,6 +79,7 @@ class Supervisor {
     std::string executable;
     std::vector<std::string> arguments;
     Ending ending;
+    int niceness = 0;
     bool ready = false;        ///< was, once
     bool ready_again = false;  ///< since the last start
     int failed_starts = 0;     ///< in a row, that did not get ready

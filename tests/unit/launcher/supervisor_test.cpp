@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -81,6 +82,20 @@ TEST_F(SupervisorTest, ChildInheritsNoFilesAndNoBlockedSignals) {
   close(37);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
   EXPECT_EQ(Read("a.log"), "SigBlk:\t0000000000000000\n");
+}
+
+TEST_F(SupervisorTest, NicenessIsAddedToOurOwnAndKeptByTheOneInItsPlace) {
+  // Waits until it is told how important it is; then the first one dies.
+  Script("polite",
+         "until [ $(nice) -gt $1 ]; do :; done; nice >> nicenesses; [ $(wc -l < nicenesses) -lt 2 ] && kill -9 $$; "
+         "exit 0");
+  std::filesystem::current_path(folder_);
+  const int own = getpriority(PRIO_PROCESS, 0);
+  Supervisor supervisor = Make();
+  supervisor.Start("a", "polite", {std::to_string(own)}, Ending::kMayEnd, 4);
+  supervisor.SetReady("a", Clock::now());
+  const std::string once = std::to_string(own + 4) + "\n";
+  EXPECT_TRUE(TickUntil(supervisor, [&] { return Read("nicenesses") == once + once; })) << Read("nicenesses");
 }
 
 TEST_F(SupervisorTest, CrashBeforeReadyFailsWithTheLastLineOfTheLog) {

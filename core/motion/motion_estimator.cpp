@@ -19,6 +19,8 @@ constexpr double kConvergedStep = 1e-2;
 constexpr double kToleratedRise = 1e-3;
 constexpr double kMinDamping = 1e-9;
 constexpr double kFirstDamping = 1e-3;
+// Share of the observations that may go behind the camera during one solve.
+constexpr double kMayHide = 0.05;
 constexpr double kMinRelativeEigenvalue = 1e-11;
 
 struct Solution {
@@ -45,7 +47,8 @@ class Estimator {
 
  private:
   NormalEquations Build(const SE3& T_cur_ref, const ActiveSet& active) const;
-  Solution Solve(const SE3& initial, const ActiveSet& active, double stop_step) const;
+  Solution Solve(const SE3& initial, double stop_step, ActiveSet& active) const;
+  bool LetGo(const SE3& T_cur_ref, int& may_hide, ActiveSet& active) const;
   ActiveSet Classify(const SE3& T_cur_ref) const;
   std::optional<Matrix6d> Covariance(const Solution& solution, const ActiveSet& active) const;
   double MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const;
@@ -92,9 +95,24 @@ NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) 
   return equations;
 }
 
-Solution Estimator::Solve(const SE3& initial, const ActiveSet& active, double stop_step) const {
+// Takes out what cannot be seen from there, as long as it is few: a charge for each keeps a bad step from hiding what speaks
+// against it, and would keep a good one from being taken because of a landmark that the camera passes.
+bool Estimator::LetGo(const SE3& T_cur_ref, int& may_hide, ActiveSet& active) const {
+  ActiveSet visible = active;
+  const std::vector<Deviation> points = PointDeviations(observations_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> lines = LineDeviations(observations_, T_cur_ref, camera_, options_);
+  for (size_t i = 0; i < points.size(); ++i) visible.points[i] &= std::isfinite(points[i].squared);
+  for (size_t i = 0; i < lines.size(); ++i) visible.lines[i] &= std::isfinite(lines[i].squared);
+  may_hide -= active.Count() - visible.Count();
+  if (may_hide < 0) return false;
+  active = std::move(visible);
+  return true;
+}
+
+Solution Estimator::Solve(const SE3& initial, double stop_step, ActiveSet& active) const {
   Solution now{initial, Build(initial, active)};
   double damping = kMinDamping;
+  int may_hide = std::max(1, static_cast<int>(kMayHide * active.Count()));
   for (int i = 0; i < options_.max_iterations; ++i) {
     const Matrix6d H = now.equations.H();
     Matrix6d damped = H;
@@ -106,6 +124,10 @@ Solution Estimator::Solve(const SE3& initial, const ActiveSet& active, double st
     ++now.iterations;
     const SE3 trial = SE3::Exp(-x) * now.T_cur_ref;
     NormalEquations at_trial = Build(trial, active);
+    if (at_trial.dimensions < now.equations.dimensions && LetGo(trial, may_hide, active)) {
+      now.equations = Build(now.T_cur_ref, active);
+      at_trial = Build(trial, active);
+    }
     if (at_trial.cost <= now.equations.cost * (1.0 + kToleratedRise)) {
       now.T_cur_ref = trial;
       now.equations = at_trial;
@@ -187,14 +209,14 @@ std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_p
   ActiveSet active{std::vector<char>(observations_.points.size(), 1),
                    std::vector<char>(observations_.lines.size(), 1)};
   if (!Enough(active)) return std::nullopt;
-  Solution solution = Solve(initial, active, kCoarseStep);
+  Solution solution = Solve(initial, kCoarseStep, active);
   int iterations = solution.iterations;
   for (int round = 0; round < options_.max_refinements && solution.finite; ++round) {
     ActiveSet refreshed = Classify(solution.T_cur_ref);
     if (round > 0 && refreshed == active) break;
     active = std::move(refreshed);
     if (!Enough(active)) return std::nullopt;
-    solution = Solve(solution.T_cur_ref, active, kFineStep);
+    solution = Solve(solution.T_cur_ref, kFineStep, active);
     iterations += solution.iterations;
   }
   if (!solution.finite || !(solution.step < kConvergedStep)) return std::nullopt;

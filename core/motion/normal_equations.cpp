@@ -62,7 +62,7 @@ std::vector<Deviation> Deviations(const std::vector<double>& squared_norms, cons
   return deviations;
 }
 
-int Count(const std::vector<char>& flags) { return static_cast<int>(std::count(flags.begin(), flags.end(), 1)); }
+int CountSet(const std::vector<char>& flags) { return static_cast<int>(std::count(flags.begin(), flags.end(), 1)); }
 
 }  // namespace
 
@@ -74,8 +74,8 @@ PreparedObservations::PreparedObservations(const std::vector<PointObservation>& 
   point_batch = PointBatch(points);
 }
 
-int ActiveSet::CountPoints() const { return Count(points); }
-int ActiveSet::CountLines() const { return Count(lines); }
+int ActiveSet::CountPoints() const { return CountSet(points); }
+int ActiveSet::CountLines() const { return CountSet(lines); }
 
 NormalEquations BuildNormalEquations(const PreparedObservations& observations, const ActiveSet& active,
                                      const SE3& T_cur_ref, const StereoCamera& camera,

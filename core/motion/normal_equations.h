@@ -30,6 +30,7 @@ struct ActiveSet {
   bool operator==(const ActiveSet&) const = default;
   int CountPoints() const;
   int CountLines() const;
+  int Count() const { return CountPoints() + CountLines(); }
 };
 
 /// Weighted normal equations H x = -g of the motion at one pose, and the sums that judge them.

@@ -154,6 +154,33 @@ TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
   EXPECT_EQ(Estimate(maker.Make(50, 0, {0.5, 0.6, 0.4}))->line_deviation, 0.0);
 }
 
+// A wall's edge whose near end the camera passes: in front of it where the search begins, behind it where the camera is. Its far
+// part is seen all the same, so it agrees with the others until it is gone.
+TEST(EstimateMotion, LineThatTheCameraPassesDoesNotHoldItBack) {
+  MotionWorldMaker maker(6);
+  MotionWorld world = maker.Make(0, 0, {});
+  world.T_cur_ref = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.02, 0.0, -0.1));
+  const MotionNoise noise{0.5, 0.5, 0.0};
+  for (int i = 0; i < 200; ++i) {
+    world.points.push_back(maker.Observe(world, maker.PointInView(world.camera), noise));
+  }
+  const double nearest_m = 0.25 * world.camera.baseline_m;
+  const Eigen::Vector3d near_end = world.T_cur_ref.Inverse() * Eigen::Vector3d(0.4, 0.3, nearest_m - 0.002);
+  const Eigen::Vector3d far_end(0.9, 0.3, 3.0);
+  world.lines.push_back(maker.Observe(world, Segment3{0.6 * near_end + 0.4 * far_end, far_end}, noise));
+  world.lines.back().segment_ref.p = near_end;
+  const SE3 initial = SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.0, 0.0, 0.004)) * world.T_cur_ref;
+  ASSERT_GT((initial * near_end).z(), nearest_m);
+
+  const auto estimate = Estimate(world, initial);
+  ASSERT_TRUE(estimate);
+  EXPECT_FALSE(estimate->line_inliers[0]);
+  world.lines.clear();
+  const auto without = Estimate(world, initial);
+  ASSERT_TRUE(without);
+  EXPECT_LT(ErrorOf(estimate->T_cur_ref, without->T_cur_ref).norm(), 1e-4);
+}
+
 TEST(EstimateMotion, TooFewFeatures) {
   MotionWorldMaker maker(3);
   for (const auto& [n_points, n_lines] : {std::pair(0, 0), std::pair(1, 0), std::pair(2, 0), std::pair(0, 1),

@@ -23,7 +23,7 @@ class ChildProcess {
   /// `niceness` is added to our own: 0 is as important as we are, 19 runs when nobody else wants to. Throws
   /// std::runtime_error that names the program where it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               const std::filesystem::path& log, int niceness);
+               const std::filesystem::path& log, int niceness = 0);
   /// Kills it where it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

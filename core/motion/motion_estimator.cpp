@@ -74,11 +74,13 @@ Matrix6d InverseRightJacobian(const Vector6d& x) {
   return Matrix6d::Identity() + 0.5 * ad + ad * ad / 12.0;
 }
 
-double TypicalDeviation(const std::vector<Deviation>& deviations) {
+// Robust scale of what deviates, squared: the median of squared norms over their expected medians. 0 for none.
+double SquaredScale(const std::vector<Deviation>& some, const std::vector<Deviation>& others = {}) {
   std::vector<double> ratios;
-  ratios.reserve(deviations.size());
-  for (const Deviation& d : deviations) ratios.push_back(d.squared / d.median);
-  return std::sqrt(Median(ratios));
+  ratios.reserve(some.size() + others.size());
+  for (const Deviation& d : some) ratios.push_back(d.squared / d.median);
+  for (const Deviation& d : others) ratios.push_back(d.squared / d.median);
+  return Median(ratios);
 }
 
 NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) const {
@@ -143,11 +145,7 @@ Solution Estimator::Solve(const SE3& initial, double stop_step, ActiveSet& activ
 ActiveSet Estimator::Classify(const SE3& T_cur_ref) const {
   const std::vector<Deviation> points = PointDeviations(observations_, T_cur_ref, camera_, options_);
   const std::vector<Deviation> lines = LineDeviations(observations_, T_cur_ref, camera_, options_);
-  std::vector<double> ratios;
-  ratios.reserve(points.size() + lines.size());
-  for (const Deviation& d : points) ratios.push_back(d.squared / d.median);
-  for (const Deviation& d : lines) ratios.push_back(d.squared / d.median);
-  const double squared_scale = std::clamp(Median(ratios), 1.0, options_.max_scale * options_.max_scale);
+  const double squared_scale = std::clamp(SquaredScale(points, lines), 1.0, options_.max_scale * options_.max_scale);
   ActiveSet active;
   active.points.reserve(points.size());
   active.lines.reserve(lines.size());
@@ -201,8 +199,9 @@ void Estimator::JudgeKinds(MotionEstimate& estimate) const {
   // The sigmas as they are: the floor is for gates.
   MotionOptions options = options_;
   options.min_scale_px = 0.0;
-  estimate.point_deviation = TypicalDeviation(PointDeviations(observations_, estimate.T_cur_ref, camera_, options));
-  estimate.line_deviation = TypicalDeviation(LineDeviations(observations_, estimate.T_cur_ref, camera_, options));
+  const SE3& T = estimate.T_cur_ref;
+  estimate.point_deviation = std::sqrt(SquaredScale(PointDeviations(observations_, T, camera_, options)));
+  estimate.line_deviation = std::sqrt(SquaredScale(LineDeviations(observations_, T, camera_, options)));
 }
 
 std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_points, size_t n_lines) const {

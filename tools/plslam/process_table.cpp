@@ -71,12 +71,11 @@ Arguments MappingArguments(const RunOptions& options) {
 
 // Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for the
 // adjustment of the one before. Live it is the tracker, beside the map. A millisecond of the others is nobody's.
-bool Live(const RunOptions& options) { return options.pace.starts_with("realtime"); }
-int First(const RunOptions&) { return 0; }
-int FirstWhenLive(const RunOptions& options) { return Live(options) ? 0 : 5; }
-int SourceOfFrames(const RunOptions& options) { return Live(options) ? 0 : 8; }
-int StandsBack(const RunOptions&) { return 8; }
-int Last(const RunOptions&) { return 10; }
+constexpr Niceness kFirst{0, 0};
+constexpr Niceness kFirstWhenLive{5, 0};
+constexpr Niceness kSourceOfFrames{8, 0};
+constexpr Niceness kStandsBack{8, 8};
+constexpr Niceness kLast{10, 10};
 
 Arguments NoArguments(const RunOptions&) { return {}; }
 
@@ -96,22 +95,26 @@ Arguments PlayerArguments(const RunOptions& options) {
 
 constexpr ProcessRow kTable[] = {
     {"recorder", "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
-     Recorded, First, RecorderArguments},
+     Recorded, kFirst, RecorderArguments},
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
-     false, Always, Last, ViewerArguments},
+     false, Always, kLast, ViewerArguments},
     {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
-     false, OwnMap, First, MappingArguments},
+     false, OwnMap, kFirst, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
-     false, OwnLoops, StandsBack, NoArguments},
+     false, OwnLoops, kStandsBack, NoArguments},
     {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
-     FirstWhenLive, VoArguments},
+     kFirstWhenLive, VoArguments},
     {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
-     SourceOfFrames, PlayerArguments},
+     kSourceOfFrames, PlayerArguments},
 };
 
 }  // namespace
 
 std::span<const ProcessRow> ProcessTable() { return kTable; }
+
+int NicenessOf(const ProcessRow& row, const RunOptions& options) {
+  return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
+}
 
 std::filesystem::path StateFileOf(const RunOptions& options) {
   return std::filesystem::absolute(options.out / ".mapping_state.plmap");

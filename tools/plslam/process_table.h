@@ -13,6 +13,12 @@
 
 namespace plslam {
 
+/// How far a process stands back where processors are few (`ChildProcess`).
+struct Niceness {
+  int lockstep = 0;
+  int live = 0;
+};
+
 /// A process of the system: one row of the table that `plslam run` starts and `plslam processes` prints.
 struct ProcessRow {
   std::string_view name;        ///< of the log file and in the summary
@@ -22,14 +28,16 @@ struct ProcessRow {
   /// Started when all others are ready.
   bool starts_last;
   bool (*wanted)(const RunOptions&);
-  /// How far it stands back where processors are few (`ChildProcess`).
-  int (*niceness)(const RunOptions&);
+  Niceness niceness;
   /// Arguments of its own; those that all processes share come from CommonArguments.
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
 
 /// Where mapping_process keeps what it needs after a crash; of this run only.
 std::filesystem::path StateFileOf(const RunOptions& options);
+
+/// Of the pace that `plslam run` was asked for.
+int NicenessOf(const ProcessRow& row, const RunOptions& options);
 
 /// In the order of starting.
 std::span<const ProcessRow> ProcessTable();

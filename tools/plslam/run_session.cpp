@@ -76,7 +76,7 @@ void RunSession::StartRows(bool last) {
     std::vector<std::string> arguments = row.arguments(options_);
     for (std::string& common : CommonArguments(options_)) arguments.push_back(std::move(common));
     supervisor_.Start(std::string(row.name), std::string(row.executable), arguments, row.ending,
-                      row.niceness(options_));
+                      NicenessOf(row, options_));
   }
 }
 

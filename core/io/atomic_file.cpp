@@ -18,15 +18,20 @@ namespace {
 
 }  // namespace
 
-void WriteFileAtomically(const std::string& path, std::string_view content) {
-  const std::string part = path + ".part";
-  std::FILE* file = std::fopen(part.c_str(), "wb");
+void WriteFileAtomically(const std::string& path, std::string_view content) { WriteFileAtomically(path, {content}); }
+
+void WriteFileAtomically(const std::string& path, std::initializer_list<std::string_view> parts) {
+  const std::string part_path = path + ".part";
+  std::FILE* file = std::fopen(part_path.c_str(), "wb");
   if (file == nullptr) Fail(path, "created");
-  const bool written = std::fwrite(content.data(), 1, content.size(), file) == content.size();
+  bool written = true;
+  for (const std::string_view part : parts) {
+    written = written && std::fwrite(part.data(), 1, part.size(), file) == part.size();
+  }
   // A full disk may show only when the last buffer goes out.
   const bool closed = std::fclose(file) == 0;
   if (!written || !closed) Fail(path, "written");
-  if (std::rename(part.c_str(), path.c_str()) != 0) Fail(path, "put in place");
+  if (std::rename(part_path.c_str(), path.c_str()) != 0) Fail(path, "put in place");
 }
 
 void MakeFolder(const std::string& folder) {

@@ -1,7 +1,6 @@
 #include "core/io/map_file.h"
 
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include <algorithm>
 #include <array>
@@ -16,61 +15,20 @@
 #include "core/io/atomic_file.h"
 #include "core/io/map_file_check.h"
 #include "core/io/map_file_fields.h"
+#include "core/io/sealed_file.h"
 
 namespace plslam {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-using Checksum = std::array<uint8_t, 32>;
-
-constexpr std::array<char, 8> kMagic = {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'};
-constexpr uint64_t kFormat = 1;
-
-/// What a file begins with; then come `length` bytes of content.
-struct Header {
-  std::array<char, 8> magic = kMagic;
-  uint64_t format = kFormat;
-  uint64_t length = 0;
-  /// Of the fields above and the content.
-  Checksum checksum{};
-};
-static_assert(sizeof(Header) == 56);
-constexpr size_t kSummedHeader = 24;
-
-Checksum Sum(const Header& header, Bytes content) {
-  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
-  crypto_generichash_state state;
-  Checksum sum;
-  crypto_generichash_init(&state, nullptr, 0, sum.size());
-  crypto_generichash_update(&state, reinterpret_cast<const uint8_t*>(&header), kSummedHeader);
-  crypto_generichash_update(&state, content.data(), content.size());
-  crypto_generichash_final(&state, sum.data(), sum.size());
-  return sum;
-}
-
-/// Throws unless it is that of a file of `file_length` bytes.
-Header ReadHeader(Bytes bytes, uint64_t file_length) {
-  Header header;
-  if (bytes.size() < sizeof(Header)) throw std::runtime_error("is no map file (too short)");
-  std::memcpy(&header, bytes.data(), sizeof(Header));
-  if (header.magic != kMagic) throw std::runtime_error("is no map file");
-  if (header.format != kFormat) {
-    throw std::runtime_error(
-        fmt::format("is a map file of format {}, and this program knows format {}", header.format, kFormat));
-  }
-  if (header.length != file_length - sizeof(Header)) {
-    throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",
-                                         file_length - sizeof(Header), header.length));
-  }
-  return header;
-}
+constexpr FileKind kMapFile{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 1, "map file"};
 
 /// Reads landmarks of one kind into the map; returns how many sights they have.
 template <class Landmark>
-int64_t ReadLandmarks(map_file::Reader& read, StoredMap& stored) {
+int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
   int64_t last_id = -1;
   int64_t n_sights = 0;
-  for (uint64_t n = read.ReadCount(map_file::MinBytes<Landmark>()); n > 0; --n) {
+  for (uint64_t n = read.ReadCount(archive::MinBytes<Landmark>()); n > 0; --n) {
     Landmark landmark;
     read(landmark);
     map_file::Check(landmark, stored.features);
@@ -82,9 +40,9 @@ int64_t ReadLandmarks(map_file::Reader& read, StoredMap& stored) {
   return n_sights;
 }
 
-void ReadKeyframes(map_file::Reader& read, StoredMap& stored) {
+void ReadKeyframes(archive::Reader& read, StoredMap& stored) {
   int64_t last_id = -1;
-  for (uint64_t n = read.ReadCount(map_file::MinBytes<MapKeyframe>()); n > 0; --n) {
+  for (uint64_t n = read.ReadCount(archive::MinBytes<MapKeyframe>()); n > 0; --n) {
     MapKeyframe keyframe;
     read(keyframe);
     map_file::Check(keyframe);
@@ -96,8 +54,8 @@ void ReadKeyframes(map_file::Reader& read, StoredMap& stored) {
 
 /// Values by number, ascending.
 template <class Value>
-void ReadMap(map_file::Reader& read, std::map<int64_t, Value>& values) {
-  for (uint64_t n = read.ReadCount(sizeof(int64_t) + map_file::MinBytes<Value>()); n > 0; --n) {
+void ReadMap(archive::Reader& read, std::map<int64_t, Value>& values) {
+  for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
     int64_t id = 0;
     read(id);
     if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
@@ -107,7 +65,7 @@ void ReadMap(map_file::Reader& read, std::map<int64_t, Value>& values) {
 
 StoredMap ReadContent(Bytes content) {
   StoredMap stored;
-  map_file::Reader read(content);
+  archive::Reader read(content);
   read(stored);
   ReadMap(read, stored.sessions);
   ReadKeyframes(read, stored);
@@ -128,30 +86,21 @@ StoredMap ReadContent(Bytes content) {
 }
 
 /// The content is read while another thread sums it up, which takes as long.
-StoredMap ReadAndCheck(const Header& header, Bytes content) {
-  auto sum = std::async(std::launch::async, [&] { return Sum(header, content); });
-  const auto check = [&] {
-    if (sum.get() != header.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
-  };
+StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
+  auto check = std::async(std::launch::async, [&] { CheckSeal(seal, content); });
   StoredMap stored;
   try {
     stored = ReadContent(content);
   } catch (const std::runtime_error&) {
-    check();
+    check.get();
     throw;
   }
-  check();
+  check.get();
   return stored;
 }
 
 template <class Value>
-void WriteMap(map_file::Writer& write, const std::map<int64_t, Value>& values) {
-  write(static_cast<uint64_t>(values.size()));
-  for (const auto& [id, value] : values) write(id, value);
-}
-
-template <class Value>
-void WriteValues(map_file::Writer& write, const IdMap<Value>& values) {
+void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
   write(static_cast<uint64_t>(values.size()));
   for (const auto& [id, value] : values) write(value);
 }
@@ -168,7 +117,7 @@ void CheckAll(const StoredMap& stored) {
 
 /// A little more than it will be.
 size_t RoughLength(const StoredMap& stored) {
-  using map_file::MinBytes;
+  using archive::MinBytes;
   const MapTotals totals = stored.map.Totals();
   size_t n = stored.rig.size() + stored.map.loops().size() * MinBytes<LoopEdge>() +
              static_cast<size_t>(totals.keyframes) * (MinBytes<MapKeyframe>() + 64) +
@@ -200,26 +149,24 @@ void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
 
 std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   CheckAll(stored);
-  map_file::Writer write(RoughLength(stored));
-  // The header's place; what it says is known at the end.
-  write(std::vector<uint8_t>(sizeof(Header) - sizeof(uint64_t)), stored);
-  WriteMap(write, stored.sessions);
+  archive::Writer write(RoughLength(stored));
+  // The seal's place; what it says is known at the end.
+  write(std::vector<uint8_t>(sizeof(Seal) - sizeof(uint64_t)), stored);
+  write(stored.sessions);
   WriteValues(write, stored.map.keyframes());
-  WriteMap(write, stored.features);
+  write(stored.features);
   WriteValues(write, stored.map.points());
   WriteValues(write, stored.map.lines());
   write(stored.map.loops());
   std::vector<uint8_t> bytes = std::move(write).Take();
-  Header header;
-  header.length = bytes.size() - sizeof(Header);
-  header.checksum = Sum(header, Bytes(bytes).subspan(sizeof(Header)));
-  std::memcpy(bytes.data(), &header, sizeof(Header));
+  const Seal seal = MakeSeal(kMapFile, Bytes(bytes).subspan(sizeof(Seal)));
+  std::memcpy(bytes.data(), &seal, sizeof(Seal));
   return bytes;
 }
 
 StoredMap DecodeMap(std::span<const uint8_t> bytes) {
-  const Header header = ReadHeader(bytes, bytes.size());
-  return ReadAndCheck(header, bytes.subspan(sizeof(Header)));
+  const Seal seal = ReadSeal(kMapFile, bytes, bytes.size());
+  return ReadAndCheck(seal, bytes.subspan(sizeof(Seal)));
 }
 
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
@@ -235,14 +182,14 @@ StoredMap ReadMapFile(const std::string& path) {
     if (file == nullptr) {
       throw std::runtime_error(fmt::format("cannot be opened: {}", error ? error.message() : std::strerror(errno)));
     }
-    std::array<uint8_t, sizeof(Header)> head{};
-    const size_t n = std::min<uint64_t>(length, sizeof(Header));
+    std::array<uint8_t, sizeof(Seal)> head{};
+    const size_t n = std::min<uint64_t>(length, sizeof(Seal));
     ReadExactly(file.get(), head.data(), n);
-    const Header header = ReadHeader(Bytes(head).first(n), length);
+    const Seal seal = ReadSeal(kMapFile, Bytes(head).first(n), length);
     // Not a vector: its bytes would be set to zero first.
-    const std::unique_ptr<uint8_t[]> content(new uint8_t[header.length]);
-    ReadExactly(file.get(), content.get(), header.length);
-    return ReadAndCheck(header, {content.get(), header.length});
+    const std::unique_ptr<uint8_t[]> content(new uint8_t[seal.length]);
+    ReadExactly(file.get(), content.get(), seal.length);
+    return ReadAndCheck(seal, {content.get(), seal.length});
   });
 }
 

@@ -1,0 +1,212 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <concepts>
+#include <cstdint>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/geometry/se3.h"
+
+/// Values to bytes and back, to the last bit: little endian, one after the other, containers behind their number.
+///
+/// A type lists its fields once, for writing and for reading:
+///
+///   template <class Archive, class Self>
+///   static void Fields(Archive& a, Self& self) { a(self.id, self.pose); }   // a member, also of private fields
+///
+/// or as a free function `Fields(Archive&, T&)` in this namespace, where the layout belongs to a format and not to the type.
+namespace plslam::archive {
+
+static_assert(std::endian::native == std::endian::little, "values are copied byte by byte");
+
+template <class T, class Of>
+concept Is = std::same_as<std::remove_const_t<T>, Of>;
+
+template <class T>
+struct IsArrayOfNumbers : std::false_type {};
+template <class T, size_t n>
+struct IsArrayOfNumbers<std::array<T, n>> : std::is_arithmetic<T> {};
+
+/// Copied as it lies in memory.
+template <class T>
+concept Plain = std::is_arithmetic_v<T> || IsArrayOfNumbers<T>::value ||
+    (requires { T::SizeAtCompileTime; } && T::SizeAtCompileTime != Eigen::Dynamic);
+
+class Writer {
+ public:
+  explicit Writer(size_t expected_bytes = 0) { bytes_.reserve(expected_bytes); }
+
+  template <class... T>
+  void operator()(const T&... values) {
+    (Write(values), ...);
+  }
+
+  std::vector<uint8_t> Take() && { return std::move(bytes_); }
+
+ private:
+  void Append(const void* data, size_t n) {
+    const auto* const bytes = static_cast<const uint8_t*>(data);
+    bytes_.insert(bytes_.end(), bytes, bytes + n);
+  }
+  template <Plain T>
+  void Write(const T& value) {
+    Append(&value, sizeof(T));
+  }
+  void Write(const SE3& pose) { (*this)(pose.translation(), pose.rotation().coeffs()); }
+  template <class First, class Second>
+  void Write(const std::pair<First, Second>& value) {
+    (*this)(value.first, value.second);
+  }
+  template <class T>
+  void Write(const std::vector<T>& values) {
+    Write(static_cast<uint64_t>(values.size()));
+    if constexpr (std::is_arithmetic_v<T>) {
+      Append(values.data(), values.size() * sizeof(T));
+    } else {
+      for (const T& value : values) Write(value);
+    }
+  }
+  template <class T>
+  void Write(const std::deque<T>& values) {
+    Write(static_cast<uint64_t>(values.size()));
+    for (const T& value : values) Write(value);
+  }
+  template <class Key, class Value>
+  void Write(const std::map<Key, Value>& values) {
+    Write(static_cast<uint64_t>(values.size()));
+    for (const auto& [key, value] : values) (*this)(key, value);
+  }
+  template <class T>
+  void Write(const T& value) {
+    if constexpr (requires { T::Fields(*this, value); }) {
+      T::Fields(*this, value);
+    } else {
+      Fields(*this, value);
+    }
+  }
+
+  std::vector<uint8_t> bytes_;
+};
+
+/// Throws std::runtime_error where the bytes end too early. Needs memory in proportion to them, whatever they say.
+class Reader {
+ public:
+  explicit Reader(std::span<const uint8_t> bytes) : bytes_(bytes) {}
+
+  template <class... T>
+  void operator()(T&... values) {
+    (Read(values), ...);
+  }
+
+  /// How many follow, each of at least `min_bytes`.
+  uint64_t ReadCount(size_t min_bytes) {
+    uint64_t n = 0;
+    Read(n);
+    if (n > bytes_.size() / min_bytes) throw std::runtime_error("the content promises more than it has");
+    return n;
+  }
+
+  bool AtEnd() const { return bytes_.empty(); }
+
+ private:
+  void Copy(void* to, size_t n) {
+    if (bytes_.size() < n) throw std::runtime_error("the content ends too early");
+    if (n > 0) std::memcpy(to, bytes_.data(), n);
+    bytes_ = bytes_.subspan(n);
+  }
+  template <Plain T>
+  void Read(T& value) {
+    Copy(&value, sizeof(T));
+  }
+  void Read(SE3& pose) {
+    Eigen::Vector3d t;
+    Eigen::Vector4d xyzw;
+    (*this)(t, xyzw);
+    pose = SE3::FromUnit(Eigen::Quaterniond(xyzw), t);
+  }
+  template <class First, class Second>
+  void Read(std::pair<First, Second>& value) {
+    (*this)(value.first, value.second);
+  }
+  template <class T>
+  void Read(std::vector<T>& values);
+  template <class T>
+  void Read(std::deque<T>& values);
+  template <class Key, class Value>
+  void Read(std::map<Key, Value>& values);
+  template <class T>
+  void Read(T& value) {
+    if constexpr (requires { T::Fields(*this, value); }) {
+      T::Fields(*this, value);
+    } else {
+      Fields(*this, value);
+    }
+  }
+
+  std::span<const uint8_t> bytes_;
+};
+
+/// Bytes of a value whose containers are empty.
+template <class T>
+size_t MinBytes() {
+  static const size_t bytes = [] {
+    Writer writer;
+    writer(T());
+    return std::move(writer).Take().size();
+  }();
+  return bytes;
+}
+
+template <class T>
+void Reader::Read(std::vector<T>& values) {
+  values.resize(ReadCount(MinBytes<T>()));
+  if constexpr (std::is_arithmetic_v<T>) {
+    Copy(values.data(), values.size() * sizeof(T));
+  } else {
+    for (T& value : values) Read(value);
+  }
+}
+
+template <class T>
+void Reader::Read(std::deque<T>& values) {
+  values.resize(ReadCount(MinBytes<T>()));
+  for (T& value : values) Read(value);
+}
+
+template <class Key, class Value>
+void Reader::Read(std::map<Key, Value>& values) {
+  values.clear();
+  for (uint64_t n = ReadCount(MinBytes<Key>() + MinBytes<Value>()); n > 0; --n) {
+    Key key{};
+    Read(key);
+    Read(values[key]);
+  }
+}
+
+/// The bytes of these values.
+template <class... T>
+std::vector<uint8_t> ToBytes(const T&... values) {
+  Writer writer;
+  writer(values...);
+  return std::move(writer).Take();
+}
+
+/// The values that `ToBytes` made the bytes of. Throws std::runtime_error for bytes that are not as many.
+template <class... T>
+void FromBytes(std::span<const uint8_t> bytes, T&... values) {
+  Reader read(bytes);
+  read(values...);
+  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+}
+
+}  // namespace plslam::archive

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace plslam {
+
+/// A kind of file of ours: what it begins with, the format that this program knows, and what to call it.
+struct FileKind {
+  std::array<char, 8> magic{};
+  uint64_t format = 1;
+  std::string_view name;  ///< "map file"
+};
+
+/// What such a file begins with; then come `length` bytes of content.
+struct Seal {
+  std::array<char, 8> magic{};
+  uint64_t format = 0;
+  uint64_t length = 0;
+  /// BLAKE2b of the fields above and the content.
+  std::array<uint8_t, 32> checksum{};
+};
+static_assert(sizeof(Seal) == 56);
+
+/// Of a content that belongs behind it.
+Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
+
+/// The seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without its subject,
+/// where it is no such file, of another format, or not of that length.
+Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length);
+
+/// Throws std::runtime_error where the content is not what was sealed.
+void CheckSeal(const Seal& seal, std::span<const uint8_t> content);
+
+/// Beside the file and renamed. Throws std::runtime_error that names the file.
+void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content);
+
+/// The content. Throws std::runtime_error that names the file.
+std::vector<uint8_t> ReadSealedFile(const std::string& path, const FileKind& kind);
+
+}  // namespace plslam

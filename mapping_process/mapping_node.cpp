@@ -40,8 +40,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
     closures_ = std::make_unique<bus::LoopClosureSubscriber>(
         process.bus(), [this](const LoopClosure& closure) { OnClosure(closure); });
     process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
-    process_.bus().Every(kTick, [this] { OnTick(); });
   }
+  process_.bus().Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("mapping", options_));
   ReadState();
   if (!restored_ && !options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
@@ -97,7 +97,7 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   }
   known_sessions_.insert(keyframe.session);
   Queue([&] {
-    queue_.Add(keyframe, bus::NowMs());
+    if (!queue_.Add(keyframe, bus::NowMs())) return;
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
     // Under the lock: later it would end the solve for this very keyframe.
     if (!keyframe.lockstep) stop_solve_ = true;
@@ -117,6 +117,7 @@ void MappingNode::OnStatus(const status_t& message) {
   queue_.OnSignOfLife(bus::NowS());
 }
 
+/// The worker looks again, too, whether it has waited long enough for what is missing.
 void MappingNode::OnTick() {
   bool given_up = false;
   Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
@@ -215,6 +216,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   const Keyframe* newest = nullptr;
   int count = 0;
   for (const WorkQueue::Arrived& arrived : batch) {
+    WarnOfMissing(arrived);
     std::string reason;
     if (mapper_->Insert(arrived.keyframe, &reason)) {
       newest = &arrived.keyframe;
@@ -238,6 +240,13 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
+}
+
+void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
+  if (arrived.missing == 0) return;
+  spdlog::warn("session {}: {} keyframes before number {} have not come; the map goes on without them",
+               arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
+  process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
 }
 
 void MappingNode::Correct(const Work& work) {

@@ -63,6 +63,7 @@ class MappingNode {
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
+  void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   void Save(const std::string& path);
   void KeepState();
@@ -92,6 +93,7 @@ class MappingNode {
   bool restored_ = false;  ///< it is the state of one that has crashed
   std::optional<Mapper> mapper_;
   int64_t n_ignored_ = 0;
+  int64_t n_missing_ = 0;
   int64_t n_saves_ = 0;
   int64_t n_failed_saves_ = 0;
   int64_t n_states_ = 0;

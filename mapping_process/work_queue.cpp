@@ -1,23 +1,20 @@
 #include "mapping_process/work_queue.h"
 
 #include <algorithm>
-#include <functional>
-#include <numeric>
 #include <utility>
 
 namespace plslam {
+namespace {
+
+constexpr double kMsPerS = 1000.0;
+
+}  // namespace
 
 void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
-  restored_ = inserted_ = arrived_ = newest_by_session;
+  restored_ = inserted_ = newest_by_session;
+  keyframes_.Restore(newest_by_session);
   const auto newest = inserted_.find(newest_session);
-  if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true};
-}
-
-void WorkQueue::Add(const Keyframe& keyframe, double now_ms) {
-  const auto [newest, first] = arrived_.try_emplace(keyframe.session, keyframe.keyframe_id);
-  if (!first && keyframe.keyframe_id <= newest->second) return;
-  newest->second = keyframe.keyframe_id;
-  keyframes_[keyframe.source].push_back({keyframe, now_ms});
+  if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
 }
 
 void WorkQueue::Add(const LoopClosure& closure) {
@@ -48,28 +45,33 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kSettle;
     return work;
   }
-  if (IsStateDue()) {
+  if (IsStateDue(now_s)) {
     inserted_since_state_ = 0;
     work.kind = Work::Kind::kKeepState;
     return work;
   }
-  if (Next() == nullptr || (newest_.lockstep && !newest_.settled)) return std::nullopt;
-  work.keyframes = TakeKeyframes();
+  if (newest_.lockstep && !newest_.settled) return std::nullopt;
+  work.keyframes = TakeKeyframes(now_s);
+  if (work.keyframes.empty()) return std::nullopt;
   return work;
 }
 
 // Where all has been said about what is in the map: then what is said again after a crash can be told from what is new. A new
-// session may mean that the tracker of the last one has died, and nobody else has its keyframes.
-bool WorkQueue::IsStateDue() {
+// session, or another publisher of a known one, may mean that a tracker has died, and nobody else has its keyframes.
+bool WorkQueue::IsStateDue(double now_s) const {
   if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.settled) return false;
-  return inserted_since_state_ >= state_every_ ||
-         (Next() != nullptr && !inserted_.contains(Next()->front().keyframe.session));
+  if (inserted_since_state_ >= state_every_) return true;
+  const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
+  if (next == nullptr) return false;
+  const auto publisher = publishers_.find(next->session);
+  return !inserted_.contains(next->session) || (publisher != publishers_.end() && publisher->second != next->source);
 }
 
 void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
   inserted_since_state_ += count;
   inserted_[keyframe.session] = keyframe.keyframe_id;
-  newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false};
+  publishers_[keyframe.session] = keyframe.source;
+  newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false, {}};
   wait_.End();
   if (options_.enabled) wait_.Begin(keyframe.keyframe_id, now_s);
 }
@@ -93,8 +95,10 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     work.closure = std::move(*found);
     closures_.erase(found);
     const bool settles = IsAboutNewest(work.closure) && !newest_.settled && !work.closure.more;
-    // About a keyframe of lockstep that is settled already: said again by a loop_process that was started again.
-    const bool again = newest_.lockstep && (newest_.settled || !IsAboutNewest(work.closure));
+    // Of lockstep there is one of each kind about a keyframe, until it is settled. More come where loop_process was started
+    // again, or was asked again by a mapping_process that was.
+    const bool again = newest_.lockstep && (newest_.settled || !IsAboutNewest(work.closure) ||
+                                            !newest_.taken.insert(work.closure.kind).second);
     if (again || (work.closure.kind == LoopClosure::Kind::kNone && !settles)) continue;
     work.settles = settles;
     if (settles) {
@@ -107,29 +111,15 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
   }
 }
 
-size_t WorkQueue::n_keyframes() const {
-  return std::transform_reduce(keyframes_.begin(), keyframes_.end(), size_t{0}, std::plus<>(),
-                               [](const auto& of_publisher) { return of_publisher.second.size(); });
-}
-
-std::deque<WorkQueue::Arrived>* WorkQueue::Next() {
-  std::deque<Arrived>* oldest = nullptr;
-  for (auto& [publisher, keyframes] : keyframes_) {
-    if (keyframes.empty()) continue;
-    if (oldest == nullptr || keyframes.front().keyframe.t_ns < oldest->front().keyframe.t_ns) oldest = &keyframes;
-  }
-  return oldest;
-}
-
-std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes() {
+std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes(double now_s) {
+  const double now_ms = kMsPerS * now_s;
   std::vector<Arrived> taken;
-  while (std::deque<Arrived>* next = Next()) {
-    const bool lockstep = next->front().keyframe.lockstep;
+  while (const Keyframe* next = keyframes_.Next(now_ms)) {
+    const bool lockstep = next->lockstep;
     // An update names the newest keyframe of one session, whose tracker takes it over.
-    const bool same = taken.empty() || next->front().keyframe.session == taken.front().keyframe.session;
+    const bool same = taken.empty() || next->session == taken.front().keyframe.session;
     if (!same || (lockstep && !taken.empty())) break;
-    taken.push_back(std::move(next->front()));
-    next->pop_front();
+    taken.push_back(*keyframes_.Take(now_ms));
     if (lockstep) break;
   }
   return taken;

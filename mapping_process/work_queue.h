@@ -12,6 +12,7 @@
 #include "core/bus/partner_wait.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
+#include "mapping_process/keyframe_queue.h"
 #include "mapping_process/options.h"
 
 namespace plslam {
@@ -22,17 +23,13 @@ namespace plslam {
 /// comes. Of a lockstep stream each keyframe waits until loop_process has had its say about the one before and that is
 /// in the map; where no loop_process is heard of for a while, it goes on without.
 ///
-/// Of several publishers the oldest keyframe goes first: after a restart one tells of a tracker that has died, and another of
-/// the one in its place, which can only join a map that has what was before.
+/// Keyframes come in the order of their sessions, whoever tells of them (`KeyframeQueue`).
 ///
 /// What loop_process said comes again to a process that is started again, and so do the keyframes: about each keyframe it
 /// is taken over once that is in the map.
 class WorkQueue {
  public:
-  struct Arrived {
-    Keyframe keyframe;
-    double received_ms = 0.0;
-  };
+  using Arrived = KeyframeQueue::Arrived;
 
   struct Work {
     enum class Kind {
@@ -50,15 +47,16 @@ class WorkQueue {
     std::string path;
   };
 
-  /// `state_every`: keyframes after which the state is worth keeping; it is, too, before a new session. 0: never.
+  /// `state_every`: keyframes after which the state is worth keeping; it is, too, before a new session and before another
+  /// publisher goes on with one. 0: never.
   explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
       : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
   /// The map has these keyframes, by session the newest, and all that was said about them.
   void Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
 
-  /// One that came before, from whomever, is passed over.
-  void Add(const Keyframe& keyframe, double now_ms);
+  /// One that came before, from whomever, is passed over: false.
+  bool Add(const Keyframe& keyframe, double now_ms) { return keyframes_.Add(keyframe, now_ms); }
   /// What was said before the map was restored, about what is in it, is passed over.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
@@ -69,13 +67,13 @@ class WorkQueue {
   /// Whether a wait for loop_process ended now because it is not heard of.
   bool GiveUp(double now_s) { return wait_.GiveUp(now_s); }
 
-  /// What is to be done next, which then counts as done; nullopt: nothing yet.
+  /// What is to be done next, which then counts as done; nullopt: nothing yet. By the same clock as `Add`.
   std::optional<Work> Take(double now_s);
 
   /// This many keyframes are in the map now, the last of them this one.
   void Inserted(const Keyframe& keyframe, int count, double now_s);
 
-  size_t n_keyframes() const;
+  size_t n_keyframes() const { return keyframes_.size(); }
 
  private:
   /// Session, keyframe, map (publisher, version) and kind of a closure.
@@ -85,28 +83,28 @@ class WorkQueue {
     int64_t keyframe_id = -1;
     bool lockstep = false;
     bool settled = true;
+    std::set<LoopClosure::Kind> taken;  ///< what was said about it
   };
 
   bool IsInserted(const LoopClosure& closure) const;
   bool IsAboutNewest(const LoopClosure& closure) const;
   std::optional<Work> TakeClosure(double now_s);
-  /// The publisher whose next keyframe is the oldest; nullptr: none has any.
-  std::deque<Arrived>* Next();
-  std::vector<Arrived> TakeKeyframes();
-  bool IsStateDue();
+  std::vector<Arrived> TakeKeyframes(double now_s);
+  bool IsStateDue(double now_s) const;
 
   LoopUseOptions options_;
   bus::PartnerWait wait_;
-  std::map<int64_t, std::deque<Arrived>> keyframes_;  // by publisher
+  KeyframeQueue keyframes_;
   std::deque<LoopClosure> closures_;
   std::deque<std::string> saves_;
   bool asked_ = false;
   /// Newest keyframe of each session that is in the map.
   std::map<int64_t, int64_t> inserted_;
   Newest newest_;
-  /// The same when the map was restored, and newest that has come.
+  /// The same when the map was restored.
   std::map<int64_t, int64_t> restored_;
-  std::map<int64_t, int64_t> arrived_;
+  /// Who brought the newest of each session, since then.
+  std::map<int64_t, int64_t> publishers_;
   std::set<Answer> answers_;
   int state_every_;
   int inserted_since_state_ = 0;

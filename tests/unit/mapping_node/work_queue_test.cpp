@@ -109,12 +109,16 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
 }
 
 TEST_F(WorkQueueTest, EachInsertionIsOfOneSessionSoThatItsTrackerHearsOfIt) {
-  Keyframe other = KeyframeOf(0, false);
-  other.session = kSession + 1;
-  queue_.Add(KeyframeOf(0, false), 0.0);
-  queue_.Add(KeyframeOf(1, false), 0.0);
-  queue_.Add(other, 0.0);
-  queue_.Add(KeyframeOf(2, false), 0.0);
+  const auto of = [](int64_t session, int64_t id, int64_t t_ns) {
+    Keyframe keyframe = KeyframeOf(id, false);
+    keyframe.source = keyframe.session = session;
+    keyframe.t_ns = t_ns;
+    return keyframe;
+  };
+  queue_.Add(of(kSession, 0, 10), 0.0);
+  queue_.Add(of(kSession, 1, 20), 0.0);
+  queue_.Add(of(kSession + 1, 0, 30), 0.0);
+  queue_.Add(of(kSession, 2, 40), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 2U);
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.session, kSession + 1);
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 2);
@@ -174,6 +178,37 @@ TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
   EXPECT_TRUE(Take(Kind::kCorrect).settles) << "another one about the same keyframe";
 }
 
+// The mapper died between a loop and the adjustment that follows: loop_process judges the keyframe again, on the map of the
+// one in its place, which has the loop from the history.
+TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
+  const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
+    LoopClosure closure = ClosureOf(0, kind, more);
+    closure.map_source = source;
+    return closure;
+  };
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(found_on(1, LoopClosure::Kind::kLoop, true));
+  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  queue_.Add(found_on(2, LoopClosure::Kind::kLoop, true));
+  ExpectNothing();
+  queue_.Add(found_on(2, LoopClosure::Kind::kAdjustment, false));
+  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  queue_.Add(found_on(1, LoopClosure::Kind::kAdjustment, false));
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, WhatIsMissingIsWaitedForAndThenSaid) {
+  queue_.Add(KeyframeOf(0, true), 1000.0 * now_s_);
+  Take(Kind::kInsert);
+  queue_.Add(ClosureOf(0));
+  Take(Kind::kCorrect);
+  queue_.Add(KeyframeOf(3, true), 1000.0 * now_s_);
+  ExpectNothing();
+  now_s_ += 10.0;
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].missing, 2);
+}
+
 TEST_F(WorkQueueTest, LiveLoopThatIsSaidAgainIsTakenOnce) {
   queue_.Add(KeyframeOf(0, false), 0.0);
   Take(Kind::kInsert);
@@ -207,7 +242,7 @@ TEST_F(WorkQueueTest, OfSeveralPublishersTheOldestKeyframeGoesFirst) {
     queue_.Add(said);
     Take(Kind::kCorrect);
   }
-  // Of one publisher the order is that of coming, also where time goes back.
+  // Of one publisher a session that it spoke of first goes first, also where time goes back.
   queue_.Add(of(1, 300, 0, 90), 0.0);
   queue_.Add(of(1, 301, 0, 5), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.t_ns, 90);
@@ -250,6 +285,31 @@ TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
   queue.Add(other, 0.0);
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState) << "before the new session";
   EXPECT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
+}
+
+TEST(WorkQueueState, IsKeptBeforeAnotherPublisherGoesOnWithASession) {
+  WorkQueue queue({.enabled = false, .wait_s = 5.0}, 100);
+  const auto of = [](int64_t source, int64_t id) {
+    Keyframe keyframe = KeyframeOf(id, true);
+    keyframe.source = source;
+    return keyframe;
+  };
+  const auto insert = [&](const Keyframe& keyframe) {
+    const auto work = queue.Take(0.0);
+    ASSERT_TRUE(work && work->kind == Kind::kInsert);
+    ASSERT_EQ(work->keyframes.front().keyframe.keyframe_id, keyframe.keyframe_id);
+    queue.Inserted(keyframe, 1, 0.0);
+    EXPECT_EQ(queue.Take(0.0)->kind, Kind::kSettle);
+  };
+  queue.Add(of(1, 0), 0.0);
+  insert(of(1, 0));
+  EXPECT_FALSE(queue.Add(of(2, 0), 0.0));
+  EXPECT_FALSE(queue.Take(0.0)) << "nothing new";
+  queue.Add(of(2, 1), 0.0);
+  EXPECT_EQ(queue.Take(0.0)->kind, Kind::kKeepState);
+  insert(of(2, 1));
+  queue.Add(of(2, 2), 0.0);
+  insert(of(2, 2));
 }
 
 TEST(WorkQueueState, EachKeyframeOfABatchCounts) {

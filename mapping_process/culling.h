@@ -19,6 +19,11 @@ class Trial {
   /// Ends the trials that are due after the `inserted`-th keyframe: landmarks that too few keyframes have seen go.
   void Judge(int64_t inserted, const CullingOptions& options, Map& map);
 
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.by_keyframe_);
+  }
+
  private:
   std::map<int64_t, NewLandmarks> by_keyframe_;
 };

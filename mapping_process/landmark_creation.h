@@ -19,6 +19,11 @@ struct LandmarkIds {
 struct NewLandmarks {
   std::vector<int64_t> points;
   std::vector<int64_t> lines;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.points, self.lines);
+  }
 };
 
 /// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty. Segments

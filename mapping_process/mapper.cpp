@@ -66,12 +66,24 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
   }
 }
 
-StoredMap Mapper::Store() {
-  trial_ = {};
-  return Snapshot();
+Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state)
+    : Mapper(camera, options, std::move(state.stored)) {
+  trial_ = std::move(state.trial);
+  tracker_ = std::move(state.tracker);
+  figures_ = state.figures;
+  settled_ = state.settled != 0;
 }
 
-StoredMap Mapper::Snapshot() const {
+StoredMap Mapper::Store() {
+  trial_ = {};
+  return Stored();
+}
+
+MapperState Mapper::State() const {
+  return {Stored(), trial_, tracker_, figures_, settled_ ? uint8_t{1} : uint8_t{0}};
+}
+
+StoredMap Mapper::Stored() const {
   StoredMap stored;
   stored.map = map_;
   stored.features = features_;

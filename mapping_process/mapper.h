@@ -14,6 +14,7 @@
 #include "core/map/map_update.h"
 #include "mapping_process/culling.h"
 #include "mapping_process/landmark_creation.h"
+#include "mapping_process/mapper_state.h"
 #include "mapping_process/options.h"
 #include "mapping_process/tracker_landmarks.h"
 
@@ -28,6 +29,8 @@ class Mapper {
   Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
   /// Goes on in a map that was stored (its `rig` is the caller's to compare), with keyframes of new sessions.
   Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
+  /// Goes on exactly where another one was: the same calls give the same bits from here on.
+  Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state);
 
   /// Joins a keyframe to the map: pose among the landmarks it shows, sights, new landmarks, duplicates (§V.A). Keyframes
   /// of one session come in order; one that came before is ignored. A session that starts while there is a map
@@ -61,12 +64,11 @@ class Mapper {
   /// All of the map at the version of the last update.
   MapUpdate Whole() const;
 
-  /// All that is needed to go on, but for `rig`. Landmarks on trial are acquitted, here too: so this mapper and one that
-  /// goes on from what was stored make the same of the same new sessions.
+  /// All that is needed to go on with new sessions, but for `rig`. Landmarks on trial are acquitted, here too: so this mapper
+  /// and one that goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
-  /// The same as it is, for a mapper that goes on after a crash of this one: nothing changes here, but there landmarks on
-  /// trial are acquitted, and the tracker's own landmarks forgotten.
-  StoredMap Snapshot() const;
+  /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
+  MapperState State() const;
 
   const Map& map() const { return map_; }
   int64_t version() const { return version_; }
@@ -81,6 +83,7 @@ class Mapper {
     int64_t session_keyframe_id = -1;  ///< the same, as the session counts
   };
 
+  StoredMap Stored() const;
   MapKeyframe Prepare(const Keyframe& keyframe) const;
   void Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association);

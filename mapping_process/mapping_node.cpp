@@ -142,26 +142,35 @@ void MappingNode::WorkUntilStopped() {
 
 /// Once the camera is known, which stays.
 void MappingNode::BeginMap() {
+  if (restored_) return GoOnFromState();
   if (!stored_) {
     mapper_.emplace(*camera_, options_);
     return;
   }
-  const std::string& file = restored_ ? options_.state_file : options_.map_file;
-  CheckCamera(*stored_, *camera_, file);
-  const std::vector<Keyframe> keyframes = KeyframesOf(*stored_);
-  const auto send = [&] {
-    bus::KeyframePublisher publisher(process_.bus());
-    for (const Keyframe& keyframe : keyframes) publisher.Publish(keyframe);
-  };
-  // After a crash trackers wait for the map, and most of the others have the features.
-  if (!restored_) send();
+  CheckCamera(*stored_, *camera_, options_.map_file);
+  PublishStored(KeyframesOf(*stored_));
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Settle();
   publisher_.Publish(mapper_->Whole());
-  if (restored_) {
-    process_.SetState("running");
-    send();
-  }
+  TellOfMap(options_.map_file);
+}
+
+/// The map first: trackers wait for it, and most of the others have the features.
+void MappingNode::GoOnFromState() {
+  const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored);
+  mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
+  publisher_.Publish(mapper_->Whole());
+  process_.SetState("running");
+  PublishStored(keyframes);
+  TellOfMap(options_.state_file);
+}
+
+void MappingNode::PublishStored(const std::vector<Keyframe>& keyframes) {
+  bus::KeyframePublisher publisher(process_.bus());
+  for (const Keyframe& keyframe : keyframes) publisher.Publish(keyframe);
+}
+
+void MappingNode::TellOfMap(const std::string& file) {
   spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
                mapper_->map().points().size(), mapper_->map().lines().size());
   CountMap();
@@ -293,27 +302,27 @@ void MappingNode::Save(const std::string& path) {
 void MappingNode::ReadState() {
   if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
   try {
-    stored_ = ReadMapFile(options_.state_file);
+    state_ = ReadStateFile(options_.state_file);
     // It comes once a second, which would be the longest part of a restart.
-    camera_ = MapCamera(*stored_, options_.state_file);
+    camera_ = MapCamera(state_->stored, options_.state_file);
   } catch (const std::exception& error) {
     spdlog::warn("all is built anew from the history: {}", error.what());
-    stored_.reset();
+    state_.reset();
     return;
   }
   restored_ = true;
   std::map<int64_t, int64_t> newest;
-  for (const auto& [session, stored] : stored_->sessions) newest[session] = stored.session_keyframe_id;
+  for (const auto& [session, stored] : state_->stored.sessions) newest[session] = stored.session_keyframe_id;
   const std::lock_guard lock(mutex_);
-  queue_.Restore(newest, stored_->newest_session);
+  queue_.Restore(newest, state_->stored.newest_session);
 }
 
 /// Where it cannot be written the process goes on; what a crash would cost is then more.
 void MappingNode::KeepState() {
   try {
-    StoredMap stored = mapper_->Snapshot();
-    stored.rig = CameraBytes(*camera_);
-    WriteMapFile(options_.state_file, stored);
+    MapperState state = mapper_->State();
+    state.stored.rig = CameraBytes(*camera_);
+    WriteStateFile(options_.state_file, state);
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());

@@ -31,8 +31,9 @@ class status_t;
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
 /// map is of one camera: keyframes of sessions that began with another are counted and left.
 ///
-/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on in it,
-/// and asks the trackers only for what came after.
+/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on
+/// exactly from there, takes from the histories of the others what came after, and so comes to the same map, of a lockstep
+/// stream bit for bit.
 ///
 /// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their features.
 class MappingNode {
@@ -60,6 +61,9 @@ class MappingNode {
   void WorkUntilStopped();
   std::optional<Work> NextWork();
   void BeginMap();
+  void GoOnFromState();
+  void PublishStored(const std::vector<Keyframe>& keyframes);
+  void TellOfMap(const std::string& file);
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
@@ -90,7 +94,8 @@ class MappingNode {
 
   // The worker's.
   std::optional<StoredMap> stored_;
-  bool restored_ = false;  ///< it is the state of one that has crashed
+  std::optional<MapperState> state_;  ///< of one that has crashed
+  bool restored_ = false;             ///< there was one
   std::optional<Mapper> mapper_;
   int64_t n_ignored_ = 0;
   int64_t n_missing_ = 0;

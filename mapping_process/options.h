@@ -51,7 +51,7 @@ struct MappingOptions {
   LoopUseOptions loops;
   std::string map_file;
   bool localise_only = false;
-  /// What is needed to go on after a crash, written now and then. Empty: all is built anew from the history of keyframes.
+  /// What is needed to go on exactly where a crash was, written now and then. Empty: all is built anew from the history.
   std::string state_file;
   int state_every = 100;
 };
@@ -108,7 +108,8 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("state_file", o.state_file,
         "kept up to date, and read when the process is started again after a crash; empty: none");
   visit("state_every", o.state_every, Bounds{1, 1000000},
-        "keyframes after which it is written, and before each new session");
+        "keyframes after which it is written; also before each new session, and before another tracker goes on with "
+        "one");
 }
 
 }  // namespace plslam

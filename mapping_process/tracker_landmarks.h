@@ -21,16 +21,31 @@ class TrackerLandmarks {
   /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
   void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
 
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.sessions_, self.n_learned_);
+  }
+
  private:
   struct Entry {
     int64_t map_id = -1;
     int64_t keyframe_id = -1;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.map_id, self.keyframe_id);
+    }
   };
   using Table = std::map<int64_t, Entry>;
   struct Session {
     Table points;
     Table lines;
     int64_t learned = 0;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.points, self.lines, self.learned);
+    }
   };
   static void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id,
                     Table& table);

@@ -26,7 +26,7 @@ class Window : public testing::Test {
     walk.seed = 2;
     walk.with_ids = false;
     for (const Keyframe& keyframe : test::MakeWalk(world_, path_, walk).keyframes) Insert(keyframe, mapper);
-    stored_ = mapper.Snapshot();
+    stored_ = mapper.State().stored;
   }
 
   static void Insert(const Keyframe& keyframe, Mapper& mapper) {

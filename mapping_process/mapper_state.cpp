@@ -1,0 +1,56 @@
+#include "mapping_process/mapper_state.h"
+
+#include <stdexcept>
+
+#include "core/io/archive.h"
+#include "core/io/sealed_file.h"
+
+namespace plslam {
+namespace {
+
+constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 1, "state of a mapping_process"};
+
+}  // namespace
+
+namespace archive {
+
+template <class Archive, Is<AdjustmentFigures> T>
+void Fields(Archive& a, T& f) {
+  a(f.n_keyframes, f.n_fixed_keyframes, f.n_points, f.n_lines, f.n_outliers, f.rms_before, f.rms_after,
+    f.reprojection_before_px, f.reprojection_after_px);
+}
+
+/// All but the map, whose bytes are those of a map file.
+template <class Archive, Is<MapperState> T>
+void Fields(Archive& a, T& state) {
+  a(state.trial, state.tracker, state.figures, state.settled);
+}
+
+}  // namespace archive
+
+std::vector<uint8_t> EncodeState(const MapperState& state) {
+  return archive::ToBytes(EncodeMap(state.stored), state);
+}
+
+MapperState DecodeState(std::span<const uint8_t> bytes) {
+  MapperState state;
+  std::vector<uint8_t> map;
+  archive::FromBytes(bytes, map, state);
+  state.stored = DecodeMap(map);
+  return state;
+}
+
+void WriteStateFile(const std::string& path, const MapperState& state) {
+  WriteSealedFile(path, kStateFile, EncodeState(state));
+}
+
+MapperState ReadStateFile(const std::string& path) {
+  const std::vector<uint8_t> bytes = ReadSealedFile(path, kStateFile);
+  try {
+    return DecodeState(bytes);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/io/map_file.h"
+#include "core/map/map_update.h"
+#include "mapping_process/culling.h"
+#include "mapping_process/tracker_landmarks.h"
+
+namespace plslam {
+
+/// Everything that a `Mapper` knows as of its last update: one that is made of it goes on with the same bits. What a saved
+/// map leaves out is of the running sessions only: landmarks on trial, and which landmarks of the tracker became which.
+struct MapperState {
+  StoredMap stored;
+  Trial trial;
+  TrackerLandmarks tracker;
+  AdjustmentFigures figures;
+  uint8_t settled = 0;  ///< 1: nothing more is to be said about the newest keyframe
+};
+
+/// The same state gives the same bytes. Throws std::runtime_error where its map breaks what `DecodeMap` demands.
+std::vector<uint8_t> EncodeState(const MapperState& state);
+/// Throws std::runtime_error, in a sentence, for bytes that are none. What is said of landmarks that the map does not have
+/// counts for nothing.
+MapperState DecodeState(std::span<const uint8_t> bytes);
+
+/// A sealed file (core/io/sealed_file.h), for programs of this version only. Errors name the file.
+void WriteStateFile(const std::string& path, const MapperState& state);
+MapperState ReadStateFile(const std::string& path);
+
+}  // namespace plslam

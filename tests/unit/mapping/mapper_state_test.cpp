@@ -1,0 +1,212 @@
+#include "mapping_process/mapper_state.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/mapping/loop_world.h"
+
+namespace plslam {
+namespace {
+
+using Bytes = std::vector<uint8_t>;
+using test::FeatureWorld;
+using test::Walk;
+using test::WalkOptions;
+
+constexpr double kRadius_m = 6.0;
+constexpr size_t kRound = 75;
+constexpr size_t kLoopAt = kRound + 6;
+constexpr size_t kSteps = kRound + 15;
+
+/// What a mapper is told between two updates: a keyframe, or what loop_process says of it.
+struct Word {
+  std::optional<Keyframe> keyframe;
+  LoopClosure closure;
+};
+
+Bytes Say(const Word& word, Mapper& mapper) {
+  std::string reason;
+  if (word.keyframe) {
+    EXPECT_TRUE(test::MapOne(*word.keyframe, mapper, &reason)) << reason;
+  } else {
+    EXPECT_TRUE(mapper.Correct(word.closure, &reason)) << reason;
+    mapper.Settle();
+  }
+  return test::Encoded(mapper.TakeUpdate());
+}
+
+Mapper Restored(const Mapper& mapper) {
+  return {FeatureWorld::Camera(), MappingOptions(), DecodeState(EncodeState(mapper.State()))};
+}
+
+/// A lockstep stream: a bit more than once round a ring that has drifted, the loop and an adjustment of the whole map, then
+/// another session; and what a mapper that nobody disturbs makes of it.
+struct Stream {
+  Stream() {
+    Walk walk = test::MakeWalk(world, path, {.noise_px = 1.0});
+    for (size_t i = kRound / 2; i < walk.keyframes.size(); ++i) {
+      for (int64_t& id : walk.keyframes[i].point_landmark_ids) id += 1'000'000;
+      for (int64_t& id : walk.keyframes[i].line_landmark_ids) id += 1'000'000;
+    }
+    for (size_t i = 0; i < walk.keyframes.size(); ++i) {
+      Tell({walk.keyframes[i], {}});
+      if (i == kRound) Tell({std::nullopt, test::Drift(mapper.map())});
+      if (i == kLoopAt) {
+        const test::Revisit revisit = test::RevisitOf(mapper.map(), walk.T_w_c);
+        Tell({std::nullopt, test::CloseByTruth(mapper.map(), revisit, walk.T_w_c)});
+        Tell({std::nullopt, test::AdjustByTruth(mapper.map(), walk.T_w_c)});
+      } else {
+        Tell({});
+      }
+    }
+    WalkOptions options;
+    options.session = 8;
+    options.seed = 2;
+    const Walk second = test::MakeWalk(world, {path.begin() + 4, path.begin() + 20}, options);
+    for (const Keyframe& keyframe : second.keyframes) {
+      Tell({keyframe, {}});
+      Tell({});
+    }
+  }
+  void Tell(const Word& word) {
+    words.push_back(word);
+    updates.push_back(Say(word, mapper));
+  }
+
+  FeatureWorld world = test::MakeRing(kRadius_m, 400, 100, 3);
+  std::vector<SE3> path = test::RingPath(kRadius_m, 0.5, kSteps);
+  Mapper mapper{FeatureWorld::Camera(), MappingOptions()};
+  std::vector<Word> words;
+  std::vector<Bytes> updates;
+};
+
+const Stream& TheStream() {
+  static const Stream stream;
+  return stream;
+}
+
+TEST(MapperState, StreamHasALoopCullingAndTwoSessions) {
+  const Map& map = TheStream().mapper.map();
+  EXPECT_EQ(map.loops().size(), 1U);
+  EXPECT_LT(map.keyframes().size(), kSteps + 16);
+  EXPECT_EQ(TheStream().mapper.State().stored.sessions.size(), 2U);
+}
+
+TEST(MapperState, OneThatIsReplacedAfterEachWordSaysTheSame) {
+  const Stream& stream = TheStream();
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (size_t i = 0; i < stream.words.size(); ++i) {
+    mapper = Restored(mapper);
+    ASSERT_EQ(Say(stream.words[i], mapper), stream.updates[i]) << "word " << i << " of " << stream.words.size();
+  }
+  EXPECT_EQ(EncodeState(mapper.State()), EncodeState(stream.mapper.State()));
+}
+
+TEST(MapperState, OneThatIsReplacedOnceSaysTheSameToTheEnd) {
+  const Stream& stream = TheStream();
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (size_t at = 0; at < stream.words.size(); ++at) {
+    if (at % 23 == 7) {
+      Mapper restored = Restored(mapper);
+      EXPECT_EQ(test::Encoded(restored.Whole()), test::Encoded(mapper.Whole()));
+      for (size_t i = at; i < stream.words.size(); ++i) {
+        ASSERT_EQ(Say(stream.words[i], restored), stream.updates[i])
+            << "replaced before word " << at << ", word " << i;
+      }
+      EXPECT_EQ(EncodeState(restored.State()), EncodeState(stream.mapper.State()));
+    }
+    Say(stream.words[at], mapper);
+  }
+}
+
+/// How often a mapper that lacks a part of the state makes something else of the next four words.
+int Differences(void (*lack)(MapperState&)) {
+  const Stream& stream = TheStream();
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  int n = 0;
+  for (size_t at = 0; at + 4 < stream.words.size(); ++at) {
+    if (at % 5 == 0) {
+      MapperState state = mapper.State();
+      lack(state);
+      Mapper lacking(FeatureWorld::Camera(), MappingOptions(), state);
+      bool differs = false;
+      for (size_t i = at; i < at + 4; ++i) differs = Say(stream.words[i], lacking) != stream.updates[i] || differs;
+      n += differs ? 1 : 0;
+    }
+    Say(stream.words[at], mapper);
+  }
+  return n;
+}
+
+TEST(MapperState, WhatASavedMapLeavesOutMatters) {
+  EXPECT_EQ(Differences([](MapperState&) {}), 0);
+  EXPECT_GT(Differences([](MapperState& state) { state.trial = {}; }), 0);
+  EXPECT_GT(Differences([](MapperState& state) { state.tracker = {}; }), 0);
+}
+
+TEST(MapperState, SameBytesAgain) {
+  const Bytes bytes = EncodeState(TheStream().mapper.State());
+  EXPECT_EQ(EncodeState(DecodeState(bytes)), bytes);
+}
+
+class StateFile : public testing::Test {
+ protected:
+  StateFile() { WriteStateFile(path_, TheStream().mapper.State()); }
+  ~StateFile() override { std::filesystem::remove(path_); }
+  std::string WhyNot() const {
+    try {
+      ReadStateFile(path_);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return {};
+  }
+  Bytes Read() const {
+    std::ifstream file(path_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  void Write(const Bytes& bytes) const {
+    std::ofstream file(path_, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  }
+
+  const std::string path_ = (std::filesystem::temp_directory_path() /
+                             (std::string("mapper_state_") + std::to_string(reinterpret_cast<uintptr_t>(this))))
+                                .string();
+};
+
+TEST_F(StateFile, HoldsAll) { EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State())); }
+
+TEST_F(StateFile, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {
+  const Bytes whole = Read();
+  Bytes damaged = whole;
+  damaged[damaged.size() / 2] ^= 1;
+  for (const Bytes& bytes : {Bytes{}, Bytes(whole.begin(), whole.end() - 1), Bytes(whole.begin(), whole.begin() + 40),
+                             damaged, EncodeMap(TheStream().mapper.State().stored)}) {
+    Write(bytes);
+    EXPECT_EQ(WhyNot().find(path_ + ": "), 0U) << WhyNot();
+  }
+}
+
+// Content that was cut off before it was sealed.
+TEST(MapperState, BytesThatAreCutOffAnywhereAreRefused) {
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (size_t i = 0; i < 3; ++i) Say(TheStream().words[2 * i], mapper);
+  const Bytes whole = EncodeState(mapper.State());
+  ASSERT_NO_THROW(DecodeState(whole));
+  for (size_t n = 0; n < whole.size(); n += 1 + whole.size() / 500) {
+    EXPECT_THROW(DecodeState(std::span(whole).first(n)), std::runtime_error) << n << " of " << whole.size();
+  }
+  Bytes longer = whole;
+  longer.push_back(0);
+  EXPECT_THROW(DecodeState(longer), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -12,6 +12,7 @@
 #include "core/bus/worker.h"
 #include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/pose3_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -73,6 +74,9 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   if (!options_.resume_after.empty() && options_.resume_after != kResumeFromBus) {
     resume_ = ParseResumePoint(options_.resume_after);
   }
+  if (pace_.lockstep) {
+    process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& command) { OnCommand(command); });
+  }
   if (pace_.lockstep || !options_.resume_after.empty()) {
     process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) {
       turn_.OnPose({pose.frame_id, pose.header.t_ns});
@@ -96,6 +100,15 @@ PlayerNode::~PlayerNode() {
   sender_.join();
 }
 
+void PlayerNode::OnCommand(const command_t& command) {
+  if (command.target != process_.name() || command.verb != "go_back") return;
+  try {
+    turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument));
+  } catch (const std::exception& error) {
+    spdlog::warn("the command 'go_back' is passed over: {}", error.what());
+  }
+}
+
 /// Poses on the bus come from the history of vo_process, all at once.
 std::optional<ResumePoint> PlayerNode::WhereToResume() {
   if (options_.resume_after != kResumeFromBus) return resume_;
@@ -111,24 +124,26 @@ std::optional<ResumePoint> PlayerNode::WhereToResume() {
   return newest;
 }
 
-bool PlayerNode::MakeLoader() {
-  const std::optional<ResumePoint> resume = WhereToResume();
+/// From the beginning, or behind a frame.
+bool PlayerNode::MakeLoader(const std::optional<ResumePoint>& resume) {
+  PlayOrder order = order_;
   if (resume) {
-    const int64_t skipped = order_.SkipTo(resume->t_ns);
+    const int64_t skipped = order.SkipTo(resume->t_ns);
     n_sent_ = resume->frame_id + 1;
     n_bad_ = std::max<int64_t>(0, skipped - n_sent_);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
     spdlog::info("goes on behind frame {}", resume->frame_id);
-    turn_.Resume();
   }
   const std::scoped_lock lock(mutex_);
   if (turn_.stopped()) return false;
-  loader_.emplace(*dataset_, order_, kFramesAhead);
+  loader_.emplace(*dataset_, std::move(order), kFramesAhead);
   return true;
 }
 
 void PlayerNode::SendAll() {
-  if (!MakeLoader()) return;
+  const std::optional<ResumePoint> resume = WhereToResume();
+  if (resume) turn_.Resume();
+  if (!MakeLoader(resume)) return;
   PublishStream("begin", order_.size());
   while (std::optional<LoadedFrame> frame = loader_->Next()) {
     if (!frame->error.empty()) {
@@ -136,7 +151,8 @@ void PlayerNode::SendAll() {
       continue;
     }
     frame->images.frame_id = n_sent_;
-    if (!Send(*frame)) return;
+    const Sent sent = Send(*frame);
+    if (sent == Sent::kStopped || (sent == Sent::kGoBack && !MakeLoader(turn_.GoBack()))) return;
   }
   if (turn_.stopped()) return;
   PublishStream("end", n_sent_);
@@ -146,25 +162,26 @@ void PlayerNode::SendAll() {
   if (options_.exit) process_.Finish();
 }
 
-bool PlayerNode::Send(const LoadedFrame& frame) {
-  if (!pace_.lockstep && !WaitUntilDue(frame.images.t_ns)) return false;
+PlayerNode::Sent PlayerNode::Send(const LoadedFrame& frame) {
+  if (!pace_.lockstep && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
   turn_.Expect({frame.images.frame_id, frame.images.t_ns});
   PublishTruth(frame);
   publisher_.Publish(frame.images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
   if (!std::exchange(running_, true)) process_.SetState("running");
-  return !pace_.lockstep || WaitForPose(frame);
+  return pace_.lockstep ? WaitForPose(frame) : Sent::kAnswered;
 }
 
-bool PlayerNode::WaitForPose(const LoadedFrame& frame) {
+PlayerNode::Sent PlayerNode::WaitForPose(const LoadedFrame& frame) {
   const int ticks_of_doubt = static_cast<int>(process_.bus().options().give_up_s) + kTicksBeyondTheBus;
   int ticks_to_resend = ticks_of_doubt;
   for (bool waiting = false;;) {
     const Turn::Event event = turn_.WaitForPose(kWaitingTick);
-    if (event == Turn::Event::kStopped) return false;
+    if (event == Turn::Event::kStopped) return Sent::kStopped;
+    if (event == Turn::Event::kGoBack) return Sent::kGoBack;
     if (event == Turn::Event::kPose) {
       if (waiting) process_.SetState("running");
-      return true;
+      return Sent::kAnswered;
     }
     if (event == Turn::Event::kNewReader) {
       ticks_to_resend = kTicksBeforeResend;

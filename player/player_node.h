@@ -15,6 +15,7 @@
 #include "player/turn.h"
 
 namespace plslam {
+class command_t;
 
 /// Plays a dataset onto the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true poses, frames
 /// and the end of the stream.
@@ -22,6 +23,8 @@ namespace plslam {
 /// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and its status says
 /// so. A vo_process that starts anew in between gets the pending frame again (the old one may have taken it with it), so
 /// readers must expect a frame id twice. A frame that cannot be read ends the stream and the process, or is counted.
+///
+/// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to them.
 ///
 /// A player that is started in the place of one that was killed goes on behind the frames that have been answered
 /// (`resume_after`), with the same numbers and times.
@@ -33,10 +36,12 @@ class PlayerNode {
 
  private:
   void SendAll();
-  bool MakeLoader();
+  bool MakeLoader(const std::optional<ResumePoint>& resume);
+  void OnCommand(const command_t& command);
   std::optional<ResumePoint> WhereToResume();
-  bool Send(const LoadedFrame& frame);
-  bool WaitForPose(const LoadedFrame& frame);
+  enum class Sent { kAnswered, kGoBack, kStopped };
+  Sent Send(const LoadedFrame& frame);
+  Sent WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
   void PassOver(const LoadedFrame& frame);
   void PublishRig();
@@ -49,7 +54,7 @@ class PlayerNode {
   const Pace pace_;
   std::unique_ptr<Dataset> dataset_;
   std::optional<ResumePoint> resume_;  // where the options name it
-  PlayOrder order_;
+  const PlayOrder order_;
   RealtimeClock clock_;
   bus::FramePublisher publisher_;
   std::mutex mutex_;  // of `loader_`, which the sending thread makes

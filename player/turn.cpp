@@ -1,5 +1,7 @@
 #include "player/turn.h"
 
+#include <utility>
+
 namespace plslam {
 
 void Turn::Expect(const ResumePoint& frame) {
@@ -35,6 +37,15 @@ void Turn::OnReader(int64_t source) {
   changed_.notify_all();
 }
 
+void Turn::OnGoBack(int64_t reader, const ResumePoint& frame) {
+  const std::scoped_lock lock(mutex_);
+  const auto [asked, first] = asked_.try_emplace(reader, frame);
+  if (!first && asked->second == frame) return;
+  asked->second = frame;
+  go_back_ = frame;
+  changed_.notify_all();
+}
+
 void Turn::Stop() {
   const std::scoped_lock lock(mutex_);
   stopped_ = true;
@@ -43,12 +54,20 @@ void Turn::Stop() {
 
 Turn::Event Turn::WaitForPose(Clock::duration limit) {
   std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, limit, [this] { return stopped_ || has_pose_ || new_reader_; });
+  changed_.wait_for(lock, limit, [this] { return stopped_ || MustGoBack() || has_pose_ || new_reader_; });
   if (stopped_) return Event::kStopped;
+  if (MustGoBack()) return Event::kGoBack;
+  go_back_.reset();
   if (has_pose_) return Event::kPose;
   if (!new_reader_) return Event::kTimeout;
   new_reader_ = false;
   return Event::kNewReader;
+}
+
+ResumePoint Turn::GoBack() {
+  const std::scoped_lock lock(mutex_);
+  newest_ = *std::exchange(go_back_, std::nullopt);
+  return *newest_;
 }
 
 bool Turn::WaitUntil(Clock::time_point time) {

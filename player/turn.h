@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -12,11 +13,11 @@
 namespace plslam {
 
 /// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that is
-/// out, a new reader that needs it again, or the end of the process.
+/// out, a new reader that needs it again, one that needs frames before it again, or the end of the process.
 class Turn {
  public:
   using Clock = std::chrono::steady_clock;
-  enum class Event { kPose, kNewReader, kTimeout, kStopped };
+  enum class Event { kPose, kNewReader, kGoBack, kTimeout, kStopped };
 
   /// This frame is about to be sent; poses of other frames do not count.
   void Expect(const ResumePoint& frame);
@@ -28,15 +29,21 @@ class Turn {
   std::optional<ResumePoint> newest() const;
   /// A vo_process with this source lives. The first one, and those seen already, are no news.
   void OnReader(int64_t source);
+  /// `reader` wants the frames behind this one once more. Said again by the same reader it is no news.
+  void OnGoBack(int64_t reader, const ResumePoint& frame);
   void Stop();
 
   /// Waits for an event of the expected frame.
   Event WaitForPose(Clock::duration limit);
+  /// After kGoBack: behind which frame to go on. The poses of those after it do not count any more.
+  ResumePoint GoBack();
   /// Waits for a time; false where the process ends first.
   bool WaitUntil(Clock::time_point time);
   bool stopped() const;
 
  private:
+  bool MustGoBack() const { return go_back_ && expected_ && go_back_->frame_id < expected_->frame_id; }
+
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<ResumePoint> expected_;
@@ -45,6 +52,8 @@ class Turn {
   bool has_pose_ = false;
   std::set<int64_t> readers_;
   bool new_reader_ = false;
+  std::map<int64_t, ResumePoint> asked_;  // by reader, the newest
+  std::optional<ResumePoint> go_back_;
   bool stopped_ = false;
 };
 

@@ -40,6 +40,12 @@ class DisparityCalibration {
   /// After a frame that was not tracked: views from before are not compared with later ones.
   void Interrupt() { sights_.clear(); }
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.significant_, self.state_, self.covariance_, self.sights_);
+  }
+
  private:
   /// A point as seen when its present stretch of tracking began.
   struct Sight {
@@ -49,6 +55,11 @@ class DisparityCalibration {
     double disparity_px = 0.0;
     double sigma_px = 1.0;
     double sigma_disparity_px = 1.0;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.landmark_id, self.T_odom_c, self.px, self.disparity_px, self.sigma_px, self.sigma_disparity_px);
+    }
   };
   struct Measurement {
     double u_px = 0.0;

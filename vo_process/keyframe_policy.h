@@ -38,6 +38,12 @@ class KeyframePolicy {
   /// Starts anew after a keyframe.
   void Restart();
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.frames_, self.first_covariance_, self.first_tracked_);
+  }
+
  private:
   KeyframeOptions options_;
   int frames_ = 0;

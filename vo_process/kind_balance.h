@@ -25,6 +25,12 @@ class KindBalance {
   /// Learns from a frame that was found; too few points or lines say nothing.
   void Observe(const Alignment& alignment);
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.scale_);
+  }
+
  private:
   double max_scale_;
   double scale_ = 1.0;

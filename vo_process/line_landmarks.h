@@ -29,6 +29,12 @@ struct LineLandmark {
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.id, self.segment_odom.p, self.segment_odom.q, self.covariance_p, self.covariance_q, self.descriptor,
+      self.map_id, self.from_map, self.seen, self.unseen_frames, self.missed);
+  }
 };
 
 /// The line segments in and around the view, each fused over the frames that saw it. Sibling of `PointLandmarks`.
@@ -72,6 +78,12 @@ class LineLandmarks {
   /// The same for every segment with depth, after forgetting all landmarks; names in the frame's tracks are kept:
   /// frame-to-frame odometry.
   void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.landmarks_);
+  }
 
  private:
   void Fuse(const SE3& T_odom_c, const StereoLine& seen, LineLandmark& landmark) const;

@@ -58,6 +58,12 @@ struct LocalLandmarks {
     points.FoundAnew(T_odom_c, frame, next_point_id);
     lines.FoundAnew(T_odom_c, frame, next_line_id);
   }
+
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.points, self.lines, self.next_point_id, self.next_line_id);
+  }
 };
 
 }  // namespace plslam

@@ -36,11 +36,22 @@ class KeyframeLog {
   /// have the keyframe.
   std::optional<MapPatch> PatchAround(const Map& map, int64_t session, int64_t keyframe_id, int max_keyframes) const;
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.entries_);
+  }
+
  private:
   struct Entry {
     int64_t keyframe_id = -1;
     std::vector<int64_t> point_ids;
     std::vector<int64_t> line_ids;
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.keyframe_id, self.point_ids, self.line_ids);
+    }
   };
   const Entry* Find(int64_t keyframe_id) const;
   template <class Kind>

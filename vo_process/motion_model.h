@@ -31,6 +31,12 @@ class MotionModel {
   /// After a frame that was not measured: half the velocity, so that a lost camera does not fly away.
   void Slow();
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.velocity_, self.last_dt_s_, self.slowed_);
+  }
+
  private:
   TrackingOptions options_;
   Vector6d velocity_ = Vector6d::Zero();

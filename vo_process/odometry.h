@@ -88,6 +88,17 @@ class Odometry {
   /// Map from odometry, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
+  /// All that it goes on with after a frame that became a keyframe, for `core/io/archive.h`. Such a frame was found, so
+  /// nothing is lost or dormant then, and what was seen since the keyframe before has gone into it.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.landmarks_,
+      self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
+      self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
+      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.keyframe_point_id_,
+      self.keyframe_line_id_);
+  }
+
  private:
   /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
   /// before the loss, those of the map where it was relocalised, or those founded by a lost frame. One that was not lost

@@ -88,6 +88,8 @@ struct VoOptions {
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
+  /// Where the state is kept; empty: nowhere.
+  std::string state_file;
 };
 
 template <class Visitor>
@@ -183,6 +185,8 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");
+  visit("state_file", o.state_file,
+        "kept up to date, and read when the process is started again after a crash; empty: none");
 }
 
 }  // namespace plslam

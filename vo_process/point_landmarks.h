@@ -33,6 +33,12 @@ struct PointLandmark {
   int seen = 1;
   int unseen_frames = 0;
   int missed = 0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.id, self.p_odom, self.covariance, self.descriptor, self.angle_rad, self.octave, self.depth_m, self.map_id,
+      self.from_map, self.seen, self.unseen_frames, self.missed);
+  }
 };
 
 /// The points in and around the view, each fused over the frames that saw it. Sibling of `LineLandmarks`.
@@ -76,6 +82,12 @@ class PointLandmarks {
   /// The same for every feature with depth, after forgetting all landmarks; names in the frame's tracks are kept:
   /// frame-to-frame odometry.
   void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.landmarks_);
+  }
 
  private:
   void Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const;

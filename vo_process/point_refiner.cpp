@@ -31,6 +31,10 @@ void PointRefiner::Slope::Add(const Slope& other) {
   information = sum;
 }
 
+void PointRefiner::Reference::MakePatch() {
+  if (const auto made = MakeReferencePatch(pixels)) patch = std::make_shared<const ReferencePatch>(*made);
+}
+
 PointRefiner::Reference* PointRefiner::Find(int64_t landmark_id) {
   return const_cast<Reference*>(std::as_const(*this).Find(landmark_id));
 }
@@ -135,10 +139,7 @@ std::optional<PointRefiner::Slope> PointRefiner::SlopeFrom(const Reference& refe
 
 void PointRefiner::Learn(const StereoPoint& seen, const SE3& T_odom_c, Reference& reference) const {
   if (const auto slope = SlopeFrom(reference, seen, T_odom_c)) reference.slope.Add(*slope);
-  if (reference.patch) return;
-  if (const auto made = MakeReferencePatch(reference.pixels)) {
-    reference.patch = std::make_shared<const ReferencePatch>(*made);
-  }
+  if (!reference.patch) reference.MakePatch();
 }
 
 void PointRefiner::Remember(const std::vector<const PointLandmarks*>& alive, const SE3& T_odom_c,

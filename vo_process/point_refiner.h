@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <type_traits>
 #include <vector>
 
 #include "core/features/image_levels.h"
@@ -38,6 +39,12 @@ class PointRefiner {
   /// Forgets landmarks that are not among `alive`.
   void Remember(const std::vector<const PointLandmarks*>& alive, const SE3& T_odom_c, const TrackedFrame& frame);
 
+  /// All that it goes on with, for `core/io/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.references_);
+  }
+
  private:
   /// How the disparity changes by a pixel along u and v, and inverse variances of that.
   struct Slope {
@@ -45,6 +52,11 @@ class PointRefiner {
     Eigen::Vector2d information = Eigen::Vector2d::Zero();
 
     void Add(const Slope& other);
+
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      a(self.value, self.information);
+    }
   };
   /// A landmark's first sight.
   struct Reference {
@@ -57,6 +69,18 @@ class PointRefiner {
     std::shared_ptr<const ReferencePatch> patch;
 
     static bool Before(const Reference& a, const Reference& b) { return a.landmark_id < b.landmark_id; }
+    void MakePatch();
+
+    /// The patch follows from the pixels.
+    template <class Archive, class Self>
+    static void Fields(Archive& a, Self& self) {
+      bool has_patch = self.patch != nullptr;
+      a(self.landmark_id, self.T_ref_odom, self.px, self.pixels.size_px, self.pixels.off_center, self.pixels.pixels,
+        self.slope, has_patch);
+      if constexpr (!std::is_const_v<Self>) {
+        if (has_patch) self.MakePatch();
+      }
+    }
   };
 
   Reference* Find(int64_t landmark_id);

@@ -26,6 +26,8 @@ constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
+// How long a player that has fallen silent is waited for to send frames again.
+constexpr double kPlayerWait_s = 15.0;
 
 }  // namespace
 
@@ -37,16 +39,21 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       map_wait_(options.map.wait_s),
       answer_wait_(options.relocalisation.wait_s),
       questions_(process.bus(), bus::kWhereAmI),
+      frames_wait_(kPlayerWait_s),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) Listen();
   process_.SetConfiguration(ToYaml("vo", options_));
+  Restore();
 }
 
-/// To the map, to loop_process, and to whether the processes behind them live.
+VoNode::~VoNode() { DropState(); }
+
+/// To the map and to loop_process.
 void VoNode::Listen() {
   map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
     // In lockstep only what loop_process has had its say about: the same at every run.
@@ -54,7 +61,6 @@ void VoNode::Listen() {
     if (update.session == session_) map_keyframe_id_ = update.session_keyframe_id;
     OnMap();
   });
-  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kMapTick, [this] {
@@ -91,8 +97,14 @@ void VoNode::OnCamera(const camera_t& message) {
 }
 
 void VoNode::OnFrame(const Frame& frame) {
-  // A player that waits too long for a pose sends its frame again; ours is then on its way.
-  if (IsRepeated(frame)) return Count("frames.repeated", 1);
+  if (IsRepeated(frame)) return AnswerAgain(frame);
+  if (LacksFramesBefore(frame)) {
+    if (!frames_wait_.awaited()) AskForFrames();
+  } else if (frames_wait_.awaited()) {
+    // Those that have come too early come again.
+    frames_wait_.End();
+    waiting_.clear();
+  }
   if (front_end_ && !IsWaiting()) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
@@ -104,16 +116,30 @@ void VoNode::OnFrame(const Frame& frame) {
 bool VoNode::IsRepeated(const Frame& frame) const {
   if (frame.source == last_source_) return frame.images.frame_id <= last_frame_id_;
   // A player that was started in the place of another may not have heard of the last poses.
-  const std::pair named(frame.images.frame_id, frame.images.t_ns);
-  return named.first > 0 && std::find(recent_.begin(), recent_.end(), named) != recent_.end();
+  return frame.images.frame_id > 0 && FindRecent(frame) != nullptr;
+}
+
+const pose_t* VoNode::FindRecent(const Frame& frame) const {
+  const auto found = std::find_if(recent_.begin(), recent_.end(), [&frame](const pose_t& pose) {
+    return pose.frame_id == frame.images.frame_id && pose.header.t_ns == frame.images.t_ns;
+  });
+  return found == recent_.end() ? nullptr : &*found;
+}
+
+/// A player that sends a frame again has not heard of its pose, or has gone back for a tracker that needed no more.
+void VoNode::AnswerAgain(const Frame& frame) {
+  Count("frames.repeated", 1);
+  const pose_t* pose = frame.lockstep ? FindRecent(frame) : nullptr;
+  if (pose != nullptr) process_.bus().Publish(bus::kPose, pose_t(*pose));
 }
 
 bool VoNode::IsWaiting() const {
   const bool lacks_map = options_.map.localise_only && map_ && map_->replica().version() == 0;
-  return lacks_map || map_wait_.awaited() || answer_wait_.awaited();
+  return lacks_map || map_wait_.awaited() || answer_wait_.awaited() || frames_wait_.awaited();
 }
 
 void VoNode::GoOn() {
+  if (!map_wait_.awaited()) PublishKeyframe();
   while (front_end_ && !IsWaiting() && !waiting_.empty()) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
@@ -122,6 +148,7 @@ void VoNode::GoOn() {
 }
 
 void VoNode::OnStatus(const status_t& message) {
+  if (message.process == "player") frames_wait_.OnSignOfLife(bus::NowS());
   if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
   if (message.process == "loop") answer_wait_.OnSignOfLife(bus::NowS());
 }
@@ -154,8 +181,10 @@ void VoNode::OnStream(const stream_t& message) {
 }
 
 void VoNode::BeginSession() {
-  if (last_t_ns_ != 0) ++session_;
   map_wait_.End();
+  PublishKeyframe();
+  // That of a tracker whose state this one has taken over is not the next of ours.
+  if (last_t_ns_ != 0) session_ = std::max(session_ + 1, process_.bus().source());
   answer_wait_.End();
   question_.reset();
   map_keyframe_id_ = -1;
@@ -177,18 +206,17 @@ void VoNode::Track(const Frame& frame) {
   });
   // The pose first: somebody waits for it.
   PublishPose(frame, result, timer.stages());
-  if (result.keyframe) PublishKeyframe(frame, result);
   PublishTracks(frame, result);
+  last_frame_id_ = frame.images.frame_id;
+  last_source_ = frame.source;
+  restored_ = false;
+  if (result.keyframe) MakeKeyframe(frame, result);
   AskWhereIAm(frame, result);
   SetState("running");
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
   if (result.state == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
-  last_frame_id_ = frame.images.frame_id;
-  last_source_ = frame.source;
-  recent_.emplace_back(frame.images.frame_id, frame.images.t_ns);
-  if (recent_.size() > kRecentFrames) recent_.pop_front();
   FinishIfDone();
 }
 
@@ -217,6 +245,8 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
     if (!odometry_->is_in_map()) message.state = static_cast<int8_t>(TrackingState::kLost);
   }
   process_.bus().Publish(bus::kPose, message);
+  recent_.push_back(std::move(message));
+  if (recent_.size() > kRecentFrames) recent_.pop_front();
 }
 
 void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
@@ -227,19 +257,32 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
 }
 
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
-void VoNode::PublishKeyframe(const Frame& frame, const OdometryResult& result) {
+void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result) {
   last_keyframe_id_ = result.keyframe->id;
   if (options_.map.localise_only) {
     if (map_) odometry_->AdoptAround(map_->replica().map());
-    return;
+    Keyframe none;
+    none.keyframe_id = -1;
+    return KeepState(none);
   }
   Keyframe keyframe = ToKeyframe(result);
   keyframe.session = session_;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
-  keyframes_.Publish(keyframe);
   AwaitMap(keyframe.keyframe_id);
+  held_keyframe_ = std::move(keyframe);
+  if (!map_wait_.awaited()) PublishKeyframe();
+}
+
+/// In lockstep once the map of the one before has been taken over and the state is kept: whoever goes on from that finds
+/// the map as this one left it.
+void VoNode::PublishKeyframe() {
+  if (!held_keyframe_) return;
+  const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
+  if (keyframe.lockstep) KeepState(keyframe);
+  keyframes_.Publish(keyframe);
+  if (!keyframe.lockstep) KeepState(keyframe);
 }
 
 void VoNode::Count(const std::string& name, double increment) {

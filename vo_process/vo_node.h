@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/bus/frame_channel.h"
@@ -13,6 +12,7 @@
 #include "core/bus/map_channel.h"
 #include "core/bus/partner_wait.h"
 #include "core/bus/process.h"
+#include "plslam/pose_t.hpp"
 
 #include "vo_process/odometry.h"
 #include "vo_process/options.h"
@@ -25,6 +25,7 @@ class header_t;
 class relocalisation_t;
 class status_t;
 class stream_t;
+struct TrackerState;
 
 /// vo_process on the bus: camera and frames in; poses, tracks and keyframes out.
 ///
@@ -35,11 +36,18 @@ class stream_t;
 /// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster. So is the answer of
 /// loop_process to the question where a lost camera is, before the next frame.
 ///
+/// With a `state_file` the state is kept at each keyframe, in lockstep before that goes out: a tracker that is started in the
+/// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep the
+/// player sends these again, and the result is the same, bit for bit.
+///
 /// In a map that stays as it is (`vo.map.localise_only`) no keyframes are sent; a frame counts as lost until the camera has
 /// been found in the map.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
+  ~VoNode();
+  VoNode(const VoNode&) = delete;
+  VoNode& operator=(const VoNode&) = delete;
 
  private:
   using Frame = bus::FrameSubscriber::Frame;
@@ -51,7 +59,9 @@ class VoNode {
   void OnMap();
   void OnRelocalisation(const relocalisation_t& message);
   bool IsWaiting() const;
+  const pose_t* FindRecent(const Frame& frame) const;
   bool IsRepeated(const Frame& frame) const;
+  void AnswerAgain(const Frame& frame);
   void AwaitMap(int64_t keyframe_id);
   bool AdoptMap(int64_t oldest_keyframe_id);
   void AskWhereIAm(const Frame& frame, const OdometryResult& result);
@@ -63,7 +73,15 @@ class VoNode {
   void SetHeader(const Frame& frame, header_t& header) const;
   void PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages);
   void PublishTracks(const Frame& frame, const OdometryResult& result);
-  void PublishKeyframe(const Frame& frame, const OdometryResult& result);
+  void MakeKeyframe(const Frame& frame, const OdometryResult& result);
+  void PublishKeyframe();
+  void Restore();
+  void GoOnWith(const TrackerState& state);
+  void KeepState(const Keyframe& keyframe);
+  void DropState() const;
+  bool LacksFramesBefore(const Frame& frame) const;
+  void AskForFrames();
+  void AskAgainForFrames();
   void Count(const std::string& name, double increment);
   void FinishIfDone();
   void SetState(const std::string& state);
@@ -79,8 +97,8 @@ class VoNode {
   int64_t last_t_ns_ = 0;
   int64_t last_frame_id_ = -1;
   int64_t last_source_ = 0;
-  /// The newest frames of the session: number and time.
-  std::deque<std::pair<int64_t, int64_t>> recent_;
+  /// Of the newest frames of the session.
+  std::deque<pose_t> recent_;
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;
@@ -96,6 +114,13 @@ class VoNode {
   int64_t map_keyframe_id_ = -1;
   int64_t adopted_keyframe_id_ = -1;
   int64_t last_keyframe_id_ = -1;
+  /// Waits, in lockstep, for the map of the one before.
+  std::optional<Keyframe> held_keyframe_;
+  /// It goes on with the state of another, and no frame has come yet.
+  bool restored_ = false;
+  bool state_failed_ = false;
+  /// Of the player, for frames that are wanted again.
+  bus::PartnerWait frames_wait_;
   std::unique_ptr<bus::MapSubscriber> map_;
   // Last: its handler needs all of the above.
   bus::FrameSubscriber frames_;

@@ -24,18 +24,12 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
        std::function<bool(int64_t)> wanted_in)
       : bus(bus_in), mode(mode_in), handler(std::move(handler_in)), wanted(std::move(wanted_in)) {}
 
-  /// How far a publisher is.
-  struct Progress {
-    int64_t completed = -1;  // newest whole frame
-    int64_t repeated = 0;    // strips of frames that were whole already and were sent anew
-  };
-
   /// One of the two channels.
   struct Lane {
     bool lockstep = false;
     FrameAssembler assembler;
-    std::map<int64_t, Progress> publishers;
-    image_strip_t strip;  // kept for its memory
+    std::map<int64_t, int64_t> completed;  // newest whole frame, by publisher
+    image_strip_t strip;                   // kept for its memory
   };
 
   void Subscribe(const Channel& channel, Lane& lane);
@@ -79,11 +73,10 @@ void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
 void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
   const int64_t source = ReadHeader(bytes).source;
   const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
-  const auto known = lane.publishers.find(source);
-  if (known != lane.publishers.end() && frame_id <= known->second.completed) {
-    ++known->second.repeated;
-    return;
-  }
+  const auto known = lane.completed.find(source);
+  // In order each strip comes once: a frame that comes again was sent again, as by a player that has gone back.
+  const bool in_order = lane.lockstep && mode == Mode::kReliable;
+  if (!in_order && known != lane.completed.end() && frame_id <= known->second) return;
   if (wanted && !wanted(frame_id)) return;
   if (lane.strip.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   switch (lane.assembler.Add(lane.strip)) {
@@ -101,11 +94,8 @@ void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
 
 void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   static constexpr size_t kMaxSources = 256;
-  if (lane.publishers.size() >= kMaxSources) lane.publishers.clear();
-  Progress& progress = lane.publishers[frame.source];
-  progress.completed = frame.images.frame_id;
-  // In order each strip comes once: those are other ones, and no frame is skipped for them. Live they are echoes.
-  if (lane.lockstep) frame.first_seq -= progress.repeated;
+  if (lane.completed.size() >= kMaxSources) lane.completed.clear();
+  lane.completed[frame.source] = frame.images.frame_id;
   // What is older and still unfinished will stay so: its strips are lost, or in lockstep, given up.
   lane.assembler.Forget(frame.source, frame.images.frame_id);
   if (lane.lockstep && mode == Mode::kReliable) return Queue(std::move(frame), true);

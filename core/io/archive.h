@@ -9,6 +9,7 @@
 #include <map>
 #include <span>
 #include <stdexcept>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -63,6 +64,10 @@ class Writer {
     Append(&value, sizeof(T));
   }
   void Write(const SE3& pose) { (*this)(pose.translation(), pose.rotation().coeffs()); }
+  void Write(const std::string& text) {
+    Write(static_cast<uint64_t>(text.size()));
+    Append(text.data(), text.size());
+  }
   template <class First, class Second>
   void Write(const std::pair<First, Second>& value) {
     (*this)(value.first, value.second);
@@ -133,6 +138,10 @@ class Reader {
     Eigen::Vector4d xyzw;
     (*this)(t, xyzw);
     pose = SE3::FromUnit(Eigen::Quaterniond(xyzw), t);
+  }
+  void Read(std::string& text) {
+    text.resize(ReadCount(1));
+    Copy(text.data(), text.size());
   }
   template <class First, class Second>
   void Read(std::pair<First, Second>& value) {

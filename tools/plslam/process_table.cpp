@@ -57,6 +57,7 @@ Arguments VoArguments(const RunOptions& options) {
   if (options.no_mapping) settings.Add("map.enabled", std::string("false"));
   if (!WithLoops(options)) settings.Add("relocalisation.enabled", std::string("false"));
   settings.Add("map.localise_only", options.localise_only);
+  settings.Add("state_file", StateFileOf(options, "vo").string());
   return settings.Take();
 }
 
@@ -65,7 +66,7 @@ Arguments MappingArguments(const RunOptions& options) {
   if (options.no_loops) settings.Add("loops.enabled", std::string("false"));
   if (!options.map.empty()) settings.Add("map_file", std::filesystem::absolute(options.map).string());
   settings.Add("localise_only", options.localise_only);
-  settings.Add("state_file", StateFileOf(options).string());
+  settings.Add("state_file", StateFileOf(options, "mapping").string());
   return settings.Take();
 }
 
@@ -116,8 +117,8 @@ int NicenessOf(const ProcessRow& row, const RunOptions& options) {
   return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
 }
 
-std::filesystem::path StateFileOf(const RunOptions& options) {
-  return std::filesystem::absolute(options.out / ".mapping_state.plmap");
+std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process) {
+  return std::filesystem::absolute(options.out / fmt::format(".{}_state", process));
 }
 
 std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame) {

@@ -33,8 +33,8 @@ struct ProcessRow {
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
 
-/// Where mapping_process keeps what it needs after a crash; of this run only.
-std::filesystem::path StateFileOf(const RunOptions& options);
+/// Where "vo" or "mapping" keeps what it needs after a crash; of this run only.
+std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process);
 
 /// Of the pace that `plslam run` was asked for.
 int NicenessOf(const ProcessRow& row, const RunOptions& options);

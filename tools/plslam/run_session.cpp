@@ -53,13 +53,20 @@ Supervisor::Options RunSession::SupervisorOptions() {
 }
 
 void RunSession::Run() {
-  std::filesystem::remove(StateFileOf(options_));
+  RemoveStates();
   StartRows(false);
   bus_.Run();
-  std::filesystem::remove(StateFileOf(options_));
-  // Of one that was killed while it wrote.
-  std::filesystem::remove(StateFileOf(options_).concat(".part"));
+  RemoveStates();
   progress_line_.Clear();
+}
+
+void RunSession::RemoveStates() const {
+  for (const std::string process : {"vo", "mapping"}) {
+    const std::filesystem::path file = StateFileOf(options_, process);
+    std::filesystem::remove(file);
+    // Of one that was killed while it wrote.
+    std::filesystem::remove(file.string() + ".part");
+  }
 }
 
 void RunSession::Interrupt() {

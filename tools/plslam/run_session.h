@@ -34,6 +34,7 @@ class RunSession {
   Supervisor::Options SupervisorOptions();
   enum class Phase { kStarting, kPlaying, kSettling, kSaving, kStopping };
 
+  void RemoveStates() const;
   void StartRows(bool last);
   void Tick();
   void TellReadiness(Clock::time_point now);

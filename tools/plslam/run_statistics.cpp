@@ -9,13 +9,14 @@ std::string TrackingStateName(int state) {
 
 void RunStatistics::AddFrame(const FrameReport& frame) {
   last_ = frame;
+  // A tracker that was started again answers frames again.
+  if (frame.frame_id <= newest_frame_id_) return;
   for (const auto& [stage, ms] : frame.stage_ms) stage_ms_[stage].Add(ms);
   skipped_frames_ += frame.skipped_frames;
   if (frame.keyframe_id >= 0) {
     ++keyframes_;
     last_keyframe_ = {frame.session, frame.keyframe_id};
   }
-  if (frame.frame_id <= newest_frame_id_) return;
   newest_frame_id_ = frame.frame_id;
   newest_t_ns_ = frame.t_ns;
   ++frames_;

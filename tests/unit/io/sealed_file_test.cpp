@@ -48,11 +48,12 @@ struct Things {
   std::map<int64_t, std::vector<uint8_t>> bytes;
   Eigen::Matrix3d matrix = Eigen::Matrix3d::Zero();
   bool flag = false;
+  std::string text;
 
   bool operator==(const Things&) const = default;
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.traces, self.pairs, self.bytes, self.matrix, self.flag);
+    a(self.traces, self.pairs, self.bytes, self.matrix, self.flag, self.text);
   }
 };
 
@@ -64,6 +65,7 @@ Things SomeThings() {
   things.bytes = {{-3, {}}, {5, {1, 2, 255}}};
   things.matrix = Eigen::Matrix3d::Constant(1.0 / 3.0);
   things.flag = true;
+  things.text = "two words";
   return things;
 }
 

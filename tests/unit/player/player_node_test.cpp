@@ -8,12 +8,15 @@
 
 #include <condition_variable>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
@@ -61,6 +64,9 @@ class Reader {
     return changed_.wait_for(lock, seconds(30), condition);
   }
 
+  // Instead of an answer to frame `at` it wants, once, those behind frame `to` again.
+  void GoBack(int64_t at, int64_t to) { go_back_ = {at, to}; }
+
   std::vector<int64_t> frame_ids_;
   std::vector<int> first_pixels_;
   std::vector<int64_t> truths_;
@@ -80,11 +86,21 @@ class Reader {
       frame_ids_.push_back(frame.images.frame_id);
       first_pixels_.push_back(frame.images.left.at<uint8_t>(0, 0));
     });
+    t_ns_[frame.images.frame_id] = frame.images.t_ns;
+    if (frame.images.frame_id == go_back_.first) return AskForFrames();
     if (!answers_) return;
     pose_t pose{};
     pose.header.t_ns = frame.images.t_ns;
     pose.frame_id = frame.images.frame_id;
     bus_.Publish(bus::kPose, pose);
+  }
+  void AskForFrames() {
+    command_t command{};
+    command.target = "player";
+    command.verb = "go_back";
+    command.argument = ToText({go_back_.second, t_ns_.at(go_back_.second)});
+    bus_.Publish(bus::kCommand, command);
+    go_back_ = {-1, -1};
   }
   void SayAlive() {
     status_t status{};
@@ -95,6 +111,8 @@ class Reader {
 
   bus::Bus bus_;
   const bool answers_;
+  std::pair<int64_t, int64_t> go_back_{-1, -1};
+  std::map<int64_t, int64_t> t_ns_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<bus::FrameSubscriber> frames_;
@@ -161,6 +179,19 @@ TEST_F(PlayerNodeTest, LockstepSendsEveryFrameAndEnds) {
   ASSERT_FALSE(reader.rigs_.empty());
   EXPECT_EQ(reader.rigs_[0].left.fx_px, 40.0);
   EXPECT_DOUBLE_EQ(reader.rigs_[0].baseline_m, 0.5);
+}
+
+TEST_F(PlayerNodeTest, ReaderThatWantsFramesAgainGetsThemWithTheirNumbersAndTimes) {
+  Reader reader(true);
+  reader.GoBack(6, 2);
+  options_.loop = 2;
+  options_.bounce = true;
+  Player player(options_);
+  EXPECT_EQ(player.Join(), "");
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 3, 4, 5, 6, 7, 8));
+  EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 31, 62, 31, 0, 31, 62, 31, 0, 31, 62, 31, 0));
+  EXPECT_EQ(reader.streams_[1].n_frames, 9);
 }
 
 TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {

@@ -50,6 +50,37 @@ TEST(Turn, PosesThatCameBeforeCountOnlyInAStreamThatIsResumed) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
 }
 
+TEST(Turn, AReaderThatWantsFramesAgainIsSaidOnce) {
+  Turn turn;
+  turn.OnGoBack(21, {3, 30});
+  turn.Expect({7, 70});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kGoBack);
+  EXPECT_EQ(turn.GoBack(), (ResumePoint{3, 30}));
+  turn.Expect({4, 40});
+  turn.OnGoBack(21, {3, 30});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said again";
+  turn.OnGoBack(22, {3, 30});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kGoBack) << "another has not got frame 4";
+  EXPECT_EQ(turn.GoBack(), (ResumePoint{3, 30}));
+  turn.Expect({4, 40});
+  turn.OnGoBack(22, {9, 90});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "such a frame has not been sent";
+}
+
+TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
+  Turn turn;
+  turn.OnPose({7, 70});
+  turn.Resume();
+  turn.OnGoBack(21, {3, 30});
+  turn.Expect({8, 80});
+  ASSERT_EQ(turn.WaitForPose(kNow), Event::kGoBack);
+  turn.GoBack();
+  turn.Expect({4, 40});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  turn.OnPose({4, 40});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+}
+
 TEST(Turn, StopEndsEveryWait) {
   Turn turn;
   turn.Expect({0, 10 * 0});

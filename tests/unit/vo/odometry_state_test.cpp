@@ -1,0 +1,78 @@
+// An odometry made of the state of another goes on as that one, to the last bit.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/io/archive.h"
+#include "player/open_dataset.h"
+#include "tests/support/feature_world.h"
+#include "vo_process/odometry.h"
+#include "vo_process/stereo_front_end.h"
+
+namespace plslam {
+namespace {
+
+std::vector<uint8_t> Bits(const OdometryResult& result) {
+  std::vector<int64_t> landmarks = TrackedLandmarkIds(result.point_tracks);
+  for (const FeatureTrack& track : result.line_tracks) landmarks.push_back(track.landmark_id);
+  std::vector<double> measured;
+  for (const StereoPoint& point : result.features.points) {
+    measured.insert(measured.end(), {point.left.px.x(), point.left.px.y(), point.disparity_px, point.sigma_px});
+  }
+  return archive::ToBytes(static_cast<int>(result.state), result.T_odom_c, result.covariance, result.T_prev_c,
+                          result.motion_covariance, result.entropy_ratio, landmarks, measured);
+}
+
+Odometry Restored(const Odometry& odometry, const StereoCamera& camera, const VoOptions& options) {
+  Odometry restored(camera, options);
+  archive::FromBytes(archive::ToBytes(odometry), restored);
+  return restored;
+}
+
+double Zero() { return 0.0; }
+
+/// Follows a world twice: once undisturbed, once with an odometry that is made anew from its state at each keyframe.
+void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
+  const auto dataset = OpenDataset(world, "");
+  StereoFrontEnd front_end(dataset->rig(), options);
+  Odometry undisturbed(front_end.camera(), options);
+  std::optional<Odometry> restored(std::in_place, front_end.camera(), options);
+  int n_restored = 0;
+  for (int i = 0; i < frames; ++i) {
+    StageTimer timer(Zero);
+    const StereoImages images = dataset->Read(i);
+    const StereoFeatures features = front_end.Process(images, timer);
+    const OdometryResult expected = undisturbed.Track(images.t_ns, features, front_end.left());
+    const OdometryResult result = restored->Track(images.t_ns, features, front_end.left());
+    ASSERT_EQ(Bits(result), Bits(expected)) << "frame " << i << ", restored " << n_restored << " times";
+    ASSERT_EQ(result.keyframe.has_value(), expected.keyframe.has_value());
+    if (!result.keyframe) continue;
+    restored.emplace(Restored(*restored, front_end.camera(), options));
+    ++n_restored;
+  }
+  EXPECT_GE(n_restored, 3);
+  EXPECT_EQ(archive::ToBytes(*restored), archive::ToBytes(undisturbed));
+}
+
+TEST(OdometryState, GoesOnToTheLastBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
+
+TEST(OdometryState, GoesOnToTheLastBitFrameToFrameWithoutMeans) {
+  VoOptions options;
+  options.tracking.reference = "previous_frame";
+  options.keyframes.measurements = "frame";
+  ExpectSameBits("synthetic:corridor?size=320x240&frames=40", 40, options);
+}
+
+TEST(OdometryState, BytesThatAreCutOffAreRefused) {
+  const StereoCamera camera = test::FeatureWorld::Camera();
+  const std::vector<uint8_t> bytes = archive::ToBytes(Odometry(camera, VoOptions()));
+  Odometry odometry(camera, VoOptions());
+  EXPECT_THROW(archive::FromBytes(std::span(bytes).first(bytes.size() - 1), odometry), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace plslam

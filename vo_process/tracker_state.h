@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/map/keyframe.h"
+
+namespace plslam {
+
+/// What a tracker that is started in the place of one that was killed goes on with, as of a frame that became a keyframe. The
+/// frames after it are played again, or are a gap of a live stream.
+struct TrackerState {
+  /// The configuration; with another one, nothing here is worth anything.
+  std::string settings;
+  /// An encoded camera_t.
+  std::vector<uint8_t> camera;
+  int64_t session = 0;
+  bool lockstep = false;
+  int64_t t_ns = 0;
+  int64_t frame_id = -1;
+  /// Publisher of the frames.
+  int64_t source = 0;
+  /// Encoded pose_t of the newest frames, which may be asked for again.
+  std::vector<std::vector<uint8_t>> poses;
+  int64_t adopted_keyframe_id = -1;
+  /// The fields of an Odometry.
+  std::vector<uint8_t> odometry;
+  /// In lockstep it is sent after the state has been written: it may or may not have gone out. -1 where none is sent.
+  Keyframe keyframe;
+};
+
+/// Beside the file and renamed. Throws std::runtime_error that names the file.
+void WriteTrackerState(const std::string& path, const TrackerState& state);
+
+/// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
+TrackerState ReadTrackerState(const std::string& path);
+
+}  // namespace plslam

@@ -29,7 +29,8 @@ void WorkQueue::Add(const LoopClosure& closure) {
 
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   Work work;
-  if (!saves_.empty() && newest_.settled) {
+  caught_up_ = caught_up_ || keyframes_.size() == 0;
+  if (!saves_.empty() && newest_.settled && caught_up_) {
     work.kind = Work::Kind::kSave;
     work.path = std::move(saves_.front());
     saves_.pop_front();

@@ -60,6 +60,7 @@ class WorkQueue {
   /// What was said before the map was restored, about what is in it, is passed over.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
+  /// One that was started again first takes in what the histories hold: a map that is saved has all that came before.
   void Save(const std::string& path) { saves_.push_back(path); }
 
   /// loop_process lives.
@@ -98,6 +99,8 @@ class WorkQueue {
   std::deque<LoopClosure> closures_;
   std::deque<std::string> saves_;
   bool asked_ = false;
+  /// No keyframes were waiting at some time since the start.
+  bool caught_up_ = false;
   /// Newest keyframe of each session that is in the map.
   std::map<int64_t, int64_t> inserted_;
   Newest newest_;

@@ -259,6 +259,21 @@ TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
   ExpectNothing();
 }
 
+TEST_F(WorkQueueTest, AfterARestartAMapIsSavedWhenItHasWhatCameBefore) {
+  queue_.Restore({{kSession, 4}}, kSession);
+  queue_.Save("a.plmap");
+  for (int64_t id = 5; id < 7; ++id) {
+    queue_.Add(KeyframeOf(id, true), 0.0);
+    queue_.Add(ClosureOf(id));
+  }
+  for (int64_t id = 5; id < 7; ++id) {
+    EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, id);
+    EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, id);
+  }
+  Take(Kind::kSave);
+  ExpectNothing();
+}
+
 TEST(WorkQueueState, IsKeptEveryFewKeyframesAndBeforeANewSessionWhenAllIsSaid) {
   WorkQueue queue({.enabled = true, .wait_s = 5.0}, 2);
   const auto insert = [&](const Keyframe& keyframe) {

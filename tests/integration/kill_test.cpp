@@ -152,15 +152,28 @@ void ExpectAllKeyframes(const Heard& heard) {
 constexpr double kBack_s = 2.0;
 constexpr double kRebuilt_s = 2.0;
 
-/// Position error of a run that is killed at random, all else checked.
-double PlayWithKills(const Extent& extent, unsigned seed) {
+/// What a run leaves behind.
+struct Result {
+  std::string trajectory;
+  std::string keyframes;
+  std::string map;
+  double ate_m = -1.0;
+};
+
+Result ResultOf(const WholeRun& run) {
+  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), run.Read("map.ply"),
+          run.Summary()["accuracy"]["ate_m"]};
+}
+
+/// A run that is killed at random, all else checked.
+Result PlayWithKills(const Extent& extent, unsigned seed) {
   RunWatcher watcher;
   WholeRun run;
   run.Start(Arguments(watcher.url(), extent.frames));
   const std::vector<Death> deaths = KillAtRandom(run, watcher, extent, seed);
   const int code = run.Wait(600);
   EXPECT_EQ(code, 0) << run.Logs();
-  if (code != 0) return 1e9;
+  if (code != 0) return {};
 
   const nlohmann::json summary = run.Summary();
   const Heard heard = watcher.Get();
@@ -173,38 +186,35 @@ double PlayWithKills(const Extent& extent, unsigned seed) {
     EXPECT_LT(toll.back_s.at(name), kBack_s) << name;
   }
   EXPECT_LT(toll.rebuilt_s, kRebuilt_s);
-  for (const auto& [session, frames] : heard.poses) {
-    for (const auto& [frame, n] : frames) EXPECT_EQ(n, 1) << "frame " << frame;
-  }
-  const size_t n_trackers = 1 + (toll.killed.contains("vo") ? toll.killed.at("vo") : 0);
-  EXPECT_EQ(heard.publishers_of_poses.size(), n_trackers);
+  EXPECT_EQ(heard.poses.size(), 1U) << "trackers go on with the session";
+  EXPECT_EQ(heard.poses_said_otherwise, 0) << "of " << heard.poses_said_again << " that were said again";
   ExpectAllKeyframes(heard);
-  const std::string path = run.Read("trajectory.tum");
-  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), extent.frames - static_cast<int>(deaths.size()));
-  const double ate_m = summary["accuracy"]["ate_m"];
-  std::cout << "seed " << seed << ": ATE " << ate_m << " m; " << heard.poses.size() << " sessions, "
+  std::cout << "seed " << seed << ": " << heard.poses_said_again << " poses said again, "
             << summary["map"]["keyframes"] << " keyframes\n";
-  return ate_m;
+  return ResultOf(run);
 }
 
-double UndisturbedAte_m(const Extent& extent) {
+Result PlayUndisturbed(const Extent& extent) {
   const RunWatcher watcher;
   WholeRun run;
   EXPECT_EQ(run.Run(Arguments(watcher.url(), extent.frames)), 0) << run.Logs();
   EXPECT_EQ(watcher.Get().poses_said_again, 0) << "nobody has died";
-  return run.Summary()["accuracy"]["ate_m"];
+  return ResultOf(run);
 }
 
 /// By seed.
 class Kills : public testing::TestWithParam<unsigned> {};
 
-TEST_P(Kills, LoseNoKeyframeAndCostNoAccuracy) {
+TEST_P(Kills, ChangeNoBitOfTheResult) {
   if (GetParam() != kFirstSeed && !test::LongTests()) GTEST_SKIP() << "one seed is enough: PLSLAM_LONG_TESTS";
   const Extent extent = ExtentOfTheRun();
-  const double undisturbed_m = UndisturbedAte_m(extent);
-  const double ate_m = PlayWithKills(extent, GetParam());
-  std::cout << "ATE " << ate_m << " m with " << extent.kills << " kills, " << undisturbed_m << " m undisturbed\n";
-  EXPECT_LT(ate_m, 1.05 * undisturbed_m + 0.0005);
+  const Result undisturbed = PlayUndisturbed(extent);
+  const Result killed = PlayWithKills(extent, GetParam());
+  std::cout << "ATE " << killed.ate_m << " m with " << extent.kills << " kills, " << undisturbed.ate_m
+            << " m undisturbed\n";
+  EXPECT_TRUE(killed.trajectory == undisturbed.trajectory);
+  EXPECT_TRUE(killed.keyframes == undisturbed.keyframes);
+  EXPECT_TRUE(killed.map == undisturbed.map);
 }
 
 INSTANTIATE_TEST_SUITE_P(Random, Kills, testing::Range(kFirstSeed, kFirstSeed + 5),

@@ -17,6 +17,15 @@ bus::BusOptions On(const std::string& url) {
   return options;
 }
 
+std::vector<uint8_t> Content(pose_t pose) {
+  pose.header = {};
+  pose.stages.clear();
+  pose.n_stages = 0;
+  std::vector<uint8_t> bytes(static_cast<size_t>(pose.getEncodedSize()));
+  pose.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  return bytes;
+}
+
 std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
   std::map<int64_t, std::set<int64_t>> keyframes;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -60,13 +69,12 @@ void RunWatcher::Listen() {
     Add([&](Heard& heard) {
       heard.frames.insert(m.frame_id);
       heard.newest_frame = std::max(heard.newest_frame, m.frame_id);
-      // A session is named after the process that began it.
-      if (m.header.source > m.header.session || m.header.session - m.header.source > 1000) {
+      const auto [said, first] = heard.poses[m.header.session].try_emplace(m.frame_id, Content(m));
+      if (!first) {
         ++heard.poses_said_again;
+        if (said->second != Content(m)) ++heard.poses_said_otherwise;
         return;
       }
-      ++heard.poses[m.header.session][m.frame_id];
-      heard.publishers_of_poses.insert(m.header.source);
       heard.pose_at_s.try_emplace(m.frame_id, bus::NowS());
       if (m.state == kLost) ++heard.lost_frames;
     });

@@ -24,10 +24,11 @@ namespace plslam::test {
 
 /// What a listener hears of a run.
 struct Heard {
-  /// How often each frame had a pose, by session; what is said again for the dead does not count.
-  std::map<int64_t, std::map<int64_t, int>> poses;
+  /// What was first said of each frame, by session: encoded poses without header and stages.
+  std::map<int64_t, std::map<int64_t, std::vector<uint8_t>>> poses;
   std::map<int64_t, double> pose_at_s;  ///< by frame: when, of the steady clock
-  int64_t poses_said_again = 0;         ///< by another in place of who had said them
+  int64_t poses_said_again = 0;         ///< by a tracker that goes on for another, or in place of the dead
+  int64_t poses_said_otherwise = 0;     ///< of these, those that were not the same, to the last bit
   std::set<int64_t> frames;
   int64_t newest_frame = -1;
   int64_t lost_frames = 0;
@@ -37,7 +38,6 @@ struct Heard {
   std::map<int64_t, std::set<int64_t>> mapped;
   /// Newest status by process name.
   std::map<std::string, status_t> status;
-  std::set<int64_t> publishers_of_poses;
   /// Names and ids of processes that have said that they are ready, or run.
   std::set<std::pair<std::string, int64_t>> ready;
   /// When each process first said a word, and when it first said that it runs: by name and id, of the steady clock.

@@ -16,8 +16,11 @@ PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatur
   return description;
 }
 
-void KeyframeMemory::Add(const Keyframe& keyframe) {
-  waiting_[{keyframe.session, keyframe.keyframe_id}] = keyframe.features;
+bool KeyframeMemory::Add(const Keyframe& keyframe) {
+  const Name name{keyframe.session, keyframe.keyframe_id};
+  if (!known_.insert(name).second) return false;
+  waiting_[name] = keyframe.features;
+  return true;
 }
 
 void KeyframeMemory::Enter(int64_t id, const Name& name, StereoFeatures features) {
@@ -61,9 +64,11 @@ void KeyframeMemory::Follow(const Map& map) {
     Enter(entry->first, name, std::move(found->second));
     waiting_.erase(found);
   }
-  std::erase_if(waiting_, [&newest](const auto& waiting) {
+  std::erase_if(waiting_, [&](const auto& waiting) {
     const auto session = newest.find(waiting.first.first);
-    return session != newest.end() && waiting.first.second < session->second;
+    const bool for_good = session != newest.end() && waiting.first.second < session->second;
+    if (for_good) known_.erase(waiting.first);
+    return for_good;
   });
 }
 

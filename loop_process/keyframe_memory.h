@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,11 @@ class KeyframeMemory {
  public:
   explicit KeyframeMemory(PlaceRecogniser places) : places_(std::move(places)) {}
 
-  /// Features of a keyframe, as its session numbers it.
-  void Add(const Keyframe& keyframe);
+  /// Features of a keyframe, as its session numbers it. False where they are here already.
+  bool Add(const Keyframe& keyframe);
+
+  /// Whether the features of a keyframe are here. Of one that has gone for good they are not.
+  bool Knows(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
 
   /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may still
   /// take them, that is until a later keyframe of their session is in it.
@@ -43,6 +47,7 @@ class KeyframeMemory {
   void Leave(int64_t id, const Name& name);
 
   PlaceRecogniser places_;
+  std::set<Name> known_;  // of all whose features are here, waiting or not
   std::map<Name, StereoFeatures> waiting_;
   KeyframeFeatures features_;
   std::map<int64_t, FeatureNodes> point_nodes_;

@@ -24,8 +24,9 @@ class LoopCloser {
  public:
   LoopCloser(const StereoCamera& camera, PlaceRecogniser places, const LoopOptions& options);
 
-  /// Features of a keyframe, which may come before or after the map has it.
-  void AddKeyframe(const Keyframe& keyframe) { memory_.Add(keyframe); }
+  /// Features of a keyframe, which may come before or after the map has it. False where they are known.
+  bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
+  bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
 
   /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in. `Judge` does
   /// it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to judge.

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <utility>
 
 #include "core/bus/convert.h"
@@ -11,6 +12,12 @@
 #include "plslam/camera_t.hpp"
 
 namespace plslam {
+namespace {
+
+// How often it is looked whether what is missing has been waited for long enough.
+constexpr std::chrono::milliseconds kTick(200);
+
+}  // namespace
 
 LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
     : process_(process),
@@ -65,14 +72,21 @@ void LoopNode::JudgeUntilStopped() {
     std::optional<Arrival> arrival;
     {
       std::unique_lock lock(mutex_);
-      changed_.wait(lock, [this] { return stopping_ || (camera_ && !arrivals_.empty()); });
+      const bool has_come =
+          changed_.wait_for(lock, kTick, [this] { return stopping_ || (camera_ && !arrivals_.empty()); });
       if (stopping_) return;
-      arrival = std::move(arrivals_.front());
-      arrivals_.pop_front();
-      process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
-      if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
+      if (has_come) {
+        arrival = std::move(arrivals_.front());
+        arrivals_.pop_front();
+        process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+        if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
+      }
     }
-    Send(Handle(*arrival));
+    if (arrival) {
+      Send(Handle(*arrival));
+    } else if (service_) {
+      Send(service_->OnTick());
+    }
   }
 }
 

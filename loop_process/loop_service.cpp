@@ -18,11 +18,15 @@ int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   Output output;
   // Said again in the name of a tracker that has died, or by a mapping_process that has been started again.
-  if (!known_.insert({keyframe.session, keyframe.keyframe_id}).second) return output;
-  closer_.AddKeyframe(keyframe);
-  int64_t& received = received_.try_emplace(keyframe.session, kNone).first->second;
-  received = std::max(received, keyframe.keyframe_id);
+  if (!closer_.AddKeyframe(keyframe)) return output;
+  if (lacking_.erase({keyframe.session, keyframe.keyframe_id}) > 0) lacking_since_ms_ = now_ms_();
+  return OnTick();
+}
+
+LoopService::Output LoopService::OnTick() {
+  Output output;
   JudgeWhatIsDue(output);
+  AnswerWhatIsDue(output);
   return output;
 }
 
@@ -35,7 +39,9 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     settled_.clear();
     due_.clear();
     on_its_way_.reset();
+    unadjusted_.reset();
   }
+  if (update.base_version == 0 || !lacking_.empty()) NoteLacking();
   Follow(update, output);
   JudgeWhatIsDue(output);
   AnswerWhatIsDue(output);
@@ -58,29 +64,83 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
     const bool arrived = replica_.map().loops().size() > on_its_way_->n_loops;
     // Settled without it: the map has refused it.
     if (arrived || update.settled) {
-      if (arrived && on_its_way_->loop.more) {
-        output.adjustment = closer_.WholeMap(replica_.map(), on_its_way_->loop);
-        output.adjustment->map_source = replica_.source();
-        output.adjustment->map_version = replica_.version();
-      }
+      if (arrived && on_its_way_->loop.more) Adjust(on_its_way_->loop, output);
       on_its_way_.reset();
     }
   }
   if (update.session_keyframe_id < 0) return;
   int64_t judged = Newest(judged_, update.session);
-  if (update.base_version == 0 && judged == kNone) judged = update.session_keyframe_id - 1;
-  if (update.settled) judged = std::max(judged, update.session_keyframe_id);
-  for (int64_t id = judged + 1; id <= update.session_keyframe_id; ++id) due_.emplace_back(update.session, id);
+  if (update.base_version == 0 && judged == kNone) {
+    judged = update.session_keyframe_id - 1;
+    if (AwaitsAdjustment(update)) {
+      unadjusted_.emplace();
+      unadjusted_->session = update.session;
+      unadjusted_->session_keyframe_id = ++judged;
+      unadjusted_->t_ns = update.t_ns;
+    }
+  }
+  if (update.settled) {
+    judged = std::max(judged, update.session_keyframe_id);
+    unadjusted_.reset();
+  }
+  const double now_ms = now_ms_();
+  for (int64_t id = judged + 1; id <= update.session_keyframe_id; ++id) due_.push_back({update.session, id, now_ms});
   judged_[update.session] = std::max(judged, update.session_keyframe_id);
 }
 
+void LoopService::Adjust(const LoopClosure& loop, Output& output) {
+  output.adjustment = closer_.WholeMap(replica_.map(), loop);
+  output.adjustment->map_source = replica_.source();
+  output.adjustment->map_version = replica_.version();
+}
+
+/// Its newest keyframe has a loop in it, and is not settled.
+bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
+  const std::vector<LoopEdge>& loops = replica_.map().loops();
+  if (update.settled || loops.empty() || !closer_.options().adjustment.enabled) return false;
+  const MapKeyframe* keyframe = replica_.map().FindKeyframe(loops.back().keyframe_id);
+  return keyframe != nullptr && keyframe->session == update.session &&
+         keyframe->session_keyframe_id == update.session_keyframe_id;
+}
+
+void LoopService::NoteLacking() {
+  lacking_.clear();
+  for (const auto& [id, keyframe] : replica_.map().keyframes()) {
+    if (closer_.Knows(keyframe.session, keyframe.session_keyframe_id)) continue;
+    lacking_.emplace(keyframe.session, keyframe.session_keyframe_id);
+  }
+  lacking_since_ms_ = now_ms_();
+}
+
+/// What has not come by now will not come any more.
+bool LoopService::IsComplete() {
+  if (!lacking_.empty() && now_ms_() - lacking_since_ms_ >= kPatience_ms) lacking_.clear();
+  return lacking_.empty();
+}
+
+/// In order within a session; a robot whose keyframes are late does not hold up the others.
+std::deque<LoopService::Due>::iterator LoopService::NextDue() {
+  std::set<int64_t> late;
+  const double now_ms = now_ms_();
+  return std::find_if(due_.begin(), due_.end(), [&](const Due& due) {
+    const bool here = closer_.Knows(due.session, due.keyframe_id) || now_ms - due.since_ms >= kPatience_ms;
+    if (here && !late.contains(due.session)) return true;
+    late.insert(due.session);
+    return false;
+  });
+}
+
 void LoopService::JudgeWhatIsDue(Output& output) {
+  if (!IsComplete()) return;
+  if (unadjusted_) {
+    closer_.Follow(replica_.map());
+    Adjust(*unadjusted_, output);
+    unadjusted_.reset();
+  }
   while (!on_its_way_) {
-    // In order within a session; a robot whose keyframes are late does not hold up the others.
-    const auto next = std::find_if(due_.begin(), due_.end(),
-                                   [this](const auto& due) { return Newest(received_, due.first) >= due.second; });
+    const auto next = NextDue();
     if (next == due_.end()) return;
-    const auto [session, keyframe_id] = *next;
+    const auto [session, keyframe_id, since_ms] = *next;
     due_.erase(next);
     const double began_ms = now_ms_();
     LoopClosure closure = closer_.Judge(replica_.map(), session, keyframe_id);
@@ -95,10 +155,10 @@ void LoopService::JudgeWhatIsDue(Output& output) {
   }
 }
 
-bool LoopService::IsAnswerable(const Keyframe& frame) const {
+bool LoopService::IsAnswerable(const Keyframe& frame) {
   // Whoever asks has the map, so it is on its way here too.
   if (!frame.lockstep) return true;
-  return replica_.version() > 0 && Newest(settled_, frame.session) >= frame.previous_keyframe_id;
+  return replica_.version() > 0 && IsComplete() && Newest(settled_, frame.session) >= frame.previous_keyframe_id;
 }
 
 void LoopService::AnswerWhatIsDue(Output& output) {

@@ -23,8 +23,15 @@ namespace plslam {
 /// Each keyframe is judged once, on the map right after it came in, and its features are waited for. While a loop is on
 /// its way into the map, nothing else is judged. A question of a lockstep stream is answered on the map that loop_process
 /// has had its say about, as of the tracker's last keyframe.
+///
+/// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes are there,
+/// whoever tells them; features that do not come are waited for a while only. One that has a loop of its newest keyframe, and
+/// is not settled, waits for the adjustment that the loop_process before this one died over.
 class LoopService {
  public:
+  /// How long features that do not come are waited for.
+  static constexpr double kPatience_ms = 3000.0;
+
   /// What is to be sent, and what is to be adjusted meanwhile.
   struct Output {
     std::vector<LoopClosure> closures;
@@ -32,7 +39,7 @@ class LoopService {
     std::optional<WholeMapProblem> adjustment;
   };
 
-  /// `now_ms` measures how long things take.
+  /// `now_ms` measures how long things take, and waits.
   LoopService(LoopCloser closer, std::function<double()> now_ms)
       : closer_(std::move(closer)), now_ms_(std::move(now_ms)) {}
 
@@ -40,6 +47,8 @@ class LoopService {
   Output OnUpdate(const MapUpdate& update);
   /// Features of a frame; `frame_id` names the question, `previous_keyframe_id` the tracker's last keyframe.
   Output OnQuestion(const Keyframe& frame);
+  /// Time passes: now and then.
+  Output OnTick();
 
   const MapReplica& replica() const { return replica_; }
 
@@ -48,24 +57,35 @@ class LoopService {
     LoopClosure loop;
     size_t n_loops = 0;  ///< in the map without it
   };
+  /// A keyframe to be judged, as its session counts, and since when.
+  struct Due {
+    int64_t session = 0;
+    int64_t keyframe_id = -1;
+    double since_ms = 0.0;
+  };
 
   void Follow(const MapUpdate& update, Output& output);
+  void Adjust(const LoopClosure& loop, Output& output);
+  bool AwaitsAdjustment(const MapUpdate& update) const;
+  void NoteLacking();
+  bool IsComplete();
+  std::deque<Due>::iterator NextDue();
   void JudgeWhatIsDue(Output& output);
-  void Judge(int64_t keyframe_id, Output& output);
   void AnswerWhatIsDue(Output& output);
-  bool IsAnswerable(const Keyframe& frame) const;
-  bool HasFeatures(int64_t session, int64_t keyframe_id) const;
+  bool IsAnswerable(const Keyframe& frame);
 
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
-  /// Newest keyframe by session: that came, that was judged, that is settled in the map.
-  std::map<int64_t, int64_t> received_;
-  std::set<std::pair<int64_t, int64_t>> known_;
+  /// Newest keyframe by session: that was judged, that is settled in the map.
   std::map<int64_t, int64_t> judged_;
   std::map<int64_t, int64_t> settled_;
-  /// Keyframes to be judged: (session, number there).
-  std::deque<std::pair<int64_t, int64_t>> due_;
+  std::deque<Due> due_;
+  /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none has come.
+  std::set<std::pair<int64_t, int64_t>> lacking_;
+  double lacking_since_ms_ = 0.0;
+  /// The loop whose adjustment another loop_process died over.
+  std::optional<LoopClosure> unadjusted_;
   std::optional<OnItsWay> on_its_way_;
   std::deque<Keyframe> questions_;
 };

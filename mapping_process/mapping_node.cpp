@@ -136,7 +136,7 @@ void MappingNode::WorkUntilStopped() {
     if (stopping_) return;
   }
   BeginMap();
-  if (restored_) AwaitHistories();
+  AwaitHistories();
   while (const std::optional<Work> work = NextWork()) Do(*work);
 }
 
@@ -176,12 +176,14 @@ void MappingNode::TellOfMap(const std::string& file) {
   CountMap();
 }
 
-/// Of several publishers some answer sooner: work begins when nothing more has come for a while, or much later.
+/// After a restart. Of several publishers some answer sooner: work begins when nothing more has come for a while, or much later. What
+/// the dead have said of a keyframe is then here before anybody judges it anew.
 void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
+  if (!restored_ && queue_.n_waiting() == 0) return;
   const double until_ms = bus::NowMs() + kLongestHistory_ms;
-  for (size_t before = queue_.n_keyframes() + 1; before != queue_.n_keyframes() && bus::NowMs() < until_ms;) {
-    before = queue_.n_keyframes();
+  for (size_t before = queue_.n_waiting() + 1; before != queue_.n_waiting() && bus::NowMs() < until_ms;) {
+    before = queue_.n_waiting();
     changed_.wait_for(lock, kHistoryQuiet, [this] { return stopping_; });
     if (stopping_) return;
   }

@@ -75,6 +75,8 @@ class WorkQueue {
   void Inserted(const Keyframe& keyframe, int count, double now_s);
 
   size_t n_keyframes() const { return keyframes_.size(); }
+  /// Of keyframes and what was said of them.
+  size_t n_waiting() const { return keyframes_.size() + closures_.size(); }
 
  private:
   /// Session, keyframe, map (publisher, version) and kind of a closure.

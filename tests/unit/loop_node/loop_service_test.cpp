@@ -70,11 +70,12 @@ class Service : public testing::Test {
   int64_t next_id_ = 0;
   int64_t version_ = 0;
   int64_t source_ = 1;
+  double now_ms_ = 0.0;
   LoopService service_{LoopCloser(FeatureWorld::Camera(),
                                   PlaceRecogniser(test::SmallVocabulary(WordKind::kPoints),
                                                   test::SmallVocabulary(WordKind::kLines), {}),
                                   LoopOptions()),
-                       [] { return 0.0; }};
+                       [this] { return now_ms_; }};
 };
 
 TEST_F(Service, EachKeyframeIsJudgedOnceWhenMapAndFeaturesAreThereInEitherOrder) {
@@ -93,9 +94,97 @@ TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
   // In any order: what a publisher had lost may come in its place later.
   service_.OnKeyframe(KeyframeOf(2));
   service_.OnUpdate(Update(0, true));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), (Ids{1, 2}));
-  service_.OnKeyframe(KeyframeOf(1));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), (Ids{1, 2}));
   EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(2))), Ids{});
+}
+
+TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
+  service_.OnKeyframe(KeyframeOf(0));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  service_.OnKeyframe(KeyframeOf(2));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), Ids{});
+  now_ms_ += LoopService::kPatience_ms - 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  now_ms_ += 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), (Ids{1, 2}));
+}
+
+// loop_process was started again, and several tell of the keyframes: the living tracker first.
+TEST_F(Service, AWholeMapIsJudgedWhenAllItsFeaturesAreThere) {
+  Update(5, false);
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(5))), Ids{});
+  EXPECT_EQ(Judged(service_.OnUpdate(Whole(5, false, 2))), Ids{});
+  Keyframe question = KeyframeOf(6);
+  question.previous_keyframe_id = -1;
+  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  for (int64_t id = 0; id < 4; ++id) EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(id))), Ids{}) << id;
+  const auto output = service_.OnKeyframe(KeyframeOf(4));
+  EXPECT_EQ(Judged(output), Ids{5});
+  EXPECT_EQ(output.answers.size(), 1U);
+}
+
+TEST_F(Service, FeaturesOfAWholeMapThatDoNotComeAreWaitedForAWhile) {
+  Update(5, false);
+  for (const int64_t id : {1, 3, 5}) service_.OnKeyframe(KeyframeOf(id));
+  service_.OnUpdate(Whole(5, false, 2));
+  now_ms_ += LoopService::kPatience_ms - 1.0;
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(4))), Ids{}) << "more is coming";
+  now_ms_ += LoopService::kPatience_ms - 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  now_ms_ += 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{5});
+}
+
+// mapping_process was started again, and its map has a keyframe that had been taken out: it tells its features, too.
+TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
+  for (int64_t id = 0; id < 3; ++id) {
+    service_.OnKeyframe(KeyframeOf(id));
+    service_.OnUpdate(Update(id, false));
+  }
+  const Map older = map_;
+  map_.RemoveKeyframe(1);
+  service_.OnKeyframe(KeyframeOf(3));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), Ids{3});
+  service_.OnKeyframe(KeyframeOf(4));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(4, false))), Ids{4}) << "now it is gone for good";
+  map_ = older;
+  next_id_ = 3;
+  service_.OnUpdate(Whole(2, true, 2));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{3});
+}
+
+// The loop_process before this one closed a loop and died over the adjustment of the whole map.
+TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
+  Update(3, false);
+  LoopEdge edge;
+  edge.old_keyframe_id = 0;
+  edge.keyframe_id = 3;
+  edge.covariance.setIdentity();
+  map_.Add(edge);
+  for (int64_t id = 0; id < 3; ++id) service_.OnKeyframe(KeyframeOf(id));
+  EXPECT_FALSE(service_.OnUpdate(Whole(3, false, 2)).adjustment);
+  const auto output = service_.OnKeyframe(KeyframeOf(3));
+  ASSERT_TRUE(output.adjustment) << "when all features are there";
+  EXPECT_EQ(Judged(output), Ids{}) << "that is not judged again";
+  EXPECT_EQ(output.adjustment->session, kSession);
+  EXPECT_EQ(output.adjustment->session_keyframe_id, 3);
+  EXPECT_EQ(output.adjustment->map_source, 2);
+  EXPECT_EQ(output.adjustment->keyframes.size(), 4U);
+  EXPECT_FALSE(service_.OnUpdate(Update(3, true)).adjustment);
+  service_.OnKeyframe(KeyframeOf(4));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(4, false))), Ids{4});
+}
+
+TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
+  Update(3, false);
+  LoopEdge edge;
+  edge.old_keyframe_id = 0;
+  edge.keyframe_id = 3;
+  map_.Add(edge);
+  for (int64_t id = 0; id <= 3; ++id) service_.OnKeyframe(KeyframeOf(id));
+  EXPECT_FALSE(service_.OnUpdate(Whole(3, true, 2)).adjustment);
 }
 
 TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllJudged) {
@@ -122,9 +211,10 @@ TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
 TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
   MapUpdate of_other = Update(0, false);
   of_other.session = kSession + 1;
+  service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(of_other);
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), (Ids{0, 1}));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{0});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
   Keyframe late = KeyframeOf(0);
   late.session = kSession + 1;
   EXPECT_EQ(service_.OnKeyframe(late).closures.size(), 1U);

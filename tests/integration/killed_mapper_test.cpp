@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/io/map_file.h"
+#include "tests/integration/run_watcher.h"
+#include "tests/integration/whole_run.h"
+
+namespace plslam {
+namespace {
+
+using test::RunWatcher;
+using test::WholeRun;
+
+/// One that is killed when this frame has been seen.
+struct Kill {
+  int64_t frame = 0;
+  std::string name;
+  std::string executable;
+};
+
+Kill MapperAt(int64_t frame) { return {frame, "mapping", "mapping_process"}; }
+Kill LoopAt(int64_t frame) { return {frame, "loop", "loop_process"}; }
+
+struct MappedRun {
+  std::string trajectory;
+  std::string keyframes;
+  std::vector<uint8_t> map;
+};
+
+/// The bytes of a map of one session, whose name is another one at each run.
+std::vector<uint8_t> BytesWithoutName(const std::filesystem::path& file) {
+  StoredMap stored = ReadMapFile(file.string());
+  EXPECT_EQ(stored.sessions.size(), 1U);
+  stored.sessions = {{0, stored.sessions.begin()->second}};
+  stored.newest_session = 0;
+  std::vector<MapKeyframe> keyframes;
+  for (const auto& [id, keyframe] : stored.map.keyframes()) keyframes.push_back(keyframe);
+  for (MapKeyframe& keyframe : keyframes) {
+    keyframe.session = 0;
+    stored.map.Put(keyframe);
+  }
+  return EncodeMap(stored);
+}
+
+/// Two laps of a small room with a loop, keyframes culled; each is killed when the one before is back.
+MappedRun Play(const std::string& state_every, const std::vector<Kill>& kills) {
+  const RunWatcher watcher;
+  WholeRun run;
+  const std::filesystem::path map = run.folder() / "end.plmap";
+  run.Start({"run", "synthetic:room?size=376x240&frames=300&loops=2", "--url", watcher.url(), "--max-restarts", "100",
+             "--save-map", map.string(), "--set", "mapping.state_every=" + state_every});
+  for (const Kill& death : kills) {
+    EXPECT_TRUE(watcher.WaitForFrame(death.frame, 120)) << run.Logs();
+    const pid_t pid = run.PidOf(death.executable);
+    EXPECT_TRUE(pid > 0 && kill(pid, SIGKILL) == 0) << death.name << " at " << death.frame;
+    EXPECT_TRUE(WholeRun::WaitFor([&] {
+      const pid_t next = run.PidOf(death.executable);
+      return next > 0 && next != pid && watcher.WaitUntilReady(death.name, next, 1);
+    })) << run.Logs();
+  }
+  EXPECT_EQ(run.Wait(), 0) << run.Logs();
+  EXPECT_EQ(run.Summary()["completed"], true);
+  EXPECT_GE(run.Summary()["loops"], 1);
+  return {run.Read("trajectory.tum"), run.Read("keyframes.tum"), BytesWithoutName(map)};
+}
+
+void ExpectSame(const MappedRun& a, const MappedRun& b) {
+  EXPECT_TRUE(a.trajectory == b.trajectory);
+  EXPECT_TRUE(a.keyframes == b.keyframes);
+  EXPECT_TRUE(a.map == b.map);
+}
+
+TEST(KilledMapper, ComesBackToTheSameBits) {
+  const MappedRun undisturbed = Play("10", {});
+  // The loop is closed at about frame 270.
+  ExpectSame(Play("10", {MapperAt(30), MapperAt(150), LoopAt(180), MapperAt(240), MapperAt(270), MapperAt(285)}),
+             undisturbed);
+  // Without a state, from the histories of the living and the dead.
+  ExpectSame(Play("1000", {LoopAt(120), MapperAt(180), MapperAt(275)}), undisturbed);
+}
+
+}  // namespace
+}  // namespace plslam

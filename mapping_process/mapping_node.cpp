@@ -44,7 +44,10 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   process_.bus().Every(kTick, [this] { OnTick(); });
   process_.SetConfiguration(ToYaml("mapping", options_));
   ReadState();
-  if (!restored_ && !options_.map_file.empty()) stored_ = ReadMapFile(options_.map_file);
+  if (!restored_ && !options_.map_file.empty()) {
+    stored_ = ReadMapFile(options_.map_file);
+    Know(*stored_);
+  }
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
 }
 
@@ -313,10 +316,15 @@ void MappingNode::ReadState() {
     return;
   }
   restored_ = true;
+  Know(state_->stored);
+}
+
+/// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was culled.
+void MappingNode::Know(const StoredMap& stored) {
   std::map<int64_t, int64_t> newest;
-  for (const auto& [session, stored] : state_->stored.sessions) newest[session] = stored.session_keyframe_id;
+  for (const auto& [id, session] : stored.sessions) newest[id] = session.session_keyframe_id;
   const std::lock_guard lock(mutex_);
-  queue_.Restore(newest, state_->stored.newest_session);
+  queue_.Restore(newest, stored.newest_session);
 }
 
 /// Where it cannot be written the process goes on; what a crash would cost is then more.

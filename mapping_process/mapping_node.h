@@ -48,6 +48,7 @@ class MappingNode {
   using Stages = std::vector<std::pair<std::string, double>>;
 
   void ReadState();
+  void Know(const StoredMap& stored);
   void OnCamera(const camera_t& message);
   void OnKeyframe(const Keyframe& keyframe);
   void OnClosure(const LoopClosure& closure);

@@ -25,7 +25,8 @@ void Fields(Archive& a, T& s) {
 namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
-constexpr FileKind kTrackerState{{'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 1, "state of a tracker"};
+constexpr FileKind kTrackerState{
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 1, "state of a tracker", Checksum::kPoly1305};
 
 }  // namespace
 

@@ -87,7 +87,7 @@ StoredMap ReadContent(Bytes content) {
 
 /// The content is read while another thread sums it up, which takes as long.
 StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
-  auto check = std::async(std::launch::async, [&] { CheckSeal(seal, content); });
+  auto check = std::async(std::launch::async, [&] { CheckSeal(kMapFile, seal, content); });
   StoredMap stored;
   try {
     stored = ReadContent(content);

@@ -15,15 +15,36 @@ namespace {
 
 constexpr size_t kSummed = 24;
 
-decltype(Seal::checksum) Sum(const Seal& seal, std::span<const uint8_t> content) {
-  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+using Sum = decltype(Seal::checksum);
+using Bytes = std::span<const uint8_t>;
+
+Sum Blake2b(Bytes fields, Bytes content) {
   crypto_generichash_state state;
-  decltype(Seal::checksum) sum;
+  Sum sum;
   crypto_generichash_init(&state, nullptr, 0, sum.size());
-  crypto_generichash_update(&state, reinterpret_cast<const uint8_t*>(&seal), kSummed);
+  crypto_generichash_update(&state, fields.data(), fields.size());
   crypto_generichash_update(&state, content.data(), content.size());
   crypto_generichash_final(&state, sum.data(), sum.size());
   return sum;
+}
+
+Sum Poly1305(Bytes fields, Bytes content) {
+  static constexpr std::array<uint8_t, crypto_onetimeauth_KEYBYTES> kKey = {'n', 'o', ' ', 's', 'e',
+                                                                            'c', 'r', 'e', 't'};
+  crypto_onetimeauth_state state;
+  Sum sum{};
+  static_assert(crypto_onetimeauth_BYTES <= sizeof(Sum));
+  crypto_onetimeauth_init(&state, kKey.data());
+  crypto_onetimeauth_update(&state, fields.data(), fields.size());
+  crypto_onetimeauth_update(&state, content.data(), content.size());
+  crypto_onetimeauth_final(&state, sum.data());
+  return sum;
+}
+
+Sum SumOf(const FileKind& kind, const Seal& seal, Bytes content) {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  const Bytes fields(reinterpret_cast<const uint8_t*>(&seal), kSummed);
+  return kind.checksum == Checksum::kBlake2b ? Blake2b(fields, content) : Poly1305(fields, content);
 }
 
 std::string_view Text(const void* bytes, size_t n) { return {static_cast<const char*>(bytes), n}; }
@@ -42,7 +63,7 @@ std::vector<uint8_t> ReadAll(const std::string& path) {
 
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content) {
   Seal seal{kind.magic, kind.format, content.size(), {}};
-  seal.checksum = Sum(seal, content);
+  seal.checksum = SumOf(kind, seal, content);
   return seal;
 }
 
@@ -62,8 +83,8 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
   return seal;
 }
 
-void CheckSeal(const Seal& seal, std::span<const uint8_t> content) {
-  if (Sum(seal, content) != seal.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
+void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content) {
+  if (SumOf(kind, seal, content) != seal.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
 }
 
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content) {
@@ -76,7 +97,7 @@ std::vector<uint8_t> ReadSealedFile(const std::string& path, const FileKind& kin
     std::vector<uint8_t> bytes = ReadAll(path);
     const Seal seal = ReadSeal(kind, bytes, bytes.size());
     bytes.erase(bytes.begin(), bytes.begin() + sizeof(Seal));
-    CheckSeal(seal, bytes);
+    CheckSeal(kind, seal, bytes);
     return bytes;
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(path + ": " + error.what());

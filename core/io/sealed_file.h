@@ -9,11 +9,16 @@
 
 namespace plslam {
 
+/// Of fields and content: BLAKE2b for files that are kept; Poly1305 with a key that everybody knows for those that are written
+/// all the time, which takes a seventh of that and sees damage as well.
+enum class Checksum { kBlake2b, kPoly1305 };
+
 /// A kind of file of ours: what it begins with, the format that this program knows, and what to call it.
 struct FileKind {
   std::array<char, 8> magic{};
   uint64_t format = 1;
   std::string_view name;  ///< "map file"
+  Checksum checksum = Checksum::kBlake2b;
 };
 
 /// What such a file begins with; then come `length` bytes of content.
@@ -21,7 +26,7 @@ struct Seal {
   std::array<char, 8> magic{};
   uint64_t format = 0;
   uint64_t length = 0;
-  /// BLAKE2b of the fields above and the content.
+  /// Of the fields above and the content.
   std::array<uint8_t, 32> checksum{};
 };
 static_assert(sizeof(Seal) == 56);
@@ -34,7 +39,7 @@ Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
 Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length);
 
 /// Throws std::runtime_error where the content is not what was sealed.
-void CheckSeal(const Seal& seal, std::span<const uint8_t> content);
+void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content);
 
 /// Beside the file and renamed. Throws std::runtime_error that names the file.
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content);

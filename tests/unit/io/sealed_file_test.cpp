@@ -21,8 +21,6 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr FileKind kKind{{'P', 'L', 'S', 'L', 'T', 'E', 'S', 'T'}, 3, "test file"};
-
 /// With private fields, listed once.
 class Trace {
  public:
@@ -93,7 +91,7 @@ TEST(Archive, BytesThatEndTooEarlyOrTooLateAreToldAndTakeNoMemory) {
   EXPECT_THROW(archive::FromBytes(promise, many), std::runtime_error);
 }
 
-class SealedFile : public testing::Test {
+class SealedFile : public testing::TestWithParam<Checksum> {
  protected:
   void TearDown() override { std::filesystem::remove(Path()); }
   static std::string Path() { return testing::TempDir() + "sealed_file_" + std::to_string(getpid()); }
@@ -102,23 +100,24 @@ class SealedFile : public testing::Test {
     file.seekp(static_cast<std::streamoff>(place));
     file.put(value);
   }
-  static auto Reading() {
-    return [] { ReadSealedFile(Path(), kKind); };
+  auto Reading() const {
+    return [this] { ReadSealedFile(Path(), kind_); };
   }
 
+  const FileKind kind_{{'P', 'L', 'S', 'L', 'T', 'E', 'S', 'T'}, 3, "test file", GetParam()};
   const std::vector<uint8_t> content_{1, 2, 3, 4, 5};
 };
 
-TEST_F(SealedFile, GivesBackWhatWasWritten) {
-  WriteSealedFile(Path(), kKind, content_);
-  EXPECT_EQ(ReadSealedFile(Path(), kKind), content_);
-  WriteSealedFile(Path(), kKind, {});
-  EXPECT_TRUE(ReadSealedFile(Path(), kKind).empty());
+TEST_P(SealedFile, GivesBackWhatWasWritten) {
+  WriteSealedFile(Path(), kind_, content_);
+  EXPECT_EQ(ReadSealedFile(Path(), kind_), content_);
+  WriteSealedFile(Path(), kind_, {});
+  EXPECT_TRUE(ReadSealedFile(Path(), kind_).empty());
 }
 
-TEST_F(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
+TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr(Path() + ": cannot be opened")));
-  WriteSealedFile(Path(), kKind, content_);
+  WriteSealedFile(Path(), kind_, content_);
   EXPECT_THAT(
       [&] {
         ReadSealedFile(Path(), {{'O', 'T', 'H', 'E', 'R'}, 3, "map"});
@@ -126,7 +125,7 @@ TEST_F(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
       ThrowsMessage<std::runtime_error>(HasSubstr("is no map")));
   EXPECT_THAT(
       [&] {
-        ReadSealedFile(Path(), {kKind.magic, 4, "test file"});
+        ReadSealedFile(Path(), {kind_.magic, 4, "test file"});
       },
       ThrowsMessage<std::runtime_error>(HasSubstr("is a test file of format 3, and this program knows format 4")));
   Overwrite(sizeof(Seal) + 2, 'x');
@@ -136,6 +135,9 @@ TEST_F(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
   std::filesystem::resize_file(Path(), 10);
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("too short")));
 }
+
+INSTANTIATE_TEST_SUITE_P(Checksums, SealedFile, testing::Values(Checksum::kBlake2b, Checksum::kPoly1305),
+                         [](const auto& of) { return of.param == Checksum::kBlake2b ? "Blake2b" : "Poly1305"; });
 
 }  // namespace
 }  // namespace plslam

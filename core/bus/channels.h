@@ -87,7 +87,7 @@ inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz",
                                  Scope::kFromMap};
 inline constexpr Channel kCommand{
-    "COMMAND", "command_t", "plslam", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
+    "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
     Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};

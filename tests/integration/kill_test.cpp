@@ -52,6 +52,8 @@ std::vector<std::string> Arguments(const std::string& url, int frames) {
           url,
           "--set",
           "mapping.culling.redundant_share=1.01",
+          "--set",
+          "mapping.state_every=10",
           "--max-restarts",
           "100"};
 }

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -23,7 +24,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick(200);
 // After a restart, until nobody is taken to have more to tell of what was before.
-constexpr std::chrono::milliseconds kHistoryQuiet(400);
+constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
 
 }  // namespace
@@ -33,6 +34,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
       options_(options),
       publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
       queue_(options.loops, options.state_file.empty() ? 0 : options.state_every),
+      arrived_ms_(bus::NowMs()),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
@@ -100,7 +102,9 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   }
   known_sessions_.insert(keyframe.session);
   Queue([&] {
-    if (!queue_.Add(keyframe, bus::NowMs())) return;
+    const double now_ms = bus::NowMs();
+    if (!queue_.Add(keyframe, now_ms)) return;
+    arrived_ms_ = now_ms;
     process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
     // Under the lock: later it would end the solve for this very keyframe.
     if (!keyframe.lockstep) stop_solve_ = true;
@@ -111,6 +115,7 @@ void MappingNode::OnClosure(const LoopClosure& closure) {
   Queue([&] {
     queue_.OnSignOfLife(bus::NowS());
     queue_.Add(closure);
+    arrived_ms_ = bus::NowMs();
   });
 }
 
@@ -185,10 +190,9 @@ void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
   if (!restored_ && queue_.n_waiting() == 0) return;
   const double until_ms = bus::NowMs() + kLongestHistory_ms;
-  for (size_t before = queue_.n_waiting() + 1; before != queue_.n_waiting() && bus::NowMs() < until_ms;) {
-    before = queue_.n_waiting();
-    changed_.wait_for(lock, kHistoryQuiet, [this] { return stopping_; });
-    if (stopping_) return;
+  const auto quiet_at_ms = [&] { return std::min(arrived_ms_ + kHistoryQuiet_ms, until_ms); };
+  for (double now_ms = bus::NowMs(); !stopping_ && now_ms < quiet_at_ms(); now_ms = bus::NowMs()) {
+    changed_.wait_for(lock, std::chrono::duration<double, std::milli>(quiet_at_ms() - now_ms));
   }
 }
 

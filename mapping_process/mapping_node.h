@@ -91,6 +91,8 @@ class MappingNode {
   WorkQueue queue_;
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
+  /// When the last keyframe or closure came; the start, before that.
+  double arrived_ms_;
   std::atomic<bool> stop_solve_{false};
 
   // The worker's.

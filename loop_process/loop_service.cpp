@@ -41,7 +41,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     on_its_way_.reset();
     unadjusted_.reset();
   }
-  if (update.base_version == 0 || !lacking_.empty()) NoteLacking();
+  if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
   Follow(update, output);
   JudgeWhatIsDue(output);
   AnswerWhatIsDue(output);
@@ -103,13 +103,14 @@ bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
          keyframe->session_keyframe_id == update.session_keyframe_id;
 }
 
-void LoopService::NoteLacking() {
-  lacking_.clear();
+/// Of a whole map all that there is nothing known of; later, what of these is still in the map.
+void LoopService::NoteLacking(bool whole) {
+  const auto before = std::exchange(lacking_, {});
   for (const auto& [id, keyframe] : replica_.map().keyframes()) {
-    if (closer_.Knows(keyframe.session, keyframe.session_keyframe_id)) continue;
-    lacking_.emplace(keyframe.session, keyframe.session_keyframe_id);
+    const std::pair name(keyframe.session, keyframe.session_keyframe_id);
+    if (!closer_.Knows(name.first, name.second) && (whole || before.contains(name))) lacking_.insert(name);
   }
-  lacking_since_ms_ = now_ms_();
+  if (whole) lacking_since_ms_ = now_ms_();
 }
 
 /// What has not come by now will not come any more.

@@ -67,7 +67,7 @@ class LoopService {
   void Follow(const MapUpdate& update, Output& output);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
-  void NoteLacking();
+  void NoteLacking(bool whole);
   bool IsComplete();
   std::deque<Due>::iterator NextDue();
   void JudgeWhatIsDue(Output& output);

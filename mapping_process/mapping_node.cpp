@@ -57,6 +57,9 @@ MappingNode::~MappingNode() {
   Queue([this] { stopping_ = true; });
   stop_solve_ = true;
   worker_.join();
+  // Of one that was killed alone.
+  std::error_code ignored;
+  if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
 }
 
 /// Changes what the worker looks at, and wakes it.

@@ -34,6 +34,8 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kSave;
     work.path = std::move(saves_.front());
     saves_.pop_front();
+    // A saved map acquits landmarks on trial: a state from before would not know.
+    inserted_since_state_ = std::max(inserted_since_state_, state_every_);
     return work;
   }
   if (std::exchange(asked_, false)) {

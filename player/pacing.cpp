@@ -69,7 +69,7 @@ ResumePoint ParseResumePoint(const std::string& text) {
     const auto [last, t_error] = std::from_chars(at + 1, end, point.t_ns);
     if (t_error == std::errc() && last == end) return point;
   }
-  throw std::runtime_error(fmt::format("player.resume_after: '{}' is not ID@T_NS", text));
+  throw std::runtime_error(fmt::format("'{}' is not ID@T_NS, number and time of a frame", text));
 }
 
 std::string ToText(const ResumePoint& point) { return fmt::format("{}@{}", point.frame_id, point.t_ns); }

@@ -102,8 +102,11 @@ PlayerNode::~PlayerNode() {
 
 void PlayerNode::OnCommand(const command_t& command) {
   if (command.target != process_.name() || command.verb != "go_back") return;
+  const size_t space = command.argument.find(' ');
+  // What was meant for the player before this one has been done, or is said anew.
+  if (command.argument.substr(0, space) != std::to_string(process_.bus().source())) return;
   try {
-    turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument));
+    turn_.OnGoBack(command.header.source, ParseResumePoint(command.argument.substr(space + 1)));
   } catch (const std::exception& error) {
     spdlog::warn("the command 'go_back' is passed over: {}", error.what());
   }
@@ -145,6 +148,14 @@ void PlayerNode::SendAll() {
   if (resume) turn_.Resume();
   if (!MakeLoader(resume)) return;
   PublishStream("begin", order_.size());
+  do {
+    if (!SendRest()) return;
+    PublishStream("end", n_sent_);
+  } while (IsGoneBack());
+}
+
+/// False where the process ends first.
+bool PlayerNode::SendRest() {
   while (std::optional<LoadedFrame> frame = loader_->Next()) {
     if (!frame->error.empty()) {
       PassOver(*frame);
@@ -152,14 +163,26 @@ void PlayerNode::SendAll() {
     }
     frame->images.frame_id = n_sent_;
     const Sent sent = Send(*frame);
-    if (sent == Sent::kStopped || (sent == Sent::kGoBack && !MakeLoader(turn_.GoBack()))) return;
+    if (sent == Sent::kStopped || (sent == Sent::kGoBack && !MakeLoader(turn_.GoBack()))) return false;
   }
-  if (turn_.stopped()) return;
-  PublishStream("end", n_sent_);
-  WaitForReaders();
-  if (turn_.stopped()) return;
-  process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
-  if (options_.exit) process_.Finish();
+  return !turn_.stopped();
+}
+
+/// Behind the end frames may be wanted again, too, for as long as the process is there.
+bool PlayerNode::IsGoneBack() {
+  constexpr milliseconds kNow{0};
+  while (!turn_.WaitForGoBack(kNow)) {
+    if (turn_.stopped()) return false;
+    if (!process_.bus().Flush(kFlushTick)) continue;
+    process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
+    if (options_.exit) process_.Finish();
+    running_ = false;
+    while (!turn_.WaitForGoBack(kWaitingTick)) {
+      if (turn_.stopped()) return false;
+    }
+    break;
+  }
+  return MakeLoader(turn_.GoBack());
 }
 
 PlayerNode::Sent PlayerNode::Send(const LoadedFrame& frame) {
@@ -233,11 +256,6 @@ void PlayerNode::PublishStream(const char* event, int64_t n_frames) {
   message.n_frames = n_frames;
   message.n_bad = n_bad_;
   process_.bus().Publish(bus::kStream, std::move(message));
-}
-
-void PlayerNode::WaitForReaders() {
-  while (!turn_.stopped() && !process_.bus().Flush(kFlushTick)) {
-  }
 }
 
 }  // namespace plslam

@@ -36,6 +36,8 @@ class PlayerNode {
 
  private:
   void SendAll();
+  bool SendRest();
+  bool IsGoneBack();
   bool MakeLoader(const std::optional<ResumePoint>& resume);
   void OnCommand(const command_t& command);
   std::optional<ResumePoint> WhereToResume();
@@ -47,7 +49,6 @@ class PlayerNode {
   void PublishRig();
   void PublishTruth(const LoadedFrame& frame);
   void PublishStream(const char* event, int64_t n_frames);
-  void WaitForReaders();
 
   bus::Process& process_;
   const PlayerOptions options_;

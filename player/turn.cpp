@@ -64,8 +64,15 @@ Turn::Event Turn::WaitForPose(Clock::duration limit) {
   return Event::kNewReader;
 }
 
+bool Turn::WaitForGoBack(Clock::duration limit) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, limit, [this] { return stopped_ || MustGoBack(); });
+  return !stopped_ && MustGoBack();
+}
+
 ResumePoint Turn::GoBack() {
   const std::scoped_lock lock(mutex_);
+  resumed_ = false;
   newest_ = *std::exchange(go_back_, std::nullopt);
   return *newest_;
 }

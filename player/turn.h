@@ -35,7 +35,9 @@ class Turn {
 
   /// Waits for an event of the expected frame.
   Event WaitForPose(Clock::duration limit);
-  /// After kGoBack: behind which frame to go on. The poses of those after it do not count any more.
+  /// Waits until somebody wants frames again; false at the limit, or where the process ends first.
+  bool WaitForGoBack(Clock::duration limit);
+  /// After kGoBack: behind which frame to go on. The poses that have come of those after it do not count any more.
   ResumePoint GoBack();
   /// Waits for a time; false where the process ends first.
   bool WaitUntil(Clock::time_point time);

@@ -76,7 +76,7 @@ struct TruthRecord {
 };
 
 /// Everything that is worth keeping of a run, in order of frames. Messages may come in any order and more than once; of
-/// two poses of a frame the later one counts (a restarted tracker begins a new session). Poses that are not finite,
+/// two poses of a frame the later one counts (a tracker that is started again says some again). Poses that are not finite,
 /// states that do not exist and negative frames are refused.
 class Recorder {
  public:

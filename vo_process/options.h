@@ -186,7 +186,8 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");
   visit("state_file", o.state_file,
-        "kept up to date, and read when the process is started again after a crash; empty: none");
+        "kept up to date, and read when the process is started again after a crash; must not outlive the run; empty: "
+        "none");
 }
 
 }  // namespace plslam

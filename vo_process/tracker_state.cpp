@@ -16,8 +16,8 @@ void Fields(Archive& a, T& k) {
 
 template <class Archive, Is<TrackerState> T>
 void Fields(Archive& a, T& s) {
-  a(s.settings, s.camera, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses, s.adopted_keyframe_id,
-    s.odometry, s.keyframe);
+  a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses,
+    s.adopted_keyframe_id, s.odometry, s.keyframe);
 }
 
 }  // namespace archive

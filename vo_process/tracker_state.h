@@ -15,6 +15,8 @@ struct TrackerState {
   std::string settings;
   /// An encoded camera_t.
   std::vector<uint8_t> camera;
+  /// Trackers that have gone on with it.
+  int n_restored = 0;
   int64_t session = 0;
   bool lockstep = false;
   int64_t t_ns = 0;

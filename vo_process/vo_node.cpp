@@ -26,8 +26,15 @@ constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
-// How long a player that has fallen silent is waited for to send frames again.
-constexpr double kPlayerWait_s = 15.0;
+
+/// Newest keyframe of the session that is in the map, as the session counts; -1: none.
+int64_t NewestOf(int64_t session, const Map& map) {
+  int64_t newest = -1;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.session == session) newest = std::max(newest, keyframe.session_keyframe_id);
+  }
+  return newest;
+}
 
 }  // namespace
 
@@ -39,7 +46,6 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       map_wait_(options.map.wait_s),
       answer_wait_(options.relocalisation.wait_s),
       questions_(process.bus(), bus::kWhereAmI),
-      frames_wait_(kPlayerWait_s),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
@@ -55,10 +61,14 @@ VoNode::~VoNode() { DropState(); }
 
 /// To the map and to loop_process.
 void VoNode::Listen() {
-  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica&) {
+  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica& map) {
     // In lockstep only what loop_process has had its say about: the same at every run.
     if (lockstep_ && !update.settled) return;
-    if (update.session == session_) map_keyframe_id_ = update.session_keyframe_id;
+    if (update.session == session_) {
+      map_keyframe_id_ = update.session_keyframe_id;
+    } else if (map_keyframe_id_ < 0) {
+      map_keyframe_id_ = NewestOf(session_, map.map());
+    }
     OnMap();
   });
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
@@ -98,17 +108,18 @@ void VoNode::OnCamera(const camera_t& message) {
 
 void VoNode::OnFrame(const Frame& frame) {
   if (IsRepeated(frame)) return AnswerAgain(frame);
+  player_ = frame.source;
   if (LacksFramesBefore(frame)) {
-    if (!frames_wait_.awaited()) AskForFrames();
-  } else if (frames_wait_.awaited()) {
+    if (!frames_asked_s_) AskForFrames();
+  } else if (frames_asked_s_) {
     // Those that have come too early come again.
-    frames_wait_.End();
+    frames_asked_s_.reset();
     waiting_.clear();
   }
   if (front_end_ && !IsWaiting()) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
-    Count(front_end_ ? "frames.without_map" : "frames.without_camera", 1);
+    Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
   }
   waiting_.push_back(frame);
 }
@@ -135,7 +146,7 @@ void VoNode::AnswerAgain(const Frame& frame) {
 
 bool VoNode::IsWaiting() const {
   const bool lacks_map = options_.map.localise_only && map_ && map_->replica().version() == 0;
-  return lacks_map || map_wait_.awaited() || answer_wait_.awaited() || frames_wait_.awaited();
+  return lacks_map || map_wait_.awaited() || answer_wait_.awaited() || frames_asked_s_;
 }
 
 void VoNode::GoOn() {
@@ -148,7 +159,7 @@ void VoNode::GoOn() {
 }
 
 void VoNode::OnStatus(const status_t& message) {
-  if (message.process == "player") frames_wait_.OnSignOfLife(bus::NowS());
+  if (message.process == "player") player_ = message.header.source;
   if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
   if (message.process == "loop") answer_wait_.OnSignOfLife(bus::NowS());
 }
@@ -263,7 +274,8 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result) {
     if (map_) odometry_->AdoptAround(map_->replica().map());
     Keyframe none;
     none.keyframe_id = -1;
-    return KeepState(none);
+    // Before, questions may be open where the camera is, which no state tells of.
+    return odometry_->is_in_map() ? KeepState(none) : DropState();
   }
   Keyframe keyframe = ToKeyframe(result);
   keyframe.session = session_;
@@ -275,14 +287,13 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result) {
   if (!map_wait_.awaited()) PublishKeyframe();
 }
 
-/// In lockstep once the map of the one before has been taken over and the state is kept: whoever goes on from that finds
-/// the map as this one left it.
+/// Once the state is kept, or another keyframe of this number could be made of an older one; and in lockstep once the map of
+/// the one before has been taken over: whoever goes on from the state finds the map as this one left it.
 void VoNode::PublishKeyframe() {
   if (!held_keyframe_) return;
   const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
-  if (keyframe.lockstep) KeepState(keyframe);
+  KeepState(keyframe);
   keyframes_.Publish(keyframe);
-  if (!keyframe.lockstep) KeepState(keyframe);
 }
 
 void VoNode::Count(const std::string& name, double increment) {

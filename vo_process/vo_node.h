@@ -36,7 +36,7 @@ struct TrackerState;
 /// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster. So is the answer of
 /// loop_process to the question where a lost camera is, before the next frame.
 ///
-/// With a `state_file` the state is kept at each keyframe, in lockstep before that goes out: a tracker that is started in the
+/// With a `state_file` the state is kept at each keyframe, before that goes out: a tracker that is started in the
 /// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep the
 /// player sends these again, and the result is the same, bit for bit.
 ///
@@ -119,8 +119,9 @@ class VoNode {
   /// It goes on with the state of another, and no frame has come yet.
   bool restored_ = false;
   bool state_failed_ = false;
-  /// Of the player, for frames that are wanted again.
-  bus::PartnerWait frames_wait_;
+  /// Since when frames are wanted again, and the publisher of frames that was heard of last.
+  std::optional<double> frames_asked_s_;
+  int64_t player_ = 0;
   std::unique_ptr<bus::MapSubscriber> map_;
   // Last: its handler needs all of the above.
   bus::FrameSubscriber frames_;

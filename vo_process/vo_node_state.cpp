@@ -19,6 +19,10 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kAskPeriod(500);
+// How long frames are waited for that are wanted again: a player may have to be started, too.
+constexpr double kFramesWait_s = 15.0;
+// How often one state is gone on with. Maybe it is what kills trackers.
+constexpr int kMaxRestored = 5;
 
 template <class Message>
 std::vector<uint8_t> Encoded(const Message& message) {
@@ -45,8 +49,11 @@ void VoNode::Restore() {
   process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
   if (!std::filesystem::exists(options_.state_file)) return;
   try {
-    const TrackerState state = ReadTrackerState(options_.state_file);
-    if (state.settings != ToYaml("vo", options_)) throw std::runtime_error("it is of a tracker with other settings");
+    TrackerState state = ReadTrackerState(options_.state_file);
+    if (state.settings != ToYaml("vo", options_))
+      throw std::runtime_error("the state is of a tracker with other settings");
+    if (++state.n_restored > kMaxRestored) throw std::runtime_error("all that went on with the state have died");
+    WriteTrackerState(options_.state_file, state);
     GoOnWith(state);
   } catch (const std::exception& error) {
     spdlog::warn("a new session begins: {}", error.what());
@@ -63,7 +70,7 @@ void VoNode::GoOnWith(const TrackerState& state) {
   lockstep_ = state.lockstep;
   last_t_ns_ = state.t_ns;
   last_frame_id_ = state.frame_id;
-  last_source_ = state.source;
+  last_source_ = player_ = state.source;
   for (const std::vector<uint8_t>& pose : state.poses) recent_.push_back(Decoded<pose_t>(pose));
   adopted_keyframe_id_ = state.adopted_keyframe_id;
   last_keyframe_id_ = state.keyframe.keyframe_id;
@@ -71,6 +78,8 @@ void VoNode::GoOnWith(const TrackerState& state) {
   spdlog::info("goes on behind frame {} of the session", last_frame_id_);
   process_.bus().Post([this, keyframe = state.keyframe] {
     if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
+    // The last word of the dead may have been lost, and a player that is started again looks for it.
+    if (!recent_.empty()) process_.bus().Publish(bus::kPose, pose_t(recent_.back()));
     if (lockstep_) AskForFrames();
   });
 }
@@ -94,11 +103,13 @@ void VoNode::KeepState(const Keyframe& keyframe) {
     WriteTrackerState(options_.state_file, state);
     Count("state.written", 1);
   } catch (const std::exception& error) {
+    // An old one is worse than none: others know what came after it.
+    DropState();
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
 }
 
-/// Whoever ends in order has nothing to go on with.
+/// Also where an exception ends the process: with the same state it might come again.
 void VoNode::DropState() const {
   std::error_code ignored;
   if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
@@ -112,19 +123,19 @@ bool VoNode::LacksFramesBefore(const Frame& frame) const {
 }
 
 void VoNode::AskForFrames() {
-  if (!frames_wait_.awaited()) frames_wait_.Begin(last_frame_id_ + 1, bus::NowS());
-  if (!frames_wait_.awaited()) return;
+  if (!frames_asked_s_) frames_asked_s_ = bus::NowS();
   command_t command{};
   command.target = "player";
   command.verb = "go_back";
-  command.argument = fmt::format("{}@{}", last_frame_id_, last_t_ns_);
+  command.argument = fmt::format("{} {}@{}", player_, last_frame_id_, last_t_ns_);
   process_.bus().Publish(bus::kCommand, command);
 }
 
 void VoNode::AskAgainForFrames() {
-  if (!frames_wait_.awaited()) return;
-  if (!frames_wait_.GiveUp(bus::NowS())) return AskForFrames();
-  spdlog::warn("no player is heard of that would send the frames behind {} again", last_frame_id_);
+  if (!frames_asked_s_) return;
+  if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
+  frames_asked_s_.reset();
+  spdlog::warn("no player sends the frames behind {} again: a gap is left", last_frame_id_);
   GoOn();
 }
 

@@ -6,11 +6,13 @@
 #include <filesystem>
 
 #include "tests/integration/recorded_run.h"
+#include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 
 namespace plslam {
 namespace {
 
+using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
 
@@ -48,7 +50,23 @@ TEST(RunFailure, KilledTrackerIsStartedAgain) {
   const nlohmann::json summary = run.Summary();
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["processes"]["vo"]["restarts"], 1);
-  EXPECT_GE(summary["frames"], 398) << summary.dump(1);
+  EXPECT_EQ(summary["frames"], 400) << summary.dump(1);
+}
+
+TEST(RunFailure, TrackerWhoseStateIsDamagedBeginsANewSession) {
+  RunWatcher watcher;
+  WholeRun run;
+  run.Start({"run", "synthetic:room?frames=60&size=376x240", "--url", watcher.url()});
+  ASSERT_TRUE(watcher.WaitForFrame(20)) << run.Logs();
+  const std::filesystem::path state = run.out() / ".vo_state";
+  ASSERT_EQ(kill(run.PidOf("vo_process"), SIGKILL), 0);
+  std::filesystem::resize_file(state, std::filesystem::file_size(state) / 2);
+  ASSERT_EQ(run.Wait(), 0) << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("a new session begins: "));
+  EXPECT_THAT(run.Logs(), HasSubstr("it was cut off or damaged"));
+  EXPECT_EQ(watcher.Get().poses.size(), 2U);
+  EXPECT_EQ(run.Summary()["completed"], true);
+  EXPECT_FALSE(std::filesystem::exists(state)) << "whoever ends in order leaves none";
 }
 
 TEST(RunFailure, KilledMapperBuildsTheSameMapAgain) {

@@ -82,14 +82,21 @@ std::vector<std::string> Robot(const std::string& url, const std::string& prefix
           "--map-prefix", "team/"};
 }
 
+/// Whether a tracker is killed on the way.
+class Fleet : public testing::TestWithParam<bool> {};
+
 // Each begins elsewhere, and neither knows where the other is before it comes to where that one has been.
-TEST(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
+TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   const PrivatePort port;
   WholeRun first, second;
   SharedMap shared(port.Url(), first.folder());
   first.Start(Robot(port.Url(), "ann/", 0, 160));
   ASSERT_TRUE(shared.WaitForKeyframes(3)) << first.Logs();
   second.Start(Robot(port.Url(), "bob/", 80, 240));
+  if (GetParam()) {
+    ASSERT_TRUE(shared.WaitForKeyframes(12)) << second.Logs();
+    ASSERT_EQ(kill(second.PidOf("vo_process"), SIGKILL), 0);
+  }
   EXPECT_EQ(first.Wait(), 0) << first.Logs();
   EXPECT_EQ(second.Wait(), 0) << second.Logs();
   for (const WholeRun* run : {&first, &second}) {
@@ -107,6 +114,9 @@ TEST(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   EXPECT_LT(second_m, 0.05);
   EXPECT_EQ(shared.Stop(), (std::vector<int>{0, 0})) << first.Logs();
 }
+
+INSTANTIATE_TEST_SUITE_P(Killed, Fleet, testing::Bool(),
+                         [](const auto& killed) { return killed.param ? "Tracker" : "Nobody"; });
 
 }  // namespace
 }  // namespace plslam

@@ -67,6 +67,16 @@ class Reader {
   // Instead of an answer to frame `at` it wants, once, those behind frame `to` again.
   void GoBack(int64_t at, int64_t to) { go_back_ = {at, to}; }
 
+  // The frames behind `to`, of this player.
+  void AskForFrames(int64_t player, int64_t to) {
+    command_t command{};
+    command.target = "player";
+    command.verb = "go_back";
+    command.argument = std::to_string(player) + " " + ToText({to, t_ns_.at(to)});
+    bus_.Publish(bus::kCommand, command);
+  }
+  int64_t player() const { return player_; }
+
   std::vector<int64_t> frame_ids_;
   std::vector<int> first_pixels_;
   std::vector<int64_t> truths_;
@@ -87,20 +97,17 @@ class Reader {
       first_pixels_.push_back(frame.images.left.at<uint8_t>(0, 0));
     });
     t_ns_[frame.images.frame_id] = frame.images.t_ns;
-    if (frame.images.frame_id == go_back_.first) return AskForFrames();
+    player_ = frame.source;
+    if (frame.images.frame_id == go_back_.first) {
+      AskForFrames(player_, go_back_.second);
+      go_back_ = {-1, -1};
+      return;
+    }
     if (!answers_) return;
     pose_t pose{};
     pose.header.t_ns = frame.images.t_ns;
     pose.frame_id = frame.images.frame_id;
     bus_.Publish(bus::kPose, pose);
-  }
-  void AskForFrames() {
-    command_t command{};
-    command.target = "player";
-    command.verb = "go_back";
-    command.argument = ToText({go_back_.second, t_ns_.at(go_back_.second)});
-    bus_.Publish(bus::kCommand, command);
-    go_back_ = {-1, -1};
   }
   void SayAlive() {
     status_t status{};
@@ -113,6 +120,7 @@ class Reader {
   const bool answers_;
   std::pair<int64_t, int64_t> go_back_{-1, -1};
   std::map<int64_t, int64_t> t_ns_;
+  int64_t player_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::unique_ptr<bus::FrameSubscriber> frames_;
@@ -192,6 +200,17 @@ TEST_F(PlayerNodeTest, ReaderThatWantsFramesAgainGetsThemWithTheirNumbersAndTime
   EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 3, 4, 5, 6, 3, 4, 5, 6, 7, 8));
   EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 31, 62, 31, 0, 31, 62, 31, 0, 31, 62, 31, 0));
   EXPECT_EQ(reader.streams_[1].n_frames, 9);
+}
+
+TEST_F(PlayerNodeTest, FramesMayBeWantedAgainBehindTheEndButOnlyOfThePlayerThatIsMeant) {
+  Reader reader(true);
+  options_.exit = false;
+  const Player player(options_);
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2; }));
+  reader.AskForFrames(reader.player() + 1, 1);
+  reader.AskForFrames(reader.player(), 0);
+  ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 3; }));
+  EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2, 1, 2));
 }
 
 TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {

@@ -67,6 +67,19 @@ TEST(Turn, AReaderThatWantsFramesAgainIsSaidOnce) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "such a frame has not been sent";
 }
 
+TEST(Turn, FramesMayBeWantedAgainWhenAllHaveBeenAnswered) {
+  Turn turn;
+  turn.Expect({7, 70});
+  turn.OnPose({7, 70});
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+  EXPECT_FALSE(turn.WaitForGoBack(kNow));
+  turn.OnGoBack(21, {3, 30});
+  EXPECT_TRUE(turn.WaitForGoBack(milliseconds(100000)));
+  EXPECT_EQ(turn.GoBack(), (ResumePoint{3, 30}));
+  turn.Stop();
+  EXPECT_FALSE(turn.WaitForGoBack(milliseconds(100000)));
+}
+
 TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
   Turn turn;
   turn.OnPose({7, 70});
@@ -75,8 +88,9 @@ TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
   turn.Expect({8, 80});
   ASSERT_EQ(turn.WaitForPose(kNow), Event::kGoBack);
   turn.GoBack();
+  turn.OnPose({7, 70});
   turn.Expect({4, 40});
-  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said again for the dead";
   turn.OnPose({4, 40});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
 }

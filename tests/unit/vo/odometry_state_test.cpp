@@ -39,6 +39,7 @@ double Zero() { return 0.0; }
 void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
   const auto dataset = OpenDataset(world, "");
   StereoFrontEnd front_end(dataset->rig(), options);
+  std::optional<StereoFrontEnd> other_front_end(std::in_place, dataset->rig(), options);
   Odometry undisturbed(front_end.camera(), options);
   std::optional<Odometry> restored(std::in_place, front_end.camera(), options);
   int n_restored = 0;
@@ -47,11 +48,13 @@ void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
     const StereoImages images = dataset->Read(i);
     const StereoFeatures features = front_end.Process(images, timer);
     const OdometryResult expected = undisturbed.Track(images.t_ns, features, front_end.left());
-    const OdometryResult result = restored->Track(images.t_ns, features, front_end.left());
+    const StereoFeatures seen_again = other_front_end->Process(images, timer);
+    const OdometryResult result = restored->Track(images.t_ns, seen_again, other_front_end->left());
     ASSERT_EQ(Bits(result), Bits(expected)) << "frame " << i << ", restored " << n_restored << " times";
     ASSERT_EQ(result.keyframe.has_value(), expected.keyframe.has_value());
     if (!result.keyframe) continue;
     restored.emplace(Restored(*restored, front_end.camera(), options));
+    other_front_end.emplace(dataset->rig(), options);
     ++n_restored;
   }
   EXPECT_GE(n_restored, 3);
@@ -59,6 +62,12 @@ void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
 }
 
 TEST(OdometryState, GoesOnToTheLastBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
+
+TEST(OdometryState, GoesOnToTheLastBitWithOrWithoutPatches) {
+  VoOptions options;
+  options.refinement.enabled = !options.refinement.enabled;
+  ExpectSameBits("synthetic:room?size=320x240&frames=40", 40, options);
+}
 
 TEST(OdometryState, GoesOnToTheLastBitFrameToFrameWithoutMeans) {
   VoOptions options;

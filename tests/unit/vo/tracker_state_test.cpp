@@ -21,6 +21,7 @@ TrackerState SomeState() {
   TrackerState state;
   state.settings = "vo:\n  features: both\n";
   state.camera = {1, 2, 3};
+  state.n_restored = 2;
   state.session = 77;
   state.lockstep = true;
   state.t_ns = 123456789;
@@ -45,6 +46,7 @@ TEST_F(TrackerStateFile, GivesBackWhatWasWritten) {
   const TrackerState back = ReadTrackerState(path_);
   EXPECT_EQ(back.settings, state.settings);
   EXPECT_EQ(back.camera, state.camera);
+  EXPECT_EQ(back.n_restored, state.n_restored);
   EXPECT_EQ(back.session, state.session);
   EXPECT_EQ(back.lockstep, state.lockstep);
   EXPECT_EQ(back.t_ns, state.t_ns);

@@ -24,7 +24,8 @@ class FramePublisher {
 };
 
 /// Puts strips together again, of both the lockstep and the live channel, and delivers whole frames on the thread of
-/// `Bus::Run`. In lockstep every frame in order; live the newest whole one, with the number passed over before it.
+/// `Bus::Run`. In lockstep every frame in order, and again where it was sent again; live the newest whole one, with the
+/// number passed over before it.
 class FrameSubscriber {
  public:
   struct Frame {

@@ -92,7 +92,7 @@ TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
       fmt::format("{} compare {} {}", Program("evaluate"), Quoted(points.out()), Quoted(both.out()));
   const auto text = Shell(folder, compare + " --html " + folder.Path("page.html"));
   ASSERT_EQ(text.exit_code, 0) << text.error;
-  EXPECT_THAT(text.out, AllOf(HasSubstr("features=points, 1 run\n"), HasSubstr("features=both, 1 run\n")));
+  EXPECT_THAT(text.out, AllOf(HasSubstr("\n  features=points, 1 run\n"), HasSubstr("\n  features=both, 1 run\n")));
   EXPECT_THAT(ReadText(folder.Path("page.html")), AllOf(HasSubstr(">ATE [m]</text>"), HasSubstr(">truth</text>")));
   const auto converted = Shell(folder, compare + " --format kitti --out " + folder.Path("kitti"));
   ASSERT_EQ(converted.exit_code, 0) << converted.error;

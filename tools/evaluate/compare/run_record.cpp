@@ -75,8 +75,9 @@ const std::vector<MetricRow>& Rows() {
 
 /// Says where and what, not how: the last part of an option's name that is left out.
 bool IsIncidental(const std::string& name) {
-  static const std::array<const char*, 9> kEnds{".dataset", ".out",  ".seed",          ".drop_seed",  ".file",
-                                                ".load",    ".save", ".overlay_every", ".history_dir"};
+  static const std::array<const char*, 11> kEnds{".dataset",       ".out",         ".seed",      ".drop_seed",
+                                                 ".file",          ".load",        ".save",      ".map_file",
+                                                 ".overlay_every", ".history_dir", ".state_file"};
   return std::any_of(kEnds.begin(), kEnds.end(), [&](const char* end) { return name.ends_with(end); });
 }
 

@@ -1,7 +1,5 @@
 #include "mapping_process/mapper_state.h"
 
-#include <stdexcept>
-
 #include "core/io/archive.h"
 #include "core/io/sealed_file.h"
 
@@ -46,11 +44,7 @@ void WriteStateFile(const std::string& path, const MapperState& state) {
 
 MapperState ReadStateFile(const std::string& path) {
   const std::vector<uint8_t> bytes = ReadSealedFile(path, kStateFile);
-  try {
-    return DecodeState(bytes);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
+  return NamingFile(path, [&] { return DecodeState(bytes); });
 }
 
 }  // namespace plslam

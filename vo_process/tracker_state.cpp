@@ -1,7 +1,5 @@
 #include "vo_process/tracker_state.h"
 
-#include <stdexcept>
-
 #include "core/io/map_file_fields.h"
 #include "core/io/sealed_file.h"
 
@@ -36,13 +34,11 @@ void WriteTrackerState(const std::string& path, const TrackerState& state) {
 
 TrackerState ReadTrackerState(const std::string& path) {
   const std::vector<uint8_t> bytes = ReadSealedFile(path, kTrackerState);
-  TrackerState state;
-  try {
+  return NamingFile(path, [&] {
+    TrackerState state;
     archive::FromBytes(bytes, state);
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
-  return state;
+    return state;
+  });
 }
 
 }  // namespace plslam

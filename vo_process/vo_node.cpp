@@ -41,6 +41,7 @@ int64_t NewestOf(int64_t session, const Map& map) {
 VoNode::VoNode(bus::Process& process, const VoOptions& options)
     : process_(process),
       options_(options),
+      settings_(ToYaml("vo", options_)),
       session_(process.bus().source()),
       keyframes_(process.bus()),
       map_wait_(options.map.wait_s),
@@ -53,7 +54,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) Listen();
-  process_.SetConfiguration(ToYaml("vo", options_));
+  process_.SetConfiguration(settings_);
   Restore();
 }
 

@@ -88,6 +88,7 @@ class VoNode {
 
   bus::Process& process_;
   VoOptions options_;
+  std::string settings_;  ///< the same as text
   int64_t session_ = 0;
   std::vector<uint8_t> camera_bytes_;
   std::optional<RigCalibration> rig_;

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/bus/encoded.h"
 #include "core/bus/worker.h"
 #include "core/io/archive.h"
 #include "plslam/camera_t.hpp"
@@ -23,13 +24,6 @@ constexpr std::chrono::milliseconds kAskPeriod(500);
 constexpr double kFramesWait_s = 15.0;
 // How often one state is gone on with. Maybe it is what kills trackers.
 constexpr int kMaxRestored = 5;
-
-template <class Message>
-std::vector<uint8_t> Encoded(const Message& message) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
-}
 
 template <class Message>
 Message Decoded(const std::vector<uint8_t>& bytes) {
@@ -50,8 +44,7 @@ void VoNode::Restore() {
   if (!std::filesystem::exists(options_.state_file)) return;
   try {
     TrackerState state = ReadTrackerState(options_.state_file);
-    if (state.settings != ToYaml("vo", options_))
-      throw std::runtime_error("the state is of a tracker with other settings");
+    if (state.settings != settings_) throw std::runtime_error("the state is of a tracker with other settings");
     if (++state.n_restored > kMaxRestored) throw std::runtime_error("all that went on with the state have died");
     WriteTrackerState(options_.state_file, state);
     GoOnWith(state);
@@ -88,14 +81,14 @@ void VoNode::GoOnWith(const TrackerState& state) {
 void VoNode::KeepState(const Keyframe& keyframe) {
   if (options_.state_file.empty() || !odometry_) return;
   TrackerState state;
-  state.settings = ToYaml("vo", options_);
+  state.settings = settings_;
   state.camera = camera_bytes_;
   state.session = session_;
   state.lockstep = lockstep_;
   state.t_ns = last_t_ns_;
   state.frame_id = last_frame_id_;
   state.source = last_source_;
-  for (const pose_t& pose : recent_) state.poses.push_back(Encoded(pose));
+  for (const pose_t& pose : recent_) state.poses.push_back(bus::Encoded(pose));
   state.adopted_keyframe_id = adopted_keyframe_id_;
   state.odometry = archive::ToBytes(*odometry_);
   state.keyframe = keyframe;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/bus/bus_impl.h"
+#include "core/bus/encoded.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/repair_request_t.hpp"
 
@@ -112,8 +113,7 @@ void Bus::Impl::SendControl(const Channel& channel, Scope scope, T message) {
   message.header.schema = kSchemaVersion;
   message.header.source = source;
   message.header.seq = control_seq_[std::string(channel.name)]++;
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  std::vector<uint8_t> bytes = Encoded(message);
   const std::string wire_name = std::string(scope == Scope::kMap ? MapPrefix() : options.prefix).append(channel.name);
   authenticator.Append(wire_name, bytes);
   outgoing_.push_back({wire_name, std::make_shared<const std::vector<uint8_t>>(std::move(bytes))});

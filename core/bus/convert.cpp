@@ -1,5 +1,7 @@
 #include "core/bus/convert.h"
 
+#include "core/bus/encoded.h"
+
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -224,9 +226,7 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
 
 std::vector<uint8_t> RigBytes(camera_t message) {
   message.header = {};
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return Encoded(message);
 }
 
 }  // namespace plslam::bus

@@ -34,6 +34,7 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
 
   void Subscribe(const Channel& channel, Lane& lane);
   bool Ready() const { return waiting < kMaxWaiting; }
+  bool InOrder(const Lane& lane) const { return lane.lockstep && mode == Mode::kReliable; }
   void OnStrip(Lane& lane, ByteView bytes);
   void OnFrame(Lane& lane, AssembledFrame frame);
   void Queue(AssembledFrame frame, bool lockstep);
@@ -75,8 +76,7 @@ void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
   const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
   const auto known = lane.completed.find(source);
   // In order each strip comes once: a frame that comes again was sent again, as by a player that has gone back.
-  const bool in_order = lane.lockstep && mode == Mode::kReliable;
-  if (!in_order && known != lane.completed.end() && frame_id <= known->second) return;
+  if (!InOrder(lane) && known != lane.completed.end() && frame_id <= known->second) return;
   if (wanted && !wanted(frame_id)) return;
   if (lane.strip.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   switch (lane.assembler.Add(lane.strip)) {
@@ -98,7 +98,7 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   lane.completed[frame.source] = frame.images.frame_id;
   // What is older and still unfinished will stay so: its strips are lost, or in lockstep, given up.
   lane.assembler.Forget(frame.source, frame.images.frame_id);
-  if (lane.lockstep && mode == Mode::kReliable) return Queue(std::move(frame), true);
+  if (InOrder(lane)) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
   if (Ready()) Queue(std::move(frame), lane.lockstep);
 }

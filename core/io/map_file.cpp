@@ -130,15 +130,6 @@ size_t RoughLength(const StoredMap& stored) {
   return n + 4096;
 }
 
-template <class Function>
-auto Naming(const std::string& path, Function f) {
-  try {
-    return f();
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
-}
-
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
 void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
@@ -170,12 +161,12 @@ StoredMap DecodeMap(std::span<const uint8_t> bytes) {
 }
 
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
-  const std::vector<uint8_t> bytes = Naming(path, [&] { return EncodeMap(stored); });
+  const std::vector<uint8_t> bytes = NamingFile(path, [&] { return EncodeMap(stored); });
   WriteFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 StoredMap ReadMapFile(const std::string& path) {
-  return Naming(path, [&] {
+  return NamingFile(path, [&] {
     std::error_code error;
     const uint64_t length = std::filesystem::file_size(path, error);
     const File file(error ? nullptr : std::fopen(path.c_str(), "rb"), &std::fclose);

@@ -93,15 +93,13 @@ void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<co
 }
 
 std::vector<uint8_t> ReadSealedFile(const std::string& path, const FileKind& kind) {
-  try {
+  return NamingFile(path, [&] {
     std::vector<uint8_t> bytes = ReadAll(path);
     const Seal seal = ReadSeal(kind, bytes, bytes.size());
     bytes.erase(bytes.begin(), bytes.begin() + sizeof(Seal));
     CheckSeal(kind, seal, bytes);
     return bytes;
-  } catch (const std::runtime_error& error) {
-    throw std::runtime_error(path + ": " + error.what());
-  }
+  });
 }
 
 }  // namespace plslam

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,16 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
 
 /// Throws std::runtime_error where the content is not what was sealed.
 void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content);
+
+/// What `f` gives; its std::runtime_errors get the file in front.
+template <class Function>
+auto NamingFile(const std::string& path, Function f) {
+  try {
+    return f();
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path + ": " + error.what());
+  }
+}
 
 /// Beside the file and renamed. Throws std::runtime_error that names the file.
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content);

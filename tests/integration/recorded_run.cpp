@@ -1,5 +1,6 @@
 #include "tests/integration/recorded_run.h"
 
+#include "core/bus/encoded.h"
 #include "core/bus/log_reader.h"
 #include "core/bus/map_pages.h"
 #include "plslam/keyframe_t.hpp"
@@ -12,13 +13,6 @@ namespace {
 template <class Message>
 bool Decode(const std::vector<uint8_t>& bytes, Message* message) {
   return message->decode(bytes.data(), 0, static_cast<int>(bytes.size())) > 0;
-}
-
-template <class Message>
-std::vector<uint8_t> Encode(const Message& message) {
-  std::vector<uint8_t> bytes(static_cast<size_t>(message.getEncodedSize()));
-  message.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
 }
 
 template <class Message>
@@ -40,7 +34,7 @@ class MapFollower {
     whole.version = 1;
     for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
     for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
-      const auto bytes = Encode(page);
+      const auto bytes = bus::Encoded(page);
       run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());
     }
   }
@@ -62,13 +56,13 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
     Anonymise(&pose);
     pose.n_stages = 0;
     pose.stages.clear();
-    run->poses.push_back(Encode(pose));
+    run->poses.push_back(bus::Encoded(pose));
   } else if (channel == "KEYFRAME") {
     keyframe_t keyframe;
     if (!Decode(bytes, &keyframe)) return false;
     number(keyframe.header);
     Anonymise(&keyframe);
-    run->keyframes.push_back(Encode(keyframe));
+    run->keyframes.push_back(bus::Encoded(keyframe));
   } else if (channel == "MAP_UPDATE") {
     map_update_t page;
     if (!Decode(bytes, &page)) return false;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 
+#include "core/bus/encoded.h"
 #include "core/bus/worker.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/sanitized.h"
@@ -21,9 +22,7 @@ std::vector<uint8_t> Content(pose_t pose) {
   pose.header = {};
   pose.stages.clear();
   pose.n_stages = 0;
-  std::vector<uint8_t> bytes(static_cast<size_t>(pose.getEncodedSize()));
-  pose.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-  return bytes;
+  return bus::Encoded(pose);
 }
 
 std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {

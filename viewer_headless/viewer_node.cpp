@@ -78,7 +78,7 @@ void ViewerNode::OnCamera(const camera_t& message) {
   const std::optional<RigCalibration> rig = bus::FromMessage(message);
   if (!rig) return Reject();
   try {
-    auto rectifier = std::make_unique<Rectifier>(*rig);
+    auto rectifier = std::make_unique<Rectifier>(*rig, Rectifier::Sides::kLeft);
     pictures_->SetRectifier(rectifier.get());
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace plslam {
@@ -86,21 +87,43 @@ double Distortion::MonotonicLimit(double end) const {
 
 Eigen::Vector2d Distortion::Apply(const Eigen::Vector2d& xy) const {
   if (model_ == Model::kPinhole) return xy;
-  const double r2 = xy.squaredNorm();
-  const double r = std::sqrt(r2);
-  if (model_ == Model::kEquidistant) {
-    return r < 1e-9 ? xy : Eigen::Vector2d(Profile(std::atan(r)) / r * xy);
-  }
+  if (model_ == Model::kRadtan) return Radtan(xy.x(), xy.y(), xy.squaredNorm());
+  const double r = xy.norm();
+  return r < 1e-9 ? xy : Eigen::Vector2d(Profile(std::atan(r)) / r * xy);
+}
+
+Eigen::Vector2d Distortion::Radtan(double x, double y, double r2) const {
   const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
-  const double xy2 = 2.0 * xy.x() * xy.y();
-  return {xy.x() * radial + p_[0] * xy2 + p_[1] * (r2 + 2.0 * xy.x() * xy.x()),
-          xy.y() * radial + p_[0] * (r2 + 2.0 * xy.y() * xy.y()) + p_[1] * xy2};
+  const double xy2 = 2.0 * x * y;
+  return {x * radial + p_[0] * xy2 + p_[1] * (r2 + 2.0 * x * x),
+          y * radial + p_[0] * (r2 + 2.0 * y * y) + p_[1] * xy2};
 }
 
 std::optional<Eigen::Vector2d> Distortion::Distort(const Eigen::Vector2d& xy) const {
   // The negated comparison also refuses NaN.
-  if (!(xy.norm() <= max_radius_)) return std::nullopt;
+  if (!(xy.squaredNorm() <= max_radius_ * max_radius_)) return std::nullopt;
   return Apply(xy);
+}
+
+void Distortion::Distort(std::span<double> x, std::span<double> y) const {
+  constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+  if (model_ == Model::kRadtan) {
+    // No branch and no call, so that it becomes vector code.
+    const double largest = max_radius_ * max_radius_;
+    for (size_t i = 0; i < x.size(); ++i) {
+      const double r2 = x[i] * x[i] + y[i] * y[i];
+      const Eigen::Vector2d distorted = Radtan(x[i], y[i], r2);
+      x[i] = r2 <= largest ? distorted.x() : kNothing;
+      y[i] = r2 <= largest ? distorted.y() : kNothing;
+    }
+    return;
+  }
+  for (size_t i = 0; i < x.size(); ++i) {
+    const Eigen::Vector2d distorted =
+        Distort(Eigen::Vector2d(x[i], y[i])).value_or(Eigen::Vector2d(kNothing, kNothing));
+    x[i] = distorted.x();
+    y[i] = distorted.y();
+  }
 }
 
 Eigen::Matrix2d Distortion::Jacobian(const Eigen::Vector2d& xy) const {

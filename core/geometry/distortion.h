@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 
@@ -20,6 +21,8 @@ class Distortion {
 
   /// Distorted from undistorted coordinates; nullopt beyond `max_radius`.
   std::optional<Eigen::Vector2d> Distort(const Eigen::Vector2d& xy) const;
+  /// The same, to the last bit, of many points in place (spans of one length), several times faster. NaN where there is nothing.
+  void Distort(std::span<double> x, std::span<double> y) const;
 
   /// Inverse of `Distort` to about 1e-12, by Newton's method; nullopt where no ray reaches that place.
   std::optional<Eigen::Vector2d> Undistort(const Eigen::Vector2d& distorted) const;
@@ -41,6 +44,7 @@ class Distortion {
   double MonotonicLimit(double end) const;
   double InvertProfile(double distorted_radius) const;
   Eigen::Vector2d Apply(const Eigen::Vector2d& xy) const;
+  Eigen::Vector2d Radtan(double x, double y, double r2) const;
 
   Model model_ = Model::kPinhole;
   // k: radial terms of s^3, s^5, s^7, s^9; p: tangential terms.

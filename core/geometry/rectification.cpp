@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
@@ -134,13 +135,26 @@ RectifiedView::RectifiedView(const CameraCalibration& calibration, const Eigen::
 
 std::optional<Eigen::Vector2d> RectifiedView::RawPixel(const StereoCamera& camera,
                                                        const Eigen::Vector2d& rectified_px) const {
-  const Eigen::Vector3d ray = R_raw_c_ * Eigen::Vector3d((rectified_px.x() - camera.cx_px) / camera.f_px,
-                                                         (rectified_px.y() - camera.cy_px) / camera.f_px, 1.0);
-  if (!(ray.z() > 1e-6)) return std::nullopt;
-  const auto distorted = distortion_.Distort(ray.head<2>() / ray.z());
-  if (!distorted) return std::nullopt;
-  return Eigen::Vector2d(calibration_.fx_px * distorted->x() + calibration_.cx_px,
-                         calibration_.fy_px * distorted->y() + calibration_.cy_px);
+  Eigen::Vector2d px = rectified_px;
+  ToRawPixels(camera, {&px.x(), 1}, {&px.y(), 1});
+  return px.allFinite() ? std::optional(px) : std::nullopt;
+}
+
+void RectifiedView::ToRawPixels(const StereoCamera& camera, std::span<double> x, std::span<double> y) const {
+  const Eigen::Matrix3d& R = R_raw_c_;
+  for (size_t i = 0; i < x.size(); ++i) {
+    const double a = (x[i] - camera.cx_px) / camera.f_px;
+    const double b = (y[i] - camera.cy_px) / camera.f_px;
+    const double z = R(2, 0) * a + R(2, 1) * b + R(2, 2);
+    const double depth = z > 1e-6 ? z : std::numeric_limits<double>::quiet_NaN();
+    x[i] = (R(0, 0) * a + R(0, 1) * b + R(0, 2)) / depth;
+    y[i] = (R(1, 0) * a + R(1, 1) * b + R(1, 2)) / depth;
+  }
+  distortion_.Distort(x, y);
+  for (size_t i = 0; i < x.size(); ++i) {
+    x[i] = calibration_.fx_px * x[i] + calibration_.cx_px;
+    y[i] = calibration_.fy_px * y[i] + calibration_.cy_px;
+  }
 }
 
 std::optional<Eigen::Vector2d> RectifiedView::RectifiedPoint(const Eigen::Vector2d& raw_px) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -20,6 +21,8 @@ class RectifiedView {
   /// Pixel of the raw image that a rectified pixel of `camera` shows; nullopt behind the camera or beyond the lens
   /// model. May lie outside the raw image.
   std::optional<Eigen::Vector2d> RawPixel(const StereoCamera& camera, const Eigen::Vector2d& rectified_px) const;
+  /// The same of many pixels in place (spans of one length). NaN where there is nothing.
+  void ToRawPixels(const StereoCamera& camera, std::span<double> x, std::span<double> y) const;
 
   /// Point on the plane z = 1 of the rectified frame that a raw pixel shows.
   std::optional<Eigen::Vector2d> RectifiedPoint(const Eigen::Vector2d& raw_px) const;

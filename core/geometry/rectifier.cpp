@@ -1,9 +1,10 @@
 #include "core/geometry/rectifier.h"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
@@ -15,36 +16,42 @@ constexpr int kSubpixels = BilinearWarp::kSubpixels;
 // Outside of every image: the remapping writes its border value.
 constexpr int16_t kNowhere = -2;
 
-int16_t ToInt16(int64_t value) { return static_cast<int16_t>(value); }
+int16_t ToInt16(int value) { return static_cast<int16_t>(value); }
+
+/// Of numbers that are not negative.
+int Rounded(double value) { return static_cast<int>(value + 0.5); }
 
 }  // namespace
 
-Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
+Rectifier::Rectifier(const RigCalibration& rig, Sides sides) : rectification_(Rectify(rig)) {
   if (rectification_.identity) return;
-  left_ = MakeMaps(rectification_.left);
-  if (rig.kind == RigCalibration::Kind::kStereo) right_ = MakeMaps(rectification_.right);
+  const bool stereo = rig.kind == RigCalibration::Kind::kStereo;
+  left_ = MakeMaps(rectification_.left, !stereo);
+  if (stereo && sides == Sides::kBoth) right_ = MakeMaps(rectification_.right, false);
 }
 
-Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view) const {
+Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, bool with_nearest) const {
   const StereoCamera& c = rectification_.camera;
-  Maps maps{BilinearWarp(c.width_px, c.height_px),
-            cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere)),
+  Maps maps{BilinearWarp(c.width_px, c.height_px), cv::Mat(),
             cv::Mat(c.height_px, c.width_px, CV_8UC1, cv::Scalar(0))};
+  if (with_nearest) maps.nearest = cv::Mat(c.height_px, c.width_px, CV_16SC2, cv::Scalar::all(kNowhere));
   bool everywhere = true;
+  std::vector<double> xs(c.width_px);
+  std::vector<double> ys(c.width_px);
   for (int v = 0; v < c.height_px; ++v) {
+    std::iota(xs.begin(), xs.end(), 0.0);
+    std::fill(ys.begin(), ys.end(), v);
+    view.ToRawPixels(c, xs, ys);
     for (int u = 0; u < c.width_px; ++u) {
-      const auto raw = view.RawPixel(c, {u, v});
       // Half a pixel beyond the centres of the border pixels still belongs to the image, as a repeated pixel.
-      const bool inside = raw && raw->x() >= -0.5 && raw->y() >= -0.5 && raw->x() <= c.width_px - 0.5 &&
-                          raw->y() <= c.height_px - 0.5;
+      const bool inside = xs[u] >= -0.5 && ys[u] >= -0.5 && xs[u] <= c.width_px - 0.5 && ys[u] <= c.height_px - 0.5;
       everywhere = everywhere && inside;
       if (!inside) continue;
-      const double x = std::clamp(raw->x(), 0.0, c.width_px - 1.0);
-      const double y = std::clamp(raw->y(), 0.0, c.height_px - 1.0);
-      maps.warp->SetSource(u, v, static_cast<int>(std::lround(x * kSubpixels)),
-                           static_cast<int>(std::lround(y * kSubpixels)));
-      maps.nearest.at<cv::Vec2s>(v, u) = {ToInt16(std::llround(x)), ToInt16(std::llround(y))};
+      const double x = std::clamp(xs[u], 0.0, c.width_px - 1.0);
+      const double y = std::clamp(ys[u], 0.0, c.height_px - 1.0);
+      maps.warp->SetSource(u, v, Rounded(x * kSubpixels), Rounded(y * kSubpixels));
       maps.mask.at<uint8_t>(v, u) = 255;
+      if (with_nearest) maps.nearest.at<cv::Vec2s>(v, u) = {ToInt16(Rounded(x)), ToInt16(Rounded(y))};
     }
   }
   if (everywhere) maps.mask.release();

@@ -14,8 +14,10 @@ namespace plslam {
 /// A pair that is rectified already passes through untouched and uncopied (the result shares the input's pixels).
 class Rectifier {
  public:
-  /// Throws std::runtime_error as `Rectify(rig)` does.
-  explicit Rectifier(const RigCalibration& rig);
+  enum class Sides { kBoth, kLeft };
+
+  /// Throws std::runtime_error as `Rectify(rig)` does. With `kLeft`, `RectifyRight` is not to be called.
+  explicit Rectifier(const RigCalibration& rig, Sides sides = Sides::kBoth);
 
   const StereoCamera& camera() const { return rectification_.camera; }
   /// Left camera as calibrated (l) from rectified left camera (c).
@@ -36,12 +38,12 @@ class Rectifier {
  private:
   struct Maps {
     std::optional<BilinearWarp> warp;
-    // Coordinates of the nearest pixel, for OpenCV.
+    // Coordinates of the nearest pixel, for OpenCV. Only of RGB-D.
     cv::Mat nearest;
     cv::Mat mask;
   };
 
-  Maps MakeMaps(const RectifiedView& view) const;
+  Maps MakeMaps(const RectifiedView& view, bool with_nearest) const;
   void CheckImage(const cv::Mat& image, int type, const char* side) const;
 
   Rectification rectification_;

@@ -41,6 +41,29 @@ TEST(Distortion, UndistortInvertsDistort) {
   }
 }
 
+TEST(Distortion, ManyPointsAreDistortedAsOneIs) {
+  for (const CameraCalibration& lens : Lenses()) {
+    const Distortion d(lens);
+    std::vector<double> x;
+    std::vector<double> y;
+    for (double r = 0.0; r < 1.2 * d.max_radius(); r += 0.013 * d.max_radius()) {
+      x.push_back(r * std::cos(17.0 * r));
+      y.push_back(r * std::sin(17.0 * r));
+    }
+    const std::vector<double> x0 = x;
+    const std::vector<double> y0 = y;
+    d.Distort(x, y);
+    for (size_t i = 0; i < x.size(); ++i) {
+      const auto one = d.Distort(Eigen::Vector2d(x0[i], y0[i]));
+      ASSERT_EQ(one.has_value(), !std::isnan(x[i])) << lens.model;
+      ASSERT_EQ(one.has_value(), !std::isnan(y[i])) << lens.model;
+      if (!one) continue;
+      EXPECT_EQ(x[i], one->x()) << lens.model;
+      EXPECT_EQ(y[i], one->y()) << lens.model;
+    }
+  }
+}
+
 TEST(Distortion, JacobianMatchesDifferences) {
   for (const CameraCalibration& lens : Lenses()) {
     const Distortion d(lens);

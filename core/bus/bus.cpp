@@ -68,7 +68,7 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
 }
 
 std::string Bus::Impl::WireName(const Channel& channel) const {
-  return std::string(channel.scope == Scope::kMap ? MapPrefix() : options.prefix).append(channel.name);
+  return std::string(PrefixOf(channel.scope)).append(channel.name);
 }
 
 std::string Bus::Impl::NameForMap(const Channel& channel) const {

@@ -24,12 +24,18 @@ const Channel* FindChannel(std::string_view name) {
 
 }  // namespace
 
-void Bus::Impl::OnHello(const std::string& channel, int64_t reader, Hello hello) {
-  if (FindChannel(channel) == nullptr) return;
-  Hellos& known = hellos[channel];
+/// Whether a request or announcement that came as `wire_name` can speak of our channel. Members called `channel` hold names
+/// without prefix: what comes under the map's may be about the same channel of another robot, or of the map's owner.
+bool Bus::Impl::IsAbout(const Channel& channel, std::string_view wire_name, const Channel& control) const {
+  const std::string& prefix = PrefixOf(channel.scope);
+  return wire_name.size() == prefix.size() + control.name.size() && wire_name.starts_with(prefix);
+}
+
+void Bus::Impl::OnHello(const Channel& channel, int64_t reader, Hello hello) {
+  Hellos& known = hellos[std::string(channel.name)];
   std::erase_if(known, [&](const auto& e) { return hello.heard - e.second.heard > kRemembered; });
   if (known.size() < kMaxReaders || known.contains(reader)) known[reader] = hello;
-  const auto found = outboxes.find(channel);
+  const auto found = outboxes.find(channel.name);
   if (found == outboxes.end() || found->second->writer == nullptr) return;
   OrderedWriter& writer = *found->second->writer;
   writer.OnHello(reader, hello.window, hello.heard);
@@ -37,11 +43,13 @@ void Bus::Impl::OnHello(const std::string& channel, int64_t reader, Hello hello)
   if (ordered && writer.AnnounceDue(hello.heard)) Announce(*found->second);
 }
 
-void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
+void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int64_t now) {
   repair_request_t request;
   if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   if (request.channel.empty()) return OnGreeting(request.header.source, request.publisher, request.delivered);
-  if (request.publisher == 0) return OnHello(request.channel, request.header.source, {now, request.window_bytes});
+  const Channel* channel = FindChannel(request.channel);
+  if (channel == nullptr || !IsAbout(*channel, wire_name, kRepairRequest)) return;
+  if (request.publisher == 0) return OnHello(*channel, request.header.source, {now, request.window_bytes});
   const auto found = outboxes.find(request.channel);
   if (request.publisher != source || found == outboxes.end() || found->second->writer == nullptr) return;
   Outbox& outbox = *found->second;
@@ -54,11 +62,12 @@ void Bus::Impl::OnRepairRequest(ByteView bytes, int64_t now) {
   acknowledged.notify_all();
 }
 
-void Bus::Impl::OnAnnounce(ByteView bytes, int64_t now) {
+void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t now) {
   announce_t announce;
   if (announce.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   const Channel* channel = FindChannel(announce.channel);
-  const auto found = channel == nullptr ? inboxes.end() : inboxes.find(WireName(*channel));
+  if (channel == nullptr || !IsAbout(*channel, wire_name, kAnnounce)) return;
+  const auto found = inboxes.find(WireName(*channel));
   if (found == inboxes.end() || !found->second.ordered) return;
   Inbox& inbox = found->second;
   OrderedReader* reader = ReaderOf(inbox, announce.header.source, now);
@@ -114,7 +123,7 @@ void Bus::Impl::SendControl(const Channel& channel, Scope scope, T message) {
   message.header.source = source;
   message.header.seq = control_seq_[std::string(channel.name)]++;
   std::vector<uint8_t> bytes = Encoded(message);
-  const std::string wire_name = std::string(scope == Scope::kMap ? MapPrefix() : options.prefix).append(channel.name);
+  const std::string wire_name = std::string(PrefixOf(scope)).append(channel.name);
   authenticator.Append(wire_name, bytes);
   outgoing_.push_back({wire_name, std::make_shared<const std::vector<uint8_t>>(std::move(bytes))});
 }

@@ -105,6 +105,8 @@ struct Bus::Impl {
 
   static int64_t Now();
   const std::string& MapPrefix() const { return options.map_prefix.empty() ? options.prefix : options.map_prefix; }
+  /// Of where channels of that scope are published, and requests and announcements about them.
+  const std::string& PrefixOf(Scope scope) const { return scope == Scope::kMap ? MapPrefix() : options.prefix; }
   /// Where the channel is published, and (all but kFromMap) read.
   std::string WireName(const Channel& channel) const;
   /// The same under the map's prefix; empty where that is the same name.
@@ -163,9 +165,10 @@ struct Bus::Impl {
   bool Drain(Inbox& inbox, OrderedReader& reader, int64_t now);
 
   // control.cpp
-  void OnHello(const std::string& channel, int64_t reader, Hello hello);
-  void OnRepairRequest(ByteView message, int64_t now);
-  void OnAnnounce(ByteView message, int64_t now);
+  void OnHello(const Channel& channel, int64_t reader, Hello hello);
+  void OnRepairRequest(std::string_view wire_name, ByteView message, int64_t now);
+  void OnAnnounce(std::string_view wire_name, ByteView message, int64_t now);
+  bool IsAbout(const Channel& channel, std::string_view wire_name, const Channel& control) const;
   void PollReaders(int64_t now, int64_t& next);
   void PollWriters(int64_t now, int64_t& next);
   void Announce(Outbox& outbox);

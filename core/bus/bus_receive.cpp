@@ -101,8 +101,8 @@ void Bus::Impl::OnDatagram(std::string_view wire_name, ByteView bytes) {
     if (message.empty()) return;
     ++counts.received;
     if (Lives(wire_name, message, now)) {
-      if (is_request) OnRepairRequest(message, now);
-      if (is_announce) OnAnnounce(message, now);
+      if (is_request) OnRepairRequest(wire_name, message, now);
+      if (is_announce) OnAnnounce(wire_name, message, now);
       if (inbox != inboxes.end()) Dispatch(inbox->second, ReadHeader(message), message, now);
     }
   }

@@ -1,11 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <map>
+#include <set>
 
+#include "core/bus/encoded.h"
+#include "core/bus/transport.h"
+#include "plslam/announce_t.hpp"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/loop_closure_t.hpp"
+#include "plslam/repair_request_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -101,8 +105,49 @@ TEST_P(MapPrefix, TheOwnerKnowsTheCamerasAndTheRobotsKnowWhetherItLives) {
   EXPECT_EQ(owner_.statuses, "mapping");
 }
 
+TEST_P(MapPrefix, WhoReadsUnderTheMapsPrefixDoesNotReadARobotsOwnChannels) {
+  // Hellos of a reader come by the names of its channels, COMMAND before LOOP_CLOSURE.
+  for (Member* member : {&ann_, &owner_}) ASSERT_TRUE(test::WaitForReaders(*member->bus, kLoopClosure, 3));
+  EXPECT_EQ(ann_.bus->ReaderCount(kCommand), 1) << "itself";
+  EXPECT_EQ(owner_.bus->ReaderCount(kCommand), 1) << "itself";
+  ann_.bus->Publish(kCommand, command_t{});
+  EXPECT_TRUE(ann_.bus->Flush(std::chrono::seconds(10)));
+}
+
 INSTANTIATE_TEST_SUITE_P(KeyedOrNot, MapPrefix, testing::Bool(),
                          [](const auto& test) { return test.param ? "WithKey" : "WithoutKey"; });
+
+TEST(MapPrefixAnnouncement, CountsUnderThePrefixOfItsChannelOnly) {
+  BusOptions options;
+  options.url = test::PrivateUrl();
+  options.prefix = "ann/";
+  options.map_prefix = "team/";
+  test::RunningBus ann(options);
+  ann->Subscribe<command_t>(kCommand, [](const command_t&) {});
+  ann.Start();
+  Transport wire(options.url);
+  std::set<int64_t> asked;  // publishers
+  wire.SetReceiver([&](std::string_view, ByteView bytes) {
+    repair_request_t request;
+    if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) > 0) asked.insert(request.publisher);
+  });
+  wire.Listen("ann/REPAIR_REQUEST");
+  announce_t announce{};
+  announce.header.schema = kSchemaVersion;
+  announce.channel = kCommand.name;
+  announce.next_seq = 3;
+  constexpr int64_t kOfTheMap = 77, kAnns = 78;
+  EXPECT_TRUE(test::Eventually([&] {
+    announce.header.source = kOfTheMap;
+    wire.Send("team/ANNOUNCE", Encoded(announce));
+    announce.header.source = kAnns;
+    wire.Send("ann/ANNOUNCE", Encoded(announce));
+    ++announce.header.seq;
+    wire.Receive(10);
+    return asked.contains(kAnns);
+  }));
+  EXPECT_FALSE(asked.contains(kOfTheMap)) << "commands under another prefix are not missed";
+}
 
 TEST(MapPrefixOption, OnlyPlainNames) {
   BusOptions options;

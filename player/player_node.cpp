@@ -168,21 +168,35 @@ bool PlayerNode::SendRest() {
   return !turn_.stopped();
 }
 
+/// Until the readers have everything, or have not got on for so long that no more is to be expected of them. False where the
+/// process ends, or frames are wanted again, first.
+bool PlayerNode::WaitForReaders() {
+  constexpr milliseconds kNow{0};
+  const std::chrono::duration<double> patience(process_.bus().options().give_up_s);
+  int64_t acknowledged = process_.bus().acknowledged();
+  auto changed = Turn::Clock::now();
+  while (!turn_.stopped() && !turn_.WaitForGoBack(kNow)) {
+    if (process_.bus().Flush(kFlushTick)) return true;
+    const auto now = Turn::Clock::now();
+    if (std::exchange(acknowledged, process_.bus().acknowledged()) != acknowledged) changed = now;
+    if (now - changed < patience) continue;
+    spdlog::warn("readers that lack messages have acknowledged none for {} s: they are not waited for",
+                 patience.count());
+    return true;
+  }
+  return false;
+}
+
 /// Behind the end frames may be wanted again, too, for as long as the process is there.
 bool PlayerNode::IsGoneBack() {
-  constexpr milliseconds kNow{0};
-  while (!turn_.WaitForGoBack(kNow)) {
-    if (turn_.stopped()) return false;
-    if (!process_.bus().Flush(kFlushTick)) continue;
+  if (WaitForReaders()) {
     process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
     if (options_.exit) process_.Finish();
     running_ = false;
-    while (!turn_.WaitForGoBack(kWaitingTick)) {
-      if (turn_.stopped()) return false;
+    while (!turn_.stopped() && !turn_.WaitForGoBack(kWaitingTick)) {
     }
-    break;
   }
-  return MakeLoader(turn_.GoBack());
+  return !turn_.stopped() && MakeLoader(turn_.GoBack());
 }
 
 PlayerNode::Sent PlayerNode::Send(const LoadedFrame& frame) {

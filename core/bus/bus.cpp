@@ -156,6 +156,15 @@ int Bus::ReaderCount(const Channel& channel) const { return impl_->ReaderCount(c
 
 bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
 
+int64_t Bus::acknowledged() const {
+  const std::lock_guard lock(impl_->mutex);
+  int64_t sum = 0;
+  for (const auto& [name, outbox] : impl_->outboxes) {
+    if (outbox->writer != nullptr) sum += outbox->writer->acknowledged();
+  }
+  return sum;
+}
+
 std::string Bus::Complaints() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->rejections.Line(Impl::Now());

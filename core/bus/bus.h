@@ -81,6 +81,8 @@ class Bus {
 
   /// Blocks until every such reader has everything sent, or the time is over. True if they have.
   bool Flush(std::chrono::milliseconds limit);
+  /// Grows whenever some reader has acknowledged more than before: who waits for all of them sees whether they get on.
+  int64_t acknowledged() const;
 
   BusCounters counters() const;
   /// One line on what has been rejected within the last minute and on other prefixes heard; empty where all is well.

@@ -83,7 +83,10 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
                                                const std::vector<SeqRange>& ranges, int64_t now) {
   Reader& reader = Heard(id, window, now);
   // Nobody can have what was not sent; an older word that arrives late changes nothing.
-  if (delivered < history_.next_seq()) reader.delivered = std::max(reader.delivered, delivered);
+  if (delivered < history_.next_seq() && delivered > reader.delivered) {
+    reader.delivered = delivered;
+    ++acknowledged_;
+  }
   const auto in_flight = InFlight(reader.delivered);
   if (in_flight && *in_flight <= reader.window) reader.behind = false;
   Trim(now);

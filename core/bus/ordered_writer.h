@@ -77,6 +77,8 @@ class OrderedWriter {
   /// Readers that spoke lately.
   int AliveReaders(int64_t now) const;
   bool AllDelivered(int64_t now) const;
+  /// Grows with each word of a reader that tells of more than the one before.
+  int64_t acknowledged() const { return acknowledged_; }
 
  private:
   struct Reader {
@@ -98,6 +100,7 @@ class OrderedWriter {
   std::map<int64_t, Reader> readers_;
   std::deque<int64_t> cost_before_;  // total cost of all messages before each of the last ones
   int64_t total_cost_ = 0;
+  int64_t acknowledged_ = 0;
   std::map<int64_t, int64_t> resent_at_;
   int64_t greeted_at_ = 0;  // nothing is forgotten before
   int64_t next_announce_ = 0;

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <filesystem>
 #include <map>
@@ -14,11 +15,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/encoded.h"
+#include "core/bus/transport.h"
 #include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/pose_t.hpp"
+#include "plslam/repair_request_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "tests/unit/io/dataset_folders.h"
@@ -130,8 +134,8 @@ class Reader {
 // The player in this process, its run loop on a thread.
 class Player {
  public:
-  explicit Player(const PlayerOptions& options)
-      : process_("player", Loopback()), node_(std::make_unique<PlayerNode>(process_, options)) {
+  explicit Player(const PlayerOptions& options, const bus::BusOptions& bus_options = Loopback())
+      : process_("player", bus_options), node_(std::make_unique<PlayerNode>(process_, options)) {
     thread_ = std::thread([this] { Run(); });
   }
   ~Player() {
@@ -283,6 +287,46 @@ TEST_F(PlayerNodeTest, SkipBadGoesOnAndCounts) {
   EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 62));
   EXPECT_EQ(reader.streams_[1].n_frames, 2);
   EXPECT_EQ(reader.streams_[1].n_bad, 1);
+}
+
+// Says that it reads the stream, and never that it has any of it.
+class ReaderThatNeverAcknowledges {
+ public:
+  ReaderThatNeverAcknowledges() : wire_(Loopback().url), thread_([this] { SayHellos(); }) {}
+  ~ReaderThatNeverAcknowledges() {
+    stopping_ = true;
+    thread_.join();
+  }
+
+ private:
+  void SayHellos() {
+    repair_request_t hello{};
+    hello.header.schema = bus::kSchemaVersion;
+    hello.header.source = 77;
+    hello.channel = bus::kStream.name;
+    hello.delivered = -1;
+    for (; !stopping_; ++hello.header.seq) {
+      wire_.Send(std::string(bus::kRepairRequest.name), bus::Encoded(hello));
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+
+  bus::Transport wire_;
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+TEST_F(PlayerNodeTest, ReaderThatDoesNotGetOnIsNotWaitedForAtTheEnd) {
+  const ReaderThatNeverAcknowledges silent;
+  Reader reader(true);
+  options_.exit = false;
+  bus::BusOptions impatient = Loopback();
+  impatient.give_up_s = 1.0;
+  const Player player(options_, impatient);
+  EXPECT_TRUE(reader.WaitFor([&] {
+    return std::find(reader.reasons_.begin(), reader.reasons_.end(), "finished: 3 frames sent, 0 bad, 0 late") !=
+           reader.reasons_.end();
+  }));
 }
 
 TEST_F(PlayerNodeTest, RealtimeNeedsNoReader) {

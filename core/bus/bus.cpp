@@ -116,6 +116,13 @@ void Bus::Run() {
   impl_->loop.Run();
 }
 void Bus::Stop() { impl_->loop.Stop(); }
+void Bus::StopWhenHandled() {
+  {
+    const std::lock_guard lock(impl_->mutex);
+    impl_->takes_more = false;
+  }
+  impl_->loop.Post([this] { Stop(); });
+}
 
 void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver) {
   using Kind = Subscription::Kind;

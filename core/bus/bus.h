@@ -75,6 +75,8 @@ class Bus {
   /// Delivers until `Stop` (from any thread or a handler). Returns at once if stopped before.
   void Run();
   void Stop();
+  /// The same when everything that has been taken, and so acknowledged, is handled; no more of ordered channels is.
+  void StopWhenHandled();
 
   /// Ordered readers of `channel` that have acknowledged something within the last second.
   int ReaderCount(const Channel& channel) const;

@@ -127,6 +127,7 @@ struct Bus::Impl {
   std::map<std::string, Hellos, std::less<>> hellos;     // by channel name, of all channels of the table
   std::map<std::string, Inbox, std::less<>> inboxes;     // by name on the wire
   std::function<void(std::string_view, ByteView)> rest;  // takes what no inbox is for
+  bool takes_more = true;                                // of ordered channels
   std::string history_folder;
   bool temporary_folder = false;
   BusCounters counts;

@@ -161,7 +161,7 @@ void Bus::Impl::DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView
 }
 
 bool Bus::Impl::Ready(const Inbox& inbox) const {
-  return loop.queued_bytes() < options.queue_bytes &&
+  return takes_more && loop.queued_bytes() < options.queue_bytes &&
          std::all_of(inbox.subscriptions.begin(), inbox.subscriptions.end(),
                      [](const auto& s) { return s->kind != Subscription::Kind::kOrderedBytes || s->ready(); });
 }

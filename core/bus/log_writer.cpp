@@ -80,6 +80,6 @@ void LogRecorder::Run() {
   writer_.Flush();
 }
 
-void LogRecorder::Stop() { bus_.Stop(); }
+void LogRecorder::Stop() { bus_.StopWhenHandled(); }
 
 }  // namespace plslam::bus

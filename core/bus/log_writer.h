@@ -38,7 +38,7 @@ class LogRecorder {
  public:
   LogRecorder(const BusOptions& options, const std::string& path);
 
-  /// Records until `Stop` (from any thread).
+  /// Records until `Stop` (from any thread), and then what it has acknowledged.
   void Run();
   void Stop();
 

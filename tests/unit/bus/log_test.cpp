@@ -3,6 +3,7 @@
 #include <random>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <opencv2/core.hpp>
 
 #include "core/bus/convert.h"
@@ -126,8 +127,7 @@ class RecordedLog : public testing::Test {
       PublishStream(*player, true);
       EXPECT_TRUE(player->Flush(std::chrono::seconds(10)));
     }
-    // What has been acknowledged waits in the recorder's queue at most, before this.
-    recorder.bus().Post([&] { recorder.Stop(); });
+    recorder.Stop();
     thread.join();
     return path;
   }
@@ -141,6 +141,39 @@ class RecordedLog : public testing::Test {
 };
 
 TEST_F(RecordedLog, IsAWholeDatasetInSpiteOfLosses) { ExpectTheStream(*OpenLogDataset(Record(Options()))); }
+
+TEST_F(RecordedLog, HasAllThatWasAcknowledgedWhenTheRecorderIsStopped) {
+  const std::string path = folder_ / "slow disk";
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  Waiter awake;
+  int64_t written_bytes = 0;
+  std::thread disk([&] {
+    std::ifstream fifo(path, std::ios::binary);
+    EXPECT_TRUE(awake.Reaches(1));
+    std::vector<char> block(65'536);
+    while (fifo.read(block.data(), static_cast<std::streamsize>(block.size())), fifo.gcount() > 0) {
+      written_bytes += fifo.gcount();
+    }
+  });
+  const BusOptions options = Options();
+  auto recorder = std::make_unique<LogRecorder>(options, path);
+  std::thread thread([&] { recorder->Run(); });
+  Bus player(options, "player");
+  EXPECT_TRUE(test::WaitForReaders(player, kStereoFrame, 1));
+  constexpr int64_t kStrips = 40, kStripBytes = 50'000;  // more than a pipe holds
+  image_strip_t strip{};
+  strip.n_bytes = kStripBytes;
+  strip.data.assign(kStripBytes, 1);
+  for (int i = 0; i < kStrips; ++i) player.Publish(kStereoFrame, strip);
+  EXPECT_TRUE(player.Flush(std::chrono::seconds(10)));
+  recorder->Stop();
+  awake.Add();
+  thread.join();
+  EXPECT_GE(recorder->events(), kStrips);
+  recorder.reset();
+  disk.join();
+  EXPECT_GT(written_bytes, kStrips * kStripBytes);
+}
 
 TEST(LogDataset, OfTheLiveChannelWithPrefixAndSmallMessages) {
   const TemporaryFolder folder;

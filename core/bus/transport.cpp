@@ -181,9 +181,9 @@ bool Transport::ReceiveUdp(int timeout_ms) {
 
 bool Transport::Receive(int timeout_ms) {
   if (udp_ != nullptr) return ReceiveUdp(timeout_ms);
-  if (kind_ == Kind::kFileWrite) {
+  if (kind_ == Kind::kFileWrite || ended_) {
     WaitReadable(timeout_ms, -1);
-    return true;
+    return !ended_;
   }
   const int fd = lcm_get_fileno(lcm_);
   if (fd < 0) {  // tcpq without its relay: LCM tries to connect again within lcm_handle
@@ -194,7 +194,10 @@ bool Transport::Receive(int timeout_ms) {
   if (!WaitReadable(timeout_ms, fd)) return true;
   static constexpr int kBatch = 8;
   for (int i = 0; i < kBatch; ++i) {
-    if (lcm_handle(lcm_) != 0) return kind_ != Kind::kFileRead;
+    if (lcm_handle(lcm_) != 0) {
+      ended_ = kind_ == Kind::kFileRead;
+      return !ended_;
+    }
     pollfd more = {fd, POLLIN, 0};
     if (poll(&more, 1, 0) <= 0) break;
   }

@@ -61,7 +61,7 @@ class Transport {
   void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
 
   /// Waits at most until `timeout_ms` for messages or `Wake`, and hands at least one message that is there to the
-  /// receiver. False when there will be no more (end of a log that is read).
+  /// receiver. False when there will be no more (end of a log that is read); from then on it waits for `Wake` alone.
   bool Receive(int timeout_ms);
   /// Makes `Receive` return soon; from any thread.
   void Wake();
@@ -80,6 +80,7 @@ class Transport {
   std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
   std::vector<lcm_subscription_t*> subscriptions_;
   bool listens_to_all_ = false;
+  bool ended_ = false;  // a log that is read
   std::unique_ptr<UdpReceiver> udp_;
   std::mutex listen_mutex_;                   // what follows, and `listens_to_all_`
   std::set<std::string, std::less<>> names_;  // listened to by `udp_`

@@ -91,8 +91,6 @@ Bus::Impl::~Impl() {
   transport.Wake();
   receiver_.join();
   outboxes.clear();
-  std::error_code ignored;
-  if (temporary_folder) std::filesystem::remove(history_folder, ignored);
 }
 
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}

@@ -41,12 +41,7 @@ History::History(Retention retention, int64_t memory_bytes, std::string channel,
       path_(std::move(path)),
       keep_file_(keep_file) {}
 
-History::~History() {
-  const bool has_file = log_ != nullptr;
-  log_.reset();
-  std::error_code ignored;
-  if (has_file && !keep_file_) std::filesystem::remove(path_, ignored);
-}
+History::~History() = default;
 
 void History::Append(Bytes message) {
   bytes_ += static_cast<int64_t>(message->size());
@@ -70,6 +65,7 @@ bool History::Spill(const Bytes& message) {
     std::error_code ignored;
     std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
     log_ = std::make_unique<Log>(Log{OpenLog(path_, "w"), OpenLog(path_, "r")});
+    if (!keep_file_) RemoveFile();
   }
   lcm_eventlog_t* writer = log_->writer.get();
   const int64_t offset = writer != nullptr ? ftello(writer->f) : -1;
@@ -87,6 +83,13 @@ bool History::Spill(const Bytes& message) {
   log_->dirty = true;
   offsets_.push_back(offset);
   return true;
+}
+
+/// What is open stays readable without its name, and goes with the process however that ends.
+void History::RemoveFile() const {
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+  std::filesystem::remove(std::filesystem::path(path_).parent_path(), ignored);  // where nothing else is in it
 }
 
 Bytes History::Get(int64_t seq) {

@@ -19,7 +19,8 @@ std::string TemporaryFolder(int64_t source);
 /// `memory_bytes` a kAll history moves its oldest messages to an LCM log, a kUnacknowledged one forgets them.
 class History {
  public:
-  /// `path` is the log of kAll, made when it is first needed and removed by the destructor unless `keep_file`.
+  /// `path` is the log of kAll, made when it is first needed. Unless `keep_file` it loses its name at once, and its folder too,
+  /// so that nothing is left even of a process that is killed.
   History(Retention retention, int64_t memory_bytes, std::string channel, std::string path, bool keep_file);
   ~History();
   History(const History&) = delete;
@@ -43,6 +44,7 @@ class History {
   struct Log;
   void DropOldest();
   bool Spill(const Bytes& message);
+  void RemoveFile() const;
   Bytes ReadSpilled(int64_t seq);
 
   Retention retention_;

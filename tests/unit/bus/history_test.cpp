@@ -27,12 +27,23 @@ TEST(History, SpillsToALogAndReadsItBack) {
       ASSERT_NE(message, nullptr) << n;
       EXPECT_EQ(*message, *MessageOf(n, 100 + static_cast<size_t>(n % 50)));
     }
+    EXPECT_FALSE(std::filesystem::exists(folder / "deep")) << "a process that is killed can remove nothing";
     history.Append(MessageOf(1000));
     EXPECT_EQ(NumberOf(history.Get(920)), 920);
     EXPECT_EQ(history.Get(1001), nullptr);
     EXPECT_EQ(history.Get(-1), nullptr);
   }
   EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(History, KeepsItsLogWhereItIsToldTo) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "CHANNEL.lcmlog";
+  {
+    History history(Retention::kAll, 1000, "CHANNEL", path, true);
+    for (int64_t n = 0; n < 100; ++n) history.Append(MessageOf(n));
+  }
+  EXPECT_TRUE(std::filesystem::exists(path));
 }
 
 TEST(History, BeginsLaterWhereTheDiskDoesNotTakeIt) {

@@ -34,7 +34,7 @@ std::optional<Rejection> Bus::Impl::WhyNot(std::string_view wire_name, const Mes
   }
   const WireHeader header = ReadHeader(bytes);
   if (header.schema != kSchemaVersion) return Rejection::kOtherSchema;
-  if (header.source == 0 || header.seq < 0) return Rejection::kMalformed;
+  if (header.source == 0 || header.seq < 0 || header.seq > kMaxNumber) return Rejection::kMalformed;
   return std::nullopt;
 }
 

@@ -31,7 +31,7 @@ void OrderedReader::Heard(int64_t now) {
 
 OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int64_t now) {
   Heard(now);
-  if (known_end_ > 0 && seq > known_end_ + kMaxJump) return Arrival::kRefused;
+  if (seq > kMaxNumber || (known_end_ > 0 && seq > known_end_ + kMaxJump)) return Arrival::kRefused;
   if (known_end_ == 0 && !started_) {
     join_end_ = seq;
     if (seq == 0 || !two_way_) Start(seq, now);
@@ -58,7 +58,8 @@ OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int
 }
 
 void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now, std::optional<int64_t> join_seq) {
-  if (first_seq < 0 || next_seq < first_seq || next_seq > std::max(known_end_, first_seq) + kMaxJump) return;
+  if (first_seq < 0 || next_seq < first_seq || next_seq > kMaxNumber) return;
+  if (next_seq > std::max(known_end_, first_seq) + kMaxJump) return;
   Heard(now);
   if (!started_) {
     if (known_end_ == 0) join_end_ = next_seq;

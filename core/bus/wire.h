@@ -18,6 +18,9 @@ using ByteView = std::span<const uint8_t>;
 /// Largest message that fits one datagram whatever the options say.
 inline constexpr size_t kMaxMessageBytes = 60000;
 
+/// Largest number of a message that is believed: far from what a publisher can reach, and sums with it do not overflow.
+inline constexpr int64_t kMaxNumber = int64_t{1} << 62;
+
 /// `header_t` as it stands at the begin of every message.
 struct WireHeader {
   int32_t schema = 0;

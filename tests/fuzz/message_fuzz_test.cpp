@@ -232,7 +232,16 @@ TEST(MessageFuzz, OrderSurvivesAnyNumbers) {
     OrderedReader reader(true, 50'000, 0);
     const ByteVector message(100, 0);
     const auto number = [&]() -> int64_t {
-      return random() % 8 == 0 ? static_cast<int64_t>(random()) & INT64_MAX : static_cast<int64_t>(random() % 50);
+      switch (random() % 16) {
+        case 0:
+          return static_cast<int64_t>(random()) & INT64_MAX;
+        case 1:
+          return INT64_MAX - static_cast<int64_t>(random() % 3);
+        case 2:
+          return kMaxNumber + 1 - static_cast<int64_t>(random() % 3);
+        default:
+          return static_cast<int64_t>(random() % 50);
+      }
     };
     int64_t last = -1;
     for (int64_t now = 0; now < 300; ++now) {

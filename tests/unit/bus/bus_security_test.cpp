@@ -115,6 +115,18 @@ TEST_F(BusSecurity, AnyChangedBitIsRejected) {
   }
 }
 
+TEST_F(BusSecurity, NumbersNearTheEndOfAllNumbersAreRejected) {
+  Waiter received;
+  RunningBus reader(Options(), "reader");
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t&) { received.Add(); });
+  reader.Start();
+  wire_.Send("POSE", Encoded(7, INT64_MAX));
+  wire_.Send("POSE", Encoded(7, kMaxNumber + 1));
+  EXPECT_TRUE(Eventually([&] { return reader->counters().rejected == 2; }));
+  wire_.Send("POSE", Encoded(7, 0));
+  EXPECT_TRUE(received.Reaches(1));
+}
+
 TEST_F(BusSecurity, BadKeyFilesAreRefused) {
   for (const std::string text : {"", "12", "zz", "0123456789abcdef", "not a key at all"}) {
     const std::string path = folder_ / "bad";

@@ -190,6 +190,20 @@ TEST(OrderedReader, IgnoresAnnouncementsThatCannotBe) {
   EXPECT_EQ(reader.OnMessage(int64_t{1} << 60, *MessageOf(9), 0), OrderedReader::Arrival::kRefused);
 }
 
+TEST(OrderedReader, RefusesNumbersNearTheEndOfAllNumbers) {
+  for (const bool two_way : {true, false}) {
+    for (const int64_t n : {INT64_MAX, INT64_MAX - 1, INT64_MAX - 50'000'000, kMaxNumber + 1}) {
+      OrderedReader reader(two_way, 1'000'000, 0);
+      EXPECT_EQ(reader.OnMessage(n, *MessageOf(9), 0), OrderedReader::Arrival::kRefused) << n;
+      reader.OnAnnounce(n - 1, n, 0);
+      reader.OnAnnounce(n, n, 0, n);
+      EXPECT_EQ(reader.delivered(), -1) << n;
+      EXPECT_EQ(reader.OnMessage(0, *MessageOf(0), 0), OrderedReader::Arrival::kNew);
+      EXPECT_EQ(Drain(reader, 0), (Numbers{0}));
+    }
+  }
+}
+
 TEST(OrderedReader, BoundsWhatWaitsOutOfOrder) {
   OrderedReader reader(true, 10'000, 0);
   reader.OnMessage(0, *MessageOf(0), 0);

@@ -12,7 +12,6 @@ namespace {
 /// All strips of an image but the last have at least so many bytes, so that a few strips cannot claim a table of
 /// millions.
 constexpr int64_t kMinStripBytes = 256;
-constexpr int32_t kMaxSide = 32'768;
 
 /// OpenCV type of an encoding for that camera; -1 where there is none.
 int PixelType(const image_strip_t& strip) {
@@ -31,14 +30,18 @@ bool FrameAssembler::Image::Tiled() const {
   return end == bytes;
 }
 
+bool FrameAssembler::CanHold(int32_t width_px, int32_t height_px, int64_t pixel_bytes) {
+  return width_px > 0 && height_px > 0 && width_px <= kMaxSide_px && height_px <= kMaxSide_px &&
+         pixel_bytes * width_px * height_px <= kMaxImageBytes;
+}
+
 /// Fills in what the first strip of an image says about it, if that can be true.
 bool FrameAssembler::Describe(const image_strip_t& strip, Image& image) {
   const int type = PixelType(strip);
-  const bool size_ok = strip.width_px > 0 && strip.height_px > 0 && strip.width_px <= kMaxSide &&
-                       strip.height_px <= kMaxSide && type >= 0;
-  if (!size_ok) return false;
-  const int64_t bytes = int64_t{strip.width_px} * strip.height_px * (type == CV_16UC1 ? 2 : 1);
-  if (bytes > kMaxImageBytes || strip.n_strips < 1 || strip.n_strips > 1 + bytes / kMinStripBytes) return false;
+  const int64_t pixel_bytes = type == CV_16UC1 ? 2 : 1;
+  if (type < 0 || !CanHold(strip.width_px, strip.height_px, pixel_bytes)) return false;
+  const int64_t bytes = pixel_bytes * strip.width_px * strip.height_px;
+  if (strip.n_strips < 1 || strip.n_strips > 1 + bytes / kMinStripBytes) return false;
   image.bytes = bytes;
   image.encoding = strip.encoding;
   image.tiles.resize(static_cast<size_t>(strip.n_strips));

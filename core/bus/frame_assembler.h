@@ -28,8 +28,12 @@ struct AssembledFrame {
 class FrameAssembler {
  public:
   static constexpr int64_t kMaxImageBytes = 64'000'000;
+  static constexpr int32_t kMaxSide_px = 32'768;
   static constexpr size_t kMaxPartial = 8;
   static constexpr int64_t kMaxBytes = 4 * kMaxImageBytes;
+
+  /// Whether an image of this size is taken, with so many bytes for a pixel.
+  static bool CanHold(int32_t width_px, int32_t height_px, int64_t pixel_bytes);
 
   enum class Outcome { kTaken, kRepeated, kComplete, kNonsense };
 

@@ -10,7 +10,8 @@
 namespace plslam::bus {
 
 /// Cuts stereo frames into strips and sends them. Images are 8-bit grey; the right one may be a 16-bit depth map.
-/// Others are std::invalid_argument.
+/// Others are std::invalid_argument; one that readers would refuse for its size (64 MB) is std::runtime_error, in one sentence,
+/// before anything of the frame is sent.
 class FramePublisher {
  public:
   FramePublisher(Bus& bus, bool lockstep);

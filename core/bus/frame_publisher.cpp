@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/bus/frame_assembler.h"
 #include "core/bus/frame_channel.h"
 #include "plslam/image_strip_t.hpp"
 
@@ -21,18 +22,29 @@ int64_t StripBytes(const image_strip_t& empty, int64_t row_bytes, int64_t page_b
   return room >= row_bytes ? room / row_bytes * row_bytes : room;
 }
 
+void CheckSize(const StereoImages& frame, const cv::Mat& image) {
+  if (image.empty()) throw std::invalid_argument("a frame needs two images");
+  if (FrameAssembler::CanHold(image.cols, image.rows, static_cast<int64_t>(image.elemSize()))) return;
+  throw std::runtime_error("frame " + std::to_string(frame.frame_id) + ": an image of " + std::to_string(image.cols) +
+                           " x " + std::to_string(image.rows) + " pixels, " + std::to_string(image.elemSize()) +
+                           " bytes each, is larger than readers take (" +
+                           std::to_string(FrameAssembler::kMaxImageBytes) + " bytes, " +
+                           std::to_string(FrameAssembler::kMaxSide_px) + " pixels a side)");
+}
+
 }  // namespace
 
 FramePublisher::FramePublisher(Bus& bus, bool lockstep) : bus_(bus), lockstep_(lockstep) {}
 
 void FramePublisher::Publish(const StereoImages& images) {
+  CheckSize(images, images.left);
+  CheckSize(images, images.right);
   PublishImage(images, images.left, 0);
   PublishImage(images, images.right, 1);
 }
 
 void FramePublisher::PublishImage(const StereoImages& frame, const cv::Mat& image, int8_t camera) {
   const cv::Mat whole = image.isContinuous() ? image : image.clone();
-  if (whole.empty()) throw std::invalid_argument("a frame needs two images");
   image_strip_t strip{};
   strip.header.t_ns = frame.t_ns;
   strip.frame_id = frame.frame_id;

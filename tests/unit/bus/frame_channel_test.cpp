@@ -147,6 +147,32 @@ INSTANTIATE_TEST_SUITE_P(Rates, LockstepStress,
                          [](const auto& test) { return test.param.name; });
 
 /// A player that has waited long for a pose sends its frame again: it comes once, and nothing counts as skipped.
+TEST(FramePublisher, RefusesWhatReadersWouldNotTakeBeforeAnythingIsSent) {
+  Bus bus(OptionsFor("memq://"), "player");
+  FramePublisher publisher(bus, true);
+  const auto error_of = [&](const cv::Size& left, const cv::Size& right, int right_type) -> std::string {
+    StereoImages frame;
+    frame.frame_id = 3;
+    frame.left = cv::Mat(left, CV_8UC1);
+    frame.right = cv::Mat(right, right_type);
+    try {
+      publisher.Publish(frame);
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const cv::Size small(8, 8), large(8001, 8000);  // fewer pixels than a file may have
+  EXPECT_EQ(error_of(small, large, CV_8UC1),
+            "frame 3: an image of 8001 x 8000 pixels, 1 bytes each, is larger than readers take (64000000 bytes, "
+            "32768 pixels a side)");
+  EXPECT_NE(error_of(large, small, CV_8UC1), "");
+  EXPECT_NE(error_of(small, {8000, 4001}, CV_16UC1), "");
+  EXPECT_NE(error_of(small, {32'769, 1}, CV_8UC1), "");
+  EXPECT_EQ(bus.counters().sent, 0);
+  EXPECT_EQ(error_of(small, {8000, 100}, CV_16UC1), "");
+}
+
 TEST(FrameChannel, FramesSentAgainInLockstepComeAgainAndNoneIsSkipped) {
   const std::string url = PrivateUrl();
   Waiter handled;

@@ -1,7 +1,9 @@
 #include "core/bus/log_dataset.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
+#include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -18,6 +20,9 @@
 namespace plslam::bus {
 namespace {
 
+/// Of a strip: header, `frame_id`, `camera`, `strip` and `n_strips`.
+constexpr size_t kStripHeadBytes = kWireHeaderBytes + 8 + 1 + 4 + 4;
+
 struct Place {
   int64_t offset = 0;
   int64_t bytes = 0;
@@ -29,11 +34,53 @@ std::optional<std::string> PrefixOf(const std::string& name, const Channel& chan
   return name.substr(0, name.size() - channel.name.size());
 }
 
+struct LogStrip {
+  Place place;
+  int8_t camera = 0;
+  int32_t number = 0;
+  int32_t n_strips = 0;  // that its image has, as it says
+};
+
 struct LogFrame {
   int64_t id = 0;
   int64_t t_ns = 0;
-  std::vector<Place> strips;
+  std::vector<LogStrip> strips;
+
+  bool Whole() const { return Whole(0) && Whole(1); }
+  bool Whole(int8_t camera) const;
 };
+
+/// As far as the heads of its strips tell. One whose count is damaged does not hide the others.
+bool LogFrame::Whole(int8_t camera) const {
+  std::set<int32_t> numbers;
+  int32_t least = std::numeric_limits<int32_t>::max();
+  for (const LogStrip& strip : strips) {
+    if (strip.camera != camera) continue;
+    numbers.insert(strip.number);
+    least = std::min(least, strip.n_strips);
+  }
+  return !numbers.empty() && static_cast<int64_t>(numbers.size()) >= least;
+}
+
+/// Places of the most values that increase: one that is far too large does not cost all that come after it.
+std::vector<size_t> MostIncreasing(const std::vector<int64_t>& values) {
+  std::vector<size_t> ends;  // ends[n]: place of the last of n + 1 increasing values, the smallest there is
+  std::vector<size_t> before(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto end = std::lower_bound(ends.begin(), ends.end(), values[i],
+                                      [&](size_t place, int64_t value) { return values[place] < value; });
+    if (end != ends.begin()) before[i] = *(end - 1);
+    if (end == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *end = i;
+    }
+  }
+  std::vector<size_t> most(ends.size());
+  size_t place = ends.empty() ? 0 : ends.back();
+  for (size_t n = ends.size(); n-- > 0; place = before[place]) most[n] = place;
+  return most;
+}
 
 /// One publisher's frames on one channel.
 using StreamKey = std::tuple<std::string, std::string, int64_t>;  // prefix, channel, source
@@ -61,7 +108,9 @@ class LogDataset : public Dataset {
     ChooseStream(streams);
     ReadRig();
     ReadGroundTruth();
-    CheckTimes();
+    DropFramesWithHoles();
+    DropFramesOutOfTime();
+    if (frames_.empty()) Fail("has no frame with all strips of both images");
   }
 
   std::string name() const override { return path_; }
@@ -73,6 +122,7 @@ class LogDataset : public Dataset {
     const auto found = truth_.find(frames_.at(static_cast<size_t>(index)).id);
     return found == truth_.end() ? std::nullopt : std::optional(found->second);
   }
+  std::vector<std::string> Notes() const override { return notes_; }
 
  private:
   [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
@@ -82,7 +132,9 @@ class LogDataset : public Dataset {
   void ChooseStream(std::map<StreamKey, LogStream>& streams);
   void ReadRig();
   void ReadGroundTruth();
-  void CheckTimes() const;
+  void DropFramesWithHoles();
+  void DropFramesOutOfTime();
+  void KeepFrames(const std::vector<size_t>& places, const std::string& why_others_go);
 
   std::string path_;
   LogReader log_;
@@ -93,6 +145,7 @@ class LogDataset : public Dataset {
   RigCalibration rig_;
   std::vector<LogFrame> frames_;
   std::map<int64_t, SE3> truth_;  // by frame id
+  std::vector<std::string> notes_;
 };
 
 void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) const {
@@ -100,7 +153,11 @@ void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) co
   LogFrame& frame = stream.frames[id];
   frame.id = id;
   if (frame.strips.empty()) frame.t_ns = ReadHeader(event.head).t_ns;
-  frame.strips.push_back({event.data_offset, event.data_bytes});
+  const uint8_t* rest = event.head.data() + kWireHeaderBytes + 8;
+  frame.strips.push_back({{event.data_offset, event.data_bytes},
+                          static_cast<int8_t>(rest[0]),
+                          ReadInt32(rest + 1),
+                          ReadInt32(rest + 5)});
   ++stream.n_strips;
 }
 
@@ -111,7 +168,7 @@ void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
     if (const auto prefix = PrefixOf(event->channel, kGroundTruth)) truths_.emplace_back(*prefix, place);
     for (const Channel& channel : {kStereoFrame, kStereoFrameLive}) {
       const auto prefix = PrefixOf(event->channel, channel);
-      const bool is_strip = prefix && event->head.size() >= kWireHeaderBytes + 8 &&
+      const bool is_strip = prefix && event->head.size() >= kStripHeadBytes &&
                             ReadInt64(event->head.data()) == image_strip_t::getHash();
       if (!is_strip) continue;
       IndexStrip(*event, streams[{*prefix, std::string(channel.name), ReadHeader(event->head).source}]);
@@ -151,19 +208,37 @@ void LogDataset::ReadGroundTruth() {
   }
 }
 
-void LogDataset::CheckTimes() const {
-  for (size_t i = 1; i < frames_.size(); ++i) {
-    if (frames_[i].t_ns > frames_[i - 1].t_ns) continue;
-    Fail("time " + std::to_string(frames_[i].t_ns) + " ns of frame " + std::to_string(frames_[i].id) +
-         " is not after that of frame " + std::to_string(frames_[i - 1].id));
+void LogDataset::DropFramesWithHoles() {
+  std::vector<size_t> whole;
+  for (size_t i = 0; i < frames_.size(); ++i) {
+    if (frames_[i].Whole()) whole.push_back(i);
   }
+  KeepFrames(whole, "since strips are missing");
+}
+
+void LogDataset::DropFramesOutOfTime() {
+  std::vector<int64_t> times_ns;
+  for (const LogFrame& frame : frames_) times_ns.push_back(frame.t_ns);
+  KeepFrames(MostIncreasing(times_ns), "since times would not increase with them");
+}
+
+/// `places` in increasing order.
+void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string& why_others_go) {
+  if (places.size() == frames_.size()) return;
+  size_t first_gone = 0;
+  while (first_gone < places.size() && places[first_gone] == first_gone) ++first_gone;
+  notes_.push_back("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
+                   " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
+  std::vector<LogFrame> kept;
+  for (const size_t place : places) kept.push_back(std::move(frames_[place]));
+  frames_ = std::move(kept);
 }
 
 StereoImages LogDataset::Read(int index) const {
   const LogFrame& frame = frames_.at(static_cast<size_t>(index));
   FrameAssembler assembler;
-  for (const Place& place : frame.strips) {
-    const auto strip = Decode<image_strip_t>(log_, place);
+  for (const LogStrip& in_log : frame.strips) {
+    const auto strip = Decode<image_strip_t>(log_, in_log.place);
     if (!strip || assembler.Add(*strip) != FrameAssembler::Outcome::kComplete) continue;
     StereoImages images = assembler.TakeFrame().images;
     const auto size_of = [](const CameraCalibration& c) { return cv::Size(c.width_px, c.height_px); };
@@ -173,7 +248,7 @@ StereoImages LogDataset::Read(int index) const {
     images.frame_id = index;
     return images;
   }
-  Fail("frame " + std::to_string(frame.id) + " is not whole: strips are missing or malformed (" +
+  Fail("frame " + std::to_string(frame.id) + " is not whole: strips are malformed (" +
        std::to_string(frame.strips.size()) + " are there)");
 }
 

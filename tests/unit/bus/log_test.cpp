@@ -2,11 +2,13 @@
 #include <fstream>
 #include <random>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <opencv2/core.hpp>
 
 #include "core/bus/convert.h"
+#include "core/bus/encoded.h"
 #include "core/bus/frame_channel.h"
 #include "core/bus/log_dataset.h"
 #include "core/bus/log_reader.h"
@@ -200,23 +202,84 @@ TEST_F(RecordedLog, ToleratesRepeatedAndReorderedStrips) {
   ExpectTheStream(*OpenLogDataset(folder_ / "shuffled"));
 }
 
-TEST_F(RecordedLog, MissingStripIsNamedWithItsFrame) {
-  auto events = ReadAll(Record(Options()));
-  const auto of_frame_3 = [](const RawEvent& event) {
+/// Changes the strips of a log; `change` says whether to keep one.
+template <class Change>
+void ChangeStrips(std::vector<RawEvent>& events, const Change& change) {
+  std::erase_if(events, [&](RawEvent& event) {
     image_strip_t strip;
-    return event.channel == "STEREO_FRAME" &&
-           strip.decode(event.data.data(), 0, static_cast<int>(event.data.size())) >= 0 && strip.frame_id == 3;
-  };
-  events.erase(std::find_if(events.begin(), events.end(), of_frame_3));
+    if (event.channel != "STEREO_FRAME") return false;
+    EXPECT_GE(strip.decode(event.data.data(), 0, static_cast<int>(event.data.size())), 0);
+    const bool keep = change(strip);
+    event.data = Encoded(strip);
+    return !keep;
+  });
+}
+
+TEST_F(RecordedLog, FramesWithMissingStripsArePassedOverAndCounted) {
+  auto events = ReadAll(Record(Options()));
+  ChangeStrips(events, [](const image_strip_t& s) { return s.frame_id != 3 || s.camera != 1 || s.strip != 0; });
+  // A bit of the number of a frame makes a strip that no other belongs to, and a frame that lacks one.
+  ChangeStrips(events, [](image_strip_t& s) {
+    if (s.frame_id == 5 && s.camera == 0 && s.strip == 0) s.frame_id ^= int64_t{1} << 40;
+    return true;
+  });
   WriteAll(folder_ / "holed", events);
   const auto dataset = OpenLogDataset(folder_ / "holed");
+  ASSERT_EQ(dataset->size(), kFrames - 2);
+  EXPECT_THAT(dataset->Notes(),
+              testing::ElementsAre("frames passed over, since strips are missing: 3 (the first is frame 3)"));
+  for (int i = 0; i < dataset->size(); ++i) {
+    const int id = i + (i >= 3 ? 1 : 0) + (i >= 4 ? 1 : 0);
+    EXPECT_TRUE(Equal(dataset->Read(i).left, FrameOf(id).left)) << i;
+    EXPECT_EQ(dataset->t_ns(i), FrameOf(id).t_ns);
+    EXPECT_DOUBLE_EQ(dataset->GroundTruth(i)->translation().x(), 0.1 * id);
+  }
+}
+
+TEST_F(RecordedLog, FramesWhoseTimesDoNotIncreaseArePassedOverAndCounted) {
+  const auto events = ReadAll(Record(Options()));
+  const auto with_times = [&](const std::string& name, const auto& time) {
+    auto changed = events;
+    ChangeStrips(changed, [&](image_strip_t& s) {
+      s.header.t_ns = time(s.frame_id, s.header.t_ns);
+      return true;
+    });
+    WriteAll(folder_ / name, changed);
+    return OpenLogDataset(folder_ / name);
+  };
+  constexpr int64_t kSecond = 1'000'000'000;
+  // The clock of the camera was set back once, by more than a frame: the frames of before, or of after, are in the way.
+  const auto stepped = with_times("stepped", [](int64_t id, int64_t t) { return id >= 5 ? t - 60'000'000 : t; });
+  EXPECT_EQ(stepped->size(), kFrames - 1);
+  const auto far = with_times("far", [](int64_t id, int64_t t) { return id >= 2 ? t - kSecond : t; });
+  ASSERT_EQ(far->size(), kFrames - 2);
+  EXPECT_THAT(
+      far->Notes(),
+      testing::ElementsAre("frames passed over, since times would not increase with them: 2 (the first is frame 0)"));
+  EXPECT_TRUE(Equal(far->Read(0).left, FrameOf(2).left));
+  // One time that cannot be does not cost all frames behind it.
+  const auto wild = with_times("wild", [](int64_t id, int64_t t) { return id == 1 ? t + (int64_t{1} << 60) : t; });
+  EXPECT_EQ(wild->size(), kFrames - 1);
+  for (const Dataset* dataset : {stepped.get(), far.get(), wild.get()}) {
+    for (int i = 1; i < dataset->size(); ++i) EXPECT_GT(dataset->t_ns(i), dataset->t_ns(i - 1));
+  }
+}
+
+TEST_F(RecordedLog, MalformedStripIsNamedWithItsFrame) {
+  auto events = ReadAll(Record(Options()));
+  ChangeStrips(events, [](image_strip_t& s) {
+    if (s.frame_id == 3 && s.camera == 1 && s.strip == 0) ++s.width_px;
+    return true;
+  });
+  WriteAll(folder_ / "torn", events);
+  const auto dataset = OpenLogDataset(folder_ / "torn");
   ASSERT_EQ(dataset->size(), kFrames);
   EXPECT_NO_THROW(dataset->Read(2));
   try {
     dataset->Read(3);
     FAIL();
   } catch (const DatasetError& error) {
-    EXPECT_NE(std::string(error.what()).find("holed: frame 3 is not whole"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("torn: frame 3 is not whole"), std::string::npos) << error.what();
   }
 }
 

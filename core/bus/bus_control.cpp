@@ -81,11 +81,13 @@ void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t n
 void Bus::Impl::PollReaders(int64_t now, int64_t& next) {
   for (auto& [name, inbox] : inboxes) {
     if (!inbox.ordered && !inbox.paced) continue;
-    if (now >= inbox.next_hello && transport.two_way()) {
-      inbox.next_hello = now + kHelloPeriod;
-      Request(inbox, 0, {});
+    if (transport.two_way()) {
+      if (now >= inbox.next_hello) {
+        inbox.next_hello = now + kHelloPeriod;
+        Request(inbox, 0, {});
+      }
+      next = std::min(next, inbox.next_hello);
     }
-    next = std::min(next, inbox.next_hello);
     for (auto& [publisher, reader] : inbox.readers) {
       if (reader.poll_time() <= now) {
         if (const auto request = reader.Poll(now)) Request(inbox, publisher, *request);

@@ -223,10 +223,10 @@ int64_t OrderedReader::GiveUpTime() const {
 }
 
 void OrderedReader::Schedule() {
-  poll_time_ = ack_at_;
+  poll_time_ = two_way_ ? ack_at_ : kFar;
   if (!HasGap()) return;
-  const bool fresh_gap = two_way_ && (ask_now_ || fresh_ || retry_at_ == kFar);
-  poll_time_ = fresh_gap ? 0 : std::min({poll_time_, retry_at_, GiveUpTime()});
+  const bool at_once = two_way_ ? ask_now_ || fresh_ || retry_at_ == kFar : buffer_.size() > kOneWayPatience;
+  poll_time_ = at_once ? 0 : std::min({poll_time_, retry_at_, GiveUpTime()});
 }
 
 }  // namespace plslam::bus

@@ -1,3 +1,4 @@
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -435,6 +436,12 @@ TEST(FileUrl, OfARecordedLogFeedsAReader) {
   });
   reader.Start();
   EXPECT_TRUE(received.Reaches(50)) << received.value();
+  // Then it has nothing to do: there is nobody to say hello to, or to acknowledge anything.
+  EXPECT_TRUE(Eventually([] {
+    const std::clock_t before = std::clock();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return std::clock() - before < CLOCKS_PER_SEC / 100;
+  })) << "the process uses more than 5 % of a core";
 }
 
 }  // namespace

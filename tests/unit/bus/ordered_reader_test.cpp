@@ -138,6 +138,23 @@ TEST(OrderedReader, IsPolledSeldomWhileThePublisherIsSilent) {
   EXPECT_LT(polls, 2 * 30'000 / 200 + 20);
 }
 
+TEST(OrderedReader, OneWayItIsPolledOnlyToGiveUpAGap) {
+  OrderedReader reader(false, 1'000'000, 0);
+  Numbers numbers;
+  for (int64_t n = 0; n < 300; ++n) {
+    if (n == 20) continue;
+    reader.OnMessage(n, *MessageOf(n), n * kMs);
+    for (const int64_t m : Drain(reader, n * kMs)) numbers.push_back(m);
+    const bool is_due = reader.poll_time() <= n * kMs;
+    EXPECT_EQ(is_due, n == 20 + 257) << n;
+    if (!is_due) continue;
+    EXPECT_FALSE(reader.Poll(n * kMs));
+    for (const int64_t m : Drain(reader, n * kMs)) numbers.push_back(m);
+  }
+  EXPECT_EQ(numbers.size(), 299U);
+  EXPECT_EQ(reader.poll_time(), INT64_MAX) << "there is nobody to acknowledge to";
+}
+
 TEST(OrderedReader, ACutOfTheLinkIsNoDeath) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);

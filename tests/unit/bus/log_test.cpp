@@ -1,4 +1,3 @@
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -14,7 +13,6 @@
 #include "core/bus/log_dataset.h"
 #include "core/bus/log_reader.h"
 #include "core/bus/log_writer.h"
-#include "core/bus/transport.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"
@@ -387,61 +385,6 @@ TEST(StockTools, LogplayerFeedsAReader) {
   reader.Start();
   ASSERT_EQ(test::Shell("lcm-logplayer -l '" + options.url + "' " + log + " > /dev/null 2>&1"), 0);
   EXPECT_TRUE(received.Reaches(100)) << received.value();
-}
-
-void WritePoses(const std::string& log, int n) {
-  BusOptions options;
-  options.url = "file://" + log + "?mode=w";
-  Bus writer(options, "writer");
-  for (int i = 0; i < n; ++i) {
-    pose_t pose{};
-    pose.frame_id = i;
-    writer.Publish(kPose, pose);
-  }
-}
-
-TEST(FileUrl, BehindTheEndOnlyWakeIsWaitedFor) {
-  const TemporaryFolder folder;
-  const std::string log = folder / "log";
-  WritePoses(log, 5);
-  Transport transport("file://" + log + "?mode=r&speed=0");
-  int received = 0;
-  transport.SetReceiver([&](std::string_view, ByteView) { ++received; });
-  transport.Listen("POSE");
-  while (transport.Receive(1000)) {
-  }
-  EXPECT_EQ(received, 5);
-  constexpr std::chrono::milliseconds kPause{50};
-  const auto duration_of_receive = [&](std::chrono::milliseconds limit) {
-    const auto began = std::chrono::steady_clock::now();
-    EXPECT_FALSE(transport.Receive(static_cast<int>(limit.count())));
-    return std::chrono::steady_clock::now() - began;
-  };
-  EXPECT_GE(duration_of_receive(kPause), kPause) << "who asks again and again keeps a core busy";
-  transport.Wake();
-  EXPECT_LT(duration_of_receive(std::chrono::seconds(60)), std::chrono::seconds(30));
-}
-
-TEST(FileUrl, OfARecordedLogFeedsAReader) {
-  const TemporaryFolder folder;
-  const std::string log = folder / "log";
-  WritePoses(log, 50);
-  BusOptions options;
-  options.url = "file://" + log + "?mode=r&speed=0";
-  Waiter received;
-  RunningBus reader(options, "reader");
-  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
-    EXPECT_EQ(pose.frame_id, received.value());
-    received.Add();
-  });
-  reader.Start();
-  EXPECT_TRUE(received.Reaches(50)) << received.value();
-  // Then it has nothing to do: there is nobody to say hello to, or to acknowledge anything.
-  EXPECT_TRUE(Eventually([] {
-    const std::clock_t before = std::clock();
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-    return std::clock() - before < CLOCKS_PER_SEC / 100;
-  })) << "the process uses more than 5 % of a core";
 }
 
 }  // namespace

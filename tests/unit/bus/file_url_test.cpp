@@ -1,0 +1,73 @@
+#include <ctime>
+
+#include <gtest/gtest.h>
+
+#include "core/bus/transport.h"
+#include "plslam/pose_t.hpp"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::bus {
+namespace {
+
+using test::Eventually;
+using test::RunningBus;
+using test::TemporaryFolder;
+using test::Waiter;
+
+void WritePoses(const std::string& log, int n) {
+  BusOptions options;
+  options.url = "file://" + log + "?mode=w";
+  Bus writer(options, "writer");
+  for (int i = 0; i < n; ++i) {
+    pose_t pose{};
+    pose.frame_id = i;
+    writer.Publish(kPose, pose);
+  }
+}
+
+TEST(FileUrl, BehindTheEndOnlyWakeIsWaitedFor) {
+  const TemporaryFolder folder;
+  const std::string log = folder / "log";
+  WritePoses(log, 5);
+  Transport transport("file://" + log + "?mode=r&speed=0");
+  int received = 0;
+  transport.SetReceiver([&](std::string_view, ByteView) { ++received; });
+  transport.Listen("POSE");
+  while (transport.Receive(1000)) {
+  }
+  EXPECT_EQ(received, 5);
+  constexpr std::chrono::milliseconds kPause{50};
+  const auto duration_of_receive = [&](std::chrono::milliseconds limit) {
+    const auto began = std::chrono::steady_clock::now();
+    EXPECT_FALSE(transport.Receive(static_cast<int>(limit.count())));
+    return std::chrono::steady_clock::now() - began;
+  };
+  EXPECT_GE(duration_of_receive(kPause), kPause) << "who asks again and again keeps a core busy";
+  transport.Wake();
+  EXPECT_LT(duration_of_receive(std::chrono::seconds(60)), std::chrono::seconds(30));
+}
+
+TEST(FileUrl, OfARecordedLogFeedsAReader) {
+  const TemporaryFolder folder;
+  const std::string log = folder / "log";
+  WritePoses(log, 50);
+  BusOptions options;
+  options.url = "file://" + log + "?mode=r&speed=0";
+  Waiter received;
+  RunningBus reader(options, "reader");
+  reader->Subscribe<pose_t>(kPose, [&](const pose_t& pose) {
+    EXPECT_EQ(pose.frame_id, received.value());
+    received.Add();
+  });
+  reader.Start();
+  EXPECT_TRUE(received.Reaches(50)) << received.value();
+  // Then it has nothing to do: there is nobody to say hello to, or to acknowledge anything.
+  EXPECT_TRUE(Eventually([] {
+    const std::clock_t before = std::clock();
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    return std::clock() - before < CLOCKS_PER_SEC / 100;
+  })) << "the process uses more than 5 % of a core";
+}
+
+}  // namespace
+}  // namespace plslam::bus

@@ -14,7 +14,8 @@ KeyframeDecision KeyframePolicy::Decide(const KeyframeCandidate& candidate) {
     first_covariance_ = candidate.covariance;
     first_tracked_ = candidate.tracked_from_keyframe;
   }
-  decision.entropy_ratio = EntropyRatio(first_covariance_, candidate.covariance).value_or(0.0);
+  const std::optional<double> entropy_ratio = EntropyRatio(first_covariance_, candidate.covariance);
+  decision.entropy_ratio = entropy_ratio.value_or(0.0);
 
   const double depth_m = std::max(candidate.median_depth_m, 1e-3);
   const double baseline_ratio = candidate.T_kf_c.translation().norm() / depth_m;
@@ -22,7 +23,7 @@ KeyframeDecision KeyframePolicy::Decide(const KeyframeCandidate& candidate) {
   const bool moved = baseline_ratio > options_.min_baseline_ratio || rotation_deg > options_.min_rotation_deg;
   if (!moved) return decision;
 
-  if (decision.entropy_ratio > 0.0 && decision.entropy_ratio < options_.entropy_ratio) {
+  if (entropy_ratio && *entropy_ratio < options_.entropy_ratio) {
     decision.reason = KeyframeReason::kEntropy;
   } else if (candidate.tracked_from_keyframe < options_.min_tracked_ratio * first_tracked_) {
     decision.reason = KeyframeReason::kTracked;

@@ -2,10 +2,10 @@
 
 namespace plslam {
 
-bool FuseMeasurements(std::span<const LinearMeasurement> measurements, double forgetting, Eigen::Vector3d& position,
+bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Vector3d& position,
                       Eigen::Matrix3d& covariance) {
   Eigen::Vector3d step = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d P = forgetting * covariance;
+  Eigen::Matrix3d P = covariance;
   // Independent measurements may be taken one after the other: no matrix is inverted.
   for (const LinearMeasurement& m : measurements) {
     const Eigen::Vector3d PJ = P * m.J.transpose();

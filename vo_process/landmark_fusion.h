@@ -13,10 +13,9 @@ struct LinearMeasurement {
   double variance = 1.0;
 };
 
-/// Kalman update of a position by independent measurements linearised at it, the covariance first grown by
-/// `forgetting` (1: none), so that a landmark stays able to follow. Leaves both as they are where the result is not
-/// finite, and returns false.
-bool FuseMeasurements(std::span<const LinearMeasurement> measurements, double forgetting, Eigen::Vector3d& position,
+/// Kalman update of a position by independent measurements linearised at it. Leaves both as they are where the result is
+/// not finite, and returns false.
+bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Vector3d& position,
                       Eigen::Matrix3d& covariance);
 
 }  // namespace plslam

@@ -57,12 +57,16 @@ EndpointMeasurements MeasureEndpoint(const Eigen::Vector3d& p_c, const Eigen::Ma
   return result;
 }
 
-void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera, double forgetting,
-                  Eigen::Vector3d& p_odom, Eigen::Matrix3d& covariance) {
+// `growth` of the covariance across the segment, so that a landmark stays able to follow. Nothing is measured along it: grown
+// there without end, an endpoint would slide with every change of the angle seen.
+void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera,
+                  const Eigen::Matrix3d& across, double growth, Eigen::Vector3d& p_odom,
+                  Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d p_c = T_c_odom * p_odom;
   if (p_c.z() < kMinLineDepth_m) return;
   const EndpointMeasurements measured = MeasureEndpoint(p_c, T_c_odom.R(), seen, camera);
-  FuseMeasurements(std::span(measured.values).first(measured.count), forgetting, p_odom, covariance);
+  covariance += growth * across * covariance * across;
+  FuseMeasurements(std::span(measured.values).first(measured.count), p_odom, covariance);
 }
 
 // Moves endpoints outwards to where the detected segment ends, with the covariance of that place on the line.
@@ -147,8 +151,12 @@ void LineLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>
 
 void LineLandmarks::Fuse(const SE3& T_odom_c, const StereoLine& seen, LineLandmark& landmark) const {
   const SE3 T_c_odom = T_odom_c.Inverse();
-  FuseEndpoint(T_c_odom, seen, camera_, options_.forgetting, landmark.segment_odom.p, landmark.covariance_p);
-  FuseEndpoint(T_c_odom, seen, camera_, options_.forgetting, landmark.segment_odom.q, landmark.covariance_q);
+  Segment3& segment = landmark.segment_odom;
+  const Eigen::Vector3d along = (segment.q - segment.p).normalized();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+  const double growth = options_.forgetting - 1.0;
+  FuseEndpoint(T_c_odom, seen, camera_, across, growth, segment.p, landmark.covariance_p);
+  FuseEndpoint(T_c_odom, seen, camera_, across, growth, segment.q, landmark.covariance_q);
   if (seen.HasDepth()) Extend(T_c_odom, seen, camera_, landmark);
   landmark.descriptor = seen.left.descriptor;
 }

@@ -1,6 +1,7 @@
 #include "vo_process/motion_model.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace plslam {
 namespace {
@@ -10,30 +11,55 @@ constexpr double kMaxExtrapolation = 2.0;
 // Uncertainty of a rotation from which on a prediction says nothing.
 constexpr double kAnyRotation_rad = 1.0;
 
+Eigen::Vector2d ExtentOf(const Vector6d& twist) { return {twist.head<3>().norm(), twist.tail<3>().norm()}; }
+
+Matrix6d Isotropic(const Eigen::Vector2d& variances) {
+  Vector6d diagonal;
+  diagonal << Eigen::Vector3d::Constant(variances.x()), Eigen::Vector3d::Constant(variances.y());
+  return diagonal.asDiagonal();
+}
+
 }  // namespace
 
+double MotionModel::Horizon_s(double dt_s) const { return std::min(dt_s, kMaxExtrapolation * last_dt_s_); }
+
+MotionModel::Extent MotionModel::LeftBehindAfter(double dt_s) const {
+  return left_behind_ + dt_s * speed_ - Horizon_s(dt_s) * ExtentOf(velocity_);
+}
+
 MotionPrediction MotionModel::Predict(double dt_s) const {
-  const double horizon_s = std::min(dt_s, kMaxExtrapolation * last_dt_s_);
-  const double sigma_m = 0.5 * options_.max_acceleration_m_s2 * dt_s * dt_s;
-  const double sigma_rad = 0.5 * options_.max_angular_acceleration_rad_s2 * dt_s * dt_s;
+  const double before_s = unmeasured_s_;
+  const double after_s = unmeasured_s_ + dt_s;
+  const Extent acceleration(options_.max_acceleration_m_s2, options_.max_angular_acceleration_rad_s2);
+  const Extent accelerated = 0.5 * dt_s * dt_s * acceleration;
+  // a t^2 / 2, squared, at the end less at the beginning: what is added since then is no accident of its own.
+  const Extent since = 0.25 * (std::pow(after_s, 4) - std::pow(before_s, 4)) * acceleration.cwiseAbs2();
+  const Extent behind = LeftBehindAfter(dt_s).cwiseAbs2() - left_behind_.cwiseAbs2();
   MotionPrediction prediction;
-  prediction.T_prev_c = SE3::Exp(velocity_ * horizon_s);
-  prediction.covariance = Matrix6d::Zero();
-  prediction.covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
-  prediction.covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
-  prediction.goes_on = !slowed_ && dt_s <= kMaxExtrapolation * last_dt_s_ && sigma_rad < kAnyRotation_rad;
+  prediction.T_prev_c = SE3::Exp(velocity_ * Horizon_s(dt_s));
+  prediction.covariance = Isotropic(since + behind.cwiseMax(0.0));
+  if (last_dt_s_ > 0.0) {
+    prediction.covariance +=
+        (after_s * after_s - before_s * before_s) / (last_dt_s_ * last_dt_s_) * motion_covariance_;
+  }
+  prediction.is_near = unmeasured_s_ == 0.0 && accelerated.y() < kAnyRotation_rad;
+  prediction.goes_on = prediction.is_near && dt_s <= kMaxExtrapolation * last_dt_s_;
   return prediction;
 }
 
-void MotionModel::Observe(const SE3& T_prev_c, double dt_s) {
+void MotionModel::Observe(const SE3& T_prev_c, double dt_s, const Matrix6d& covariance) {
   velocity_ = T_prev_c.Log() / dt_s;
   last_dt_s_ = dt_s;
-  slowed_ = false;
+  motion_covariance_ = covariance;
+  speed_ = ExtentOf(velocity_);
+  unmeasured_s_ = 0.0;
+  left_behind_.setZero();
 }
 
-void MotionModel::Slow() {
+void MotionModel::Slow(double dt_s) {
+  left_behind_ = LeftBehindAfter(dt_s);
+  unmeasured_s_ += dt_s;
   velocity_ *= 0.5;
-  slowed_ = true;
 }
 
 }  // namespace plslam

@@ -72,7 +72,9 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
   calibration_.Correct(features);
   TrackedFrame frame(std::move(features), left);
   OdometryResult result;
-  const double dt_s = std::max(1e-9 * static_cast<double>(t_ns - last_t_ns_), kMinInterval_s);
+  // Unsigned, or time stamps at both ends of their range overflow.
+  const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
+  const double dt_s = std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
   last_t_ns_ = t_ns;
   if (!initialised_) {
     Initialise(frame, result);
@@ -88,7 +90,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
       Accept(*tracked, dt_s, frame, result);
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
     } else {
-      Miss(prediction, frame, result);
+      Miss(prediction, dt_s, frame, result);
       calibration_.Interrupt();
     }
   }
@@ -136,8 +138,8 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
   auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
-  // After a gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
-  const bool gap = motion_model_.knows_motion() && !prediction.goes_on;
+  // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
+  const bool gap = motion_model_.knows_motion() && !prediction.is_near;
   if (!found || ((dormant_ || gap) && found->weak)) return std::nullopt;
   const bool was_lost = dormant_.has_value();
   dormant_.reset();
@@ -185,7 +187,9 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
     landmarks_.Found(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
-  motion_model_.Observe(result.T_prev_c, dt_s);
+  // From where a lost camera was thought to be to where it is: that is no motion, and how fast it moves is not known.
+  const bool jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
+  motion_model_.Observe(jumped ? SE3() : result.T_prev_c, dt_s, result.motion_covariance);
   ChooseKeyframe(tracked, frame, result);
 }
 
@@ -204,10 +208,14 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
     result.motion_covariance = chained;
   }
   covariance_kf_c_ = exact_before ? chained : alignment;
+  covariance_between_keyframes_ =
+      exact_before
+          ? chained
+          : ComposeCovariance(alignment_covariance_kf_, T_odom_kf_.Inverse() * tracked.alignment.T_odom_c, alignment);
   alignment_covariance_ = alignment;
 }
 
-void Odometry::Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result) {
+void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kLost;
   if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
   ++dormant_->n_lost;
@@ -215,7 +223,7 @@ void Odometry::Miss(const MotionPrediction& prediction, TrackedFrame& frame, Odo
   result.motion_covariance = prediction.covariance;
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
-  motion_model_.Slow();
+  motion_model_.Slow(dt_s);
   // The next frame may match this one even where neither matches the landmarks from before.
   landmarks_.FoundAnew(T_odom_c_, frame);
 }
@@ -253,10 +261,11 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
   if (step.id > 0) {
     step.previous_id = step.id - 1;
     step.T_prevkf_kf = T_odom_kf_.Inverse() * T_odom_c_;
-    step.covariance = covariance_kf_c_;
+    step.covariance = covariance_between_keyframes_;
   }
-  covariance_odom_kf_ = ComposeCovariance(covariance_odom_kf_, step.T_prevkf_kf, step.covariance);
+  covariance_odom_kf_ = ComposeCovariance(covariance_odom_kf_, step.T_prevkf_kf, covariance_kf_c_);
   covariance_kf_c_.setZero();
+  alignment_covariance_kf_ = alignment_covariance_;
   T_odom_kf_ = T_odom_c_;
   keyframe_point_id_ = landmarks_.next_point_id;
   keyframe_line_id_ = landmarks_.next_line_id;

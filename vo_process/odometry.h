@@ -95,8 +95,8 @@ class Odometry {
     a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.landmarks_,
       self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
       self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
-      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.keyframe_point_id_,
-      self.keyframe_line_id_);
+      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
+      self.keyframe_point_id_, self.keyframe_line_id_);
   }
 
  private:
@@ -123,7 +123,7 @@ class Odometry {
   void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
-  void Miss(const MotionPrediction& prediction, TrackedFrame& frame, OdometryResult& result);
+  void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);
   void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
@@ -165,7 +165,11 @@ class Odometry {
   int64_t next_keyframe_id_ = 0;
   SE3 T_odom_kf_;
   Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
+  /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion between two
+  /// keyframes is less sure than the next keyframe is.
   Matrix6d covariance_kf_c_ = Matrix6d::Zero();
+  Matrix6d alignment_covariance_kf_ = Matrix6d::Zero();
+  Matrix6d covariance_between_keyframes_ = Matrix6d::Zero();
   /// Landmarks with smaller ids were known to the last keyframe.
   int64_t keyframe_point_id_ = 0;
   int64_t keyframe_line_id_ = 0;

@@ -93,7 +93,9 @@ void PointLandmarks::Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLan
        {J.row(1), residual.y(), variance},
        {J.row(2), residual.z(), seen.sigma_disparity_px * seen.sigma_disparity_px}}};
   const std::span<const LinearMeasurement> all(measurements);
-  FuseMeasurements(seen.HasDepth() ? all : all.first(2), options_.forgetting, landmark.p_odom, landmark.covariance);
+  // Grown, so that a landmark stays able to follow.
+  landmark.covariance *= options_.forgetting;
+  FuseMeasurements(seen.HasDepth() ? all : all.first(2), landmark.p_odom, landmark.covariance);
   Remember(seen, p_c.z(), landmark);
 }
 

@@ -15,7 +15,7 @@ void Fields(Archive& a, T& k) {
 template <class Archive, Is<TrackerState> T>
 void Fields(Archive& a, T& s) {
   a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses,
-    s.adopted_keyframe_id, s.odometry, s.keyframe);
+    s.adrift_since_ns, s.adopted_keyframe_id, s.odometry, s.keyframe);
 }
 
 }  // namespace archive
@@ -24,7 +24,7 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 1, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 2, "state of a tracker", Checksum::kPoly1305};
 
 }  // namespace
 

@@ -36,17 +36,10 @@ TEST(FuseMeasurements, OneAfterTheOtherEqualsAllAtOnce) {
   Eigen::Vector3d x_twin = x;
   Eigen::Matrix3d P = kPrior;
   Eigen::Matrix3d P_twin = kPrior;
-  ASSERT_TRUE(FuseMeasurements(measurements, 1.0, x, P));
+  ASSERT_TRUE(FuseMeasurements(measurements, x, P));
   FuseAtOnce(measurements, x_twin, P_twin);
   EXPECT_LT((x - x_twin).norm(), 1e-12);
   EXPECT_LT((P - P_twin).norm(), 1e-12);
-}
-
-TEST(FuseMeasurements, ForgettingGrowsTheCovarianceFirst) {
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d P = kPrior;
-  ASSERT_TRUE(FuseMeasurements({}, 1.5, x, P));
-  EXPECT_LT((P - 1.5 * kPrior).norm(), 1e-12);
 }
 
 TEST(FuseMeasurements, NanLeavesTheLandmarkAsItWas) {
@@ -54,7 +47,7 @@ TEST(FuseMeasurements, NanLeavesTheLandmarkAsItWas) {
   measurements[1].residual = std::numeric_limits<double>::quiet_NaN();
   Eigen::Vector3d x(1.0, 2.0, 3.0);
   Eigen::Matrix3d P = kPrior;
-  EXPECT_FALSE(FuseMeasurements(measurements, 1.0, x, P));
+  EXPECT_FALSE(FuseMeasurements(measurements, x, P));
   EXPECT_EQ(x, Eigen::Vector3d(1.0, 2.0, 3.0));
   EXPECT_EQ(P, kPrior);
 }

@@ -5,6 +5,8 @@
 namespace plslam {
 namespace {
 
+const Matrix6d kExact = Matrix6d::Zero();
+
 SE3 Forward(double metres) { return SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, metres)); }
 
 TEST(MotionModel, StandsBeforeItHasSeenMotion) {
@@ -14,14 +16,14 @@ TEST(MotionModel, StandsBeforeItHasSeenMotion) {
 
 TEST(MotionModel, GoesOnAtConstantVelocityWhateverTheInterval) {
   MotionModel model{TrackingOptions()};
-  model.Observe(Forward(0.5), 0.1);
+  model.Observe(Forward(0.5), 0.1, kExact);
   EXPECT_NEAR(model.Predict(0.2).T_prev_c.translation().z(), 1.0, 1e-12);
   EXPECT_NEAR(model.Predict(0.05).T_prev_c.translation().z(), 0.25, 1e-12);
 }
 
 TEST(MotionModel, DoesNotExtrapolateAcrossALongGap) {
   MotionModel model{TrackingOptions()};
-  model.Observe(Forward(0.5), 0.1);
+  model.Observe(Forward(0.5), 0.1, kExact);
   EXPECT_LE(model.Predict(7.0).T_prev_c.translation().z(), 1.0 + 1e-12);
 }
 
@@ -34,28 +36,66 @@ TEST(MotionModel, UncertaintyIsThatOfTheLargestAcceleration) {
 
 TEST(MotionModel, SlowsDownWhileLost) {
   MotionModel model{TrackingOptions()};
-  model.Observe(Forward(1.0), 0.1);
-  for (int i = 0; i < 40; ++i) model.Slow();
+  model.Observe(Forward(1.0), 0.1, kExact);
+  for (int i = 0; i < 40; ++i) model.Slow(0.1);
   EXPECT_LT(model.Predict(0.1).T_prev_c.translation().norm(), 1e-9);
 }
 
 TEST(MotionModel, IsTrustedToGoOnFromOneMeasuredFrameToTheNext) {
   MotionModel model{TrackingOptions()};
   EXPECT_FALSE(model.Predict(0.1).goes_on) << "never measured";
-  model.Observe(Forward(1.0), 0.1);
+  model.Observe(Forward(1.0), 0.1, kExact);
   EXPECT_TRUE(model.Predict(0.1).goes_on);
   EXPECT_TRUE(model.Predict(0.2).goes_on) << "one frame is missing";
   EXPECT_FALSE(model.Predict(0.3).goes_on);
-  model.Slow();
+  model.Slow(0.1);
   EXPECT_FALSE(model.Predict(0.1).goes_on) << "lost";
-  model.Observe(Forward(1.0), 0.1);
+  model.Observe(Forward(1.0), 0.1, kExact);
   EXPECT_TRUE(model.Predict(0.1).goes_on);
 }
 
 TEST(MotionModel, SaysNothingWhereTheCameraMayHaveTurnedAnywhereSince) {
   MotionModel model{TrackingOptions()};
-  model.Observe(Forward(1.0), 5.0);
+  model.Observe(Forward(1.0), 5.0, kExact);
   EXPECT_FALSE(model.Predict(5.0).goes_on);
+  EXPECT_FALSE(model.Predict(5.0).is_near);
+}
+
+TEST(MotionModel, IsNearAfterAFewFramesThatAreMissing) {
+  MotionModel model{TrackingOptions()};
+  model.Observe(Forward(0.005), 0.005, kExact);
+  EXPECT_FALSE(model.Predict(0.02).goes_on);
+  EXPECT_TRUE(model.Predict(0.02).is_near);
+  model.Slow(0.005);
+  EXPECT_FALSE(model.Predict(0.005).is_near) << "lost";
+}
+
+// At 200 Hz an acceleration says a tenth of a millimetre; the velocity was not measured as exactly.
+TEST(MotionModel, IsNoSurerThanTheMotionThatItGoesOnWith) {
+  MotionModel model{TrackingOptions()};
+  model.Observe(Forward(0.005), 0.005, 1e-6 * Matrix6d::Identity());
+  EXPECT_GT(model.Predict(0.005).covariance(0, 0), 1e-6);
+  EXPECT_GT(model.Predict(0.010).covariance(0, 0), 4e-6);
+}
+
+// What a lost camera may have done does not depend on how many frames did not find it, and holds the way that it is left behind.
+TEST(MotionModel, UncertaintiesOfLostFramesAddUpToThatOfTheGap) {
+  for (const int n : {1, 10, 100}) {
+    MotionModel model{TrackingOptions()};
+    model.Observe(Forward(0.05), 0.05, kExact);
+    const double dt_s = 0.5 / n;
+    double variance = 0.0;
+    double predicted_m = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const MotionPrediction prediction = model.Predict(dt_s);
+      variance += prediction.covariance(2, 2);
+      predicted_m += prediction.T_prev_c.translation().z();
+      model.Slow(dt_s);
+    }
+    const double accelerated_m = 0.5 * TrackingOptions().max_acceleration_m_s2 * 0.25;
+    const double behind_m = 0.5 - predicted_m;
+    EXPECT_NEAR(variance, accelerated_m * accelerated_m + behind_m * behind_m, 1e-9) << n << " frames";
+  }
 }
 
 }  // namespace

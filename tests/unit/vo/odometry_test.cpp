@@ -6,19 +6,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/feature_world.h"
+#include "tests/unit/vo/feature_path.h"
 
 namespace plslam {
 namespace {
 
 using test::FeatureWorld;
-
-constexpr int64_t kFrame_ns = 50'000'000;
-
-SE3 PathAt(int frame) {
-  const double s = 0.02 * frame;
-  return SE3(ExpSO3(Eigen::Vector3d(0.05 * std::sin(s), 0.3 * s, 0.0)),
-             Eigen::Vector3d(0.5 * std::sin(s), 0.1 * s, 0.8 * (1.0 - std::cos(s))));
-}
+using test::kFrame_ns;
+using test::PathAt;
 
 // Features of the pose on the path, with the frame number as noise seed.
 StereoFeatures SeenAt(const FeatureWorld& world, int frame, double noise_px = 0.3) {

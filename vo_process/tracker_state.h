@@ -25,6 +25,8 @@ struct TrackerState {
   int64_t source = 0;
   /// Encoded pose_t of the newest frames, which may be asked for again.
   std::vector<std::vector<uint8_t>> poses;
+  /// Until then the camera was not adrift, or lost.
+  int64_t adrift_since_ns = 0;
   int64_t adopted_keyframe_id = -1;
   /// The fields of an Odometry.
   std::vector<uint8_t> odometry;

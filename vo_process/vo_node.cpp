@@ -26,6 +26,11 @@ constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
+// Time that goes back by less is of the same stream.
+constexpr uint64_t kClockStep_ns = 1'000'000'000;
+// Variances of where a camera is that nobody has found: 10 m and a radian.
+constexpr double kAnywhere_m2 = 100.0;
+constexpr double kAnyhow_rad2 = 1.0;
 
 /// Newest keyframe of the session that is in the map, as the session counts; -1: none.
 int64_t NewestOf(int64_t session, const Map& map) {
@@ -199,6 +204,7 @@ void VoNode::BeginSession() {
   if (last_t_ns_ != 0) session_ = std::max(session_ + 1, process_.bus().source());
   answer_wait_.End();
   question_.reset();
+  follows_keyframe_ = false;
   map_keyframe_id_ = -1;
   adopted_keyframe_id_ = -1;
   last_keyframe_id_ = -1;
@@ -206,15 +212,23 @@ void VoNode::BeginSession() {
   odometry_.emplace(front_end_->camera(), options_);
 }
 
+/// Of the stream of the frame before, and a little before it.
+bool VoNode::IsTooEarly(const Frame& frame) const {
+  const bool goes_on = odometry_ && frame.source == last_source_ && frame.images.frame_id > last_frame_id_;
+  // Unsigned: times may be any.
+  const uint64_t back_ns = static_cast<uint64_t>(last_t_ns_) - static_cast<uint64_t>(frame.images.t_ns);
+  return goes_on && frame.images.t_ns < last_t_ns_ && back_ns < kClockStep_ns;
+}
+
 void VoNode::Track(const Frame& frame) {
-  if (!odometry_ || frame.images.t_ns < last_t_ns_) BeginSession();
+  const bool too_early = IsTooEarly(frame);
+  if (!odometry_ || (frame.images.t_ns < last_t_ns_ && !too_early)) BeginSession();
   lockstep_ = frame.lockstep;
-  last_t_ns_ = frame.images.t_ns;
+  if (!too_early) last_t_ns_ = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {
-    StereoFeatures features = SeeFeatures(frame.images, timer);
-    return timer.Time("track",
-                      [&] { return odometry_->Track(frame.images.t_ns, std::move(features), front_end_->left()); });
+    StereoFeatures features = too_early ? NoFeatures(frame.images) : SeeFeatures(frame.images, timer);
+    return timer.Time("track", [&] { return odometry_->Track(last_t_ns_, std::move(features), front_end_->left()); });
   });
   // The pose first: somebody waits for it.
   PublishPose(frame, result, timer.stages());
@@ -222,12 +236,14 @@ void VoNode::Track(const Frame& frame) {
   last_frame_id_ = frame.images.frame_id;
   last_source_ = frame.source;
   restored_ = false;
-  if (result.keyframe) MakeKeyframe(frame, result);
-  AskWhereIAm(frame, result);
+  const bool asks = NeedsToAsk(frame, result);
+  if (result.keyframe) MakeKeyframe(frame, result, asks);
+  if (asks) AskWhereIAm(frame, result);
+  follows_keyframe_ = result.keyframe && !asks;
   SetState("running");
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
-  if (result.state == TrackingState::kLost) Count("frames.lost", 1);
+  if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
   FinishIfDone();
 }
@@ -242,6 +258,17 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
   }
 }
 
+/// Of a frame whose time cannot be.
+StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
+  if (!std::exchange(was_too_early_, true)) {
+    spdlog::warn(
+        "frame {} is of an earlier time than the one before it, by less than a second: such frames are not used",
+        images.frame_id);
+  }
+  Count("frames.bad", 1);
+  return {};
+}
+
 void VoNode::SetHeader(const Frame& frame, header_t& header) const {
   header.session = session_;
   header.t_ns = frame.images.t_ns;
@@ -254,7 +281,10 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
   message.n_skipped_frames = frame.skipped;
   if (options_.map.localise_only) {
     message.keyframe_id = -1;
-    if (!odometry_->is_in_map()) message.state = static_cast<int8_t>(TrackingState::kLost);
+    message.state = static_cast<int8_t>(StateOf(result));
+    if (StateOf(result) != result.state) {
+      for (int i = 0; i < 6; ++i) message.covariance[7 * i] += i < 3 ? kAnywhere_m2 : kAnyhow_rad2;
+    }
   }
   process_.bus().Publish(bus::kPose, message);
   recent_.push_back(std::move(message));
@@ -269,14 +299,16 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
 }
 
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
-void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result) {
+void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool asks) {
   last_keyframe_id_ = result.keyframe->id;
   if (options_.map.localise_only) {
     if (map_) odometry_->AdoptAround(map_->replica().map());
+    if (StateOf(result) == TrackingState::kLost) return DropState();
     Keyframe none;
     none.keyframe_id = -1;
-    // Before, questions may be open where the camera is, which no state tells of.
-    return odometry_->is_in_map() ? KeepState(none) : DropState();
+    // No state tells of a question: who asks here goes on, if killed, from an older keyframe.
+    if (!asks) KeepState(none);
+    return;
   }
   Keyframe keyframe = ToKeyframe(result);
   keyframe.session = session_;

@@ -30,7 +30,8 @@ struct TrackerState;
 /// vo_process on the bus: camera and frames in; poses, tracks and keyframes out.
 ///
 /// Frames wait for the camera. Another camera, or time that goes back (another stream), begins a new session, since
-/// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features.
+/// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
+/// one of the same stream that is less than a second too early (a clock that was put right).
 ///
 /// The map, where there is one, takes effect at once in a live stream. In lockstep, that of keyframe k takes effect when
 /// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster. So is the answer of
@@ -41,7 +42,7 @@ struct TrackerState;
 /// player sends these again, and the result is the same, bit for bit.
 ///
 /// In a map that stays as it is (`vo.map.localise_only`) no keyframes are sent; a frame counts as lost until the camera has
-/// been found in the map.
+/// been found in the map, and again where it has gone on at a place that nobody knows.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -64,16 +65,20 @@ class VoNode {
   void AnswerAgain(const Frame& frame);
   void AwaitMap(int64_t keyframe_id);
   bool AdoptMap(int64_t oldest_keyframe_id);
+  TrackingState StateOf(const OdometryResult& result) const;
+  bool NeedsToAsk(const Frame& frame, const OdometryResult& result);
   void AskWhereIAm(const Frame& frame, const OdometryResult& result);
   void Listen();
   void GoOn();
   void BeginSession();
+  bool IsTooEarly(const Frame& frame) const;
   void Track(const Frame& frame);
   StereoFeatures SeeFeatures(const StereoImages& images, StageTimer& timer);
+  StereoFeatures NoFeatures(const StereoImages& images);
   void SetHeader(const Frame& frame, header_t& header) const;
   void PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages);
   void PublishTracks(const Frame& frame, const OdometryResult& result);
-  void MakeKeyframe(const Frame& frame, const OdometryResult& result);
+  void MakeKeyframe(const Frame& frame, const OdometryResult& result, bool asks);
   void PublishKeyframe();
   void Restore();
   void GoOnWith(const TrackerState& state);
@@ -95,6 +100,7 @@ class VoNode {
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
   std::vector<Frame> waiting_;
+  /// The latest of the session.
   int64_t last_t_ns_ = 0;
   int64_t last_frame_id_ = -1;
   int64_t last_source_ = 0;
@@ -109,7 +115,10 @@ class VoNode {
   bus::PartnerWait answer_wait_;
   bus::KeyframePublisher questions_;
   std::optional<RelocalisationQuestion> question_;
-  int n_asked_ = 0;
+  /// Until then the camera was not adrift, or lost.
+  int64_t adrift_since_ns_ = 0;
+  /// The frame before became a keyframe, and has not asked.
+  bool follows_keyframe_ = false;
   bool lockstep_ = false;
   /// The newest keyframe of the session in the map; other robots' may be in it too.
   int64_t map_keyframe_id_ = -1;
@@ -120,6 +129,7 @@ class VoNode {
   /// It goes on with the state of another, and no frame has come yet.
   bool restored_ = false;
   bool state_failed_ = false;
+  bool was_too_early_ = false;
   /// Since when frames are wanted again, and the publisher of frames that was heard of last.
   std::optional<double> frames_asked_s_;
   int64_t player_ = 0;

@@ -1,9 +1,11 @@
+#include <algorithm>
+
 #include "core/bus/loop_channel.h"
 #include "core/bus/worker.h"
 #include "plslam/relocalisation_t.hpp"
 #include "vo_process/vo_node.h"
 
-// How a camera that is lost finds out where it is: loop_process is asked.
+// How a camera that does not know where it is finds out: loop_process is asked.
 
 namespace plslam {
 namespace {
@@ -11,19 +13,42 @@ namespace {
 // Fewer features are not worth asking about; and how long a question may remain without an answer in a live stream.
 constexpr size_t kLeastToAsk = 20;
 constexpr double kAskAgain_s = 2.0;
-constexpr int kMaxAsked = 60;
+// How long a camera that is adrift asks while the map grows: somebody else may find out, a loop is closed.
+constexpr uint64_t kAdrift_ns = 3'000'000'000;
+
+bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
+
+// Landmarks of the map among those tracked, points + 2 x lines.
+int64_t TrackedOfMap(const OdometryResult& result) {
+  return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), IsOfMap) +
+         2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), IsOfMap);
+}
 
 }  // namespace
 
+/// What users are told: in a map that stays as it is, a place that is not known in it is none.
+TrackingState VoNode::StateOf(const OdometryResult& result) const {
+  const bool placed = !options_.map.localise_only || (odometry_->is_in_map() && !odometry_->is_adrift());
+  return placed ? result.state : TrackingState::kLost;
+}
+
+/// Lost; or, in a map that grows, adrift for not too long; or, in one that stays, after a keyframe that saw too little of it to be
+/// held in place. A tracker that goes on from the state as of a keyframe asks what this one asked: after it, not at it.
+bool VoNode::NeedsToAsk(const Frame& frame, const OdometryResult& result) {
+  const bool lost = StateOf(result) == TrackingState::kLost;
+  // An answer on its way is about where it was before; adrift, that is what counts.
+  if (result.state == TrackingState::kRecovered && !odometry_->is_adrift()) question_.reset();
+  if (lost || !odometry_->is_adrift()) adrift_since_ns_ = frame.images.t_ns;
+  if (lost) return true;
+  if (options_.map.localise_only) return follows_keyframe_ && TrackedOfMap(result) < options_.tracking.weak_inliers;
+  // Unsigned: times may be any.
+  const uint64_t adrift_ns = static_cast<uint64_t>(frame.images.t_ns) - static_cast<uint64_t>(adrift_since_ns_);
+  return odometry_->is_adrift() && !result.keyframe && adrift_ns < kAdrift_ns;
+}
+
 /// Live, a question that has not been answered for a while is asked anew.
 void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
-  const bool in_place =
-      result.state != TrackingState::kLost && (odometry_->is_in_map() || !options_.map.localise_only);
-  if (in_place) question_.reset();
-  // Adrift, somebody else may find out: a loop is closed.
-  n_asked_ = in_place ? 0 : n_asked_ + 1;
-  if (!map_ || !options_.relocalisation.enabled || in_place || map_->replica().map().keyframes().empty()) return;
-  if (odometry_->is_adrift() && n_asked_ > kMaxAsked) return;
+  if (!map_ || !options_.relocalisation.enabled || map_->replica().map().keyframes().empty()) return;
   const double now_s = bus::NowS();
   if (question_ && !frame.lockstep && now_s - question_->asked_s < kAskAgain_s) return;
   if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;

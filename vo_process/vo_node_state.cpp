@@ -65,6 +65,8 @@ void VoNode::GoOnWith(const TrackerState& state) {
   last_frame_id_ = state.frame_id;
   last_source_ = player_ = state.source;
   for (const std::vector<uint8_t>& pose : state.poses) recent_.push_back(Decoded<pose_t>(pose));
+  adrift_since_ns_ = state.adrift_since_ns;
+  follows_keyframe_ = true;
   adopted_keyframe_id_ = state.adopted_keyframe_id;
   last_keyframe_id_ = state.keyframe.keyframe_id;
   restored_ = true;
@@ -89,6 +91,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   state.frame_id = last_frame_id_;
   state.source = last_source_;
   for (const pose_t& pose : recent_) state.poses.push_back(bus::Encoded(pose));
+  state.adrift_since_ns = adrift_since_ns_;
   state.adopted_keyframe_id = adopted_keyframe_id_;
   state.odometry = archive::ToBytes(*odometry_);
   state.keyframe = keyframe;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <sstream>
@@ -45,6 +46,21 @@ Agreement Compare(const Trajectory& a, const Trajectory& b) {
     if (difference.head<3>().norm() < 0.05 && difference.tail<3>().norm() < 0.01745) ++agreement.close;
   }
   return agreement;
+}
+
+/// How far each pose that was published is from the truth, by its frame; `shown` frame by frame, in a map that began at
+/// frame 0 of the dataset.
+std::map<int, double> ErrorsInMap(const WholeRun& run, const Dataset& dataset,
+                                  const std::vector<ChosenFrame>& shown) {
+  constexpr double kFrame_ns = 5e7;
+  std::map<int, double> errors_m;
+  const SE3 T_w_world = dataset.GroundTruth(0)->Inverse();
+  for (const TrajectoryPose& pose : ReadPath(run, "trajectory_live.tum")) {
+    const auto frame = static_cast<int>(std::lround(static_cast<double>(pose.t_ns) / kFrame_ns)) - 1;
+    const SE3 truth = T_w_world * *dataset.GroundTruth(shown.at(static_cast<size_t>(frame)).index);
+    errors_m[frame] = (pose.T_a_b.translation() - truth.translation()).norm();
+  }
+  return errors_m;
 }
 
 TEST(Loops, AreClosedAndTheSameAtEveryRun) {
@@ -107,6 +123,53 @@ TEST(SavedMap, IsLocalisedInWithoutChangingIt) {
   const Agreement joined = Compare(ReadPath(first, "trajectory.tum"), ReadPath(third, "trajectory.tum"));
   EXPECT_GT(joined.common, 0);
   EXPECT_GE(joined.close, 95 * joined.common / 100) << "of " << joined.common << '\n' << third.Logs();
+}
+
+/// A map of the first 60 frames of a lap of 150.
+class PartOfTheRoom : public testing::Test {
+ protected:
+  PartOfTheRoom() { exit_code_ = first_.Run({"run", kRoom + "&frames=60", "--save-map", map()}); }
+  std::string map() const { return (first_.folder() / "room.plmap").string(); }
+  /// Localises these frames in the map.
+  std::map<int, double> Localise(const std::vector<ChosenFrame>& frames) {
+    const auto room = OpenDataset(kRoom, "");
+    WriteImageFolder(*room, frames, run_.folder() / "frames");
+    EXPECT_EQ(exit_code_, 0) << first_.Logs();
+    EXPECT_EQ(run_.Run({"run", (run_.folder() / "frames").string(), "--map", map(), "--localise-only"}), 0)
+        << run_.Logs();
+    return ErrorsInMap(run_, *room, frames);
+  }
+
+  const std::string kRoom = "synthetic:room?size=376x240&speed=2";
+  WholeRun first_, run_;
+  int exit_code_ = -1;
+};
+
+TEST_F(PartOfTheRoom, NoPoseIsOfAnotherPlaceWhereTheCameraIsCarriedOutOfItAndComesBack) {
+  std::vector<ChosenFrame> frames;
+  for (int i = 0; i < 30; ++i) frames.push_back({i, false});
+  for (int i = 0; i < 10; ++i) frames.push_back({30, true});
+  for (int i = 100; i < 150; ++i) frames.push_back({i, false});
+  const auto back = static_cast<int>(frames.size());
+  for (int i = 0; i < 60; ++i) frames.push_back({i, false});
+  const std::map<int, double> errors_m = Localise(frames);
+  int n_back = 0;
+  for (const auto& [frame, error_m] : errors_m) {
+    EXPECT_LT(error_m, 0.1) << "frame " << frame;
+    if (frame >= back) ++n_back;
+  }
+  EXPECT_GE(n_back, 57) << run_.Logs();
+}
+
+TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoSight) {
+  // Round the room, through what is not mapped, and again.
+  const int lap = OpenDataset(kRoom, "")->size();
+  std::vector<ChosenFrame> frames;
+  for (int i = 0; i < 2 * lap; ++i) frames.push_back({i % lap, false});
+  const std::map<int, double> errors_m = Localise(frames);
+  double sum_m = 0.0;
+  for (int i = lap + 20; i < lap + 50; ++i) sum_m += errors_m.at(i) / 30.0;
+  EXPECT_LT(sum_m, 0.01) << "first lap: " << errors_m.at(30);
 }
 
 TEST(SavedMap, OfAnotherCameraOrForeignBytesIsRefusedInOneSentence) {

@@ -1,0 +1,182 @@
+// vo_process against stand-ins for the others, on real buses over loopback.
+#include "vo_process/vo_node.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <thread>
+
+#include "core/bus/convert.h"
+#include "core/bus/loop_channel.h"
+#include "player/open_dataset.h"
+#include "plslam/camera_t.hpp"
+#include "tests/support/slam_run.h"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam {
+namespace {
+
+using bus::test::RunningBus;
+
+constexpr int64_t kFrame_ns = 50'000'000;
+constexpr int8_t kLost = static_cast<int8_t>(TrackingState::kLost);
+
+class VoNodeTest : public testing::Test {
+ protected:
+  VoNodeTest() {
+    bus_options_.url = bus::test::PrivateUrl();
+    others_ = std::make_unique<RunningBus>(bus_options_, "others");
+  }
+  ~VoNodeTest() override {
+    if (process_) process_->bus().Stop();
+    if (vo_.joinable()) vo_.join();
+    others_->Join();
+  }
+
+  void Start(const VoOptions& options, bool lockstep) {
+    frames_ = std::make_unique<bus::FramePublisher>(**others_, lockstep);
+    (*others_)->Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) { Keep([&] { pose_ = pose; }); });
+    questions_ = std::make_unique<bus::KeyframeSubscriber>(
+        **others_, [this](const Keyframe& frame) { Keep([&] { asked_ = frame; }); }, bus::kWhereAmI);
+    (*others_)->Every(std::chrono::milliseconds(100),
+                      [this] { (*others_)->Publish(bus::kCamera, bus::ToMessage(dataset_->rig())); });
+    others_->Start();
+    process_ = std::make_unique<bus::Process>("vo", bus_options_);
+    node_ = std::make_unique<VoNode>(*process_, options);
+    vo_ = std::thread([this] { process_->bus().Run(); });
+  }
+  void PublishMap(const Map& map) {
+    maps_ = std::make_unique<bus::MapUpdatePublisher>(**others_, [] {});
+    MapUpdate update = WholeMap(map);
+    update.version = 1;
+    maps_->Publish(update);
+  }
+
+  /// The next frame of the stream, and its pose.
+  pose_t Show(int index, int64_t t_ns, bool covered = false) {
+    StereoImages images = dataset_->Read(index);
+    images.frame_id = static_cast<int64_t>(shown_.size());
+    images.t_ns = t_ns;
+    if (covered) images.left.setTo(0), images.right.setTo(0);
+    shown_.push_back(index);
+    frames_->Publish(images);
+    std::unique_lock lock(mutex_);
+    const auto limit = plslam::test::Patience(std::chrono::seconds(20));
+    EXPECT_TRUE(changed_.wait_for(lock, limit, [&] { return pose_ && pose_->frame_id == images.frame_id; }));
+    return pose_.value_or(pose_t());
+  }
+  pose_t ShowNext(int index, bool covered = false) {
+    return Show(index, kFrame_ns * static_cast<int64_t>(shown_.size() + 1), covered);
+  }
+
+  /// In a map that began at frame 0 of the dataset.
+  SE3 Truth(int index) const { return dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(index); }
+
+  /// What loop_process says to the newest question.
+  void Answer(const Map& map) {
+    Relocalisation answer;
+    {
+      const std::lock_guard lock(mutex_);
+      if (!asked_) return;
+      answer.session = asked_->session;
+      answer.frame_id = asked_->frame_id;
+    }
+    const int index = shown_.at(static_cast<size_t>(answer.frame_id));
+    answer.found = true;
+    answer.T_w_c = Truth(index);
+    answer.covariance = 1e-6 * Matrix6d::Identity();
+    for (const auto& [id, keyframe] : map.keyframes()) {
+      if (keyframe.frame_id <= index) answer.keyframe_id = id;
+    }
+    (*others_)->Publish(bus::kRelocalisation, bus::ToMessage(answer));
+  }
+  double ErrorInMap(const pose_t& pose) const {
+    const SE3 T_w_c = *bus::FromMessage(pose.T_w_odom) * *bus::FromMessage(pose.T_odom_c);
+    return (T_w_c.translation() - Truth(shown_.back()).translation()).norm();
+  }
+  bool HasAsked() {
+    const std::lock_guard lock(mutex_);
+    return asked_.has_value();
+  }
+
+  const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
+  std::vector<int> shown_;
+
+ private:
+  template <class F>
+  void Keep(F f) {
+    const std::lock_guard lock(mutex_);
+    f();
+    changed_.notify_all();
+  }
+
+  bus::BusOptions bus_options_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<pose_t> pose_;
+  std::optional<Keyframe> asked_;
+  std::unique_ptr<RunningBus> others_;
+  std::unique_ptr<bus::FramePublisher> frames_;
+  std::unique_ptr<bus::KeyframeSubscriber> questions_;
+  std::unique_ptr<bus::MapUpdatePublisher> maps_;
+  std::unique_ptr<bus::Process> process_;
+  std::unique_ptr<VoNode> node_;
+  std::thread vo_;
+};
+
+TEST_F(VoNodeTest, AClockThatIsPutBackALittleSpoilsAFrameAndMakesNoSession) {
+  VoOptions options;
+  options.map.enabled = false;
+  Start(options, true);
+  constexpr int64_t kBegin_ns = 10'000'000'000;
+  int64_t session = 0;
+  for (int i = 0; i < 5; ++i) session = Show(i, kBegin_ns + kFrame_ns * i).header.session;
+  for (const int64_t back_ns : {int64_t{1}, kFrame_ns / 2}) {
+    const pose_t early = Show(5, kBegin_ns + 4 * kFrame_ns - back_ns);
+    EXPECT_EQ(early.header.session, session);
+    EXPECT_EQ(early.state, kLost);
+    EXPECT_EQ(early.n_points, 0);
+  }
+  const pose_t next = Show(6, kBegin_ns + 6 * kFrame_ns);
+  EXPECT_EQ(next.header.session, session);
+  EXPECT_NE(next.state, kLost);
+  const SE3 truth = dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(6);
+  EXPECT_LT((bus::FromMessage(next.T_odom_c)->translation() - truth.translation()).norm(), 0.02);
+  EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
+}
+
+TEST_F(VoNodeTest, ACameraThatWentOnElsewhereCountsAsLostUntilALateAnswerPutsItIntoTheMap) {
+  const Map map = plslam::test::RunSlam(*dataset_, {}, {}).map;
+  VoOptions options;
+  options.map.localise_only = true;
+  Start(options, false);
+  PublishMap(map);
+  const auto find = [&](int index) {
+    pose_t pose;
+    for (int i = 0; i < 10; ++i) {
+      Answer(map);
+      pose = ShowNext(index++);
+      if (pose.state != kLost) break;
+    }
+    return pose;
+  };
+  EXPECT_EQ(ShowNext(0).state, kLost);
+  ASSERT_TRUE(bus::test::Eventually([&] { return HasAsked(); }));
+  EXPECT_LT(ErrorInMap(find(1)), 0.02);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(ShowNext(10, true).state, kLost);
+  // Among landmarks of its own it is tracked at once; in the map it is nowhere.
+  for (int i = 60; i < 64; ++i) {
+    const pose_t pose = ShowNext(i);
+    EXPECT_EQ(pose.state, kLost) << i;
+    EXPECT_GT(pose.covariance[0], i > 60 ? 10.0 : 0.0) << i;
+  }
+  const pose_t found = find(64);
+  EXPECT_NE(found.state, kLost);
+  EXPECT_LT(ErrorInMap(found), 0.02);
+  EXPECT_LT(found.covariance[0], 1e3);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/io/map_file.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
@@ -37,6 +38,61 @@ TEST(RunFailure, InterruptLeavesAllFiles) {
   EXPECT_GT(summary["frames"], 0);
   for (const auto& [name, process] : summary["processes"].items()) EXPECT_EQ(process["exit_code"], 0) << name;
   EXPECT_FALSE(run.Read("trajectory.tum").empty());
+}
+
+TEST(RunFailure, InterruptSavesTheMapWhereThatWasAskedFor) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  std::vector<std::string> arguments = LongRun(run);
+  arguments.insert(arguments.end(), {"--save-map", map});
+  run.Start(arguments);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  EXPECT_EQ(run.Summary()["reason"], "interrupted");
+  EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
+  EXPECT_FALSE(run.Read("trajectory.tum").empty());
+}
+
+TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {
+  WholeRun run;
+  run.Start({"run", "synthetic:room", "--save-map", (run.folder() / "room.plmap").string()});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return run.PidOf("mapping_process") > 0; })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 1) << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: interrupted before there was a map to save as "));
+}
+
+TEST(RunFailure, KilledRecorderGoesOnInAnotherFile) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const auto recorded = std::filesystem::file_size(run.log());
+  const pid_t recorder = run.PidOf("plslam");
+  ASSERT_GT(recorder, 0);
+  ASSERT_EQ(kill(recorder, SIGKILL), 0);
+  ASSERT_EQ(run.Wait(), 0) << run.Logs();
+  EXPECT_GE(std::filesystem::file_size(run.log()), recorded);
+  EXPECT_GT(test::ReadRecordedRun(run.log() + ".2").Count("POSE"), 0);
+  EXPECT_EQ(run.Summary()["recordings"], (nlohmann::json{run.log(), run.log() + ".2"}));
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: warning: the recorder was started again"));
+}
+
+TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
+  WholeRun run;
+  const std::string world = "synthetic:room?frames=5&size=376x240";
+  ASSERT_EQ(run.Run({"run", world, "--overlay-every", "1"}), 0) << run.Logs();
+  const std::string summary = run.Read("summary.json"), path = run.Read("trajectory.kitti");
+  for (const std::string wrong : {"/nonexistent/sequence", "synthetic:rom"}) {
+    EXPECT_EQ(run.Run({"run", wrong}), 1);
+    EXPECT_EQ(run.Read("summary.json"), summary);
+    EXPECT_EQ(run.Read("trajectory.kitti"), path);
+    EXPECT_TRUE(std::filesystem::exists(run.out() / "overlays/000000.png"));
+    EXPECT_THAT(run.Logs(), HasSubstr("is still of the run before"));
+  }
+  ASSERT_EQ(run.Run({"run", world}), 0) << run.Logs();
+  EXPECT_FALSE(std::filesystem::exists(run.out() / "overlays/000000.png"));
+  EXPECT_EQ(run.Read("trajectory.kitti"), path) << "written anew";
 }
 
 TEST(RunFailure, KilledTrackerIsStartedAgain) {

@@ -15,7 +15,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   version_ = head.version;
   settled_.Add(head);
   totals_ = head.totals;
-  for (const auto& [stage, ms] : head.stage_ms) stage_ms_[stage].Add(ms);
+  for (const auto& [stage, ms] : head.stage_ms) stage_ms_.Add(stage, ms);
   if (head.adjustment.n_points == 0) return;
   ++n_adjustments_;
   before_px_ += head.adjustment.reprojection_before_px;

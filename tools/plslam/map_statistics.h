@@ -2,12 +2,13 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/map/map_update.h"
-#include "tools/plslam/quantile_sketch.h"
+#include "tools/plslam/stage_times.h"
 
 namespace plslam {
 
@@ -28,19 +29,21 @@ class MapStatistics {
   double ObservationsPerLine() const;
 
   /// By stage, ms; of all updates, also those of a process that was killed.
-  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
-  /// Means over the adjustments that had points, of their root mean squares.
-  double ReprojectionBefore_px() const { return Mean(before_px_); }
-  double ReprojectionAfter_px() const { return Mean(after_px_); }
+  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
+  /// Means over the adjustments that had points, of their root mean squares; nothing where there was none.
+  std::optional<double> ReprojectionBefore_px() const { return Mean(before_px_); }
+  std::optional<double> ReprojectionAfter_px() const { return Mean(after_px_); }
 
  private:
-  double Mean(double sum) const { return n_adjustments_ > 0 ? sum / static_cast<double>(n_adjustments_) : 0.0; }
+  std::optional<double> Mean(double sum) const {
+    return n_adjustments_ > 0 ? std::optional(sum / static_cast<double>(n_adjustments_)) : std::nullopt;
+  }
 
   int64_t source_ = 0;
   int64_t version_ = 0;
   SettledKeyframes settled_;
   MapTotals totals_;
-  std::map<std::string, QuantileSketch> stage_ms_;
+  StageTimes stage_ms_;
   int64_t n_adjustments_ = 0;
   double before_px_ = 0.0;
   double after_px_ = 0.0;

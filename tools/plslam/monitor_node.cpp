@@ -39,6 +39,13 @@ FrameReport FromMessage(const pose_t& message) {
   return report;
 }
 
+double CounterOf(const status_t& message, const std::string& name) {
+  for (const counter_t& counter : message.counters) {
+    if (counter.name == name) return counter.value;
+  }
+  return 0.0;
+}
+
 ProcessStatus FromMessage(const status_t& message) {
   ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, bus::NowS()};
   for (const counter_t& counter : message.counters) {
@@ -82,11 +89,21 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 }
 
 void MonitorNode::OnStatus(const status_t& message) {
+  if (message.process == "player") {
+    player_heard_s_ = bus::NowS();
+    sent_frames_ = static_cast<int64_t>(CounterOf(message, "frames.sent"));
+  }
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
   const ProcessStatus& status = processes_[process] = FromMessage(message);
+  if (longest_queue_.size() >= kMaxShownProcesses && !longest_queue_.contains(message.process)) return;
   double& longest = longest_queue_[message.process];
   longest = std::max(longest, status.queue);
+}
+
+bool MonitorNode::PlayerWaitsForTime(double now_s) const {
+  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
+  return heard && sent_frames_ > 0 && statistics_.newest_frame().first + 1 >= sent_frames_;
 }
 
 bool MonitorNode::has_all() const {

@@ -53,6 +53,8 @@ class MonitorNode {
   int64_t total_frames() const { return total_frames_; }
   bool stream_ended() const { return stream_ended_; }
   int64_t bad_frames() const { return bad_frames_; }
+  /// The player was heard of late, and the newest frame it says it has sent has a pose. `now_s`: steady time.
+  bool PlayerWaitsForTime(double now_s) const;
 
   /// `now_s`: steady time.
   Lag LagAt(double now_s) const;
@@ -71,6 +73,8 @@ class MonitorNode {
   std::map<std::string, double> longest_queue_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;
+  int64_t sent_frames_ = 0;
+  double player_heard_s_ = -1.0;
   bool stream_ended_ = false;
 };
 

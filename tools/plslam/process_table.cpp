@@ -9,6 +9,9 @@ namespace {
 using Arguments = std::vector<std::string>;
 
 constexpr const char* kPlayer = "player";
+constexpr const char* kRecorder = "recorder";
+constexpr const char* kVo = "vo";
+constexpr const char* kMapping = "mapping";
 
 bool Always(const RunOptions&) { return true; }
 bool WithMap(const RunOptions& options) { return !options.no_mapping; }
@@ -17,9 +20,7 @@ bool OwnMap(const RunOptions& options) { return WithMap(options) && options.map_
 bool OwnLoops(const RunOptions& options) { return WithLoops(options) && options.map_prefix.empty(); }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
-Arguments RecorderArguments(const RunOptions& options) {
-  return {"record", std::filesystem::absolute(options.record).string()};
-}
+Arguments RecorderArguments(const RunOptions& options) { return {RecordingOf(options, 0).string()}; }
 
 /// "--set section.key=value" for each option that was given.
 class Settings {
@@ -52,21 +53,19 @@ Arguments ViewerArguments(const RunOptions& options) {
 }
 
 Arguments VoArguments(const RunOptions& options) {
-  Settings settings("vo");
+  Settings settings(kVo);
   settings.Add("features.features", options.features);
   if (options.no_mapping) settings.Add("map.enabled", std::string("false"));
   if (!WithLoops(options)) settings.Add("relocalisation.enabled", std::string("false"));
   settings.Add("map.localise_only", options.localise_only);
-  settings.Add("state_file", StateFileOf(options, "vo").string());
   return settings.Take();
 }
 
 Arguments MappingArguments(const RunOptions& options) {
-  Settings settings("mapping");
+  Settings settings(kMapping);
   if (options.no_loops) settings.Add("loops.enabled", std::string("false"));
   if (!options.map.empty()) settings.Add("map_file", std::filesystem::absolute(options.map).string());
   settings.Add("localise_only", options.localise_only);
-  settings.Add("state_file", StateFileOf(options, "mapping").string());
   return settings.Take();
 }
 
@@ -94,16 +93,29 @@ Arguments PlayerArguments(const RunOptions& options) {
   return settings.Take();
 }
 
+Arguments CommonArguments(const RunOptions& options) {
+  Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
+  if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
+  if (!options.map_prefix.empty()) {
+    arguments.insert(arguments.end(), {"--map-prefix", options.map_prefix});
+  }
+  if (!options.config_file.empty()) {
+    arguments.insert(arguments.end(), {"--config", std::filesystem::absolute(options.config_file).string()});
+  }
+  for (const std::string& assignment : options.overrides) arguments.insert(arguments.end(), {"--set", assignment});
+  return arguments;
+}
+
 constexpr ProcessRow kTable[] = {
-    {"recorder", "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
+    {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
      Recorded, kFirst, RecorderArguments},
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
      false, Always, kLast, ViewerArguments},
-    {"mapping", "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
+    {kMapping, "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
      false, OwnMap, kFirst, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
      false, OwnLoops, kStandsBack, NoArguments},
-    {"vo", "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
+    {kVo, "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      kFirstWhenLive, VoArguments},
     {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
      kSourceOfFrames, PlayerArguments},
@@ -121,21 +133,33 @@ std::filesystem::path StateFileOf(const RunOptions& options, const std::string& 
   return std::filesystem::absolute(options.out / fmt::format(".{}_state", process));
 }
 
-std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame) {
-  if (name != kPlayer || newest_frame.first < 0) return {};
-  return {"--set", fmt::format("player.resume_after={}@{}", newest_frame.first, newest_frame.second)};
+std::filesystem::path RecordingOf(const RunOptions& options, int restart) {
+  std::filesystem::path file = std::filesystem::absolute(options.record);
+  if (restart > 0) file += fmt::format(".{}", restart + 1);
+  return file;
 }
 
-std::vector<std::string> CommonArguments(const RunOptions& options) {
-  Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
-  if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
-  if (!options.map_prefix.empty()) {
-    arguments.insert(arguments.end(), {"--map-prefix", options.map_prefix});
+std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options) {
+  Arguments arguments;
+  if (row.name == kRecorder) arguments.emplace_back("record");
+  if (row.name == kVo || row.name == kMapping) {
+    const std::string name(row.name);
+    arguments.emplace_back("--set");
+    arguments.push_back(fmt::format("{}.state_file={}", name, StateFileOf(options, name).string()));
   }
-  if (!options.config_file.empty()) {
-    arguments.insert(arguments.end(), {"--config", std::filesystem::absolute(options.config_file).string()});
+  for (std::string& common : CommonArguments(options)) arguments.push_back(std::move(common));
+  for (std::string& own : row.arguments(options)) arguments.push_back(std::move(own));
+  return arguments;
+}
+
+std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
+                                            std::vector<std::string> arguments) {
+  if (restart.name == kRecorder) arguments.back() = RecordingOf(options, restart.number).string();
+  if (restart.name == kPlayer && restart.newest_frame.first >= 0) {
+    arguments.emplace_back("--set");
+    arguments.push_back(
+        fmt::format("player.resume_after={}@{}", restart.newest_frame.first, restart.newest_frame.second));
   }
-  for (const std::string& assignment : options.overrides) arguments.insert(arguments.end(), {"--set", assignment});
   return arguments;
 }
 

@@ -29,7 +29,7 @@ struct ProcessRow {
   bool starts_last;
   bool (*wanted)(const RunOptions&);
   Niceness niceness;
-  /// Arguments of its own; those that all processes share come from CommonArguments.
+  /// Its own; ArgumentsOf has all.
   std::vector<std::string> (*arguments)(const RunOptions&);
 };
 
@@ -42,11 +42,23 @@ int NicenessOf(const ProcessRow& row, const RunOptions& options);
 /// In the order of starting.
 std::span<const ProcessRow> ProcessTable();
 
-/// What a process is told beside its arguments when it is started again: the player, where to go on. `newest_frame`: number
-/// and time of the newest frame that has a pose; -1: none.
-std::vector<std::string> ArgumentsOfRestart(const std::string& name, std::pair<int64_t, int64_t> newest_frame);
+/// Where the recorder writes: FILE, and FILE.2, FILE.3, ... where it had to be started again, since a log that is opened
+/// anew is empty.
+std::filesystem::path RecordingOf(const RunOptions& options, int restart);
 
-/// Configuration, bus and parent, as RunProcess (core/bus/process.h) takes them.
-std::vector<std::string> CommonArguments(const RunOptions& options);
+/// Configuration, bus and parent, as RunProcess (core/bus/process.h) takes them; then its own, so that an option of
+/// `plslam run` wins over `--set`.
+std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options);
+
+struct Restart {
+  std::string name;
+  int number = 1;  ///< so many times it has been started again
+  /// Number and time of the newest frame that has a pose; -1: none.
+  std::pair<int64_t, int64_t> newest_frame{-1, 0};
+};
+
+/// From those of its first start: the player is told where to go on, the recorder another file.
+std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
+                                            std::vector<std::string> arguments);
 
 }  // namespace plslam

@@ -9,6 +9,7 @@
 #include "core/io/atomic_file.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/run_bus.h"
+#include "tools/plslam/run_checks.h"
 #include "tools/plslam/run_files.h"
 #include "tools/plslam/run_session.h"
 #include "tools/plslam/version.h"
@@ -25,14 +26,6 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
     if (!plain && !name.empty() && name.back() != '_') name += '_';
   }
   return std::filesystem::path("out") / (name.empty() ? "run" : name.substr(0, 80));
-}
-
-/// Outputs of an earlier run in the same folder, which must not be taken for those of this one.
-void RemoveOldOutputs(const std::filesystem::path& out) {
-  for (const char* name : {"summary.json", "trajectory.tum", "keyframes.tum", "groundtruth.tum", "covariance.txt",
-                           "motion_covariance.txt", "trajectory_live.tum", "map.ply"}) {
-    std::filesystem::remove(out / name);
-  }
 }
 
 /// Hands a signal on to the session while there is one.
@@ -55,28 +48,49 @@ class SessionDoor {
   bool interrupted_ = false;
 };
 
+/// What there is to know about the run beside its results.
+void Warn(const RunSummary& summary) {
+  if (summary.recordings.size() < 2) return;
+  std::string others;
+  for (size_t i = 1; i < summary.recordings.size(); ++i) others += (i > 1 ? ", " : "") + summary.recordings[i];
+  fmt::print(stderr,
+             "plslam: warning: the recorder was started again, so the recording of {} goes on in {}; what was said "
+             "between is in neither\n",
+             summary.recordings.front(), others);
+}
+
+/// Nothing was played: what the folder holds of an earlier run stays, and its summary with it.
+bool KeepsOldOutputs(const RunOptions& options, const RunSession& session) {
+  return !session.accepted() && std::filesystem::exists(options.out / "summary.json");
+}
+
 int Report(const RunOptions& options, const RunSession& session) {
   RunSummary summary = session.Summary();
   summary.version = VersionText();
-  summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
-  summary.live_ate_m = LiveError_m(options.out);
+  const bool keeps_old = KeepsOldOutputs(options, session);
+  if (session.accepted()) {
+    summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
+    summary.live_ate_m = LiveError_m(options.out);
+  }
   const nlohmann::json json = SummaryToJson(summary);
-  WriteSummary(options.out, json);
+  if (!keeps_old) WriteSummary(options.out, json);
+  Warn(summary);
   if (options.json) {
-    fmt::print("{}\n", json.dump(2));
+    fmt::print("{}\n", JsonText(json));
   } else if (!options.quiet && summary.statistics->frames() > 0) {
     fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
-  if (summary.completed || session.interrupted()) return 0;
-  fmt::print(stderr, "plslam: error: {}\n", summary.reason);
+  if (session.ended_well() && !keeps_old) return 0;
+  fmt::print(stderr, "plslam: error: {}{}\n", summary.reason,
+             keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : "");
   return 1;
 }
 
 int Run(RunOptions options) {
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
   MakeFolder((options.out / "logs").string());
-  RemoveOldOutputs(options.out);
+  CheckFilesToWrite(options);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
   const bus::SignalWatcher signals([&](int) { door.Interrupt(); });
@@ -99,9 +113,14 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");
   sub->add_flag("--no-loops", o->no_loops,
                 "places seen before are not recognised, and lost trackers not found again");
-  sub->add_option("--map", o->map, "a saved map to go on from")->type_name("FILE")->check(CLI::ExistingFile);
+  sub->add_option("--map", o->map, "a saved map to go on from")
+      ->type_name("FILE")
+      ->check(CLI::ExistingFile)
+      ->excludes("--no-mapping");
   sub->add_flag("--localise-only", o->localise_only, "the map given by --map stays as it is")->needs("--map");
-  sub->add_option("--save-map", o->save_map, "where to save the map at the end")->type_name("FILE");
+  sub->add_option("--save-map", o->save_map, "where to save the map at the end, or when the run is interrupted")
+      ->type_name("FILE")
+      ->excludes("--no-mapping");
   sub->add_option("--config", o->config_file, "YAML file with options of all processes (docs/configuration.md)")
       ->type_name("FILE");
   sub->add_option("--set", o->overrides, "one option, over the file: vo.features.orb.max_points=800 (repeatable)")
@@ -143,14 +162,16 @@ void AddRunCommand(CLI::App* app, Command* command) {
                   "(synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall)")
       ->required();
   sub->add_option("--kind", options->kind, "format: kitti, euroc, tum, images, log, synthetic [found by looking]");
-  sub->add_option("--record", options->record, "LCM event log of all traffic to write")->type_name("FILE");
+  sub->add_option("--record", options->record, "LCM event log of all traffic to write, in the place of an old one")
+      ->type_name("FILE");
   AddOptions(sub, options.get());
   sub->footer(
       "Examples:\n"
       "  plslam run synthetic:room --out out/room\n"
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
       "  plslam run /data/euroc/MH_01 --config config/euroc.yaml --record out/mh01.lcm\n"
-      "Exit code 0 when the stream was handled to its end, or ended by SIGINT or SIGTERM.");
+      "Exit code 0 when the stream was handled to its end, or ended by SIGINT or SIGTERM (and the map saved, with\n"
+      "--save-map); a second signal ends everything at once.");
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }
 

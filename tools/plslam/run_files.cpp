@@ -30,8 +30,8 @@ std::optional<double> LiveError_m(const std::filesystem::path& out) {
   if (!both) return std::nullopt;
   EvaluateOptions options;
   options.max_difference_ns = kMaxDifference_ns;
-  const nlohmann::json accuracy = nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));
-  return accuracy.value("ate_m", 0.0);
+  const Accuracy accuracy = EvaluateTrajectory(both->first, both->second, options);
+  return accuracy.pairs.empty() ? std::nullopt : std::optional(accuracy.ate_m.rmse);
 }
 
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {
@@ -55,8 +55,12 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   return nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));
 }
 
+std::string JsonText(const nlohmann::json& json) {
+  return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {
-  WriteFileAtomically((out / "summary.json").string(), summary.dump(2) + "\n");
+  WriteFileAtomically((out / "summary.json").string(), JsonText(summary) + "\n");
 }
 
 }  // namespace plslam

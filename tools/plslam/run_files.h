@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 namespace plslam {
 
@@ -10,8 +11,12 @@ namespace plslam {
 /// Nothing where there is no ground truth.
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
 
-/// Absolute error of `trajectory_live.tum`, in metres. Nothing where there is no such file or no ground truth.
+/// Absolute error of `trajectory_live.tum`, in metres. Nothing where there is no such file, no ground truth
+/// or no pose that has a true one.
 std::optional<double> LiveError_m(const std::filesystem::path& out);
+
+/// For people; bytes that are not UTF-8 (names, sentences of others) are replaced.
+std::string JsonText(const nlohmann::json& json);
 
 /// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);

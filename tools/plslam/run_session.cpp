@@ -8,6 +8,7 @@
 #include "core/bus/worker.h"
 #include "core/io/shared_file.h"
 #include "tools/plslam/process_table.h"
+#include "tools/plslam/run_checks.h"
 
 namespace plslam {
 namespace {
@@ -16,7 +17,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
-/// Without a pose for so long a run is given up; longer than any frame takes on any machine.
+/// Without a pose for so long, and with a frame out or no word of the player, a run is given up; longer than any frame takes
+/// on any machine.
 constexpr seconds kStallLimit{120};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
@@ -36,7 +38,8 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       save_(bus),
       supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
-      phase_began_(began_) {
+      phase_began_(began_),
+      lacks_map_(!options.save_map.empty()) {
   bus_.Every(milliseconds(50), [this] { Tick(); });
 }
 
@@ -45,8 +48,8 @@ Supervisor::Options RunSession::SupervisorOptions() {
   options.bin = ProgramFolder();
   options.logs = options_.out / "logs";
   options.max_restarts = options_.max_restarts;
-  options.arguments_of_restart = [this](const std::string& name) {
-    return ArgumentsOfRestart(name, monitor_.statistics().newest_frame());
+  options.arguments_of_restart = [this](const std::string& name, int restart, std::vector<std::string> arguments) {
+    return ArgumentsOfRestart(options_, {name, restart, monitor_.statistics().newest_frame()}, std::move(arguments));
   };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
   return options;
@@ -73,16 +76,22 @@ void RunSession::Interrupt() {
   bus_.Post([this] {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
-    BeginStop("interrupted");
+    if (!lacks_map_) return BeginStop("interrupted");
+    if (phase_ == Phase::kStarting) {
+      return BeginStop(fmt::format("interrupted before there was a map to save as {}", options_.save_map.string()));
+    }
+    if (phase_ == Phase::kSaving) return;
+    supervisor_.Interrupt("player");
+    phase_ = Phase::kSaving;
+    phase_began_ = Clock::now();
+    wall_s_ = SecondsSince(playing_since_);
   });
 }
 
 void RunSession::StartRows(bool last) {
   for (const ProcessRow& row : ProcessTable()) {
     if (row.starts_last != last || !row.wanted(options_)) continue;
-    std::vector<std::string> arguments = row.arguments(options_);
-    for (std::string& common : CommonArguments(options_)) arguments.push_back(std::move(common));
-    supervisor_.Start(std::string(row.name), std::string(row.executable), arguments, row.ending,
+    supervisor_.Start(std::string(row.name), std::string(row.executable), ArgumentsOf(row, options_), row.ending,
                       NicenessOf(row, options_));
   }
 }
@@ -92,6 +101,7 @@ void RunSession::Tick() {
   TellReadiness(now);
   supervisor_.Tick(now);
   if (phase_ != Phase::kStopping && !supervisor_.failure().empty()) BeginStop(supervisor_.failure());
+  if (!accepted_) CheckAccepted();
   if (phase_ == Phase::kStarting) CheckStarted(now);
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
   if (phase_ == Phase::kSettling) CheckSettled(now);
@@ -115,6 +125,15 @@ bool RunSession::AllReady() const {
   });
 }
 
+/// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the folder.
+void RunSession::CheckAccepted() {
+  const std::string player = monitor_.StateOf(supervisor_.pid("player"));
+  const bool plays = player == "ready" || player == "running" || player == "finished";
+  if (!plays && monitor_.statistics().frames() == 0) return;
+  accepted_ = true;
+  RemoveOldOutputs(options_, files_began_);
+}
+
 void RunSession::CheckStarted(Clock::time_point now) {
   if (AllReady()) {
     phase_ = Phase::kPlaying;
@@ -128,7 +147,8 @@ void RunSession::CheckStarted(Clock::time_point now) {
 
 void RunSession::CheckPlayed(Clock::time_point now) {
   const int64_t frames = monitor_.statistics().frames();
-  if (frames != last_frames_) {
+  // A player that is there and waits for the next frame's time is no stall, however long the gap in the data.
+  if (frames != last_frames_ || monitor_.PlayerWaitsForTime(bus::NowS())) {
     last_frames_ = frames;
     last_frame_at_ = now;
   }
@@ -148,15 +168,16 @@ void RunSession::CheckSettled(Clock::time_point now) {
 }
 
 void RunSession::CheckSaved(Clock::time_point now) {
-  if (!options_.save_map.empty() && save_.result() != SaveNode::Result::kSaved) {
+  if (lacks_map_ && save_.result() != SaveNode::Result::kSaved) {
     save_.Send(std::filesystem::absolute(options_.save_map));
     const bool failed = save_.result() == SaveNode::Result::kFailed;
     if (!failed && now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),
                                  (options_.out / "logs").string()));
   }
-  completed_ = true;
-  BeginStop("");
+  lacks_map_ = false;
+  completed_ = !interrupted_;
+  BeginStop(interrupted_ ? "interrupted" : "");
 }
 
 void RunSession::BeginStop(const std::string& reason) {
@@ -191,6 +212,9 @@ RunSummary RunSession::Summary() const {
   summary.processes = supervisor_.reports();
   const Lag lag = monitor_.LagAt(bus::NowS());
   for (ProcessReport& report : summary.processes) {
+    for (int i = 0; report.name == "recorder" && i <= report.restarts; ++i) {
+      summary.recordings.push_back(RecordingOf(options_, i).string());
+    }
     const auto longest = lag.longest_queue.find(report.name);
     if (longest != lag.longest_queue.end()) report.longest_queue = longest->second;
   }

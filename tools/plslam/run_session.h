@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -22,12 +23,15 @@ class RunSession {
 
   /// Returns when all processes have ended. Throws std::runtime_error where a program cannot be started.
   void Run();
-  /// Ends the run early and cleanly; from any thread.
+  /// Ends the run early and cleanly, once the map is saved where that is asked for; from any thread.
   void Interrupt();
 
   /// All but the accuracy.
   RunSummary Summary() const;
-  bool interrupted() const { return interrupted_; }
+  /// Dataset and configuration were taken by all processes, and the outputs of earlier runs are gone.
+  bool accepted() const { return accepted_; }
+  /// To the end of the stream, or interrupted; and the map is saved where that was asked for.
+  bool ended_well() const { return completed_ || (interrupted_ && !lacks_map_); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -39,6 +43,7 @@ class RunSession {
   void Tick();
   void TellReadiness(Clock::time_point now);
   bool AllReady() const;
+  void CheckAccepted();
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
@@ -62,6 +67,9 @@ class RunSession {
   std::string reason_;
   bool completed_ = false;
   bool interrupted_ = false;
+  bool lacks_map_ = false;  ///< it was to be saved, and is not yet
+  bool accepted_ = false;
+  const std::filesystem::file_time_type files_began_ = std::filesystem::file_time_type::clock::now();
   double wall_s_ = 0.0;
 };
 

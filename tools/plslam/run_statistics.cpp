@@ -11,7 +11,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   last_ = frame;
   // A tracker that was started again answers frames again.
   if (frame.frame_id <= newest_frame_id_) return;
-  for (const auto& [stage, ms] : frame.stage_ms) stage_ms_[stage].Add(ms);
+  for (const auto& [stage, ms] : frame.stage_ms) stage_ms_.Add(stage, ms);
   skipped_frames_ += frame.skipped_frames;
   if (frame.keyframe_id >= 0) {
     ++keyframes_;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tools/plslam/id_counter.h"
-#include "tools/plslam/quantile_sketch.h"
+#include "tools/plslam/stage_times.h"
 
 namespace plslam {
 
@@ -46,7 +46,7 @@ class RunStatistics {
   std::pair<int64_t, int64_t> newest_frame() const { return {newest_frame_id_, newest_t_ns_}; }
   /// Session and number there of the newest keyframe; -1: none.
   std::pair<int64_t, int64_t> last_keyframe() const { return last_keyframe_; }
-  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_; }
+  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
 
  private:
   int64_t frames_ = 0;
@@ -57,7 +57,7 @@ class RunStatistics {
   int64_t newest_t_ns_ = 0;
   FrameReport last_;
   std::pair<int64_t, int64_t> last_keyframe_{0, -1};
-  std::map<std::string, QuantileSketch> stage_ms_;
+  StageTimes stage_ms_;
   IdCounter points_;
   IdCounter lines_;
 };

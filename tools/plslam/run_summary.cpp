@@ -14,6 +14,15 @@ using nlohmann::json;
 /// Fewer digits than a double has: for people who open the file.
 double Rounded(double value, double step) { return std::round(value / step) * step; }
 
+json RoundedOrNull(const std::optional<double>& value, double step) {
+  return value ? json(Rounded(*value, step)) : json(nullptr);
+}
+
+/// A dash where nothing was measured.
+std::string NumberText(const json& value, int digits) {
+  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
+}
+
 json QuantilesToJson(const QuantileSketch& samples) {
   return {{"median", Rounded(samples.Quantile(0.5), 1e-4)}, {"p95", Rounded(samples.Quantile(0.95), 1e-4)}};
 }
@@ -41,8 +50,8 @@ json MapToJson(const RunSummary& summary) {
   json result = {{"keyframes", map.totals().keyframes},
                  {"observations_per_point", Rounded(map.ObservationsPerPoint(), 1e-3)},
                  {"observations_per_line", Rounded(map.ObservationsPerLine(), 1e-3)},
-                 {"reprojection_before_px", Rounded(map.ReprojectionBefore_px(), 1e-4)},
-                 {"reprojection_after_px", Rounded(map.ReprojectionAfter_px(), 1e-4)}};
+                 {"reprojection_before_px", RoundedOrNull(map.ReprojectionBefore_px(), 1e-4)},
+                 {"reprojection_after_px", RoundedOrNull(map.ReprojectionAfter_px(), 1e-4)}};
   for (const auto& [stage, samples] : map.stage_ms()) {
     result[stage == "adjust" ? "adjustment_ms" : stage + "_ms"] = QuantilesToJson(samples);
   }
@@ -67,10 +76,10 @@ std::string LoopsToText(const json& s) {
 
 std::string MapToText(const json& map) {
   return fmt::format(
-      "  map        {} keyframes, {:.1f} observations a point, {:.1f} a line, reprojection {:.3f} -> {:.3f} px\n",
+      "  map        {} keyframes, {:.1f} observations a point, {:.1f} a line, reprojection {} -> {} px\n",
       map["keyframes"].get<int64_t>(), map["observations_per_point"].get<double>(),
-      map["observations_per_line"].get<double>(), map["reprojection_before_px"].get<double>(),
-      map["reprojection_after_px"].get<double>());
+      map["observations_per_line"].get<double>(), NumberText(map["reprojection_before_px"], 3),
+      NumberText(map["reprojection_after_px"], 3));
 }
 
 /// A row for each member that has quantiles.
@@ -101,7 +110,10 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
 
 /// "ATE 0.012 m, ...", of what `evaluate` gives by name.
 std::string AccuracyToText(const json& accuracy) {
-  std::string text = fmt::format("ATE {:.4f} m", accuracy.value("ate_m", 0.0));
+  const json ate_m = accuracy.value("ate_m", json(nullptr));
+  if (!ate_m.is_number())
+    return fmt::format("ATE -, {}", accuracy.value("note", "no frame has a pose and a true one"));
+  std::string text = fmt::format("ATE {} m", NumberText(ate_m, 4));
   for (const json& relative : accuracy.value("rpe", json::array())) {
     if (relative["translation_m"]["n"] == 0) continue;
     text +=
@@ -135,7 +147,8 @@ json SummaryToJson(const RunSummary& summary) {
           {"loops", HasMap(summary) ? summary.map->totals().loops : 0},
           {"loop_closing", LoopsToJson(summary)},
           {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
-          {"accuracy_live_ate_m", summary.live_ate_m ? json(Rounded(*summary.live_ate_m, 1e-6)) : json(nullptr)},
+          {"accuracy_live_ate_m", RoundedOrNull(summary.live_ate_m, 1e-6)},
+          {"recordings", summary.recordings},
           {"stage_ms", StagesToJson(s)},
           {"messages",
            {{"lost", summary.messages.lost},

@@ -37,6 +37,8 @@ struct RunSummary {
   std::optional<nlohmann::json> accuracy;
   std::optional<double> live_ate_m;
   MessageCounts messages;
+  /// Files of the recording: more than one where the recorder was started again. Empty: none was asked for.
+  std::vector<std::string> recordings;
   std::vector<ProcessReport> processes;
   /// Effective configuration (YAML) by process.
   std::map<std::string, std::string> configurations;

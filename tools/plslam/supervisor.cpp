@@ -26,7 +26,7 @@ void Supervisor::Start(const std::string& name, const std::string& executable,
 void Supervisor::Spawn(Child* child) {
   std::vector<std::string> arguments = child->arguments;
   if (child->report.restarts > 0 && options_.arguments_of_restart) {
-    for (std::string& more : options_.arguments_of_restart(child->name)) arguments.push_back(std::move(more));
+    arguments = options_.arguments_of_restart(child->name, child->report.restarts, std::move(arguments));
   }
   child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name),
                                                   child->niceness);
@@ -82,7 +82,7 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   child->report.cpu_s += end.cpu_s;
   child->report.peak_memory_mb = std::max(child->report.peak_memory_mb, end.peak_memory_mb);
   child->report.exit_code = end.code;
-  if (stopping_since_ || (child->ending == Ending::kMayEnd && end.code == 0)) return;
+  if (stopping_since_ || child->interrupted || (child->ending == Ending::kMayEnd && end.code == 0)) return;
   if (MayRestart(*child, end)) {
     child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
     ++child->failed_starts;
@@ -91,6 +91,15 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   if (!failure_.empty()) return;
   const std::string last = LastLine(LogOf(child->name));
   failure_ = fmt::format("{} ended with exit code {}{}{}", child->name, end.code, last.empty() ? "" : ": ", last);
+}
+
+void Supervisor::Interrupt(const std::string& name) {
+  for (Child& child : children_) {
+    if (child.name != name) continue;
+    child.interrupted = true;
+    child.start_at.reset();
+    if (child.process) child.process->Signal(SIGINT);
+  }
 }
 
 void Supervisor::Stop(TimePoint now) {

@@ -39,8 +39,10 @@ class Supervisor {
     int max_restarts = 5;        ///< of each process
     std::chrono::milliseconds first_pause{200};
     std::chrono::milliseconds patience{5000};  ///< after each of SIGINT and SIGTERM
-    /// Arguments of a process that is started again, behind those it had. May be empty.
-    std::function<std::vector<std::string>(const std::string& name)> arguments_of_restart;
+    /// Arguments of a process that is started again for the `restart`-th time, from those of its first start. May be empty:
+    /// they stay.
+    std::function<std::vector<std::string>(const std::string& name, int restart, std::vector<std::string> arguments)>
+        arguments_of_restart;
     /// A process with this id has ended. May be empty.
     std::function<void(pid_t pid)> on_exit;
   };
@@ -66,6 +68,8 @@ class Supervisor {
   /// Why the run cannot go on; empty where it can.
   const std::string& failure() const { return failure_; }
 
+  /// Asks one process to end (SIGINT), and does not start it again.
+  void Interrupt(const std::string& name);
   void Stop(TimePoint now);
   /// True when nothing runs any more.
   bool stopped() const;
@@ -82,6 +86,7 @@ class Supervisor {
     int niceness = 0;
     bool ready = false;        ///< was, once
     bool ready_again = false;  ///< since the last start
+    bool interrupted = false;  ///< it alone: however it ends is well
     int failed_starts = 0;     ///< in a row, that did not get ready
     std::unique_ptr<ChildProcess> process;
     std::optional<TimePoint> start_at;

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "core/bus/process_usage.h"
+#include "core/bus/worker.h"
+#include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -60,6 +62,27 @@ TEST_F(MonitorNodeTest, AProcessOfAnotherHostWithTheSameNumberIsAnother) {
   ASSERT_TRUE(Hears(2));
   EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(7); }), "ready");
   EXPECT_EQ(Ask([](const MonitorNode& m) { return m.StateOf(8); }), "");
+}
+
+TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
+  const auto waits = [&](double in_s) {
+    return Ask([=](const MonitorNode& m) { return m.PlayerWaitsForTime(bus::NowS() + in_s); });
+  };
+  EXPECT_FALSE(waits(0.0)) << "no player was heard";
+  status_t status{};
+  status.process = "player";
+  status.counters.resize(1);
+  status.counters[0].name = "frames.sent";
+  status.counters[0].value = 2;
+  status.n_counters = 1;
+  speaker_.Publish(bus::kStatus, status);
+  ASSERT_TRUE(Hears(1));
+  EXPECT_FALSE(waits(0.0)) << "a frame is out";
+  pose_t pose{};
+  pose.frame_id = 1;
+  speaker_.Publish(bus::kPose, pose);
+  EXPECT_TRUE(Eventually([&] { return waits(0.0); }));
+  EXPECT_FALSE(waits(60.0)) << "silent for a minute";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tools/plslam/run_files.h"
 #include "tools/plslam/yaml_to_json.h"
 
 namespace plslam {
@@ -156,6 +157,44 @@ TEST(RunSummary, TextTellsTheMainFigures) {
   EXPECT_THAT(text, testing::HasSubstr("2 tracked (100.0 %)"));
   EXPECT_THAT(text, testing::HasSubstr(
                         "ATE 0.0123 m, RPE over 1 frame 0.5000 m 0.500 deg, KITTI t_rel 1.250 %, path 40.0 m"));
+}
+
+TEST(RunSummary, WhatWasNotMeasuredIsADash) {
+  const RunStatistics statistics = TwoFrames();
+  MapStatistics map;
+  MapUpdate head;
+  head.source = 5;
+  head.version = 1;
+  map.Add(head);
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.map = &map;
+  summary.accuracy = json{{"ate_m", nullptr}, {"note", "the estimate has no pose"}};
+  const json result = SummaryToJson(summary);
+  EXPECT_TRUE(result["map"]["reprojection_before_px"].is_null());
+  const std::string text = SummaryToText(result);
+  EXPECT_THAT(text, testing::HasSubstr("reprojection - -> - px"));
+  EXPECT_THAT(text, testing::HasSubstr("accuracy   ATE -, the estimate has no pose"));
+}
+
+TEST(RunSummary, BytesThatAreNoTextCostNothingElse) {
+  const RunStatistics statistics;
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.dataset = "a\xff";
+  EXPECT_THAT(JsonText(SummaryToJson(summary)), testing::HasSubstr("\"dataset\": \"a\xEF\xBF\xBD\""));
+}
+
+TEST(RunStatistics, InventedStagesDoNotGrowWithoutEnd) {
+  RunStatistics statistics;
+  for (int id = 0; id < 1000; ++id) {
+    FrameReport frame;
+    frame.frame_id = id;
+    frame.stage_ms = {{"total", 1.0}, {"stage" + std::to_string(id), 1.0}};
+    statistics.AddFrame(frame);
+  }
+  EXPECT_EQ(statistics.stage_ms().size(), StageTimes::kMaxStages);
+  EXPECT_TRUE(statistics.stage_ms().contains("total"));
 }
 
 TEST(YamlToJson, BrokenYamlStaysText) { EXPECT_EQ(YamlToJson("a: [1"), json("a: [1")); }

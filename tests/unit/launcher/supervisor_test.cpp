@@ -167,8 +167,9 @@ TEST_F(SupervisorTest, OneThatMayEndIsRestartedAfterASignalButNotAfterAnError) {
   Script("player", "echo \"$*\" >> starts; [ $(wc -l < starts) -ge 2 ] && exit 4; kill -9 $$");
   std::vector<pid_t> ended;
   Supervisor supervisor({folder_, folder_, 9, milliseconds(1), milliseconds(5000),
-                         [](const std::string& name) {
-                           return std::vector<std::string>{"again", name};
+                         [](const std::string& name, int restart, std::vector<std::string> arguments) {
+                           arguments.push_back(name + std::to_string(restart));
+                           return arguments;
                          },
                          [&](pid_t pid) { ended.push_back(pid); }});
   std::filesystem::current_path(folder_);
@@ -178,7 +179,7 @@ TEST_F(SupervisorTest, OneThatMayEndIsRestartedAfterASignalButNotAfterAnError) {
   ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
   EXPECT_EQ(supervisor.restarts(), 1);
   EXPECT_EQ(supervisor.failure(), "a ended with exit code 4");
-  EXPECT_EQ(Read("starts"), "first\nfirst again a\n");
+  EXPECT_EQ(Read("starts"), "first\nfirst a1\n");
   ASSERT_EQ(ended.size(), 2U);
   EXPECT_EQ(ended[0], first);
   std::filesystem::current_path("/");

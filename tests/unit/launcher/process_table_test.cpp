@@ -1,0 +1,53 @@
+#include "tools/plslam/process_table.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace plslam {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+
+const ProcessRow& Row(const std::string& name) {
+  const auto table = ProcessTable();
+  return *std::find_if(table.begin(), table.end(), [&](const ProcessRow& row) { return row.name == name; });
+}
+
+long Place(const std::vector<std::string>& arguments, const std::string& argument) {
+  return std::find(arguments.begin(), arguments.end(), argument) - arguments.begin();
+}
+
+TEST(ProcessTable, NamedOptionsStandBehindSetAndSoWin) {
+  RunOptions options;
+  options.out = "out";
+  options.features = "lines";
+  options.overrides = {"vo.features.features=points", "vo.state_file="};
+  const auto arguments = ArgumentsOf(Row("vo"), options);
+  EXPECT_THAT(arguments, Contains("vo.features.features=points"));
+  EXPECT_LT(Place(arguments, "vo.features.features=points"), Place(arguments, "vo.features.features=lines"));
+  const std::string state = "vo.state_file=" + StateFileOf(options, "vo").string();
+  EXPECT_LT(Place(arguments, state), Place(arguments, "vo.state_file=")) << "there is no option for it";
+}
+
+TEST(ProcessTable, RecorderThatIsStartedAgainWritesAnotherFile) {
+  RunOptions options;
+  options.record = "/x/run.lcm";
+  const auto arguments = ArgumentsOf(Row("recorder"), options);
+  EXPECT_EQ(arguments.front(), "record");
+  EXPECT_EQ(arguments.back(), "/x/run.lcm");
+  EXPECT_EQ(ArgumentsOfRestart(options, {"recorder", 1}, arguments).back(), "/x/run.lcm.2");
+  EXPECT_EQ(ArgumentsOfRestart(options, {"recorder", 2}, arguments).back(), "/x/run.lcm.3");
+}
+
+TEST(ProcessTable, PlayerThatIsStartedAgainGoesOnBehindTheNewestPose) {
+  EXPECT_THAT(ArgumentsOfRestart({}, {"player", 1, {7, 123}}, {"a"}),
+              ElementsAre("a", "--set", "player.resume_after=7@123"));
+  EXPECT_THAT(ArgumentsOfRestart({}, {"player", 1}, {"a"}), ElementsAre("a"));
+  EXPECT_THAT(ArgumentsOfRestart({}, {"vo", 1, {7, 123}}, {"a"}), ElementsAre("a"));
+}
+
+}  // namespace
+}  // namespace plslam

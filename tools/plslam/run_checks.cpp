@@ -1,0 +1,84 @@
+#include "tools/plslam/run_checks.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <initializer_list>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "tools/plslam/process_table.h"
+
+namespace plslam {
+namespace {
+
+using std::filesystem::path;
+
+constexpr std::array<const char*, 14> kOutputs{
+    "summary.json",        "report.html",           "trajectory.tum",  "trajectory.kitti", "trajectory.euroc",
+    "trajectory_live.tum", "keyframes.tum",         "keyframes.kitti", "keyframes.euroc",  "groundtruth.tum",
+    "covariance.txt",      "motion_covariance.txt", "poses.csv",       "map.ply"};
+
+void CheckWritable(const char* option, const path& file) {
+  if (std::filesystem::is_directory(file)) {
+    throw std::runtime_error(fmt::format("{} {}: is a folder, not a file to write", option, file.string()));
+  }
+  const path folder = std::filesystem::absolute(file).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw std::runtime_error(fmt::format("{} {}: there is no folder {}", option, file.string(), folder.string()));
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    throw std::runtime_error(
+        fmt::format("{} {}: nothing can be written there: {}", option, file.string(), std::strerror(errno)));
+  }
+}
+
+void CheckIsNot(const char* option, const path& file, const path& input) {
+  std::error_code no_such_file;
+  if (input.empty() || !std::filesystem::equivalent(file, input, no_such_file)) return;
+  throw std::runtime_error(
+      fmt::format("{} {}: this run reads that file, and would destroy it", option, file.string()));
+}
+
+void RemoveIfOld(const path& file, std::filesystem::file_time_type began) {
+  std::error_code ignored;
+  const auto written = std::filesystem::last_write_time(file, ignored);
+  if (!ignored && written < began) std::filesystem::remove(file, ignored);
+}
+
+void RemoveOldFiles(const path& folder, const char* extension, std::filesystem::file_time_type began) {
+  std::error_code no_folder;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, no_folder)) {
+    if (entry.path().extension() == extension) RemoveIfOld(entry.path(), began);
+  }
+}
+
+}  // namespace
+
+void CheckFilesToWrite(const RunOptions& options) {
+  using File = std::pair<const char*, path>;
+  for (const auto& [option, file] : {File("--record", options.record), File("--save-map", options.save_map)}) {
+    if (file.empty()) continue;
+    CheckWritable(option, file);
+    CheckIsNot(option, file, options.dataset);
+    CheckIsNot(option, file, options.config_file);
+  }
+  // A map may be saved over the one that the run went on from: it is replaced when it is whole.
+  if (!options.record.empty()) CheckIsNot("--record", options.record, options.map);
+}
+
+void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began) {
+  for (const char* name : kOutputs) RemoveIfOld(options.out / name, began);
+  RemoveOldFiles(options.out / "overlays", ".png", began);
+  RemoveOldFiles(options.out / "logs", ".log", began);
+  if (options.record.empty()) return;
+  for (int restart = 1; restart <= options.max_restarts; ++restart) {
+    RemoveIfOld(RecordingOf(options, restart), began);
+  }
+}
+
+}  // namespace plslam

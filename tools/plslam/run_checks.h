@@ -1,0 +1,17 @@
+#pragma once
+
+#include <filesystem>
+
+#include "tools/plslam/run_options.h"
+
+namespace plslam {
+
+/// What would be found out only when the run is over, or would cost a file: that a file to write can be written there, and
+/// is none of those that are read. Throws std::runtime_error with one sentence.
+void CheckFilesToWrite(const RunOptions& options);
+
+/// Removes what earlier runs have left in the folder of outputs, and in the one of recordings, since it must not be taken for
+/// that of this run: what was written before `began`. What no run writes stays.
+void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began);
+
+}  // namespace plslam

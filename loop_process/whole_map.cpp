@@ -91,7 +91,7 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
 }
 
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
-                           const std::atomic<bool>* stop) {
+                           const std::atomic<bool>* stop, std::string* failure) {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kAdjustment;
   closure.session = problem.session;
@@ -99,8 +99,11 @@ LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions
   closure.t_ns = problem.t_ns;
   closure.map_source = problem.map_source;
   closure.map_version = problem.map_version;
-  const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop);
-  if (!result.ok) return closure;
+  const BundleResult result = AdjustBundle(problem.bundle, options.bundle, stop, BundleCovariances::kNone);
+  if (!result.ok) {
+    if (failure != nullptr) *failure = result.reason;
+    return closure;
+  }
   for (size_t i = 0; i < problem.keyframes.size(); ++i) {
     closure.poses.push_back({problem.keyframes[i].keyframe_id, result.T_w_c[i]});
   }

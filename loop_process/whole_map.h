@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/localisation/landmark_kinds.h"
@@ -31,8 +32,8 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
                                     const WholeMapOptions& options);
 
 /// Bundle adjustment of the whole map (what follows PL-SLAM §VI.B, which stops at the pose graph). kind kAdjustment with
-/// poses, or kAdjustment without any where it failed or brought nothing. Slow; `stop` ends it early with what it has.
+/// poses, or kAdjustment without any where it failed; `failure` says why. Slow; `stop` ends it early with what it has.
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
-                           const std::atomic<bool>* stop);
+                           const std::atomic<bool>* stop, std::string* failure = nullptr);
 
 }  // namespace plslam

@@ -101,7 +101,7 @@ class Adjustment {
         points_(problem.points, problem.point_sights, context_, poses_, problem.camera),
         lines_(problem.lines, problem.line_sights, context_, poses_, problem.camera) {}
 
-  BundleResult Run(const std::atomic<bool>* stop) {
+  BundleResult Run(const std::atomic<bool>* stop, BundleCovariances covariances) {
     BundleResult result = AsGiven(given_);
     const bool free_pose = std::any_of(poses_.begin(), poses_.end(), IsAdjusted);
     if (!free_pose && !points_.HasFree() && !lines_.HasFree()) {
@@ -110,6 +110,7 @@ class Adjustment {
     }
     if (!Solve(stop, result)) return result;
     Fill(result);
+    if (covariances == BundleCovariances::kAll) FillCovariances(result);
     return result;
   }
 
@@ -199,7 +200,6 @@ class Adjustment {
     result.line_inliers = lines_.Inliers();
     result.before = Rms(State::kStart);
     result.after = Rms(State::kNow);
-    FillCovariances(result);
   }
 
   void FillCovariances(BundleResult& result) const {
@@ -242,15 +242,16 @@ class Adjustment {
 
 }  // namespace
 
-BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options, const std::atomic<bool>* stop) {
+BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options, const std::atomic<bool>* stop,
+                          BundleCovariances covariances) {
   const std::string fault = Fault(problem);
   if (!fault.empty()) {
     BundleResult result = AsGiven(problem);
     result.reason = fault;
     return result;
   }
-  if (options.lines == "endpoints") return Adjustment<LineEndpointCost>(problem, options).Run(stop);
-  return Adjustment<LineCost>(problem, options).Run(stop);
+  if (options.lines == "endpoints") return Adjustment<LineEndpointCost>(problem, options).Run(stop, covariances);
+  return Adjustment<LineCost>(problem, options).Run(stop, covariances);
 }
 
 }  // namespace plslam

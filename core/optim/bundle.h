@@ -71,6 +71,9 @@ struct BundleProblem {
   std::vector<RelativePose> relative_poses;
 };
 
+/// Those of many poses take longer than their adjustment.
+enum class BundleCovariances { kAll, kNone };
+
 /// Normalised (standard deviations) and in pixels of the left image, over the sights that are inliers in the end: of
 /// points, and of lines across (the rms of the two ends).
 struct BundleRms {
@@ -89,7 +92,7 @@ struct BundleResult {
   std::vector<Segment3> lines;
   /// Of the right perturbation of each pose, given the fixed poses (zero for those); of positions and endpoints given
   /// all poses (conditional), across the line only for endpoints. Zero for landmarks that are fixed or have no inlier,
-  /// which are as given. Empty where `ok` is false.
+  /// which are as given. Empty where `ok` is false or none were asked for.
   std::vector<Matrix6d> pose_covariances;
   std::vector<Eigen::Matrix3d> point_covariances;
   std::vector<Eigen::Matrix3d> line_p_covariances;
@@ -111,8 +114,10 @@ struct BundleResult {
 /// landmark whose sights leave a direction open (one view without disparity, infinity) stays near where it was given
 /// in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is held.
 ///
-/// `stop`, if given, is looked at between iterations: when it is set, the best state so far is returned.
+/// `stop`, if given, is looked at before each pass and between iterations: when it is set, the best state so far is
+/// returned.
 BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options,
-                          const std::atomic<bool>* stop = nullptr);
+                          const std::atomic<bool>* stop = nullptr,
+                          BundleCovariances covariances = BundleCovariances::kAll);
 
 }  // namespace plslam

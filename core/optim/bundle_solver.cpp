@@ -73,6 +73,8 @@ ceres::Problem::Options BundleProblemOptions(BundleMonitor& monitor) {
 
 BundlePass SolveBundle(ceres::Problem& problem, const ceres::ParameterBlockOrdering& order, BundleMonitor& monitor,
                        const BundleOptions& options) {
+  // Preparing alone takes a while.
+  if (monitor.stopped()) return {true, true, 0};
   ceres::Solver::Options solver;
   solver.linear_solver_type = ChooseSolver(order);
   solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>(order);

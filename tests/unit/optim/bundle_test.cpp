@@ -170,6 +170,20 @@ TEST_P(AdjustBundleOf, EqualInputGivesEqualOutput) {
   EXPECT_EQ(one.line_inliers, two.line_inliers);
 }
 
+TEST_P(AdjustBundleOf, WithoutCovariancesAllElseIsTheSame) {
+  const test::BundleWorld world = test::MakeBundleWorld(spec_, 5);
+  const BundleResult all = AdjustBundle(world.problem, options_);
+  const BundleResult without = AdjustBundle(world.problem, options_, nullptr, BundleCovariances::kNone);
+  ASSERT_TRUE(without.ok) << without.reason;
+  for (size_t i = 0; i < all.T_w_c.size(); ++i) EXPECT_EQ(without.T_w_c[i].matrix(), all.T_w_c[i].matrix()) << i;
+  EXPECT_EQ(without.points, all.points);
+  EXPECT_EQ(without.point_inliers, all.point_inliers);
+  EXPECT_EQ(without.line_inliers, all.line_inliers);
+  EXPECT_EQ(without.after.normalised, all.after.normalised);
+  EXPECT_TRUE(without.pose_covariances.empty() && without.point_covariances.empty());
+  EXPECT_TRUE(without.line_p_covariances.empty() && without.line_q_covariances.empty());
+}
+
 TEST_P(AdjustBundleOf, StopsWithTheBestSoFar) {
   const test::BundleWorld world = test::MakeBundleWorld(spec_, 5);
   const std::atomic<bool> stop = true;

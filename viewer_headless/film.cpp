@@ -6,11 +6,14 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 namespace plslam {
 namespace {
 
 constexpr double kLongestStill = 50.0;
+constexpr double kSlowest_hz = 1.0;
+constexpr double kFastest_hz = 120.0;
 
 TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path) {
   TopViewScene scene;
@@ -59,23 +62,35 @@ void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
   }
 }
 
+void Film::Begin(const Waiting& first, double rate_hz) {
+  rate_hz_ = rate_hz;
+  Open(rate_hz_, first.picture.size());
+  video_->Add(first.picture);
+  began_ns_ = t_ns_ = first.pose.t_ns;
+  shown_ = 1.0;
+}
+
 void Film::Write(const FramePose& pose, const cv::Mat& picture) {
   if (!video_ && !first_) {
-    // The second one tells how many there are in a second.
     first_ = Waiting{pose, picture};
+    // Where the camera does not say how many there are in a second, the second one tells.
+    if (camera_rate_hz_ <= 0.0) return;
+    Begin(*std::exchange(first_, std::nullopt), std::clamp(camera_rate_hz_, kSlowest_hz, kFastest_hz));
     return;
   }
-  if (first_) {
-    rate_hz_ = PictureRate_hz(first_->pose.t_ns, pose.t_ns, 1);
-    Open(rate_hz_, first_->picture.size());
-    video_->Add(first_->picture);
-    t_ns_ = first_->pose.t_ns;
-    first_.reset();
+  if (first_) Begin(*first_, PictureRate_hz(first_->pose.t_ns, pose.t_ns, 1));
+  first_.reset();
+  if (pose.t_ns < t_ns_) {
+    began_ns_ = pose.t_ns;
+    shown_ = 0.0;
   }
-  // Pictures that did not come are stood for by the next one, so that the film takes the time that the run took.
-  const double pictures = std::round(1e-9 * static_cast<double>(pose.t_ns - t_ns_) * rate_hz_);
-  for (int i = 0; i < static_cast<int>(std::clamp(pictures, 1.0, kLongestStill)); ++i) video_->Add(picture);
   t_ns_ = pose.t_ns;
+  // Each stands at its time, so that the film takes the time that the run took: one for those that did not come before it, and
+  // none where the next comes in the same slot.
+  const double due = std::round(1e-9 * static_cast<double>(t_ns_ - began_ns_) * rate_hz_) + 1.0;
+  const double pictures = std::clamp(due - shown_, 0.0, kLongestStill);
+  for (int i = 0; i < static_cast<int>(pictures); ++i) video_->Add(picture);
+  shown_ = due;
 }
 
 }  // namespace plslam

@@ -21,6 +21,8 @@ class Film {
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
+  /// Pictures a second of the camera, before the first picture; without that, or with 0, the first two pictures tell.
+  void SetRate(double camera_rate_hz) { camera_rate_hz_ = camera_rate_hz; }
   /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and there is no film.
   void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
 
@@ -30,6 +32,7 @@ class Film {
     cv::Mat picture;
   };
   void Write(const FramePose& pose, const cv::Mat& picture);
+  void Begin(const Waiting& first, double rate_hz);
   void Open(double rate_hz, const cv::Size& size);
 
   std::string path_;
@@ -40,8 +43,11 @@ class Film {
   std::vector<Eigen::Vector3d> positions_;
   std::optional<Waiting> first_;
   std::unique_ptr<RunVideo> video_;
+  double camera_rate_hz_ = 0.0;
   double rate_hz_ = 0.0;
+  int64_t began_ns_ = 0;  ///< time of the first picture, or of the first one after the time went back
   int64_t t_ns_ = 0;
+  double shown_ = 0.0;  ///< pictures since `began_ns_`
 };
 
 }  // namespace plslam

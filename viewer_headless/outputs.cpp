@@ -43,7 +43,7 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
   const FinalPoses final_poses(map, recorder);
   const FrameRecord* previous = nullptr;
   for (const auto& [frame_id, frame] : recorder.frames()) {
-    const bool usable = frame.state != TrackingState::kLost && IsAfterLast(result.all, frame.t_ns);
+    const bool usable = HasPose(frame) && IsAfterLast(result.all, frame.t_ns);
     if (usable) {
       result.all.push_back({frame.t_ns, final_poses(frame_id, frame) * T_c_l});
       result.live.push_back({frame.t_ns, frame.T_w_odom * frame.T_odom_c * T_c_l});

@@ -42,8 +42,15 @@ void PictureNode::BeginAgain(PictureStore* store) {
   sources_.store = store;
   film_.reset();
   if (!options_.video.empty()) film_ = std::make_unique<Film>(options_.video);
+  if (film_) film_->SetRate(rate_hz_);
   queue_ = OverlayQueue(Every(options_, store));
   poses_.clear();
+}
+
+void PictureNode::SetRectifier(const Rectifier* rectifier, double rate_hz) {
+  rectifier_ = rectifier;
+  rate_hz_ = rate_hz;
+  if (film_) film_->SetRate(rate_hz_);
 }
 
 void PictureNode::AddPose(const FramePose& pose) {

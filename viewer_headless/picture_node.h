@@ -29,8 +29,8 @@ class PictureNode {
   /// `rejected` is called for images that are none. Whoever is not wanted costs nothing.
   PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected);
 
-  /// From now on images are of that camera.
-  void SetRectifier(const Rectifier* rectifier) { rectifier_ = rectifier; }
+  /// From now on images are of that camera; `rate_hz`: images a second, 0 where unknown.
+  void SetRectifier(const Rectifier* rectifier, double rate_hz = 0.0);
   void AddPose(const FramePose& pose);
   /// A new stream begins: its film replaces the one before, and its report has a store of its own.
   void BeginAgain(PictureStore* store);
@@ -47,6 +47,7 @@ class PictureNode {
   std::function<void()> rejected_;
   OverlayQueue queue_;
   const Rectifier* rectifier_ = nullptr;
+  double rate_hz_ = 0.0;
   std::unique_ptr<Film> film_;
   /// Poses whose pictures may still come.
   std::map<int64_t, FramePose> poses_;

@@ -22,6 +22,11 @@ std::string TrackingStateName(TrackingState state) {
   return IsKnown(state) ? kStateNames[static_cast<size_t>(state)] : "unknown";
 }
 
+bool HasPose(const FrameRecord& frame) {
+  if (frame.state == TrackingState::kInitialising) return frame.keyframe_id >= 0;
+  return frame.state != TrackingState::kLost;
+}
+
 PackedCovariance::PackedCovariance(const Matrix6d& covariance) {
   size_t k = 0;
   for (int row = 0; row < 6; ++row) {

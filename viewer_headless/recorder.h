@@ -70,6 +70,10 @@ struct FrameRecord {
   std::vector<float> stages_ms;
 };
 
+/// Its pose is estimated, not just the place where nothing is known yet (initialising) or a guess (lost). The frame that founds
+/// a session has one, by definition.
+bool HasPose(const FrameRecord& frame);
+
 struct TruthRecord {
   int64_t t_ns = 0;
   SE3 T_w_l;

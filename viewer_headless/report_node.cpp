@@ -29,9 +29,6 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   if (wanted_ && !page_) spdlog::warn("no report.html is made: this was built without node and npm (docs/viewer.md)");
   wanted_ = wanted_ && page_;
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
-  // That of an earlier run must not be taken for one of this.
-  std::error_code ignored;
-  std::filesystem::remove(options_.out + "/report.html", ignored);
   if (!wanted_) return;
   loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
   if (options_.serve == 0) return;
@@ -41,7 +38,11 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
 }
 
 void ReportNode::OnStream(const stream_t& message) {
-  if (message.event == "begin") report_->Begin({message.dataset, message.pace, message.n_frames});
+  if (message.event != "begin") return;
+  // That of an earlier run must not be taken for one of this.
+  std::error_code ignored;
+  std::filesystem::remove(options_.out + "/report.html", ignored);
+  report_->Begin({message.dataset, message.pace, message.n_frames});
 }
 
 void ReportNode::OnStatus(const status_t& message) {

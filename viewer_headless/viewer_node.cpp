@@ -40,7 +40,8 @@ ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
 
 ViewerNode::~ViewerNode() {
   try {
-    if (dirty_) Write();
+    // A run that ends before anything was played does not write over the one before.
+    if (dirty_ && HasPlayed()) Write();
     ShowProgress(true);
   } catch (const std::exception& e) {
     spdlog::error("{}", e.what());
@@ -79,7 +80,7 @@ void ViewerNode::OnCamera(const camera_t& message) {
   if (!rig) return Reject();
   try {
     auto rectifier = std::make_unique<Rectifier>(*rig, Rectifier::Sides::kLeft);
-    pictures_->SetRectifier(rectifier.get());
+    pictures_->SetRectifier(rectifier.get(), rig->rate_hz);
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);
     dirty_ = dirty_ || written_;
@@ -149,6 +150,8 @@ void ViewerNode::OnTick() {
     process_.SetState("finished");
   }
 }
+
+bool ViewerNode::HasPlayed() const { return announced_frames_ >= 0 || !recorder_.frames().empty(); }
 
 bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;

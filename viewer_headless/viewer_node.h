@@ -47,6 +47,7 @@ class ViewerNode {
 
   void BeginAgain();
   Eigen::Quaterniond q_l_c() const;
+  bool HasPlayed() const;
   bool RunIsOver() const;
   bool MapIsComplete() const;
   void Write();

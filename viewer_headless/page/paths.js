@@ -27,7 +27,8 @@ export class Paths {
 
   setRun(run, size) {
     const step = size / 3000;
-    const lost = (row) => run.frames.state[row] === 3;
+    // Initialising without founding anything, or lost: nobody knows where the camera is.
+    const lost = (row) => run.frames.state[row] === 3 || (run.frames.state[row] === 0 && !run.frames.keyframe[row]);
     this.lines.path.setPath(run.rows, (row) => {
       const p = run.position(row, [0, 0, 0]);
       return lost(row) || !p.every(Number.isFinite) ? null : p;

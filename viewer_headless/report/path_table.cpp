@@ -16,7 +16,7 @@ struct PathFrame {
   SE3 T_w_l;
   SE3 T_w_l_live;
   const SE3* truth = nullptr;
-  bool lost = false;
+  bool has_pose = true;
 };
 
 std::vector<PathFrame> Frames(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
@@ -29,7 +29,7 @@ std::vector<PathFrame> Frames(const Recorder& recorder, const Map& map, const Ei
     row.T_w_c = final_poses(frame_id, frame);
     row.T_w_l = row.T_w_c * T_c_l;
     row.T_w_l_live = frame.T_w_odom * frame.T_odom_c * T_c_l;
-    row.lost = frame.state == TrackingState::kLost;
+    row.has_pose = HasPose(frame);
     const auto truth = recorder.truth().find(frame_id);
     if (truth != recorder.truth().end()) row.truth = &truth->second.T_w_l;
     frames.push_back(row);
@@ -40,7 +40,7 @@ std::vector<PathFrame> Frames(const Recorder& recorder, const Map& map, const Ei
 SE3 Align(const std::vector<PathFrame>& frames, SE3 PathFrame::*pose) {
   std::vector<SE3> estimated, truth;
   for (const PathFrame& frame : frames) {
-    if (frame.truth == nullptr || frame.lost) continue;
+    if (frame.truth == nullptr || !frame.has_pose) continue;
     estimated.push_back(frame.*pose);
     truth.push_back(*frame.truth);
   }
@@ -84,7 +84,7 @@ class PathWriter {
   PathWriter(const SE3& T_w_truth, const SE3& T_live_truth) : T_w_truth_(T_w_truth), T_live_truth_(T_live_truth) {}
 
   void Add(const PathFrame& frame, bool shown) {
-    const bool measured = frame.truth != nullptr && !frame.lost;
+    const bool measured = frame.truth != nullptr && frame.has_pose;
     const SE3 truth = frame.truth != nullptr ? T_w_truth_ * *frame.truth : SE3();
     const double error_m = (truth.translation() - frame.T_w_l.translation()).norm();
     const double live_error_m =

@@ -96,7 +96,7 @@ std::string FilmProcess::End() {
 
 void FilmProcess::FailWithEnd() {
   // One that still runs is stuck: the time is over.
-  if (errno == EAGAIN || errno == EWOULDBLOCK) kill(pid_, SIGKILL);
+  if (pid_ > 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) kill(pid_, SIGKILL);
   throw std::runtime_error(fmt::format("{}: no film: {} {}", file_, program_, End()));
 }
 

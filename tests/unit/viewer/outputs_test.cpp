@@ -34,6 +34,19 @@ TEST(Outputs, LostFramesAreLeftOutAndSoAreTheMotionsBesideThem) {
   EXPECT_THAT(motions, ElementsAre(1, 2, 5));
 }
 
+TEST(Outputs, FramesBeforeThereWasAnythingToSeeHaveNoPoseButTheOneThatFoundsASessionHas) {
+  Recorder recorder;
+  for (int i = 0; i < 4; ++i) {
+    FramePose pose = SomePose(i, i < 3 ? TrackingState::kInitialising : TrackingState::kTracking);
+    if (i == 2) pose.keyframe_id = 0;
+    recorder.AddPose(pose);
+  }
+  const RunTrajectories run = BuildTrajectories(recorder, Map(), Eigen::Quaterniond::Identity());
+  EXPECT_THAT(FramesOf(run.all), ElementsAre(2, 3));
+  EXPECT_THAT(FramesOf(run.live), ElementsAre(2, 3));
+  EXPECT_EQ(run.covariances.size(), 2u);
+}
+
 TEST(Outputs, PosesAreThoseOfTheCalibratedLeftCameraInTheMap) {
   const SE3 T_w_odom = SE3::Exp((Vector6d() << 1, 2, 3, 0.3, 0.2, 0.1).finished());
   const SE3 T_odom_c = SE3::Exp((Vector6d() << 4, 5, 6, -0.3, 0.2, 0.7).finished());

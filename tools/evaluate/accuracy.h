@@ -74,7 +74,7 @@ struct Accuracy {
 
 Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options);
 
-/// `ate_m` (rmse) first; the counts, errors and tables by name. Leaves the pairs out.
+/// `ate_m` (rmse) first, null where nothing is associated; the counts, errors and tables by name. Leaves the pairs out.
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
 
 }  // namespace plslam

@@ -60,7 +60,7 @@ Json AlignmentJson(const Accuracy& a) {
 }  // namespace
 
 nlohmann::ordered_json ToJson(const Accuracy& a) {
-  Json json{{"ate_m", a.ate_m.rmse},
+  Json json{{"ate_m", a.pairs.empty() ? Json(nullptr) : Json(a.ate_m.rmse)},
             {"coverage_percent", a.coverage_percent},
             {"poses", {{"estimated", a.estimated_poses}, {"true", a.true_poses}, {"associated", a.pairs.size()}}},
             {"true_path_m", a.true_path_m},

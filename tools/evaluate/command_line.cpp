@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
+#include <stdexcept>
 #include <string_view>
 
 #include "core/io/atomic_file.h"
@@ -72,6 +73,24 @@ Trajectory Read(const std::string& path, const std::string& format, const std::s
   return ReadTrajectory(path, TrajectoryFormatFromName(format), times);
 }
 
+bool HasNoTimes(const std::string& path, const std::string& format, const Arguments& a) {
+  if (!a.times.empty()) return false;
+  if (format != "auto") return format == "kitti";
+  try {
+    return !ReadTrajectory(path, TrajectoryFormat::kKitti).empty();
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+}
+
+/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be associated.
+void CheckTimes(const Arguments& a) {
+  const bool estimate_lacks = HasNoTimes(a.estimate, a.estimate_format, a);
+  if (estimate_lacks == HasNoTimes(a.truth, a.truth_format, a)) return;
+  throw std::runtime_error(fmt::format("{}: has no times, being in KITTI format, and {} has: give --times FILE",
+                                       estimate_lacks ? a.estimate : a.truth, estimate_lacks ? a.truth : a.estimate));
+}
+
 int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
 
 EvaluateOptions ToOptions(const Arguments& a) {
@@ -100,6 +119,7 @@ void WritePlot(const Accuracy& accuracy, const Arguments& a) {
 int Evaluate(const Arguments& a) {
   const Trajectory estimate = Read(a.estimate, a.estimate_format, a.times);
   const Trajectory truth = Read(a.truth, a.truth_format, a.times);
+  CheckTimes(a);
   const Accuracy accuracy = EvaluateTrajectory(estimate, truth, ToOptions(a));
   fmt::print("{}", AccuracyTable(accuracy));
   if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");

@@ -146,5 +146,16 @@ TEST(ComparisonPage, NeedsNothingFromElsewhereAndEscapesNames) {
   EXPECT_THAT(page, HasSubstr("vo.features.features"));
 }
 
+TEST(Comparison, RunThatTrackedNothingIsNoGoodRun) {
+  json nothing = Summary("kitti_03", "both", 0.0);
+  nothing["accuracy"]["poses"] = {{"estimated", 0}, {"true", 40}, {"associated", 0}};
+  const auto groups = Compare({RecordOf(Summary("kitti_03", "both", 0.3), "a"), RecordOf(nothing, "b")});
+  ASSERT_EQ(groups.size(), 1U);
+  EXPECT_EQ(groups[0].untracked, 1);
+  EXPECT_NEAR(At(groups[0], "ate_m", &Spread::median), 0.3, 1e-12);
+  EXPECT_THAT(ComparisonText(groups), HasSubstr("2 (1 without ATE) runs"));
+  EXPECT_TRUE(nlohmann::json(ComparisonJson(groups))[0]["runs"][1]["ate_m"].is_null());
+}
+
 }  // namespace
 }  // namespace plslam

@@ -45,6 +45,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
   const ScratchFolder folder;
   const std::string good = folder.Write("good", "1 0 0 0 0 0 0 1\n");
   const std::string late = folder.Write("late", "9 0 0 0 0 0 0 1\n");
+  const std::string kitti = folder.Write("a.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   const std::string bad = folder.Write("bad", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 x\n");
   const std::vector<std::pair<std::string, std::string>> cases{
       {good + " --truth " + bad, "bad:2: 'x' is not a finite number"},
@@ -55,6 +56,9 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + good + " --align rigid", "rigid"},
       {good + " --truth " + good + " --truth-format kitti",
        "good:1: 8 numbers, but a row of the KITTI format has 12"},
+      {kitti + " --truth " + good,
+       "a.kitti: has no times, being in KITTI format, and " + good + " has: give --times"},
+      {good + " --truth " + kitti, "a.kitti: has no times"},
       {good, "--truth is required"}};
   for (const auto& [arguments, sentence] : cases) {
     const ShellResult run = Evaluate(folder, arguments);

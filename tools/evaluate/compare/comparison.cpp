@@ -48,8 +48,10 @@ void Summarise(RunGroup& group) {
   for (size_t i = 0; i < Metrics().size(); ++i) {
     group.metrics.push_back(SpreadOf(group.Values(i), Metrics()[i].larger_is_better));
   }
-  group.failed = static_cast<int>(
-      std::count_if(group.runs.begin(), group.runs.end(), [](const RunRecord& run) { return !run.completed; }));
+  for (const RunRecord& run : group.runs) {
+    if (!run.completed) ++group.failed;
+    if (run.completed && run.untracked) ++group.untracked;
+  }
 }
 
 /// Where more options differ than labels name, equal labels get a number.
@@ -106,7 +108,7 @@ std::vector<RunGroup> Compare(const std::vector<RunRecord>& runs) {
   const std::vector<std::string> differing = DifferingOptions(all);
   for (const RunRecord& run : runs) {
     RunGroup* group = FindGroup(groups, run);
-    if (group == nullptr) group = &AddGroup(groups, {run.dataset, LabelOf(run, differing), {}, 0, {}});
+    if (group == nullptr) group = &AddGroup(groups, {run.dataset, LabelOf(run, differing), {}, 0, 0, {}});
     group->runs.push_back(run);
   }
   for (RunGroup& group : groups) Summarise(group);

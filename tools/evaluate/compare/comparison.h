@@ -24,6 +24,7 @@ struct RunGroup {
   std::string label;
   std::vector<RunRecord> runs;
   int failed = 0;
+  int untracked = 0;  ///< of the completed ones
   /// As Metrics() has them.
   std::vector<Spread> metrics;
 

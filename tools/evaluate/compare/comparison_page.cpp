@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tools/evaluate/compare/comparison_figures.h"
+#include "tools/evaluate/compare/comparison_text.h"
 
 namespace plslam {
 namespace {
@@ -85,10 +86,10 @@ std::string GroupTable(const Groups& groups) {
   const std::vector<size_t> metrics = KnownMetrics(groups);
   std::string table = "<div class=\"scroll\"><table>\n" + HeadRow("configuration", metrics);
   for (const RunGroup* group : groups) {
-    table +=
-        fmt::format("<tr><td>{}<small>{} run{}{}</small></td>", Escaped(group->label), group->runs.size(),
-                    group->runs.size() == 1 ? "" : "s",
-                    group->failed > 0 ? fmt::format(", <span class=\"failed\">{} failed</span>", group->failed) : "");
+    const std::string lacking = LackingText(*group);
+    table += fmt::format("<tr><td>{}<small>{} run{}{}</small></td>", Escaped(group->label), group->runs.size(),
+                         group->runs.size() == 1 ? "" : "s",
+                         lacking.empty() ? "" : fmt::format(", <span class=\"failed\">{}</span>", lacking));
     for (const size_t i : metrics) table += Cell(groups, *group, i);
     table += "</tr>\n";
   }
@@ -103,6 +104,7 @@ std::string FiguresOf(const Groups& groups) {
 
 std::string RunRow(const RunRecord& run, const std::vector<size_t>& metrics) {
   std::string row = "<tr><td>" + Escaped(run.folder);
+  if (run.completed && run.untracked) row += "<small class=\"failed\">no pose that has a true one</small>";
   if (!run.completed) row += "<small class=\"failed\">" + Escaped(run.reason) + "</small>";
   row += "</td>";
   for (const size_t i : metrics) {

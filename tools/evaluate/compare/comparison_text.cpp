@@ -18,8 +18,8 @@ std::string Cell(const Spread& spread, const Metric& metric) {
 }
 
 std::string Runs(const RunGroup& group) {
-  if (group.failed == 0) return std::to_string(group.runs.size());
-  return fmt::format("{} ({} failed)", group.runs.size(), group.failed);
+  const std::string lacking = LackingText(group);
+  return fmt::format("{}{}", group.runs.size(), lacking.empty() ? "" : " (" + lacking + ")");
 }
 
 template <class Escape>
@@ -61,6 +61,12 @@ nlohmann::ordered_json RunJson(const RunRecord& run) {
 }
 
 }  // namespace
+
+std::string LackingText(const RunGroup& group) {
+  std::string text = group.failed > 0 ? fmt::format("{} failed", group.failed) : "";
+  if (group.untracked > 0) text += fmt::format("{}{} without ATE", text.empty() ? "" : ", ", group.untracked);
+  return text;
+}
 
 ComparisonTable TableOf(const std::vector<RunGroup>& groups) {
   ComparisonTable table;
@@ -145,6 +151,7 @@ nlohmann::ordered_json ComparisonJson(const std::vector<RunGroup>& groups) {
     json.push_back({{"dataset", group.dataset},
                     {"configuration", group.label},
                     {"failed", group.failed},
+                    {"without_ate", group.untracked},
                     {"metrics", std::move(metrics)},
                     {"runs", std::move(runs)}});
   }

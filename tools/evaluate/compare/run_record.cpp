@@ -29,6 +29,13 @@ Value TRel(const json& s) {
   return std::nullopt;
 }
 
+/// There is a truth, and not one pose to compare with it.
+bool IsUntracked(const json& s) { return At(s, "accuracy/poses/associated").value_or(1.0) <= 0.0; }
+
+// Zero in summaries of older versions where nothing was tracked.
+Value Ate(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy/ate_m"); }
+Value LiveAte(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy_live_ate_m"); }
+
 Value KeyframeRmse(const json& s) {
   if (At(s, "accuracy/keyframes/moving").value_or(0.0) <= 0.0) return std::nullopt;
   return At(s, "accuracy/keyframes/relative_rmse");
@@ -56,8 +63,8 @@ struct MetricRow {
 
 const std::vector<MetricRow>& Rows() {
   static const std::vector<MetricRow> kRows{
-      {{"ate_m", "ATE", "m", 4, false}, [](const json& s) { return At(s, "accuracy/ate_m"); }},
-      {{"live_ate_m", "live ATE", "m", 4, false}, [](const json& s) { return At(s, "accuracy_live_ate_m"); }},
+      {{"ate_m", "ATE", "m", 4, false}, Ate},
+      {{"live_ate_m", "live ATE", "m", 4, false}, LiveAte},
       {{"t_rel_percent", "t_rel", "%", 3, false}, TRel},
       {{"keyframe_relative_rmse", "keyframes, relative RMSE", "", 4, false}, KeyframeRmse},
       {{"tracked_percent", "tracked", "%", 1, true}, TrackedPercent},
@@ -142,6 +149,7 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
   record.played = summary.value("dataset", "");
   record.dataset = WithoutSeed(record.played);
   record.completed = summary.value("completed", false);
+  record.untracked = IsUntracked(summary);
   record.reason = summary.value("reason", "");
   record.options = OptionsOf(summary);
   for (const MetricRow& row : Rows()) record.values.push_back(row.read(summary));

@@ -1,5 +1,6 @@
 #include "core/config/config_parser.h"
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -7,6 +8,8 @@
 
 namespace plslam {
 namespace {
+
+constexpr int kMaxDepth = 16;
 
 /// Reports what yaml-cpp says as a sentence of ours.
 [[noreturn]] void ThrowSyntax(const std::string& place, const std::string& what) {
@@ -34,6 +37,10 @@ Config ConfigParser::ParseFile(const std::string& yaml) {
 }
 
 void ConfigParser::AddMap(const std::string& prefix, const YAML::Node& map) {
+  // An alias may stand inside of what it stands for.
+  if (std::count(prefix.begin(), prefix.end(), '.') > kMaxDepth) {
+    throw ConfigError(fmt::format("{}: keys are nested more than {} deep", Place(map), kMaxDepth));
+  }
   for (const auto& item : map) {
     if (!item.first.IsScalar()) throw ConfigError(fmt::format("{}: a key must be a word", Place(item.first)));
     Config::Entry entry;

@@ -12,6 +12,8 @@ namespace plslam {
 namespace {
 
 constexpr double kCellSize_px = 24.0;
+// Points that lie farther apart than any image is large get larger cells, not more of them.
+constexpr double kMaxCells = 65536.0;
 constexpr int kTooFar = 257;  // above any distance of 256 bits
 constexpr int kTurnBins = 30;
 
@@ -112,10 +114,14 @@ void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
     origin_px_ = origin_px_.cwiseMin(e.px);
     last_px = last_px.cwiseMax(e.px);
   }
-  columns_ = static_cast<int>((last_px.x() - origin_px_.x()) / kCellSize_px) + 1;
-  rows_ = static_cast<int>((last_px.y() - origin_px_.y()) / kCellSize_px) + 1;
+  const Eigen::Vector2d extent_px = last_px - origin_px_;
+  cell_size_px_ = kCellSize_px;
+  while ((extent_px.x() / cell_size_px_ + 1.0) * (extent_px.y() / cell_size_px_ + 1.0) > kMaxCells)
+    cell_size_px_ *= 2.0;
+  columns_ = static_cast<int>(extent_px.x() / cell_size_px_) + 1;
+  rows_ = static_cast<int>(extent_px.y() / cell_size_px_) + 1;
   const auto cell_of = [this](const Entry& e) {
-    const Eigen::Vector2i cell = ((e.px - origin_px_) / kCellSize_px).cast<int>();
+    const Eigen::Vector2i cell = ((e.px - origin_px_) / cell_size_px_).cast<int>();
     return cell.y() * columns_ + cell.x();
   };
   // Counting sort by cell, stable by index.
@@ -130,8 +136,8 @@ void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
 PointGrid::Cells PointGrid::CellsAround(const Eigen::Vector2d& center_px, double radius_px) const {
   if (entries_.empty() || !center_px.allFinite() || !(radius_px >= 0.0)) return {};
   // Clamped before the conversion: predictions may lie far outside what an int holds.
-  const auto cell = [](double offset_px, int count) {
-    return static_cast<int>(std::clamp(std::floor(offset_px / kCellSize_px), -1.0, static_cast<double>(count)));
+  const auto cell = [this](double offset_px, int count) {
+    return static_cast<int>(std::clamp(std::floor(offset_px / cell_size_px_), -1.0, static_cast<double>(count)));
   };
   const Eigen::Vector2d from = center_px - origin_px_;
   Cells cells;

@@ -55,6 +55,7 @@ class PointGrid {
   Cells CellsAround(const Eigen::Vector2d& center_px, double radius_px) const;
 
   Eigen::Vector2d origin_px_ = Eigen::Vector2d::Zero();
+  double cell_size_px_ = 1.0;
   int size_ = 0;
   int columns_ = 0;
   int rows_ = 0;

@@ -7,7 +7,7 @@
 namespace plslam {
 namespace {
 
-// Descriptors and gradients reach this far around a feature.
+// Corners and edges are detected by what lies this near.
 constexpr int kMaskMargin_px = 8;
 
 }  // namespace

@@ -15,18 +15,24 @@ constexpr double kMinKnownShare = 0.5;
 constexpr double kMinInlierShare = 0.7;
 /// Largest gap between inliers, as a share of the segment.
 constexpr double kMaxHole = 0.25;
-/// Noise of one inverse depth of a structured-light or time-of-flight camera (about 1.4 mm at 1 m, growing with Z^2).
-constexpr double kInverseDepthNoise = 1.5e-3;
-
 /// Inverse depth at a place along a segment (0 at p, 1 at q).
 struct DepthSample {
   double t;
   double inverse_m;
 };
 
+/// What one inverse depth errs by: the deviation of a depth over its square (`StereoOptions::depth_noise_per_m`), which is the
+/// same at all depths.
+struct DepthSensor {
+  double units_per_m;
+  double inverse_noise;
+
+  double Tolerance(double inverse_m) const { return 3.0 * inverse_noise + 0.02 * inverse_m; }
+};
+
 /// The nearest surface within a pixel across the segment: edges of objects belong to the object in front.
 std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector2d& at, const Eigen::Vector2d& normal,
-                                       double units_per_m) {
+                                       const DepthSensor& sensor) {
   double largest = 0.0;
   std::array<double, 3> known{};
   size_t count = 0;
@@ -37,7 +43,7 @@ std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector
     if (x < 0 || y < 0 || x >= depth.cols || y >= depth.rows) continue;
     const uint16_t raw = depth.at<uint16_t>(y, x);
     if (raw == 0) continue;
-    known[count] = units_per_m / raw;
+    known[count] = sensor.units_per_m / raw;
     largest = std::max(largest, known[count]);
     ++count;
   }
@@ -46,20 +52,20 @@ std::optional<double> InverseDepthNear(const cv::Mat& depth, const Eigen::Vector
   double sum = 0.0;
   int close = 0;
   for (size_t i = 0; i < count; ++i) {
-    if (largest - known[i] > 0.05 * largest + 4.0 * kInverseDepthNoise) continue;
+    if (largest - known[i] > 0.05 * largest + 4.0 * sensor.inverse_noise) continue;
     sum += known[i];
     ++close;
   }
   return sum / close;
 }
 
-std::vector<DepthSample> SampleAlong(const cv::Mat& depth, const Segment2& s, int count, double units_per_m) {
+std::vector<DepthSample> SampleAlong(const cv::Mat& depth, const Segment2& s, int count, const DepthSensor& sensor) {
   const Eigen::Vector2d step = s.q - s.p;
   const Eigen::Vector2d normal = Eigen::Vector2d(-step.y(), step.x()).normalized();
   std::vector<DepthSample> samples;
   for (int i = 0; i < count; ++i) {
     const double t = (i + 0.5) / count;
-    const auto inverse = InverseDepthNear(depth, s.p + t * step, normal, units_per_m);
+    const auto inverse = InverseDepthNear(depth, s.p + t * step, normal, sensor);
     if (inverse) samples.push_back({t, *inverse});
   }
   return samples;
@@ -72,25 +78,23 @@ struct DepthLine {
   double At(double t) const { return a + b * t; }
 };
 
-double Tolerance(double inverse_m) { return 3.0 * kInverseDepthNoise + 0.02 * inverse_m; }
-
-int CountInliers(const std::vector<DepthSample>& samples, const DepthLine& line) {
+int CountInliers(const std::vector<DepthSample>& samples, const DepthLine& line, const DepthSensor& sensor) {
   int count = 0;
   for (const DepthSample& s : samples)
-    count += std::abs(s.inverse_m - line.At(s.t)) <= Tolerance(s.inverse_m) ? 1 : 0;
+    count += std::abs(s.inverse_m - line.At(s.t)) <= sensor.Tolerance(s.inverse_m) ? 1 : 0;
   return count;
 }
 
 /// The line through two samples that most agree with; all pairs of up to sixteen of them are tried.
-DepthLine MostAgreed(const std::vector<DepthSample>& samples) {
+DepthLine MostAgreed(const std::vector<DepthSample>& samples, const DepthSensor& sensor) {
   DepthLine best{samples.front().inverse_m, 0.0};
-  int most = CountInliers(samples, best);
+  int most = CountInliers(samples, best, sensor);
   const size_t stride = std::max<size_t>(1, samples.size() / 16);
   for (size_t i = 0; i < samples.size(); i += stride) {
     for (size_t j = i + stride; j < samples.size(); j += stride) {
       const double b = (samples[j].inverse_m - samples[i].inverse_m) / (samples[j].t - samples[i].t);
       const DepthLine line{samples[i].inverse_m - b * samples[i].t, b};
-      const int count = CountInliers(samples, line);
+      const int count = CountInliers(samples, line, sensor);
       if (count > most) {
         most = count;
         best = line;
@@ -107,7 +111,7 @@ struct FittedDepth {
   double sigma_q = 0.0;
 };
 
-std::optional<FittedDepth> LeastSquares(const std::vector<DepthSample>& inliers) {
+std::optional<FittedDepth> LeastSquares(const std::vector<DepthSample>& inliers, double inverse_noise) {
   const double n = static_cast<double>(inliers.size());
   double t = 0, y = 0, tt = 0, ty = 0;
   for (const DepthSample& s : inliers) {
@@ -123,12 +127,12 @@ std::optional<FittedDepth> LeastSquares(const std::vector<DepthSample>& inliers)
   fit.line.a = (y - fit.line.b * t) / n;
   double squares = 0.0;
   for (const DepthSample& s : inliers) squares += (s.inverse_m - fit.line.At(s.t)) * (s.inverse_m - fit.line.At(s.t));
-  const double noise = std::max(std::sqrt(squares / (n - 2.0)), kInverseDepthNoise);
+  const double noise = std::max(std::sqrt(squares / (n - 2.0)), inverse_noise);
   const auto sigma = [&](double place) {
     return noise * std::sqrt(1.0 / n + (place - t / n) * (place - t / n) / spread);
   };
   // Sensors err together over a neighbourhood; that part does not average out.
-  const double floor = 0.5 * kInverseDepthNoise;
+  const double floor = 0.5 * inverse_noise;
   fit.sigma_p = std::sqrt(sigma(0.0) * sigma(0.0) + floor * floor);
   fit.sigma_q = std::sqrt(sigma(1.0) * sigma(1.0) + floor * floor);
   return fit;
@@ -143,18 +147,18 @@ bool CoversSegment(const std::vector<DepthSample>& inliers) {
   return 1.0 - last <= kMaxHole;
 }
 
-std::optional<FittedDepth> FitDepth(const std::vector<DepthSample>& samples, int tried) {
+std::optional<FittedDepth> FitDepth(const std::vector<DepthSample>& samples, int tried, const DepthSensor& sensor) {
   if (static_cast<int>(samples.size()) < std::max<int>(kMinDepthSamples, static_cast<int>(kMinKnownShare * tried))) {
     return std::nullopt;
   }
-  const DepthLine agreed = MostAgreed(samples);
+  const DepthLine agreed = MostAgreed(samples, sensor);
   std::vector<DepthSample> inliers;
   for (const DepthSample& s : samples) {
-    if (std::abs(s.inverse_m - agreed.At(s.t)) <= Tolerance(s.inverse_m)) inliers.push_back(s);
+    if (std::abs(s.inverse_m - agreed.At(s.t)) <= sensor.Tolerance(s.inverse_m)) inliers.push_back(s);
   }
   const bool enough = static_cast<double>(inliers.size()) >= kMinInlierShare * static_cast<double>(samples.size());
   if (!enough || inliers.size() < kMinDepthSamples || !CoversSegment(inliers)) return std::nullopt;
-  return LeastSquares(inliers);
+  return LeastSquares(inliers, sensor.inverse_noise);
 }
 
 }  // namespace
@@ -163,12 +167,13 @@ void AttachDepthToLines(std::vector<StereoLine>& lines, const cv::Mat& depth16, 
                         const StereoCamera& camera, const StereoOptions& options) {
   if (depth16.empty() || !(depth_units_per_m > 0.0)) return;
   CV_Assert(depth16.type() == CV_16UC1);
+  const DepthSensor sensor{depth_units_per_m, options.depth_noise_per_m};
   for (StereoLine& line : lines) {
     const Segment2& s = line.left.segment;
     const double length = s.Length();
     if (!s.p.allFinite() || !s.q.allFinite() || !(length > 0.0)) continue;
     const int count = std::clamp(static_cast<int>(length), kMinDepthSamples, kMaxDepthSamples);
-    const auto fit = FitDepth(SampleAlong(depth16, s, count, depth_units_per_m), count);
+    const auto fit = FitDepth(SampleAlong(depth16, s, count, sensor), count, sensor);
     if (!fit) continue;
     const double fb = camera.FocalBaseline();
     const double p = fb * fit->line.At(0.0);

@@ -87,7 +87,19 @@ cv::Mat DecodeImage(const std::string& path, const ImageHeader& header, std::spa
   Fail(path, "is of no known format");
 }
 
-cv::Mat ReadImage(const std::string& path, const ImageSize& expected) {
+// Grey values of a PGM may end at any number; black to white is the whole range of the pixels here.
+void StretchToWhite(int max_value, cv::Mat& image) {
+  const int white = image.depth() == CV_16U ? 65535 : 255;
+  if (max_value < white) image.convertTo(image, -1, static_cast<double>(white) / max_value);
+}
+
+/// With the header it was decoded by.
+struct DecodedImage {
+  ImageHeader header;
+  cv::Mat pixels;
+};
+
+DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
   const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
   const ImageHeader header = CheckedHeader(path, bytes);
   if (header.width_px != expected.width_px || header.height_px != expected.height_px) {
@@ -95,7 +107,7 @@ cv::Mat ReadImage(const std::string& path, const ImageSize& expected) {
                            expected.width_px, expected.height_px));
   }
   if (!IsComplete(header, bytes)) Fail(path, fmt::format("the image is truncated after {} bytes", bytes.size()));
-  return DecodeImage(path, header, bytes);
+  return {header, DecodeImage(path, header, bytes)};
 }
 
 // round(v / 257) in integers: 65535 / 255 = 257.
@@ -117,7 +129,8 @@ ImageSize ReadImageSize(const std::string& path) {
 }
 
 cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
-  cv::Mat image = ReadImage(path, expected);
+  auto [header, image] = ReadImage(path, expected);
+  if (header.format == ImageFormat::kPgm) StretchToWhite(header.max_value, image);
   if (image.depth() != CV_8U && image.depth() != CV_16U) Fail(path, "has neither 8-bit nor 16-bit pixels");
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
@@ -129,7 +142,7 @@ cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
 cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }
 
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected) {
-  cv::Mat image = ReadImage(path, expected);
+  const cv::Mat image = ReadImage(path, expected).pixels;
   if (image.type() != CV_16UC1) {
     Fail(path, fmt::format("a depth map has one channel of 16 bits, this image {} of {}", image.channels(),
                            8 * image.elemSize1()));

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMaxUnitError = 1e-6;
 constexpr int kMaxOctave = 31;
+constexpr double kMaxPixel = 1e6;
 
 template <class... T>
 void Demand(bool condition, fmt::format_string<T...> what, T&&... values) {
@@ -24,19 +25,22 @@ bool IsCovariance(const Eigen::Matrix<double, N, N>& covariance) {
   return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0;
 }
 
+bool IsDeviation(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
+
+bool IsPixel(const Eigen::Vector2d& px) { return px.allFinite() && px.cwiseAbs().maxCoeff() <= kMaxPixel; }
+
 bool IsFeature(const StereoPoint& p) {
   const PointFeature& left = p.left;
-  return left.px.allFinite() && std::isfinite(left.response) && std::isfinite(left.angle_rad) && left.octave >= 0 &&
+  return IsPixel(left.px) && std::isfinite(left.response) && std::isfinite(left.angle_rad) && left.octave >= 0 &&
          left.octave <= kMaxOctave && std::isfinite(left.scale) && std::isfinite(p.disparity_px) &&
-         std::isfinite(p.sigma_px) && std::isfinite(p.sigma_disparity_px);
+         IsDeviation(p.sigma_px) && IsDeviation(p.sigma_disparity_px);
 }
 
 bool IsFeature(const StereoLine& l) {
   const LineFeature& left = l.left;
-  return left.segment.p.allFinite() && left.segment.q.allFinite() && std::isfinite(left.response) &&
-         left.octave >= 0 && left.octave <= kMaxOctave && std::isfinite(l.disparity_p_px) &&
-         std::isfinite(l.disparity_q_px) && std::isfinite(l.sigma_px) && std::isfinite(l.sigma_disparity_p_px) &&
-         std::isfinite(l.sigma_disparity_q_px);
+  return IsPixel(left.segment.p) && IsPixel(left.segment.q) && std::isfinite(left.response) && left.octave >= 0 &&
+         left.octave <= kMaxOctave && std::isfinite(l.disparity_p_px) && std::isfinite(l.disparity_q_px) &&
+         IsDeviation(l.sigma_px) && IsDeviation(l.sigma_disparity_p_px) && IsDeviation(l.sigma_disparity_q_px);
 }
 
 template <class Feature>
@@ -81,7 +85,7 @@ void Check(int64_t keyframe_id, const StereoFeatures& features) {
 
 void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features) {
   const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
-                  p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m);
+                  p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;
   Demand(ok, "point {} has values that cannot be", p.id);
   CheckSights("point", p.id, p.sights, features, &StereoFeatures::points);
 }
@@ -94,8 +98,8 @@ void Check(const MapLine& l, const std::map<int64_t, StereoFeatures>& features) 
 }
 
 void Check(const LoopEdge& loop) {
-  const bool ok = loop.old_keyframe_id >= 0 && loop.keyframe_id >= 0 && loop.n_points >= 0 && loop.n_lines >= 0 &&
-                  IsPose(loop.T_old_kf) && IsCovariance<6>(loop.covariance);
+  const bool ok = loop.old_keyframe_id >= 0 && loop.keyframe_id > loop.old_keyframe_id && loop.n_points >= 0 &&
+                  loop.n_lines >= 0 && IsPose(loop.T_old_kf) && IsCovariance<6>(loop.covariance);
   Demand(ok, "the loop from keyframe {} to {} has values that cannot be", loop.old_keyframe_id, loop.keyframe_id);
 }
 

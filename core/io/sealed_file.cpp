@@ -5,8 +5,10 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <system_error>
 
 #include "core/io/atomic_file.h"
 
@@ -50,6 +52,11 @@ Sum SumOf(const FileKind& kind, const Seal& seal, Bytes content) {
 std::string_view Text(const void* bytes, size_t n) { return {static_cast<const char*>(bytes), n}; }
 
 std::vector<uint8_t> ReadAll(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw std::runtime_error("is no regular file");
+  }
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   if (!file) throw std::runtime_error(fmt::format("cannot be opened: {}", std::strerror(errno)));
   std::vector<uint8_t> bytes(static_cast<size_t>(file.tellg()));

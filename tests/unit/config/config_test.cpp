@@ -88,6 +88,7 @@ TEST(Config, UnknownSectionNamesTheNearest) {
 }
 
 TEST(Config, DuplicateKeyIsRefused) {
+  EXPECT_EQ(Refusal("vo: &all {inner: *all}\n"), "rig.yaml:1: keys are nested more than 16 deep");
   EXPECT_EQ(Refusal("vo:\n  seed: 1\n  seed: 1\n"), "rig.yaml:3: key 'vo.seed' stands there a second time");
   EXPECT_EQ(Refusal("vo: {inner: {scale: 1.5}}\nvo: {seed: 1}\n"), "rig.yaml:2: key 'vo' stands there a second time");
   EXPECT_EQ(Refusal("vo:\n  inner: {scale: 1.5}\n  inner.scale: 1.6\n"),

@@ -194,6 +194,19 @@ TEST(MatchBruteForce, EqualsTheDefinition) {
   }
 }
 
+// Of a stranger's message: two points at the ends of what it may say.
+TEST(PointGrid, PointsFarFromEachOtherTakeNoMemory) {
+  for (const double far_px : {1e5, 1e6, 1e9, 1e300}) {
+    std::vector<PointFeature> points(3);
+    points[1].px = {far_px, far_px};
+    points[2].px = {-far_px, far_px};
+    const PointGrid grid(points);
+    EXPECT_EQ(grid.Within({0.0, 0.0}, 10.0), (std::vector<int>{0})) << far_px;
+    EXPECT_EQ(grid.Within({far_px, far_px}, 10.0), (std::vector<int>{1})) << far_px;
+    EXPECT_EQ(grid.Within({-far_px, far_px}, 10.0), (std::vector<int>{2})) << far_px;
+  }
+}
+
 TEST(MatchBruteForce, EmptyOneAndIdentical) {
   std::mt19937_64 random(8);
   const std::vector<Descriptor> one = {RandomDescriptor(random)};

@@ -33,6 +33,16 @@ std::string Pgm(const cv::Mat& image) {
   return bytes;
 }
 
+// Of one row, with this largest value.
+std::string PgmRow(int max_value, const std::vector<int>& values) {
+  std::string bytes = fmt::format("P5\n{} 1\n{}\n", values.size(), max_value);
+  for (const int value : values) {
+    if (max_value > 255) bytes += static_cast<char>(value >> 8);
+    bytes += static_cast<char>(value & 255);
+  }
+  return bytes;
+}
+
 class ImageFile : public testing::Test {
  protected:
   std::string Write(const std::string& name, const cv::Mat& image) {
@@ -51,6 +61,19 @@ cv::Mat AllValues() {
   cv::Mat image(256, 256, CV_16UC1);
   for (int i = 0; i < 65536; ++i) image.at<uint16_t>(i / 256, i % 256) = static_cast<uint16_t>(i);
   return image;
+}
+
+// Cameras of 10 and 12 bits.
+TEST_F(ImageFile, WhiteOfAPgmIsItsLargestValue) {
+  for (const int max_value : {1, 100, 127, 255, 1023, 4095, 65535}) {
+    const std::string path = WriteBytes("row.pgm", PgmRow(max_value, {0, max_value / 2, max_value}));
+    const cv::Mat grey = ReadGreyImage(path, {3, 1});
+    EXPECT_EQ(grey.at<uint8_t>(0, 0), 0) << max_value;
+    EXPECT_NEAR(grey.at<uint8_t>(0, 1), 255.0 * (max_value / 2) / max_value, 1.0) << max_value;
+    EXPECT_EQ(grey.at<uint8_t>(0, 2), 255) << max_value;
+  }
+  // Depth is no brightness.
+  EXPECT_EQ(ReadDepthImage(WriteBytes("depth.pgm", PgmRow(4095, {0, 2000, 4000})), {3, 1}).at<uint16_t>(0, 1), 2000);
 }
 
 TEST_F(ImageFile, SixteenBitGreyIsScaledAndRounded) {

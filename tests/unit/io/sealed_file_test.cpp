@@ -136,6 +136,11 @@ TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
   EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("too short")));
 }
 
+TEST_P(SealedFile, AFolderIsNone) {
+  std::filesystem::create_directory(Path());
+  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("is no regular file")));
+}
+
 INSTANTIATE_TEST_SUITE_P(Checksums, SealedFile, testing::Values(Checksum::kBlake2b, Checksum::kPoly1305),
                          [](const auto& of) { return of.param == Checksum::kBlake2b ? "Blake2b" : "Poly1305"; });
 

@@ -48,6 +48,21 @@ TEST(LineDepth, ParallelToTheBaselineHasItsDepth) {
   EXPECT_NEAR(lines[0].disparity_p_px, 20.0, 0.01);
 }
 
+TEST(LineDepth, DeviationIsThatOfTheSensor) {
+  double last = 0.0;
+  for (const double noise : {0.0005, 0.002, 0.01}) {
+    StereoOptions options;
+    options.depth_noise_per_m = noise;
+    auto lines = OneLine(kSegment);
+    AttachDepthToLines(lines, Plane(0.4, 0.0, 0.0), kUnits, kDepthCamera, options);
+    ASSERT_TRUE(lines[0].HasDepth());
+    EXPECT_GT(lines[0].sigma_disparity_p_px, 0.4 * 40.0 * noise);
+    EXPECT_LT(lines[0].sigma_disparity_p_px, 40.0 * noise);
+    EXPECT_GT(lines[0].sigma_disparity_p_px, 3.0 * last);
+    last = lines[0].sigma_disparity_p_px;
+  }
+}
+
 TEST(LineDepth, NoiseAndHolesStayWithinTheSigma) {
   cv::Mat depth = Plane(0.5, 0.0005, 0.0015);
   for (int x = 60; x < 240; x += 7) depth.colRange(x, x + 2).setTo(0);

@@ -201,10 +201,14 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
   bad = good;
   LoopEdge loop;
-  loop.old_keyframe_id = 1 << 30;
-  loop.keyframe_id = 0;
+  loop.old_keyframe_id = 0;
+  loop.keyframe_id = 1 << 30;
   bad.map.Add(loop);
   EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
+  bad = good;
+  std::swap(loop.old_keyframe_id, loop.keyframe_id);
+  bad.map.Add(loop);
+  EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
 }
 
 TEST(MapFile, FoldersThatAreNotThereAreNamed) {

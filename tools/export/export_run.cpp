@@ -110,10 +110,11 @@ void WritePoses(const std::string& name, TrajectoryFormat format, const Trajecto
 void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
   if (!e.source.frames.empty()) WritePoses("trajectory", format, e.source.frames, "frames", e);
   if (!e.source.map || e.map().keyframes().empty()) return;
-  Trajectory keyframes = TrajectoryOf(e.map());
   const SE3 T_c_l = e.images ? e.images->T_l_c().Inverse() : SE3();
-  for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
-  WritePoses("keyframes", format, keyframes, "keyframes", e);
+  for (auto& [suffix, keyframes] : TrajectoriesOf(e.map())) {
+    for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
+    WritePoses("keyframes" + suffix, format, keyframes, "keyframes", e);
+  }
 }
 
 struct Writer {

@@ -1,6 +1,7 @@
 #include "tools/pose_graph/command_line.h"
 
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 
@@ -47,7 +48,9 @@ void Declare(CLI::App& app, Arguments& a) {
                                 "take out edges, other than odometry, that the rest contradicts by this chi-square");
   reject->check(CLI::Range(1.0, 1e12));
   app.add_option("--out", a.out, "write the solved graph (g2o)");
-  app.add_option("--tum", a.tum, "write the poses (TUM; the number of the vertex for the time, in seconds)");
+  app.add_option(
+      "--tum", a.tum,
+      "write the poses (TUM; the number of the vertex for the time, in seconds; of a map, a file for each session)");
   app.add_flag("--json", a.json, "print the report as JSON");
   app.callback([&a, reject] {
     a.solve.reject = reject->count() > 0;
@@ -88,11 +91,21 @@ void Solve(const Arguments& a) {
   Print(a, report);
 }
 
+/// POSES.tum, and POSES_sN.tum for each further session.
+void WriteSessions(const std::filesystem::path& file, const Map& map) {
+  const std::vector<SessionTrajectory> sessions = TrajectoriesOf(map);
+  if (sessions.empty()) WriteTrajectory(file.string(), TrajectoryFormat::kTum, {});
+  for (const auto& [suffix, keyframes] : sessions) {
+    const std::string name = file.stem().string() + suffix + file.extension().string();
+    WriteTrajectory((file.parent_path() / name).string(), TrajectoryFormat::kTum, keyframes);
+  }
+}
+
 void Export(const Arguments& a) {
   const StoredMap stored = ReadMapFile(a.map);
   const G2oGraph<SE3> graph = G2oOf(stored.map);
   if (!a.out.empty()) WriteG2o(a.out, graph);
-  if (!a.tum.empty()) WriteTrajectory(a.tum, TrajectoryFormat::kTum, TrajectoryOf(stored.map));
+  if (!a.tum.empty()) WriteSessions(a.tum, stored.map);
   fmt::print("{}: {} keyframes, {} edges, {} of them loops\n", a.map, graph.graph.poses.size(),
              graph.graph.edges.size(), stored.map.loops().size());
 }

@@ -1,5 +1,8 @@
 #include "tools/pose_graph/export.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -32,12 +35,21 @@ Trajectory Convert(const G2oGraph<Pose>& graph) {
 Trajectory TrajectoryOf(const G2oGraph<SE3>& graph) { return Convert(graph); }
 Trajectory TrajectoryOf(const G2oGraph<SE2>& graph) { return Convert(graph); }
 
-Trajectory TrajectoryOf(const Map& map) {
-  std::map<int64_t, SE3> by_time;
-  for (const auto& [id, keyframe] : map.keyframes()) by_time.try_emplace(keyframe.t_ns, keyframe.T_w_kf);
-  Trajectory trajectory;
-  for (const auto& [t_ns, T_w_kf] : by_time) trajectory.push_back({t_ns, T_w_kf});
-  return trajectory;
+std::vector<SessionTrajectory> TrajectoriesOf(const Map& map) {
+  std::vector<SessionTrajectory> sessions;
+  std::map<int64_t, size_t> place_of;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    const auto [place, is_new] = place_of.try_emplace(keyframe.session, sessions.size());
+    if (is_new) sessions.push_back({sessions.empty() ? "" : fmt::format("_s{}", keyframe.session), {}});
+    sessions[place->second].keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
+  }
+  const auto earlier = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns < b.t_ns; };
+  const auto same = [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t_ns == b.t_ns; };
+  for (auto& [suffix, keyframes] : sessions) {
+    std::stable_sort(keyframes.begin(), keyframes.end(), earlier);
+    keyframes.erase(std::unique(keyframes.begin(), keyframes.end(), same), keyframes.end());
+  }
+  return sessions;
 }
 
 G2oGraph<SE3> G2oOf(const Map& map) {

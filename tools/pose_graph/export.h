@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/io/g2o.h"
 #include "core/io/trajectory.h"
 #include "core/map/map.h"
@@ -10,8 +13,15 @@ namespace plslam {
 Trajectory TrajectoryOf(const G2oGraph<SE3>& graph);
 Trajectory TrajectoryOf(const G2oGraph<SE2>& graph);
 
-/// Keyframes by time, T_w_kf. Of several at one time, as sessions may have, the first.
-Trajectory TrajectoryOf(const Map& map);
+/// A session of a map and its keyframes by time, T_w_kf.
+struct SessionTrajectory {
+  /// What the file's name gets: nothing for the session of the first keyframe, "_sN" for session N, as images of COLMAP's.
+  std::string suffix;
+  Trajectory keyframes;
+};
+
+/// Each session on its own, in the order of their first keyframes: their times may be the same, or of different clocks.
+std::vector<SessionTrajectory> TrajectoriesOf(const Map& map);
 
 /// The pose graph of a map; vertices have the numbers of the keyframes.
 G2oGraph<SE3> G2oOf(const Map& map);

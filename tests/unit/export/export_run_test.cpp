@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 
 #include "core/io/g2o.h"
+#include "core/io/map_file.h"
 #include "core/io/trajectory.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
+#include "tools/pose_graph/export.h"
 
 namespace plslam {
 namespace {
@@ -63,6 +65,21 @@ TEST(ExportRun, WhatIsNotThereIsToldInASentence) {
   EXPECT_EQ(ErrorOf({folder.Path(""), out, {"stl"}, ""}), "'stl' is no format to export to");
   folder.Write("worse.plmap", "");
   EXPECT_THAT(ErrorOf({folder.Path(""), out, {}, ""}), HasSubstr("has 2 maps: name one of them"));
+}
+
+TEST(ExportRun, EachSessionHasAFileOfKeyframes) {
+  const ScratchFolder folder;
+  StoredMap stored = test::SmallStoredMap();
+  MapKeyframe again = stored.map.keyframes().begin()->second;  // another robot's, at the same time
+  again.id = 1000;
+  again.session = 3;
+  stored.map.Put(again);
+  const auto sessions = TrajectoriesOf(stored.map);
+  ASSERT_EQ(sessions.size(), 2U);
+  EXPECT_EQ(sessions[0].suffix, "");
+  EXPECT_EQ(sessions[0].keyframes.size(), 3U);
+  EXPECT_EQ(sessions[1].suffix, "_s3");
+  EXPECT_EQ(sessions[1].keyframes.size(), 1U);
 }
 
 TEST(ExportRun, ImagesOfAnotherCameraAreRefused) {

@@ -40,8 +40,8 @@ class RectifiedView {
 ///
 /// The x axis of the rectified frame c is the baseline. The only freedom, the turn about it, goes half way between
 /// the two optical axes, so that both images are bent as little as possible. Focal length and principal point are the ones
-/// of the widest view without an empty border at the size of the left image, but at most 100 degrees wide
-/// (a fisheye of 190 degrees has no rectified image) and never magnified above 1.3 times.
+/// of the widest view without an empty border at the size of the left image, magnified at most 1.3 times unless the view would
+/// be wider than 100 degrees then (a fisheye of 190 degrees has no rectified image).
 ///
 /// A pair that is rectified already (all deviations below 0.01 px) passes through untouched: `identity`.
 struct Rectification {

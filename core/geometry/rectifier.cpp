@@ -76,7 +76,8 @@ cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
 
 cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
   CheckImage(image, CV_8UC1, "right");
-  if (rectification_.identity || !right_.warp) return image;
+  if (rectification_.identity) return image;
+  CV_Assert(right_.warp);
   return right_.warp->Apply(image);
 }
 

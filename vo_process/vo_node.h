@@ -67,6 +67,7 @@ class VoNode {
   bool AdoptMap(int64_t oldest_keyframe_id);
   TrackingState StateOf(const OdometryResult& result) const;
   bool NeedsToAsk(const Frame& frame, const OdometryResult& result);
+  bool IsNews(const Map& map, int64_t keyframe_id) const;
   void AskWhereIAm(const Frame& frame, const OdometryResult& result);
   void Listen();
   void GoOn();

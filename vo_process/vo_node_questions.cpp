@@ -46,6 +46,12 @@ bool VoNode::NeedsToAsk(const Frame& frame, const OdometryResult& result) {
   return odometry_->is_adrift() && !result.keyframe && adrift_ns < kAdrift_ns;
 }
 
+/// Adrift, the camera is always where it made its own keyframes since.
+bool VoNode::IsNews(const Map& map, int64_t keyframe_id) const {
+  const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
+  return keyframe == nullptr || keyframe->session != session_ || keyframe->t_ns <= adrift_since_ns_;
+}
+
 /// Live, a question that has not been answered for a while is asked anew.
 void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
   if (!map_ || !options_.relocalisation.enabled || map_->replica().map().keyframes().empty()) return;
@@ -74,7 +80,9 @@ void VoNode::OnRelocalisation(const relocalisation_t& message) {
       answer && question_ && answer->session == session_ && answer->frame_id == question_->frame_id && odometry_;
   if (!ours) return;
   const SE3 T_w_odom = answer->T_w_c * question_->T_odom_c.Inverse();
-  if (answer->found && odometry_->Relocalise(map_->replica().map(), answer->keyframe_id, T_w_odom)) {
+  const Map& map = map_->replica().map();
+  if (answer->found && IsNews(map, answer->keyframe_id) &&
+      odometry_->Relocalise(map, answer->keyframe_id, T_w_odom)) {
     Count("relocalisation.found", 1);
   }
   question_.reset();

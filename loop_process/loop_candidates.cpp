@@ -90,7 +90,8 @@ std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogni
   if (!places.Has(keyframe_id)) return {};
   const std::set<int64_t> excluded = Surroundings(map, keyframe_id, options);
   std::vector<PlaceMatch> matches = places.Query(
-      places.Of(keyframe_id), [&excluded](int64_t id) { return excluded.contains(id); }, options.max_queried);
+      places.Of(keyframe_id), [&](int64_t id) { return id > keyframe_id || excluded.contains(id); },
+      options.max_queried);
   const double least = options.min_relative_score * ReferenceScore(map, places, keyframe_id, options);
   std::erase_if(matches, [least](const PlaceMatch& match) { return match.score < least; });
   return Best(Group(map, matches, options), options.max_candidates);

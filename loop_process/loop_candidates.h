@@ -19,7 +19,8 @@ struct LoopCandidate {
 };
 
 /// Places that may be seen again in a keyframe, the most similar first (PL-SLAM §VI.A.1). Keyframes that share landmarks with it,
-/// their neighbours and the newest of its session are none; nor is what is much less similar than the keyframe before.
+/// their neighbours and the newest of its session are none; nor is what is much less similar than the keyframe before, nor what came
+/// into the map after it (another robot's): that one finds this one.
 /// A group counts once, with its best keyframe.
 std::vector<LoopCandidate> FindLoopCandidates(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
                                               const CandidateOptions& options);

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -96,7 +97,17 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   return service_->OnQuestion(std::get<Question>(arrival).frame);
 }
 
+/// What runs would undo the loop that is being told.
+void LoopNode::DropAdjustment() {
+  const std::lock_guard lock(mutex_);
+  adjustment_.reset();
+  stop_adjustment_ = true;
+  ++n_dropped_;
+}
+
 void LoopNode::Send(const LoopService::Output& output) {
+  const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
+  if (std::any_of(output.closures.begin(), output.closures.end(), is_loop)) DropAdjustment();
   for (const LoopClosure& closure : output.closures) {
     publisher_.Publish(closure);
     Count(closure);
@@ -129,23 +140,32 @@ void LoopNode::Count(const LoopClosure& closure) {
 void LoopNode::AdjustUntilStopped() {
   for (;;) {
     std::optional<WholeMapProblem> problem;
+    int64_t n_dropped = 0;
     {
       std::unique_lock lock(mutex_);
       changed_.wait(lock, [this] { return stopping_ || adjustment_; });
       if (stopping_) return;
       problem = std::exchange(adjustment_, std::nullopt);
       stop_adjustment_ = false;
+      n_dropped = n_dropped_;
     }
     const double began_ms = bus::NowMs();
-    LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_);
+    std::string failure;
+    LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_, &failure);
     closure.correct_ms = bus::NowMs() - began_ms;
+    if (!failure.empty()) CountFailure(failure);
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) return;
-      if (adjustment_) continue;  // out of date
+      if (adjustment_ || n_dropped_ != n_dropped) continue;  // out of date
     }
     publisher_.Publish(closure);
   }
+}
+
+void LoopNode::CountFailure(const std::string& failure) {
+  process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
+  if (n_failed_ == 1) spdlog::warn("an adjustment of the whole map failed (the first of those counted): {}", failure);
 }
 
 bus::ProcessSpec LoopSpec() {

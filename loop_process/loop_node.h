@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 #include <variant>
 #include <vector>
@@ -45,8 +46,10 @@ class LoopNode {
   void JudgeUntilStopped();
   void AdjustUntilStopped();
   LoopService::Output Handle(const Arrival& arrival);
+  void DropAdjustment();
   void Send(const LoopService::Output& output);
   void Count(const LoopClosure& closure);
+  void CountFailure(const std::string& failure);
 
   bus::Process& process_;
   LoopOptions options_;
@@ -62,11 +65,13 @@ class LoopNode {
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
+  int64_t n_dropped_ = 0;  ///< adjustments, under way or not, for loops found meanwhile
 
   std::optional<LoopService> service_;  // the judging worker's
   int64_t n_loops_ = 0;
   int64_t n_answers_ = 0;
   int64_t n_found_ = 0;
+  int64_t n_failed_ = 0;  // the adjusting worker's
   std::thread judge_;
   std::thread adjuster_;
   bus::KeyframeSubscriber keyframes_;

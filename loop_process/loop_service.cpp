@@ -36,6 +36,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   if (replica_.Apply(update) != MapReplica::Outcome::kApplied) return output;
   if (replica_.source() != source) {
     judged_.clear();
+    newest_.clear();
     settled_.clear();
     due_.clear();
     on_its_way_.reset();
@@ -59,7 +60,7 @@ LoopService::Output LoopService::OnQuestion(const Keyframe& frame) {
 
 /// What an update means for what is to be judged.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
-  if (update.settled) settled_[update.session] = update.session_keyframe_id;
+  NoteNewest(update);
   if (on_its_way_) {
     const bool arrived = replica_.map().loops().size() > on_its_way_->n_loops;
     // Settled without it: the map has refused it.
@@ -69,8 +70,11 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
     }
   }
   if (update.session_keyframe_id < 0) return;
+  const bool begins = update.base_version == 0 && !judged_.contains(update.session);
+  // What another loop_process has judged, or will never be: of all sessions but for the newest keyframe.
+  if (update.base_version == 0) judged_.insert(newest_.begin(), newest_.end());
   int64_t judged = Newest(judged_, update.session);
-  if (update.base_version == 0 && judged == kNone) {
+  if (begins) {
     judged = update.session_keyframe_id - 1;
     if (AwaitsAdjustment(update)) {
       unadjusted_.emplace();
@@ -83,9 +87,35 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
     judged = std::max(judged, update.session_keyframe_id);
     unadjusted_.reset();
   }
-  const double now_ms = now_ms_();
-  for (int64_t id = judged + 1; id <= update.session_keyframe_id; ++id) due_.push_back({update.session, id, now_ms});
+  AddDue(update, judged);
   judged_[update.session] = std::max(judged, update.session_keyframe_id);
+}
+
+/// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means little:
+/// anybody could send a large one.)
+void LoopService::AddDue(const MapUpdate& update, int64_t judged) {
+  if (update.session_keyframe_id <= judged) return;
+  const double now_ms = now_ms_();
+  std::vector<Due> newest_first{{update.session, update.session_keyframe_id, now_ms}};
+  const auto& keyframes = replica_.map().keyframes();
+  for (auto entry = keyframes.rbegin(); entry != keyframes.rend(); ++entry) {
+    const MapKeyframe& keyframe = entry->second;
+    if (keyframe.session != update.session) continue;
+    if (keyframe.session_keyframe_id <= judged) break;
+    if (keyframe.session_keyframe_id >= update.session_keyframe_id) continue;
+    newest_first.push_back({update.session, keyframe.session_keyframe_id, now_ms});
+  }
+  due_.insert(due_.end(), newest_first.rbegin(), newest_first.rend());
+}
+
+/// A settled update settles what all robots have in the map.
+void LoopService::NoteNewest(const MapUpdate& update) {
+  if (update.base_version == 0) {
+    for (const auto& [id, keyframe] : replica_.map().keyframes())
+      newest_[keyframe.session] = keyframe.session_keyframe_id;
+  }
+  if (update.session_keyframe_id >= 0) newest_[update.session] = update.session_keyframe_id;
+  if (update.settled) settled_ = newest_;
 }
 
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {

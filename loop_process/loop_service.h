@@ -65,6 +65,8 @@ class LoopService {
   };
 
   void Follow(const MapUpdate& update, Output& output);
+  void NoteNewest(const MapUpdate& update);
+  void AddDue(const MapUpdate& update, int64_t judged);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
   void NoteLacking(bool whole);
@@ -77,8 +79,9 @@ class LoopService {
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
-  /// Newest keyframe by session: that was judged, that is settled in the map.
+  /// Newest keyframe by session: that was judged, that is in the map, that is settled there.
   std::map<int64_t, int64_t> judged_;
+  std::map<int64_t, int64_t> newest_;
   std::map<int64_t, int64_t> settled_;
   std::deque<Due> due_;
   /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none has come.

@@ -23,17 +23,21 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 }  // namespace
 
 int MapWays::PlaceOf(int64_t id) const {
-  if (nodes_.empty() || id < nodes_.front().keyframe->id || id > nodes_.back().keyframe->id) return -1;
-  return place_of_[static_cast<size_t>(id - nodes_.front().keyframe->id)];
+  // As long as none is missing it stands as far from the first as the ids say; otherwise before.
+  if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
+  const uint64_t guess = static_cast<uint64_t>(id) - static_cast<uint64_t>(ids_.front());
+  const auto last = ids_.begin() + static_cast<std::ptrdiff_t>(std::min<uint64_t>(guess, ids_.size() - 1));
+  const auto found = std::lower_bound(ids_.begin(), last, id);
+  return *found == id ? static_cast<int>(found - ids_.begin()) : -1;
 }
 
 void MapWays::MakeGraph() {
   nodes_.reserve(map_.keyframes().size());
+  ids_.reserve(map_.keyframes().size());
   for (const auto& [id, keyframe] : map_.keyframes()) {
     nodes_.emplace_back();
     nodes_.back().keyframe = &keyframe;
-    place_of_.resize(static_cast<size_t>(id - nodes_.front().keyframe->id), -1);
-    place_of_.push_back(static_cast<int>(nodes_.size()) - 1);
+    ids_.push_back(id);
   }
   edges_.reserve(2 * nodes_.size() + map_.loops().size());
   for (const Node& node : nodes_) {

@@ -67,8 +67,8 @@ class MapWays {
   const Map& map_;
   int64_t to_id_;
   int to_ = -1;
-  std::vector<Node> nodes_;    // ascending by id
-  std::vector<int> place_of_;  // of ids from the first one on; -1: none
+  std::vector<Node> nodes_;   // ascending by id
+  std::vector<int64_t> ids_;  // of the nodes; a table by id would be as long as the largest
   std::vector<Edge> edges_;
   // The edges of node i: edges_of_[first_edge_[i]] to edges_of_[first_edge_[i + 1]].
   std::vector<int> first_edge_;

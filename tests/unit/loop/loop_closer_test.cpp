@@ -130,6 +130,20 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
             1e-3);
 }
 
+// One that is judged late, say, with others in the map already: the newer one finds it.
+TEST(LoopCloser, TheOldEndOfALoopCameIntoTheMapBeforeTheNewOne) {
+  const Ring ring;
+  Closing open(PlacesOf(ring.world), {});
+  int found = 0;
+  for (const Keyframe& keyframe : ring.walk.keyframes) found += open.Show(keyframe).kind == Kind::kLoop ? 1 : 0;
+  ASSERT_GT(found, 0);
+  const Map& map = open.mapper.map();
+  for (const Keyframe& keyframe : ring.walk.keyframes) {
+    const LoopClosure loop = open.closer.Judge(map, keyframe.session, keyframe.keyframe_id);
+    for (const LoopEdge& edge : loop.edges) EXPECT_LT(edge.old_keyframe_id, edge.keyframe_id);
+  }
+}
+
 TEST(LoopCloser, EqualImagesAtTheSamePlace) {
   const Ring ring;
   Closing closing(PlacesOf(ring.world), {});

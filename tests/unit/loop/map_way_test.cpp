@@ -131,6 +131,22 @@ TEST(MapWays, NoWayBetweenPartsThatNothingConnects) {
   EXPECT_EQ(MapWays(map, 4).From(4)->length_m, 0.0);
 }
 
+// Of an id that was forged, say.
+TEST(MapWays, IdsFarApartAndMissingOnes) {
+  Map map = RandomMap(30, 3);
+  for (const int64_t id : {0, 7, 8, 20}) map.RemoveKeyframe(id);
+  MapKeyframe far = *map.FindKeyframe(29);
+  far.id = int64_t{1} << 61;
+  far.previous_id = far.parent_id = 29;
+  map.Put(far);
+  MapWays ways(map, far.id);
+  for (int64_t id = 0; id < 40; ++id) {
+    EXPECT_EQ(ways.From(id).has_value(), map.FindKeyframe(id) != nullptr && id > 0) << id;
+  }
+  EXPECT_NEAR(ways.From(29)->length_m, 0.0, 1e-12);
+  EXPECT_FALSE(ways.From(far.id - 1).has_value());
+}
+
 TEST(InverseCovariance, AsByPerturbing) {
   std::mt19937_64 generator(2);
   const SE3 T = RandomStep(generator);

@@ -1,5 +1,7 @@
 #include "loop_process/loop_service.h"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/feature_world.h"
@@ -55,6 +57,22 @@ class Service : public testing::Test {
     update.session_keyframe_id = keyframe_id;
     update.settled = settled;
   }
+  /// Keyframes 0 to this one of another session come into the map, as far as they are not there.
+  void PutOther(int64_t keyframe_id) {
+    for (; next_other_ <= keyframe_id; ++next_other_) {
+      MapKeyframe keyframe;
+      keyframe.id = kOtherIds + next_other_;
+      keyframe.session = kSession + 1;
+      keyframe.session_keyframe_id = next_other_;
+      if (next_other_ > 0) keyframe.previous_id = keyframe.parent_id = keyframe.id - 1;
+      map_.Put(keyframe);
+    }
+  }
+  static Keyframe OfOther(int64_t id) {
+    Keyframe keyframe = KeyframeOf(id);
+    keyframe.session = kSession + 1;
+    return keyframe;
+  }
   static std::vector<int64_t> Judged(const LoopService::Output& output) {
     std::vector<int64_t> ids;
     for (const LoopClosure& closure : output.closures) {
@@ -67,7 +85,9 @@ class Service : public testing::Test {
 
   using Ids = std::vector<int64_t>;
   Map map_;
+  static constexpr int64_t kOtherIds = 1000;
   int64_t next_id_ = 0;
+  int64_t next_other_ = 0;
   int64_t version_ = 0;
   int64_t source_ = 1;
   double now_ms_ = 0.0;
@@ -203,6 +223,53 @@ TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
   EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
 }
 
+// loop_process was started again: what other sessions have in the map was judged by the one before.
+TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsJudged) {
+  Update(20, false);
+  PutOther(10);
+  for (int64_t id = 0; id <= 22; ++id) service_.OnKeyframe(KeyframeOf(id));
+  for (int64_t id = 0; id <= 11; ++id) service_.OnKeyframe(OfOther(id));
+  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
+  PutOther(11);
+  MapUpdate of_other = Update(20, false);
+  of_other.session = kSession + 1;
+  of_other.session_keyframe_id = 11;
+  const auto output = service_.OnUpdate(of_other);
+  ASSERT_EQ(output.closures.size(), 1U);
+  EXPECT_EQ(output.closures[0].session_keyframe_id, 11);
+}
+
+// Versions were missed meanwhile: nothing of a session that is known is left out.
+TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsJudged) {
+  for (int64_t id = 0; id <= 5; ++id) service_.OnKeyframe(KeyframeOf(id));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  Update(3, false);
+  EXPECT_EQ(Judged(service_.OnUpdate(Whole(3, false, 1))), (Ids{1, 2, 3}));
+}
+
+// A robot that is lost brings no keyframes; the one that goes on settles the map for both.
+TEST_F(Service, AQuestionOfARobotThatIsLostIsAnsweredAfterARestart) {
+  Update(3, false);
+  PutOther(10);
+  for (int64_t id = 0; id <= 3; ++id) service_.OnKeyframe(KeyframeOf(id));
+  for (int64_t id = 0; id <= 10; ++id) service_.OnKeyframe(OfOther(id));
+  service_.OnUpdate(Whole(3, false, 5));
+  Keyframe question = OfOther(11);
+  question.previous_keyframe_id = 10;
+  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  EXPECT_EQ(service_.OnUpdate(Update(3, true)).answers.size(), 1U);
+}
+
+TEST_F(Service, ANumberThatWasForgedCostsNothing) {
+  service_.OnKeyframe(KeyframeOf(0));
+  service_.OnUpdate(Update(0, false));
+  MapUpdate forged = Update(0, false);
+  forged.session_keyframe_id = std::numeric_limits<int64_t>::max();
+  service_.OnUpdate(forged);
+  now_ms_ += LoopService::kPatience_ms;
+  EXPECT_LE(service_.OnTick().closures.size(), 1U);
+}
+
 TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
   Update(20, false);
   for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
@@ -210,15 +277,15 @@ TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
 }
 
 TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
+  service_.OnKeyframe(KeyframeOf(0));
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  PutOther(0);
   MapUpdate of_other = Update(0, false);
   of_other.session = kSession + 1;
-  service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(of_other);
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{0});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
   EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
-  Keyframe late = KeyframeOf(0);
-  late.session = kSession + 1;
-  EXPECT_EQ(service_.OnKeyframe(late).closures.size(), 1U);
+  EXPECT_EQ(service_.OnKeyframe(OfOther(0)).closures.size(), 1U);
 }
 
 TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {

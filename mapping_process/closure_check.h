@@ -13,10 +13,13 @@ struct GivenNames {
   int64_t next_keyframe = 0;
   LandmarkIds next_landmark;
   int64_t version = 0;
+  /// The first one that has the last loop in it, or what brought two parts together.
+  int64_t bent_version = 0;
 };
 
 /// Why a correction cannot be one of this map, in a sentence; empty where it can. Names of what has been removed since are
-/// no fault, names that were never given are; so are poses that are none, and a correction of which nothing is left.
+/// no fault, names that were never given are; so are poses that are none, a correction of which nothing is left, and an adjustment of
+/// the map as it was before a loop, which it would undo. A version of 0 says nothing: of another map.
 std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map);
 
 }  // namespace plslam

@@ -55,9 +55,9 @@ std::optional<LoopEdge> Translated(const LoopEdge& edge, const Ids& ids) {
 
 }  // namespace
 
-LoopClosure InIdsOf(const Map& map, const LoopClosure& closure) {
+LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids) {
   const Ids ids(closure.names, map);
-  if (!ids.differ()) return closure;
+  if (map_ids == MapIds::kPerhapsSame && !ids.differ()) return closure;
   LoopClosure translated = closure;
   translated.edges.clear();
   translated.poses.clear();

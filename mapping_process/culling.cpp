@@ -1,5 +1,6 @@
 #include "mapping_process/culling.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace plslam {
@@ -27,8 +28,15 @@ void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& 
   }
 }
 
+// Without it the loop would be lost: nothing else may tie the places that it joined.
+bool IsEndOfLoop(int64_t id, const Map& map) {
+  return std::any_of(map.loops().begin(), map.loops().end(),
+                     [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
+}
+
 bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, const Map& map) {
   if (keyframe.previous_id < 0 || keyframe.id == map.keyframes().begin()->first) return false;
+  if (IsEndOfLoop(keyframe.id, map)) return false;
   Share share;
   CountRedundant<PointKind>(keyframe.id, options.redundant_sights, map, share);
   CountRedundant<LineKind>(keyframe.id, options.redundant_sights, map, share);
@@ -51,14 +59,20 @@ void BridgeOver(int64_t id, Map& map) {
 
 }  // namespace
 
-void Trial::Begin(const NewLandmarks& landmarks, int64_t inserted) { by_keyframe_[inserted] = landmarks; }
+void Trial::Begin(const NewLandmarks& landmarks, int64_t session) {
+  Session& of = sessions_[session];
+  of.by_keyframe[++of.begun] = landmarks;
+}
 
-void Trial::Judge(int64_t inserted, const CullingOptions& options, Map& map) {
-  while (!by_keyframe_.empty() && by_keyframe_.begin()->first + options.trial_keyframes <= inserted) {
-    const NewLandmarks due = std::exchange(by_keyframe_.begin()->second, {});
-    by_keyframe_.erase(by_keyframe_.begin());
-    JudgeKind<PointKind>(due.points, options.min_sights, map);
-    JudgeKind<LineKind>(due.lines, options.min_sights, map);
+void Trial::Judge(const CullingOptions& options, Map& map) {
+  for (auto& [id, session] : sessions_) {
+    auto& by_keyframe = session.by_keyframe;
+    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.trial_keyframes <= session.begun) {
+      const NewLandmarks due = std::exchange(by_keyframe.begin()->second, {});
+      by_keyframe.erase(by_keyframe.begin());
+      JudgeKind<PointKind>(due.points, options.min_sights, map);
+      JudgeKind<LineKind>(due.lines, options.min_sights, map);
+    }
   }
 }
 

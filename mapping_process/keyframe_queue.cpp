@@ -12,6 +12,7 @@ void KeyframeQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session)
 }
 
 bool KeyframeQueue::Add(const Keyframe& keyframe, double now_ms) {
+  if (keyframe.keyframe_id > kLast) return false;
   Session& session = sessions_[keyframe.session];
   if (keyframe.keyframe_id < session.next) return false;
   if (!session.waiting.try_emplace(keyframe.keyframe_id, Arrived{keyframe, now_ms}).second) return false;

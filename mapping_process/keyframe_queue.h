@@ -24,6 +24,9 @@ class KeyframeQueue {
   /// How long one that is missing is waited for, from when a later one has come and all before it are taken.
   static constexpr double kPatience_ms = 3000.0;
 
+  /// No session has more keyframes: one each millisecond for 49 days.
+  static constexpr int64_t kLast = int64_t{1} << 32;
+
   struct Arrived {
     Keyframe keyframe;
     double received_ms = 0.0;
@@ -34,7 +37,7 @@ class KeyframeQueue {
   /// These are taken, by session the newest.
   void Restore(const std::map<int64_t, int64_t>& newest_by_session);
 
-  /// False for one that came before, from whomever.
+  /// False for one that came before, from whomever, or that cannot be (beyond `kLast`).
   bool Add(const Keyframe& keyframe, double now_ms);
 
   /// The one whose turn it is; nullptr: there is none, or those before are waited for.

@@ -57,10 +57,10 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
 }
 
 // An older parent keeps the tree a tree.
-void HangOn(int64_t keyframe_id, int min_shared, Map& map) {
+void HangOn(int64_t keyframe_id, Map& map) {
   MapKeyframe keyframe = *map.FindKeyframe(keyframe_id);
   if (keyframe.parent_id >= 0) return;
-  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, min_shared)) {
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kParent)) {
     if (neighbour.keyframe_id >= keyframe_id) continue;
     keyframe.parent_id = neighbour.keyframe_id;
     return map.Put(keyframe);
@@ -89,7 +89,7 @@ void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const 
   MergeOneWay(sides.new_side, sides.old_side, features, camera, options, map);
   MergeOneWay(sides.old_side, sides.new_side, features, camera, options, map);
   for (const std::vector<int64_t>* side : {&sides.new_side, &sides.old_side}) {
-    for (const int64_t id : *side) HangOn(id, options.window.min_shared, map);
+    for (const int64_t id : *side) HangOn(id, map);
   }
 }
 

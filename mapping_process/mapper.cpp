@@ -18,8 +18,8 @@
 namespace plslam {
 namespace {
 
-// Newest keyframes that are never redundant: the tracker's next steps lean on them.
-constexpr int64_t kNewestKept = 3;
+// Newest keyframes of a session that are never redundant: the tracker's next steps lean on them.
+constexpr int kNewestKept = 3;
 
 template <class Kind>
 void AddSights(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
@@ -72,6 +72,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   tracker_ = std::move(state.tracker);
   figures_ = state.figures;
   settled_ = state.settled != 0;
+  bent_version_ = state.bent_version;
 }
 
 StoredMap Mapper::Store() {
@@ -80,7 +81,7 @@ StoredMap Mapper::Store() {
 }
 
 MapperState Mapper::State() const {
-  return {Stored(), trial_, tracker_, figures_, settled_ ? uint8_t{1} : uint8_t{0}};
+  return {Stored(), trial_, tracker_, figures_, settled_ ? uint8_t{1} : uint8_t{0}, bent_version_};
 }
 
 StoredMap Mapper::Stored() const {
@@ -147,7 +148,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
       CreateLandmarks(entry.id, keyframe.features, camera_, options_.insertion, landmark_ids_, map_);
   Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
-  trial_.Begin(created, entry.id);
+  trial_.Begin(created, entry.session);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
   sessions_[keyframe.session] = {entry.id, keyframe.keyframe_id};
   newest_session_ = keyframe.session;
@@ -163,7 +164,8 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
   AddSights<PointKind>(entry.id, association.points, features_, map_);
   AddSights<LineKind>(entry.id, association.lines, features_, map_);
   MapKeyframe with_parent = entry;
-  const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, 1);
+  // A false landmark or two must not tie it to another place.
+  const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, Map::kParent);
   with_parent.parent_id = neighbours.empty() ? entry.previous_id : neighbours.front().keyframe_id;
   if (with_parent.parent_id >= 0) map_.Put(with_parent);
 }
@@ -172,9 +174,19 @@ void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(n
 
 void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
   const LocalWindow window = MakeLocalWindow(keyframe_id, map_, features_, camera_, options_.window);
-  const BundleResult result = AdjustBundle(window.problem, options_.bundle, stop);
+  const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
   if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
+}
+
+BundleResult Mapper::Adjusted(const LocalWindow& window, const std::atomic<bool>* stop) {
+  BundleResult result = AdjustBundle(window.problem, options_.bundle, stop);
+  const bool is_empty = window.points.empty() && window.lines.empty();
+  if (!result.ok && !is_empty) {
+    ++failures_.count;
+    failures_.last = result.reason;
+  }
+  return result;
 }
 
 bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
@@ -183,19 +195,20 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     *reason = "the map is only localised in (mapping.localise_only)";
     return false;
   }
-  *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_}, map_);
+  *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, bent_version_}, map_);
   if (!reason->empty()) return false;
   MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);
   if (closure.kind == LoopClosure::Kind::kLoop) {
     CloseLoop(closure);
   } else {
     const LocalWindow window = MakeLandmarkWindow(map_, features_, camera_);
-    figures_ = ApplyAdjustment(window, AdjustBundle(window.problem, options_.bundle), features_, map_);
+    figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   return true;
 }
 
 void Mapper::CloseLoop(const LoopClosure& closure) {
+  bent_version_ = version_ + 1;
   std::vector<LoopSides> sides;
   for (const LoopEdge& edge : closure.edges) {
     map_.Add(edge);
@@ -209,14 +222,20 @@ void Mapper::CloseLoop(const LoopClosure& closure) {
   }
 }
 
+bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
+  const MapKeyframe* newest = map_.FindKeyframe(sessions_.at(keyframe.session).keyframe_id);
+  for (int i = 0; i < kNewestKept && newest != nullptr; ++i) {
+    if (newest->id == keyframe.id) return true;
+    newest = map_.FindKeyframe(newest->previous_id);
+  }
+  return false;
+}
+
 void Mapper::Cull() {
-  const int64_t newest = next_keyframe_id_ - 1;
-  trial_.Judge(newest, options_.culling, map_);
+  trial_.Judge(options_.culling, map_);
   std::vector<int64_t> candidates;
-  for (const Map::Neighbour& neighbour : map_.Neighbours(newest, options_.window.min_shared)) {
-    const bool is_newest =
-        sessions_.at(map_.FindKeyframe(neighbour.keyframe_id)->session).keyframe_id == neighbour.keyframe_id;
-    if (!is_newest && neighbour.keyframe_id + kNewestKept <= newest) candidates.push_back(neighbour.keyframe_id);
+  for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
+    if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
   }
   std::sort(candidates.begin(), candidates.end());
   RemoveRedundantKeyframes(candidates, options_.culling, features_, map_);

@@ -14,6 +14,7 @@
 #include "core/map/map_update.h"
 #include "mapping_process/culling.h"
 #include "mapping_process/landmark_creation.h"
+#include "mapping_process/local_window.h"
 #include "mapping_process/mapper_state.h"
 #include "mapping_process/options.h"
 #include "mapping_process/tracker_landmarks.h"
@@ -74,6 +75,13 @@ class Mapper {
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }
 
+  /// Adjustments that failed although there was something to adjust; what they should have moved stays where it was.
+  struct Failures {
+    int64_t count = 0;
+    std::string last;  ///< why
+  };
+  const Failures& failures() const { return failures_; }
+
  private:
   /// As `pose_t.state` says it: the first frame after the tracker was lost.
   static constexpr int kRecovered = 4;
@@ -92,8 +100,10 @@ class Mapper {
   bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
   void BringTogether(const Keyframe& keyframe, const Association& association, MapKeyframe& entry);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
+  BundleResult Adjusted(const LocalWindow& window, const std::atomic<bool>* stop);
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
   void CloseLoop(const LoopClosure& closure);
+  bool IsAmongNewest(const MapKeyframe& keyframe) const;
   void Sign(MapUpdate& update) const;
 
   StereoCamera camera_;
@@ -108,8 +118,11 @@ class Mapper {
   int64_t newest_session_ = 0;
   int64_t newest_t_ns_ = 0;
   int64_t version_ = 0;
+  /// The first version that has the last loop in it, or the last that brought two parts together.
+  int64_t bent_version_ = 0;
   bool settled_ = false;
   AdjustmentFigures figures_;
+  Failures failures_;
 };
 
 }  // namespace plslam

@@ -124,6 +124,7 @@ void Mapper::BringTogether(const Keyframe& keyframe, const Association& associat
     poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
   }
   MoveKeyframes(poses, features_, camera_, map_);
+  bent_version_ = version_ + 1;
   entry.T_w_kf = T_w_fixed;
 }
 

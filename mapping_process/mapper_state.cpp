@@ -6,7 +6,7 @@
 namespace plslam {
 namespace {
 
-constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 1, "state of a mapping_process"};
+constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 2, "state of a mapping_process"};
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void Fields(Archive& a, T& f) {
 /// All but the map, whose bytes are those of a map file.
 template <class Archive, Is<MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.trial, state.tracker, state.figures, state.settled);
+  a(state.trial, state.tracker, state.figures, state.settled, state.bent_version);
 }
 
 }  // namespace archive

@@ -20,6 +20,8 @@ struct MapperState {
   TrackerLandmarks tracker;
   AdjustmentFigures figures;
   uint8_t settled = 0;  ///< 1: nothing more is to be said about the newest keyframe
+  /// Adjustments of the map as it was before this version are refused (`WhyNotOfMap`).
+  int64_t bent_version = 0;
 };
 
 /// The same state gives the same bytes. Throws std::runtime_error where its map breaks what `DecodeMap` demands.

@@ -274,10 +274,24 @@ void MappingNode::Correct(const Work& work) {
   const double began_ms = bus::NowMs();
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
-  const bool corrected = corrects && mapper_->Correct(InIdsOf(mapper_->map(), work.closure), &reason);
-  if (corrects && !corrected) spdlog::warn("a correction of the map is left: {}", reason);
-  if (work.settles) mapper_->Settle();
+  const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
+  bool settles = work.settles;
+  if (corrects && !corrected) {
+    spdlog::warn("a correction of the map is left: {}", reason);
+    const std::lock_guard lock(mutex_);
+    if (work.closure.kind == LoopClosure::Kind::kLoop) settles |= queue_.Refused();
+  }
+  if (settles) mapper_->Settle();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
+}
+
+/// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep gives the same
+/// ids; a live one, where chance says what is inserted together, others to its landmarks.
+LoopClosure MappingNode::OfThisMap(const Work& work) const {
+  if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
+  LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
+  closure.map_version = 0;
+  return closure;
 }
 
 void MappingNode::Publish(Stages stage_ms) {
@@ -293,7 +307,15 @@ void MappingNode::CountMap() {
   process_.SetCounter("map.keyframes", static_cast<double>(mapper_->map().keyframes().size()));
   process_.SetCounter("map.points", static_cast<double>(mapper_->map().points().size()));
   process_.SetCounter("map.lines", static_cast<double>(mapper_->map().lines().size()));
+  CountFailures();
   process_.SetCounter("map.loops", static_cast<double>(mapper_->map().loops().size()));
+}
+
+void MappingNode::CountFailures() {
+  const Mapper::Failures& failures = mapper_->failures();
+  if (failures.count == n_failed_) return;
+  if (n_failed_ == 0) spdlog::warn("an adjustment failed (the first of those counted): {}", failures.last);
+  process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
 /// A map that cannot be written is told, and the process goes on.

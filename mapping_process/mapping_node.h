@@ -70,10 +70,12 @@ class MappingNode {
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
+  LoopClosure OfThisMap(const Work& work) const;
   void Save(const std::string& path);
   void KeepState();
   void Publish(Stages stage_ms);
   void CountMap();
+  void CountFailures();
 
   bus::Process& process_;
   MappingOptions options_;
@@ -102,6 +104,7 @@ class MappingNode {
   std::optional<Mapper> mapper_;
   int64_t n_ignored_ = 0;
   int64_t n_missing_ = 0;
+  int64_t n_failed_ = 0;
   int64_t n_saves_ = 0;
   int64_t n_failed_saves_ = 0;
   int64_t n_states_ = 0;

@@ -8,6 +8,11 @@ namespace {
 
 constexpr double kMsPerS = 1000.0;
 
+size_t PartsOf(const LoopClosure& closure) {
+  return 1 + closure.edges.size() + closure.points.size() + closure.lines.size() + closure.poses.size() +
+         closure.names.size();
+}
+
 }  // namespace
 
 void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
@@ -22,9 +27,25 @@ void WorkQueue::Add(const LoopClosure& closure) {
   const auto restored = restored_.find(closure.session);
   if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
   // Said again in the name of a loop_process that has died: one keyframe may have several answers, each of one map.
-  const Answer answer{closure.session, closure.session_keyframe_id, closure.map_source, closure.map_version,
-                      static_cast<int>(closure.kind)};
-  if (answers_.insert(answer).second) closures_.push_back(closure);
+  if (!answers_.insert(AnswerOf(closure)).second) return;
+  closures_.push_back(closure);
+  n_parts_ += PartsOf(closure);
+  while (n_parts_ > kMostParts) DropOldest();
+}
+
+WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
+  return {closure.session, closure.session_keyframe_id, closure.map_source, closure.map_version,
+          static_cast<int>(closure.kind)};
+}
+
+/// Of those whose keyframe has not come; it may be said again.
+void WorkQueue::DropOldest() {
+  auto oldest = std::find_if(closures_.begin(), closures_.end(),
+                             [this](const LoopClosure& closure) { return !IsInserted(closure); });
+  if (oldest == closures_.end()) oldest = closures_.begin();
+  n_parts_ -= PartsOf(*oldest);
+  answers_.erase(AnswerOf(*oldest));
+  closures_.erase(oldest);
 }
 
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
@@ -79,6 +100,11 @@ void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
   if (options_.enabled) wait_.Begin(keyframe.keyframe_id, now_s);
 }
 
+bool WorkQueue::Refused() {
+  wait_.End();
+  return !std::exchange(newest_.settled, true);
+}
+
 bool WorkQueue::IsInserted(const LoopClosure& closure) const {
   const auto session = inserted_.find(closure.session);
   return session != inserted_.end() && session->second >= closure.session_keyframe_id;
@@ -95,7 +121,9 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     if (found == closures_.end()) return std::nullopt;
     Work work;
     work.kind = Work::Kind::kCorrect;
+    n_parts_ -= PartsOf(*found);
     work.closure = std::move(*found);
+    work.lockstep = newest_.lockstep;
     closures_.erase(found);
     const bool settles = IsAboutNewest(work.closure) && !newest_.settled && !work.closure.more;
     // Of lockstep there is one of each kind about a keyframe, until it is settled. More come where loop_process was started

@@ -31,6 +31,10 @@ class WorkQueue {
  public:
   using Arrived = KeyframeQueue::Arrived;
 
+  /// Of closures that wait: themselves, and poses, names, edges and pairs in them; some 400 MB. (5,000 keyframes with 200
+  /// loops, told again after a restart, are 4 million.)
+  static constexpr size_t kMostParts = 5'000'000;
+
   struct Work {
     enum class Kind {
       kInsert,        ///< `keyframes`, and adjust the map
@@ -44,6 +48,7 @@ class WorkQueue {
     std::vector<Arrived> keyframes;
     LoopClosure closure;
     bool settles = false;
+    bool lockstep = false;  ///< of the stream that `closure` is about
     std::string path;
   };
 
@@ -57,7 +62,8 @@ class WorkQueue {
 
   /// One that came before, from whomever, is passed over: false.
   bool Add(const Keyframe& keyframe, double now_ms) { return keyframes_.Add(keyframe, now_ms); }
-  /// What was said before the map was restored, about what is in it, is passed over.
+  /// What was said before the map was restored, about what is in it, is passed over. What is about keyframes that do not come is
+  /// kept up to `kMostParts`, the latest.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
   /// One that was started again first takes in what the histories hold: a map that is saved has all that came before.
@@ -70,6 +76,10 @@ class WorkQueue {
 
   /// What is to be done next, which then counts as done; nullopt: nothing yet. By the same clock as `Add`.
   std::optional<Work> Take(double now_s);
+
+  /// The map has refused a loop, so no adjustment follows: that all is said tells it to loop_process, which waits for the loop to
+  /// arrive. Whether that was not said yet.
+  bool Refused();
 
   /// This many keyframes are in the map now, the last of them this one.
   void Inserted(const Keyframe& keyframe, int count, double now_s);
@@ -89,6 +99,8 @@ class WorkQueue {
     std::set<LoopClosure::Kind> taken;  ///< what was said about it
   };
 
+  static Answer AnswerOf(const LoopClosure& closure);
+  void DropOldest();
   bool IsInserted(const LoopClosure& closure) const;
   bool IsAboutNewest(const LoopClosure& closure) const;
   std::optional<Work> TakeClosure(double now_s);
@@ -99,6 +111,7 @@ class WorkQueue {
   bus::PartnerWait wait_;
   KeyframeQueue keyframes_;
   std::deque<LoopClosure> closures_;
+  size_t n_parts_ = 0;  ///< of these
   std::deque<std::string> saves_;
   bool asked_ = false;
   /// No keyframes were waiting at some time since the start.

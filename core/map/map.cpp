@@ -163,7 +163,7 @@ void Map::RemoveKeyframe(int64_t id) {
     MapKeyframe child = keyframes_.at(child_id);
     child.parent_id = parent_id;
     // An older neighbour keeps the tree a tree.
-    for (const Neighbour& neighbour : Neighbours(child_id, 1)) {
+    for (const Neighbour& neighbour : Neighbours(child_id, kParent)) {
       if (neighbour.keyframe_id >= child_id || neighbour.keyframe_id == id) continue;
       child.parent_id = neighbour.keyframe_id;
       break;

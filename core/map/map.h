@@ -45,6 +45,8 @@ class Map {
   /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
   static constexpr int kCovisible = 20;
   static constexpr int kEssential = 100;
+  /// What a keyframe shares with its parent in the spanning tree, where that is not the one before it.
+  static constexpr int kParent = 15;
 
   struct Neighbour {
     int64_t keyframe_id = -1;
@@ -75,7 +77,7 @@ class Map {
   void Put(const MapPoint& point);
   void Put(const MapLine& line);
   /// A keyframe goes with its sights; landmarks that lose their last sight go too, and its children in the spanning tree
-  /// move to their best neighbour (its parent where they have none).
+  /// move to their best neighbour (`kParent`; its parent where they have none).
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);

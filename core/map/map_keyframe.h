@@ -25,7 +25,8 @@ struct MapKeyframe {
   int64_t previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d relative_covariance = Matrix6d::Zero();
-  /// Parent in the spanning tree: the keyframe that it shared most landmarks with when it came; -1 for the first.
+  /// Parent in the spanning tree: the keyframe that it shared most landmarks with when it came (`Map::kParent` at least), else
+  /// the one before it; -1 for the first, and where it shares too little with any.
   int64_t parent_id = -1;
 };
 

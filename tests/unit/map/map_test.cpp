@@ -163,7 +163,7 @@ TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
   map.Put(KeyframeOf(3, 1));
   map.Put(PointOf(0, {{1, 0}}));
   map.Put(PointOf(1, {{0, 0}, {1, 1}}));
-  map.Put(PointOf(2, {{2, 0}, {3, 0}}));
+  for (int i = 0; i < Map::kParent; ++i) map.Put(PointOf(2 + i, {{2, i}, {3, i}}));
   map.TakeChanges();
   map.RemoveKeyframe(1);
   EXPECT_EQ(map.FindPoint(0), nullptr) << "nobody sees it";
@@ -176,6 +176,14 @@ TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
   EXPECT_THAT(changes.removed_points, ElementsAre(0));
   EXPECT_THAT(changes.points, ElementsAre(1));
   EXPECT_TRUE(map.TakeChanges().empty());
+}
+
+TEST(Map, AFalseLandmarkIsNoParent) {
+  Map map = Chain();
+  map.Put(KeyframeOf(3, 2));
+  for (int i = 0; i + 1 < Map::kParent; ++i) map.Put(PointOf(i, {{0, i}, {3, i}}));
+  map.RemoveKeyframe(2);
+  EXPECT_EQ(map.FindKeyframe(3)->parent_id, 1) << "the parent of the parent";
 }
 
 TEST(Map, SightsOfUnknownKeyframesAreIgnored) {

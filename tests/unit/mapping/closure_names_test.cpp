@@ -76,6 +76,18 @@ TEST(ClosureNames, OnItsOwnMapNothingChanges) {
   EXPECT_EQ(here.edges[0].covariance, closure.edges[0].covariance);
 }
 
+// A live map that was built anew of the same keyframes: its landmarks have other ids, and its versions count anew.
+TEST(ClosureNames, OnAnotherMapWithTheSameKeyframesPairsAndVersionAreLeftOut) {
+  LoopClosure closure = ClosureOn(Before());
+  closure.poses.push_back({77, PoseOf(9)});
+  const LoopClosure here = InIdsOf(Before(), closure, MapIds::kOthers);
+  EXPECT_TRUE(here.points.empty() && here.lines.empty());
+  EXPECT_EQ(here.map_version, 0);
+  EXPECT_EQ(here.names, closure.names);
+  EXPECT_EQ(here.edges.size(), 1U);
+  EXPECT_EQ(here.poses.size(), 3U) << "the fourth bears no name";
+}
+
 // A correction that moved keyframe 1 in place of 2 put each where the other belongs.
 TEST(ClosureNames, OnAMapThatWasBuiltAnewEachKeyframeIsFound) {
   const LoopClosure closure = ClosureOn(Before());

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "mapping_process/correction.h"
+#include "mapping_process/mapper_state.h"
 #include "tests/unit/mapping/loop_world.h"
 
 namespace plslam {
@@ -310,6 +311,26 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Correction,
                          testing::Values(DriftedWorld{"Points", 600, 0}, DriftedWorld{"Lines", 0, 400},
                                          DriftedWorld{"Both", 500, 120}),
                          NameOfWorld);
+
+// Live, an adjustment of the whole map that was under way when a loop was found comes after it.
+TEST_P(Correction, AnAdjustmentOfTheMapAsItWasBeforeALoopIsRefused) {
+  mapper_.TakeUpdate();
+  LoopClosure older = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);
+  for (CorrectedPose& pose : older.poses) pose.T_w_kf = KeyframeOf(pose.keyframe_id).T_w_kf;
+  LoopClosure loop = Loop();
+  older.map_version = loop.map_version = mapper_.version();
+  ASSERT_TRUE(mapper_.Correct(loop, &reason_)) << reason_;
+  mapper_.TakeUpdate();
+  const auto closed = Encoded(mapper_.map());
+  EXPECT_FALSE(mapper_.Correct(older, &reason_));
+  EXPECT_NE(reason_.find("bent"), std::string::npos) << reason_;
+  EXPECT_EQ(Encoded(mapper_.map()), closed);
+  Mapper restored(FeatureWorld::Camera(), WithoutCulling(), DecodeState(EncodeState(mapper_.State())));
+  EXPECT_FALSE(restored.Correct(older, &reason_));
+  LoopClosure newer = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);
+  newer.map_version = mapper_.version();
+  EXPECT_TRUE(mapper_.Correct(newer, &reason_)) << reason_;
+}
 
 }  // namespace
 }  // namespace plslam

@@ -12,6 +12,7 @@ using test::DescriptorOf;
 using test::HandmadeMap;
 
 constexpr double kNever = 1.01;
+constexpr int64_t kSession = 7;
 
 SE3 Pose(int i) {
   return {ExpSO3(Eigen::Vector3d(0.01 * i, 0.02 * i, -0.01 * i)), Eigen::Vector3d(0.1 * i, -0.02 * i, 0.05 * i)};
@@ -41,11 +42,13 @@ TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
   const Segment3 segment_w{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
   m_.PutLine(0, segment_w, descriptors_[0], {m_.SeeLine(1, segment_w, descriptors_[0])});
   Trial trial;
-  trial.Begin({{0, 1}, {0}}, 1);
-  trial.Judge(3, options_, m_.map);
+  trial.Begin({{0, 1}, {0}}, kSession);
+  for (int i = 0; i < 2; ++i) trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
   EXPECT_EQ(m_.map.points().size(), 2U) << "two keyframes after: still on trial";
   EXPECT_EQ(m_.map.lines().size(), 1U);
-  trial.Judge(4, options_, m_.map);
+  trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
   EXPECT_NE(m_.map.FindPoint(1), nullptr);
   EXPECT_TRUE(m_.map.lines().empty());
@@ -54,20 +57,35 @@ TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
 TEST_F(Culling, TrialsThatAreOverAreNotJudgedAgain) {
   m_.Tie({1, 2, 3}, 1, 0, descriptors_);
   Trial trial;
-  trial.Begin({{0}, {}}, 1);
-  trial.Judge(4, options_, m_.map);
+  trial.Begin({{0}, {}}, kSession);
+  for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
   m_.map.RemoveKeyframe(3);
-  trial.Judge(20, options_, m_.map);
+  for (int i = 0; i < 20; ++i) trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
 }
 
 TEST_F(Culling, LandmarksThatWentDuringTheirTrialDoNoHarm) {
   m_.Tie({1}, 2, 0, descriptors_);
   Trial trial;
-  trial.Begin({{0, 1}, {5}}, 1);
+  trial.Begin({{0, 1}, {5}}, kSession);
   m_.map.RemovePoint(0);
-  trial.Judge(100, options_, m_.map);
+  for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
   EXPECT_TRUE(m_.map.points().empty());
+}
+
+TEST_F(Culling, KeyframesOfOtherSessionsDoNotEndATrial) {
+  m_.Tie({1, 2}, 1, 0, descriptors_);
+  Trial trial;
+  trial.Begin({{0}, {}}, kSession);
+  for (int i = 0; i < 20; ++i) trial.Begin({}, kSession + 1);
+  trial.Judge(options_, m_.map);
+  EXPECT_NE(m_.map.FindPoint(0), nullptr);
+  for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
+  trial.Judge(options_, m_.map);
+  EXPECT_EQ(m_.map.FindPoint(0), nullptr);
 }
 
 TEST_F(Culling, KeyframeGoesWhenOthersSeeItAll) {
@@ -98,6 +116,15 @@ TEST_F(Culling, FirstOfALaterSessionStays) {
   first.previous_id = -1;
   m_.map.Put(first);
   EXPECT_TRUE(RemoveRedundantKeyframes({2}, options_, m_.features, m_.map).empty());
+}
+
+TEST_F(Culling, EndsOfALoopStay) {
+  m_.Tie({1, 2, 3, 4, 5}, 30, 0, descriptors_);
+  LoopEdge loop;
+  loop.old_keyframe_id = 1;
+  loop.keyframe_id = 2;
+  m_.map.Add(loop);
+  EXPECT_EQ(RemoveRedundantKeyframes({1, 2, 3}, options_, m_.features, m_.map), (std::vector<int64_t>{3}));
 }
 
 // Five see it all: after two have gone, the rest are three others no more.

@@ -152,6 +152,36 @@ TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
   EXPECT_LT(Error_m(Newest(), 25), 0.05);
 }
 
+// A landmark that a keyframe elsewhere is said to show says nothing of where it lies.
+TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
+  const Walk walk = Session(7, 0, 12);
+  ASSERT_NO_FATAL_FAILURE(Insert(walk));
+  const FeatureWorld elsewhere = test::MakeRing(kRadius_m, 500, 120, 99);
+  Keyframe next = test::MakeKeyframe(&walk.keyframes.back(), walk.keyframes.back().T_odom_kf * T_wrong_,
+                                     elsewhere.Observe(path_[40], 0.4, 99));
+  next.state = kRecovered;
+  next.point_map_ids.assign(next.features.points.size(), -1);
+  // One that the first keyframe sees, and that lies where the feature says.
+  const SE3 T_kf_w = (Newest().T_w_kf * T_wrong_).Inverse();
+  for (const int64_t id : mapper_.map().LandmarksOf(0).points) {
+    if (id < 0) continue;
+    const Eigen::Vector3d p_kf = T_kf_w * mapper_.map().FindPoint(id)->p_w;
+    if (p_kf.z() < 1.0) continue;
+    const Eigen::Vector3d uvd = FeatureWorld::Camera().ProjectStereo(p_kf);
+    next.features.points[0].left.px = uvd.head<2>();
+    next.features.points[0].disparity_px = uvd.z();
+    next.point_map_ids[0] = id;
+    break;
+  }
+  ASSERT_GE(next.point_map_ids[0], 0);
+  ASSERT_NO_FATAL_FAILURE(Insert(next));
+  const auto neighbours = mapper_.map().Neighbours(Newest().id, 1);
+  ASSERT_FALSE(neighbours.empty()) << "or there is nothing to be seen here";
+  ASSERT_NE(neighbours.front().keyframe_id, Newest().previous_id);
+  ASSERT_LT(neighbours.front().shared, Map::kParent);
+  EXPECT_EQ(Newest().parent_id, Newest().previous_id);
+}
+
 class Parts : public Relocation {
  protected:
   size_t SizeOfPart() const { return PartOf(Newest().id, mapper_.map()).size(); }

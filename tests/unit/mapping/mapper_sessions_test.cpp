@@ -103,6 +103,34 @@ TEST_F(Sessions, NewSessionThatWasLocalisedByTheTrackerIsPlacedByItsLandmarks) {
   EXPECT_LT(Error_m(mapper_.map().keyframes().rbegin()->first, end_.front()), 0.03);
 }
 
+// Robots that have nothing in common map as if each were alone.
+TEST_F(Sessions, RobotsInDifferentPlacesLeaveEachOthersLandmarksAlone) {
+  const std::vector<SE3> path = test::CorridorPath(20, 0.25);
+  std::vector<Walk> walks;
+  for (int robot = 0; robot < 4; ++robot) {
+    WalkOptions options;
+    options.session = 100 + robot;
+    options.seed = static_cast<uint64_t>(1 + robot);
+    walks.push_back(test::MakeWalk(test::MakeCorridor(20.0, 20.0, 5.0, 10 + robot), path, options));
+  }
+  const Mapper alone = test::MapAll(walks.front().keyframes);
+  for (size_t i = 0; i < path.size(); ++i) {
+    for (const Walk& walk : walks) ASSERT_NO_FATAL_FAILURE(Map({walk.keyframes[i]}));
+  }
+  const auto is_of_first = [this](int64_t id) { return mapper_.map().FindKeyframe(id)->session == 100; };
+  size_t points = 0;
+  for (const auto& [id, point] : mapper_.map().points()) points += is_of_first(point.sights.front().keyframe_id);
+  EXPECT_EQ(points, alone.map().points().size());
+  size_t keyframes = 0;
+  for (const auto& [id, keyframe] : mapper_.map().keyframes()) {
+    if (!is_of_first(id)) continue;
+    ++keyframes;
+    const auto number = static_cast<size_t>(keyframe.session_keyframe_id);
+    EXPECT_LT(Error_m(id, path[number]), 0.02) << number;
+  }
+  EXPECT_EQ(keyframes, alone.map().keyframes().size());
+}
+
 // Two robots in one place take turns.
 TEST_F(Sessions, TwoSessionsAlternate) {
   const Walk second = Second(world_, begin_, T_odom_w_, true);

@@ -1,6 +1,7 @@
 #include "mapping_process/keyframe_queue.h"
 
 #include <algorithm>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -120,6 +121,14 @@ TEST(KeyframeQueue, PublishersThatContradictEachOtherHoldNobodyUp) {
   queue.Add(KeyframeOf(8, 1, 2, 30), 0.0);
   queue.Add(KeyframeOf(7, 1, 2, 40), 0.0);
   EXPECT_EQ(TakeAll(queue, 1.0), "7.0 8.0 8.1 7.1 ");
+}
+
+TEST(KeyframeQueue, NumbersThatCannotBeAreNotTaken) {
+  KeyframeQueue queue;
+  EXPECT_FALSE(queue.Add(KeyframeOf(7, std::numeric_limits<int64_t>::max(), 1), 0.0));
+  EXPECT_FALSE(queue.Add(KeyframeOf(7, KeyframeQueue::kLast + 1, 1), 0.0));
+  EXPECT_TRUE(queue.Add(KeyframeOf(7, 0, 1), 0.0));
+  EXPECT_EQ(TakeAll(queue, kLater_ms), "7.0 ");
 }
 
 TEST(KeyframeQueue, GoesOnBehindWhatWasRestored) {

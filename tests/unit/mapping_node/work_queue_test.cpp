@@ -66,6 +66,37 @@ TEST_F(WorkQueueTest, ALoopOfLockstepWaitsForTheAdjustmentThatFollows) {
   Take(Kind::kInsert);
 }
 
+// No adjustment follows a loop that the map has refused.
+TEST_F(WorkQueueTest, ALoopThatIsRefusedStopsNobody) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  queue_.Add(KeyframeOf(1, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
+  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(queue_.Refused()) << "to be told";
+  EXPECT_FALSE(queue_.Refused());
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
+  ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, WhatIsAboutKeyframesThatDoNotComeIsKeptUpToABound) {
+  queue_.Add(KeyframeOf(0, false), 0.0);
+  Take(Kind::kInsert);
+  LoopClosure large = ClosureOf(0, LoopClosure::Kind::kLoop);
+  queue_.Add(large);
+  large.points.resize(WorkQueue::kMostParts / 4);
+  for (int64_t id = 1; id < 20; ++id) {
+    large.session_keyframe_id = id;
+    queue_.Add(large);
+    EXPECT_LE(queue_.n_waiting(), 4U);
+  }
+  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 0) << "that of a keyframe that has come is not dropped";
+  queue_.Add(KeyframeOf(19, false), 0.0);
+  now_s_ += KeyframeQueue::kPatience_ms;
+  Take(Kind::kInsert);
+  EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, 17) << "the latest are kept";
+}
+
 TEST_F(WorkQueueTest, WhereNoLoopProcessIsHeardOfLockstepGoesOn) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   queue_.Add(KeyframeOf(1, true), 0.0);

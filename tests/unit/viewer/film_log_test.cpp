@@ -2,6 +2,7 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <filesystem>
 #include <opencv2/core.hpp>
 #include <sstream>
 
@@ -64,6 +65,24 @@ TEST(FilmLog, APictureAloneIsWrittenAtTheEnd) {
   }
   EXPECT_EQ(log.Count("film (1 pictures)"), 1);
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
+}
+
+TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
+  const ScratchFolder folder;
+  {
+    Film film(folder.Path("film"));
+    film.SetRate(10.0);
+    const cv::Mat overlay(48, 64, CV_8UC3, cv::Scalar::all(9));
+    FramePose pose;
+    // The second is missing three before it, the fourth comes in the time of the third; then the time goes back.
+    for (const int64_t t_ms : {0, 400, 500, 520, 600, 100}) {
+      pose.t_ns = 1'000'000 * t_ms;
+      film.Add(pose, overlay, Map());
+    }
+  }
+  std::ptrdiff_t n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.Path("film"))) n += entry.is_regular_file();
+  EXPECT_EQ(n, 1 + 4 + 1 + 0 + 1 + 1);
 }
 
 }  // namespace

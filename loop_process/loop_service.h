@@ -25,7 +25,8 @@ namespace plslam {
 /// has had its say about, as of the tracker's last keyframe.
 ///
 /// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes are there,
-/// whoever tells them; features that do not come are waited for a while only. One that has a loop of its newest keyframe, and
+/// whoever tells them; features that do not come are waited for a while only. Of its keyframes only the newest is judged, of another
+/// session none. One that has a loop of its newest keyframe, and
 /// is not settled, waits for the adjustment that the loop_process before this one died over.
 class LoopService {
  public:

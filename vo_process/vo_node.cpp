@@ -3,7 +3,6 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <chrono>
 #include <exception>
 #include <memory>
 #include <opencv2/core/utility.hpp>
@@ -13,7 +12,6 @@
 #include "core/bus/worker.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/header_t.hpp"
-#include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/keyframe_value.h"
@@ -22,7 +20,6 @@
 namespace plslam {
 namespace {
 
-constexpr std::chrono::milliseconds kMapTick(200);
 // Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
@@ -31,15 +28,6 @@ constexpr uint64_t kClockStep_ns = 1'000'000'000;
 // Variances of where a camera is that nobody has found: 10 m and a radian.
 constexpr double kAnywhere_m2 = 100.0;
 constexpr double kAnyhow_rad2 = 1.0;
-
-/// Newest keyframe of the session that is in the map, as the session counts; -1: none.
-int64_t NewestOf(int64_t session, const Map& map) {
-  int64_t newest = -1;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (keyframe.session == session) newest = std::max(newest, keyframe.session_keyframe_id);
-  }
-  return newest;
-}
 
 }  // namespace
 
@@ -64,30 +52,6 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
 }
 
 VoNode::~VoNode() { DropState(); }
-
-/// To the map and to loop_process.
-void VoNode::Listen() {
-  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica& map) {
-    // In lockstep only what loop_process has had its say about: the same at every run.
-    if (lockstep_ && !update.settled) return;
-    if (update.session == session_) {
-      map_keyframe_id_ = update.session_keyframe_id;
-    } else if (map_keyframe_id_ < 0) {
-      map_keyframe_id_ = NewestOf(session_, map.map());
-    }
-    OnMap();
-  });
-  process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
-                                             [this](const relocalisation_t& m) { OnRelocalisation(m); });
-  process_.bus().Every(kMapTick, [this] {
-    const double now_s = bus::NowS();
-    const bool no_map = map_wait_.GiveUp(now_s);
-    if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
-    const bool no_answer = answer_wait_.GiveUp(now_s);
-    if (no_answer) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
-    if (no_map || no_answer) GoOn();
-  });
-}
 
 void VoNode::OnCamera(const camera_t& message) {
   std::vector<uint8_t> bytes = bus::RigBytes(message);
@@ -168,28 +132,6 @@ void VoNode::OnStatus(const status_t& message) {
   if (message.process == "player") player_ = message.header.source;
   if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
   if (message.process == "loop") answer_wait_.OnSignOfLife(bus::NowS());
-}
-
-void VoNode::OnMap() {
-  const auto awaited = map_wait_.awaited();
-  if (!awaited) {
-    if (!lockstep_) AdoptMap(adopted_keyframe_id_ + 1);
-    return GoOn();
-  }
-  if (!AdoptMap(*awaited)) return;
-  map_wait_.End();
-  GoOn();
-}
-
-void VoNode::AwaitMap(int64_t keyframe_id) {
-  if (!map_ || !lockstep_ || keyframe_id == 0 || AdoptMap(keyframe_id - 1)) return;
-  map_wait_.Begin(keyframe_id - 1, bus::NowS());
-}
-
-bool VoNode::AdoptMap(int64_t oldest_keyframe_id) {
-  if (!odometry_ || map_keyframe_id_ < oldest_keyframe_id) return false;
-  if (odometry_->Adopt(map_->replica().map(), session_, map_keyframe_id_)) adopted_keyframe_id_ = map_keyframe_id_;
-  return true;
 }
 
 void VoNode::OnStream(const stream_t& message) {

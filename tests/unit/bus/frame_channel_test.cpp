@@ -5,8 +5,6 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "core/bus/frame_assembler.h"
-#include "plslam/image_strip_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {

@@ -11,6 +11,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/io/atomic_file.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam {
@@ -69,6 +70,14 @@ void CheckFilesToWrite(const RunOptions& options) {
   }
   // A map may be saved over the one that the run went on from: it is replaced when it is whole.
   if (!options.record.empty()) CheckIsNot("--record", options.record, options.map);
+}
+
+std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {
+  const path marker = options.out / ".began";
+  WriteFileAtomically(marker.string(), "");
+  const auto now = std::filesystem::last_write_time(marker);
+  std::filesystem::remove(marker);
+  return now;
 }
 
 void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began) {

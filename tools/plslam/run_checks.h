@@ -10,6 +10,10 @@ namespace plslam {
 /// is none of those that are read. Throws std::runtime_error with one sentence.
 void CheckFilesToWrite(const RunOptions& options);
 
+/// Now, as files that are written in the folder of outputs from here on will have it: times of files step by milliseconds behind
+/// the clock, and a file server has a clock of its own. The folder exists. Throws std::runtime_error where nothing can be written.
+std::filesystem::file_time_type FileTimeNow(const RunOptions& options);
+
 /// Removes what earlier runs have left in the folder of outputs, and in the one of recordings, since it must not be taken for
 /// that of this run: what was written before `began`. What no run writes stays.
 void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began);

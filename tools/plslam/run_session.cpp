@@ -39,7 +39,8 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_),
-      lacks_map_(!options.save_map.empty()) {
+      lacks_map_(!options.save_map.empty()),
+      files_began_(FileTimeNow(options)) {
   bus_.Every(milliseconds(50), [this] { Tick(); });
 }
 

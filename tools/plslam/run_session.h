@@ -69,7 +69,7 @@ class RunSession {
   bool interrupted_ = false;
   bool lacks_map_ = false;  ///< it was to be saved, and is not yet
   bool accepted_ = false;
-  const std::filesystem::file_time_type files_began_ = std::filesystem::file_time_type::clock::now();
+  const std::filesystem::file_time_type files_began_;
   double wall_s_ = 0.0;
 };
 

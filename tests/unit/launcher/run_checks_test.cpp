@@ -72,5 +72,20 @@ TEST(OldOutputs, OnlyWhatARunWritesAndWhatIsOldGoes) {
   EXPECT_TRUE(exists(folder.Path("run.lcm")));
 }
 
+// What a process has said within the first milliseconds of a run stays.
+TEST(OldOutputs, FilesThatAreWrittenAtOnceAreOfThisRun) {
+  const ScratchFolder folder;
+  RunOptions options;
+  options.out = folder.Path("out");
+  std::filesystem::create_directories(options.out / "logs");
+  for (int i = 0; i < 200; ++i) {
+    const auto began = FileTimeNow(options);
+    folder.Write("out/logs/mapping.log", "");
+    RemoveOldOutputs(options, began);
+    ASSERT_TRUE(exists(folder.Path("out/logs/mapping.log"))) << i;
+  }
+  EXPECT_FALSE(exists(folder.Path("out/.began")));
+}
+
 }  // namespace
 }  // namespace plslam

@@ -18,8 +18,11 @@ constexpr int16_t kNowhere = -2;
 
 int16_t ToInt16(int value) { return static_cast<int16_t>(value); }
 
-/// Of numbers that are not negative.
-int Rounded(double value) { return static_cast<int>(value + 0.5); }
+/// Of numbers that are not negative; a call of lround would take as long as all the rest.
+int Rounded(double value) {
+  const double up = value + 0.5;
+  return static_cast<int>(up);
+}
 
 }  // namespace
 

@@ -44,14 +44,13 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   return camera.Depth(*middle);
 }
 
-// Where the camera was carried while it saw nothing: 10 m and a radian.
+}  // namespace
+
 Matrix6d UnknownMotion() {
   Vector6d variances;
   variances << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
   return variances.asDiagonal();
 }
-
-}  // namespace
 
 Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
     : camera_(camera),

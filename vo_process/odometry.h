@@ -50,6 +50,9 @@ struct OdometryResult {
   std::vector<FeatureTrack> line_tracks;
 };
 
+/// Covariance of where a camera was carried while it saw nothing: 10 m and a radian.
+Matrix6d UnknownMotion();
+
 /// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No clock, no
 /// messages: features, time stamps and, if there are any, the left images in, poses and keyframes out, the same for the
 /// same input.

@@ -25,9 +25,6 @@ constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
 // Time that goes back by less is of the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
-// Variances of where a camera is that nobody has found: 10 m and a radian.
-constexpr double kAnywhere_m2 = 100.0;
-constexpr double kAnyhow_rad2 = 1.0;
 
 }  // namespace
 
@@ -225,7 +222,7 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
     message.keyframe_id = -1;
     message.state = static_cast<int8_t>(StateOf(result));
     if (StateOf(result) != result.state) {
-      for (int i = 0; i < 6; ++i) message.covariance[7 * i] += i < 3 ? kAnywhere_m2 : kAnyhow_rad2;
+      for (int i = 0; i < 6; ++i) message.covariance[7 * i] += UnknownMotion()(i, i);
     }
   }
   process_.bus().Publish(bus::kPose, message);

@@ -15,6 +15,7 @@ constexpr double kMinKnownShare = 0.5;
 constexpr double kMinInlierShare = 0.7;
 /// Largest gap between inliers, as a share of the segment.
 constexpr double kMaxHole = 0.25;
+
 /// Inverse depth at a place along a segment (0 at p, 1 at q).
 struct DepthSample {
   double t;

@@ -170,13 +170,13 @@ bool PlayerNode::SendRest() {
 
 /// Until the readers have everything, or have not got on for so long that no more is to be expected of them. False where the
 /// process ends, or frames are wanted again, first.
-bool PlayerNode::WaitForReaders() {
+bool PlayerNode::WaitForReaders(bool silent_too) {
   constexpr milliseconds kNow{0};
   const std::chrono::duration<double> patience(process_.bus().options().give_up_s);
   int64_t acknowledged = process_.bus().acknowledged();
   auto changed = Turn::Clock::now();
   while (!turn_.stopped() && !turn_.WaitForGoBack(kNow)) {
-    if (process_.bus().Flush(kFlushTick)) return true;
+    if (silent_too ? process_.bus().FlushToSilent(kFlushTick) : process_.bus().Flush(kFlushTick)) return true;
     const auto now = Turn::Clock::now();
     if (std::exchange(acknowledged, process_.bus().acknowledged()) != acknowledged) changed = now;
     if (now - changed < patience) continue;
@@ -191,7 +191,7 @@ bool PlayerNode::WaitForReaders() {
 bool PlayerNode::IsGoneBack() {
   if (WaitForReaders()) {
     process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
-    if (options_.exit) process_.Finish();
+    if (options_.exit && WaitForReaders(true)) process_.Finish();
     running_ = false;
     while (!turn_.stopped() && !turn_.WaitForGoBack(kWaitingTick)) {
     }

@@ -37,7 +37,7 @@ class PlayerNode {
  private:
   void SendAll();
   bool SendRest();
-  bool WaitForReaders();
+  bool WaitForReaders(bool silent_too = false);
   bool IsGoneBack();
   bool MakeLoader(const std::optional<ResumePoint>& resume);
   void OnCommand(const command_t& command);

@@ -160,6 +160,7 @@ void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
 int Bus::ReaderCount(const Channel& channel) const { return impl_->ReaderCount(channel); }
 
 bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
+bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->Flush(limit, true); }
 
 int64_t Bus::acknowledged() const {
   const std::lock_guard lock(impl_->mutex);

@@ -83,6 +83,8 @@ class Bus {
 
   /// Blocks until every such reader has everything sent, or the time is over. True if they have.
   bool Flush(std::chrono::milliseconds limit);
+  /// The same, and those who have fallen silent, too: a cable may be out, and whoever ends now cannot tell them any more.
+  bool FlushToSilent(std::chrono::milliseconds limit);
   /// Grows whenever some reader has acknowledged more than before: who waits for all of them sees whether they get on.
   int64_t acknowledged() const;
 

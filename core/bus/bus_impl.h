@@ -90,7 +90,7 @@ struct Bus::Impl {
   Outbox& OutboxOf(const Channel& channel);
   int ReaderCount(const Channel& channel) const;
   void WaitForWindow(Outbox& outbox, size_t bytes);
-  bool Flush(std::chrono::milliseconds limit);
+  bool Flush(std::chrono::milliseconds limit, bool to_silent = false);
   std::string HistoryPath(const Channel& channel);
   Bytes Sealed(const std::string& wire_name, int64_t seq, header_t& header, const std::function<int()>& size,
                const Encode& encode) const;

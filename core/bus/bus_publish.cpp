@@ -105,14 +105,15 @@ void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& hea
   if (wake) impl_->transport.Wake();
 }
 
-bool Bus::Impl::Flush(std::chrono::milliseconds limit) {
+bool Bus::Impl::Flush(std::chrono::milliseconds limit, bool to_silent) {
   static constexpr std::chrono::milliseconds kSlice{20};
   std::unique_lock lock(mutex);
   const int64_t deadline = Now() + std::chrono::nanoseconds(limit).count();
   const auto all_delivered = [&] {
     for (const auto& [name, outbox] : outboxes) {
-      const bool ordered = outbox->channel.delivery == Delivery::kEvery;
-      if (ordered && !outbox->writer->AllDelivered(Now())) return false;
+      if (outbox->channel.delivery != Delivery::kEvery) continue;
+      const OrderedWriter& writer = *outbox->writer;
+      if (!(to_silent ? writer.AllDeliveredToSilent(Now()) : writer.AllDelivered(Now()))) return false;
     }
     return true;
   };

@@ -160,9 +160,14 @@ int OrderedWriter::AliveReaders(int64_t now) const {
       std::count_if(readers_.begin(), readers_.end(), [&](const auto& e) { return Alive(e.second, now); }));
 }
 
-bool OrderedWriter::AllDelivered(int64_t now) const {
+bool OrderedWriter::AllDelivered(int64_t now) const { return AllDelivered(times_.reader_alive_ns, now); }
+bool OrderedWriter::AllDeliveredToSilent(int64_t now) const { return AllDelivered(times_.reader_kept_ns, now); }
+
+/// To those who spoke within `silence_ns`.
+bool OrderedWriter::AllDelivered(int64_t silence_ns, int64_t now) const {
   return std::all_of(readers_.begin(), readers_.end(), [&](const auto& entry) {
-    return !Alive(entry.second, now) || entry.second.delivered + 1 >= history_.next_seq();
+    const Reader& reader = entry.second;
+    return now - reader.heard > silence_ns || reader.delivered + 1 >= history_.next_seq();
   });
 }
 

@@ -77,6 +77,8 @@ class OrderedWriter {
   /// Readers that spoke lately.
   int AliveReaders(int64_t now) const;
   bool AllDelivered(int64_t now) const;
+  /// The same of those who have fallen silent, too, for as long as messages are kept for them.
+  bool AllDeliveredToSilent(int64_t now) const;
   /// Grows with each word of a reader that tells of more than the one before.
   int64_t acknowledged() const { return acknowledged_; }
 
@@ -93,6 +95,7 @@ class OrderedWriter {
   /// Cost of what was sent after `delivered`; nullopt where that is so long ago that it is not known.
   std::optional<int64_t> InFlight(int64_t delivered) const;
   bool Blocks(const Reader& reader, int64_t cost, int64_t now) const;
+  bool AllDelivered(int64_t silence_ns, int64_t now) const;
   void Trim(int64_t now);
 
   Times times_;

@@ -107,6 +107,19 @@ TEST(OrderedWriter, KeepsItsFirstMessagesWithinTheBoundOfMemory) {
   EXPECT_LE(writer.history().memory_bytes(), 10'000'000);
 }
 
+TEST(OrderedWriter, ReaderThatFellSilentLacksWhatItLacks) {
+  OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
+  writer.KeepReadersFor(10'000 * kMs);
+  writer.OnHello(7, 500'000, 0);
+  writer.Sent(MessageOf(0), 0);
+  EXPECT_FALSE(writer.AllDelivered(1'500 * kMs));
+  EXPECT_TRUE(writer.AllDelivered(1'501 * kMs));
+  EXPECT_FALSE(writer.AllDeliveredToSilent(10'000 * kMs)) << "its cable may be out";
+  EXPECT_TRUE(writer.AllDeliveredToSilent(10'001 * kMs)) << "nothing is kept for it any more";
+  writer.OnRequest(7, 0, 500'000, {}, 10'002 * kMs);
+  EXPECT_TRUE(writer.AllDeliveredToSilent(10'003 * kMs));
+}
+
 TEST(OrderedWriter, NewcomersNeedNotGoThroughWhatIsKeptForTheDead) {
   OrderedWriter writer = WriterOf(Retention::kUnacknowledged);
   writer.Sent(MessageOf(0), 0);

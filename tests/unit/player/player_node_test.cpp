@@ -41,6 +41,13 @@ bus::BusOptions Loopback() {
   return options;
 }
 
+// That waits no longer than a second for readers of which it hears nothing.
+bus::BusOptions Impatient() {
+  bus::BusOptions options = Loopback();
+  options.give_up_s = 1.0;
+  return options;
+}
+
 // Says POSE for each frame, and keeps what comes.
 class Reader {
  public:
@@ -218,7 +225,7 @@ TEST_F(PlayerNodeTest, FramesMayBeWantedAgainBehindTheEndButOnlyOfThePlayerThatI
 }
 
 TEST_F(PlayerNodeTest, RestartedReaderGetsThePendingFrameAgain) {
-  Player player(options_);
+  Player player(options_, Impatient());
   {
     Reader crashes(false);
     ASSERT_TRUE(crashes.WaitFor([&] { return crashes.frame_ids_.size() == 1; }));
@@ -320,9 +327,7 @@ TEST_F(PlayerNodeTest, ReaderThatDoesNotGetOnIsNotWaitedForAtTheEnd) {
   const ReaderThatNeverAcknowledges silent;
   Reader reader(true);
   options_.exit = false;
-  bus::BusOptions impatient = Loopback();
-  impatient.give_up_s = 1.0;
-  const Player player(options_, impatient);
+  const Player player(options_, Impatient());
   EXPECT_TRUE(reader.WaitFor([&] {
     return std::find(reader.reasons_.begin(), reader.reasons_.end(), "finished: 3 frames sent, 0 bad, 0 late") !=
            reader.reasons_.end();

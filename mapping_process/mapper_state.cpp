@@ -6,7 +6,7 @@
 namespace plslam {
 namespace {
 
-constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 2, "state of a mapping_process"};
+constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 3, "state of a mapping_process"};
 
 }  // namespace
 

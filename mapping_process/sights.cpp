@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <numeric>
 #include <utility>
+
+#include "core/features/hamming.h"
 
 namespace plslam {
 namespace {
@@ -15,20 +18,22 @@ const typename Kind::Feature& FeatureAt(const KeyframeFeatures& features, const 
 /// The sight whose descriptor is nearest to all others, the newer one of equals.
 template <class Kind>
 Sight MostRepresentative(const std::vector<Sight>& sights, const KeyframeFeatures& features) {
-  Sight best = sights.back();
+  if (sights.size() <= 2) return sights.back();
+  std::vector<Descriptor> descriptors;
+  descriptors.reserve(sights.size());
+  for (const Sight& sight : sights) descriptors.push_back(FeatureAt<Kind>(features, sight).left.descriptor);
+  const int n = static_cast<int>(sights.size());
+  std::vector<uint16_t> distances(sights.size());
+  size_t best = 0;
   int best_sum = std::numeric_limits<int>::max();
-  for (const Sight& candidate : sights) {
-    int sum = 0;
-    for (const Sight& other : sights) {
-      sum += HammingDistance(FeatureAt<Kind>(features, candidate).left.descriptor,
-                             FeatureAt<Kind>(features, other).left.descriptor);
-    }
-    if (sum <= best_sum) {
-      best_sum = sum;
-      best = candidate;
-    }
+  for (size_t i = 0; i < sights.size(); ++i) {
+    HammingDistances(descriptors[i], descriptors.data(), n, distances.data());
+    const int sum = std::accumulate(distances.begin(), distances.end(), 0);
+    if (sum > best_sum) continue;
+    best_sum = sum;
+    best = i;
   }
-  return best;
+  return sights[best];
 }
 
 void Represent(const Sight& sight, const KeyframeFeatures& features, const Map& map, MapPoint& point) {
@@ -48,7 +53,7 @@ void Represent(const Sight& sight, const KeyframeFeatures& features, const Map&,
 template <class Kind>
 void PutWithDescriptor(typename Kind::Landmark landmark, const KeyframeFeatures& features, Map& map) {
   Represent(MostRepresentative<Kind>(landmark.sights, features), features, map, landmark);
-  map.Put(landmark);
+  map.Put(std::move(landmark));
 }
 
 bool ByKeyframe(const Sight& a, const Sight& b) { return a.keyframe_id < b.keyframe_id; }

@@ -22,8 +22,7 @@ std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const
     if (claims[i] < 0 && Kind::Find(map, id) != nullptr && taken.insert(id).second) claims[i] = id;
   };
   for (size_t i = 0; i < tracker_ids.size(); ++i) {
-    const auto known = table.find(tracker_ids[i]);
-    if (known != table.end()) claim(i, known->second.map_id);
+    claim(i, table.Find(tracker_ids[i]));
   }
   for (size_t i = 0; i < given.size(); ++i) claim(i, given[i]);
   return claims;
@@ -49,8 +48,8 @@ Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
 void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
   Session& session = sessions_[keyframe.session];
   session.learned = ++n_learned_;
-  Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id, session.points);
-  Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id, session.lines);
+  session.points.Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id);
+  session.lines.Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id);
   ForgetSessions();
 }
 
@@ -60,14 +59,30 @@ void TrackerLandmarks::ForgetSessions() {
                                    [](const auto& a, const auto& b) { return a.second.learned < b.second.learned; }));
 }
 
-void TrackerLandmarks::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,
-                             int64_t keyframe_id, Table& table) {
+int64_t TrackerLandmarks::Table::Find(int64_t tracker_id) const {
+  const auto known = entries_.find(tracker_id);
+  return known == entries_.end() ? -1 : known->second.map_id;
+}
+
+void TrackerLandmarks::Table::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,
+                                    int64_t keyframe_id) {
+  std::vector<int64_t>& shown_now = shown_in_[keyframe_id];
   for (size_t i = 0; i < std::min(tracker_ids.size(), shown.size()); ++i) {
-    if (tracker_ids[i] >= 0 && shown[i] >= 0) table[tracker_ids[i]] = {shown[i], keyframe_id};
+    if (tracker_ids[i] < 0 || shown[i] < 0) continue;
+    entries_[tracker_ids[i]] = {shown[i], keyframe_id};
+    shown_now.push_back(tracker_ids[i]);
   }
-  std::erase_if(table, [keyframe_id](const auto& item) {
-    return item.second.keyframe_id + kRememberedKeyframes < keyframe_id;
-  });
+  ForgetBefore(keyframe_id - kRememberedKeyframes);
+}
+
+void TrackerLandmarks::Table::ForgetBefore(int64_t keyframe_id) {
+  while (!shown_in_.empty() && shown_in_.begin()->first < keyframe_id) {
+    for (const int64_t id : shown_in_.begin()->second) {
+      const auto entry = entries_.find(id);
+      if (entry != entries_.end() && entry->second.keyframe_id < keyframe_id) entries_.erase(entry);
+    }
+    shown_in_.erase(shown_in_.begin());
+  }
 }
 
 }  // namespace plslam

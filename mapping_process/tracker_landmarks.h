@@ -27,16 +27,34 @@ class TrackerLandmarks {
   }
 
  private:
-  struct Entry {
-    int64_t map_id = -1;
-    int64_t keyframe_id = -1;
+  /// Landmarks of one kind.
+  class Table {
+   public:
+    /// -1 where it is not known.
+    int64_t Find(int64_t tracker_id) const;
+    void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id);
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
-      a(self.map_id, self.keyframe_id);
+      a(self.entries_, self.shown_in_);
     }
+
+   private:
+    struct Entry {
+      int64_t map_id = -1;
+      int64_t keyframe_id = -1;
+
+      template <class Archive, class Self>
+      static void Fields(Archive& a, Self& self) {
+        a(self.map_id, self.keyframe_id);
+      }
+    };
+    void ForgetBefore(int64_t keyframe_id);
+
+    std::map<int64_t, Entry> entries_;
+    /// By keyframe, so that forgetting looks at what is old only.
+    std::map<int64_t, std::vector<int64_t>> shown_in_;
   };
-  using Table = std::map<int64_t, Entry>;
   struct Session {
     Table points;
     Table lines;
@@ -47,9 +65,6 @@ class TrackerLandmarks {
       a(self.points, self.lines, self.learned);
     }
   };
-  static void Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown, int64_t keyframe_id,
-                    Table& table);
-
   void ForgetSessions();
 
   /// Several robots may be at work at once.

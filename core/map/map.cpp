@@ -1,6 +1,7 @@
 #include "core/map/map.h"
 
 #include <algorithm>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -34,6 +35,16 @@ std::vector<int64_t> Keyframes(const std::vector<Sight>& a, const std::vector<Si
     if (is_common == common) ids.push_back(sight.keyframe_id);
   }
   return ids;
+}
+
+/// Sights of `a` that are not in `b`.
+std::vector<Sight> Without(const std::vector<Sight>& a, const std::vector<Sight>& b) {
+  std::vector<Sight> rest;
+  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest),
+                      [](const Sight& x, const Sight& y) {
+                        return std::pair(x.keyframe_id, x.feature) < std::pair(y.keyframe_id, y.feature);
+                      });
+  return rest;
 }
 
 }  // namespace
@@ -86,26 +97,29 @@ void Map::SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark
   const std::vector<int64_t> kept = Keyframes(old, now, true);
   CountShared(Keyframes(old, now, false), kept, -1);
   CountShared(Keyframes(now, old, false), kept, 1);
-  for (const Sight& sight : old) SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, -1);
-  for (const Sight& sight : now) SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, landmark.id);
+  for (const Sight& sight : Without(old, now)) {
+    SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, -1);
+  }
+  for (const Sight& sight : Without(now, old)) {
+    SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, landmark.id);
+  }
 }
 
 template <class Landmark>
-void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
+void Map::PutLandmark(Landmark landmark, Kind<Landmark> kind) {
   kind.removed.erase(landmark.id);
   kind.changed.insert(landmark.id);
   Landmark& stored = kind.landmarks[landmark.id];
-  std::vector<Sight> sights = landmark.sights;
+  std::vector<Sight> sights = std::move(landmark.sights);
   std::erase_if(sights, [this](const Sight& sight) { return !keyframes_.contains(sight.keyframe_id); });
-  std::vector<Sight> old = std::move(stored.sights);
-  stored = landmark;
-  stored.sights = std::move(old);
+  landmark.sights = std::move(stored.sights);
+  stored = std::move(landmark);
   if (stored.sights == sights) return;
   for (const Sight& sight : sights) {
     const std::vector<int64_t>& of_keyframe = landmarks_of_[sight.keyframe_id].*kind.of;
     const auto feature = static_cast<size_t>(sight.feature);
     const int64_t owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
-    if (owner < 0 || owner == landmark.id) continue;
+    if (owner < 0 || owner == stored.id) continue;
     Landmark& robbed = kind.landmarks.at(owner);
     std::vector<Sight> rest = robbed.sights;
     std::erase(rest, sight);
@@ -115,14 +129,14 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   SetSights(stored, std::move(sights), kind);
 }
 
-void Map::Put(const MapPoint& point) {
+void Map::Put(MapPoint point) {
   CheckSights("point", point.id, point.sights);
-  PutLandmark(point, Points());
+  PutLandmark(std::move(point), Points());
 }
 
-void Map::Put(const MapLine& line) {
+void Map::Put(MapLine line) {
   CheckSights("line", line.id, line.sights);
-  PutLandmark(line, Lines());
+  PutLandmark(std::move(line), Lines());
 }
 
 template <class Landmark>
@@ -213,11 +227,7 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
 
 /// Counts a landmark of `changed` and `kept` keyframes for the pairs in which one is of the changed.
 void Map::CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign) {
-  const auto count_one_way = [this, sign](int64_t from, int64_t to) {
-    std::map<int64_t, int>& row = shared_[from];
-    const auto count = row.try_emplace(to, 0).first;
-    if ((count->second += sign) == 0) row.erase(count);
-  };
+  const auto count_one_way = [this, sign](int64_t from, int64_t to) { shared_[from].Add(to, sign); };
   for (size_t i = 0; i < changed.size(); ++i) {
     const auto count = [&](int64_t other) {
       count_one_way(changed[i], other);
@@ -231,15 +241,13 @@ void Map::CountShared(const std::vector<int64_t>& changed, const std::vector<int
 const Map::FeatureLandmarks& Map::LandmarksOf(int64_t keyframe_id) const { return landmarks_of_.at(keyframe_id); }
 
 int Map::Shared(int64_t a, int64_t b) const {
-  const std::map<int64_t, int>* row = shared_.Find(a);
-  if (row == nullptr) return 0;
-  const auto count = row->find(b);
-  return count == row->end() ? 0 : count->second;
+  const SharedCounts* row = shared_.Find(a);
+  return row == nullptr ? 0 : row->Of(b);
 }
 
 std::vector<Map::Neighbour> Map::Neighbours(int64_t keyframe_id, int min_shared) const {
   std::vector<Neighbour> neighbours;
-  const std::map<int64_t, int>* row = shared_.Find(keyframe_id);
+  const SharedCounts* row = shared_.Find(keyframe_id);
   if (row == nullptr) return neighbours;
   for (const auto& [other, shared] : *row) {
     if (shared >= min_shared) neighbours.push_back({other, shared});

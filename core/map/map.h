@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <set>
 #include <vector>
 
@@ -9,6 +8,7 @@
 #include "core/map/landmarks.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_keyframe.h"
+#include "core/map/shared_counts.h"
 
 namespace plslam {
 
@@ -74,8 +74,8 @@ class Map {
 
   /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
   void Put(const MapKeyframe& keyframe);
-  void Put(const MapPoint& point);
-  void Put(const MapLine& line);
+  void Put(MapPoint point);
+  void Put(MapLine line);
   /// A keyframe goes with its sights; landmarks that lose their last sight go too, and its children in the spanning tree
   /// move to their best neighbour (`kParent`; its parent where they have none).
   void RemoveKeyframe(int64_t id);
@@ -113,7 +113,7 @@ class Map {
   Kind<MapLine> Lines();
 
   template <class Landmark>
-  void PutLandmark(const Landmark& landmark, Kind<Landmark> kind);
+  void PutLandmark(Landmark landmark, Kind<Landmark> kind);
   template <class Landmark>
   void RemoveLandmark(int64_t id, Kind<Landmark> kind);
   template <class Landmark>
@@ -126,7 +126,7 @@ class Map {
   IdMap<MapPoint> points_;
   IdMap<MapLine> lines_;
   IdMap<FeatureLandmarks> landmarks_of_;
-  IdMap<std::map<int64_t, int>> shared_;
+  IdMap<SharedCounts> shared_;
   IdMap<std::set<int64_t>> children_;
   int64_t n_point_sights_ = 0;
   int64_t n_line_sights_ = 0;

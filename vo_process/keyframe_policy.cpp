@@ -27,6 +27,8 @@ KeyframeDecision KeyframePolicy::Decide(const KeyframeCandidate& candidate) {
     decision.reason = KeyframeReason::kEntropy;
   } else if (candidate.tracked_from_keyframe < options_.min_tracked_ratio * first_tracked_) {
     decision.reason = KeyframeReason::kTracked;
+  } else if (candidate.known_share >= options_.known_share) {
+    return decision;
   } else if (baseline_ratio > options_.max_baseline_ratio) {
     decision.reason = KeyframeReason::kBaseline;
   } else if (rotation_deg > options_.max_rotation_deg) {

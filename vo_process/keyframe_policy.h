@@ -17,6 +17,8 @@ struct KeyframeCandidate {
   int tracked_from_keyframe = 0;
   /// Median depth of what is tracked.
   double median_depth_m = 0.0;
+  /// Share of what is tracked that many keyframes of the map see already (`KeyframeOptions::known_sights`).
+  double known_share = 0.0;
 };
 
 struct KeyframeDecision {

@@ -59,18 +59,17 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
       taken[i] = 1;
       drop[i] = i == *same.begin() ? 0 : 1;
     }
-    if (same.empty()) {
+    const bool is_new = same.empty();
+    if (is_new) {
       Landmark& landmark = landmarks.emplace_back();
       landmark.id = next_id++;
-      landmark.map_id = entry.landmark->id;
       landmark.from_map = true;
       landmark.unseen_frames = kAdoptedUnseenFrames;
-      set(*entry.landmark, true, landmark);
-    } else {
-      Landmark& landmark = landmarks[*same.begin()];
-      landmark.map_id = entry.landmark->id;
-      set(*entry.landmark, false, landmark);
     }
+    Landmark& landmark = is_new ? landmarks.back() : landmarks[*same.begin()];
+    landmark.map_id = entry.landmark->id;
+    landmark.map_sights = static_cast<int>(entry.landmark->sights.size());
+    set(*entry.landmark, is_new, landmark);
   }
   drop.resize(landmarks.size(), 0);
   size_t i = 0;

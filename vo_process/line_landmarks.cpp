@@ -141,7 +141,7 @@ void LineLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>
   for (const LandmarkMatch& match : matches) {
     LineLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.lines[match.feature], landmark);
-    frame.line_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id};
+    frame.line_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_sights};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -209,7 +209,7 @@ void LineLandmarks::FoundOne(const SE3& T_odom_c, const StereoLine& seen, Featur
   const double limit = options_.max_relative_depth_sigma;
   if (seen.sigma_disparity_p_px > limit * seen.disparity_p_px) return;
   if (seen.sigma_disparity_q_px > limit * seen.disparity_q_px) return;
-  if (track.landmark_id < 0) track = {next_id++, 0, -1};
+  if (track.landmark_id < 0) track = {next_id++};
   const Eigen::Vector3d p = Measurement(seen.left.segment.p, seen.disparity_p_px);
   const Eigen::Vector3d q = Measurement(seen.left.segment.q, seen.disparity_q_px);
   const Eigen::Matrix3d R = T_odom_c.R();

@@ -24,6 +24,8 @@ struct LineLandmark {
 
   /// The same landmark in the map, or -1.
   int64_t map_id = -1;
+  /// Keyframes that had seen it when the map last told of it.
+  int map_sights = 0;
   /// Founded by the map, not by a frame.
   bool from_map = false;
   int seen = 1;
@@ -33,7 +35,7 @@ struct LineLandmark {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.segment_odom.p, self.segment_odom.q, self.covariance_p, self.covariance_q, self.descriptor,
-      self.map_id, self.from_map, self.seen, self.unseen_frames, self.missed);
+      self.map_id, self.map_sights, self.from_map, self.seen, self.unseen_frames, self.missed);
   }
 };
 

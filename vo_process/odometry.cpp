@@ -44,6 +44,22 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   return camera.Depth(*middle);
 }
 
+// Of the landmarks that the frame found, lines counted twice: those that so many keyframes of the map see.
+double KnownShare(const TrackedFrame& frame, int sights) {
+  int found = 0;
+  int known = 0;
+  const auto count = [&](const std::vector<FeatureTrack>& tracks, int weight) {
+    for (const FeatureTrack& track : tracks) {
+      if (track.landmark_id < 0 || track.age == 0) continue;
+      found += weight;
+      if (track.map_sights >= sights) known += weight;
+    }
+  };
+  count(frame.point_tracks, 1);
+  count(frame.line_tracks, 2);
+  return found == 0 ? 0.0 : static_cast<double>(known) / found;
+}
+
 }  // namespace
 
 Matrix6d UnknownMotion() {
@@ -248,6 +264,7 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
   candidate.covariance = covariance_kf_c_;
   candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
   candidate.median_depth_m = MedianDepth(frame, camera_);
+  candidate.known_share = KnownShare(frame, options_.keyframes.known_sights);
   const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
   result.entropy_ratio = decision.entropy_ratio;
   if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);

@@ -71,6 +71,8 @@ struct KeyframeOptions {
   double min_rotation_deg = 2.0;
   double max_rotation_deg = 15.0;
   int max_frames = 40;
+  double known_share = 0.5;
+  int known_sights = 6;
   std::string measurements = "mean";
 };
 
@@ -167,6 +169,10 @@ void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("min_rotation_deg", o.min_rotation_deg, Bounds{0, 180}, "rotation that counts");
   visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "rotation at which");
   visit("max_frames", o.max_frames, Bounds{1, 100000}, "frames after which, if the camera has moved");
+  visit("known_share", o.known_share, Bounds{0, 1.01},
+        "share of what is tracked that the map knows well, at which baseline, rotation and age are no reason; above "
+        "1: never");
+  visit("known_sights", o.known_sights, Bounds{1, 1000}, "keyframes that see a landmark that the map knows well");
   visit("measurements", o.measurements, OneOf{"mean", "frame"},
         "what a keyframe says of its landmarks: mean of the frames since the last one, or its own frame's");
 }

@@ -73,7 +73,7 @@ void PointLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch
   for (const LandmarkMatch& match : matches) {
     PointLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.points[match.feature], landmark);
-    frame.point_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id};
+    frame.point_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_sights};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -151,7 +151,7 @@ void PointLandmarks::FoundOne(const SE3& T_odom_c, const StereoPoint& seen, Feat
   const Eigen::Vector3d uvd = Measurement(seen);
   const Eigen::Vector3d p_c = camera_.Backproject(uvd);
   const Eigen::Matrix3d R = T_odom_c.R();
-  if (track.landmark_id < 0) track = {next_id++, 0, -1};
+  if (track.landmark_id < 0) track = {next_id++};
   PointLandmark landmark;
   landmark.id = track.landmark_id;
   landmark.seen = track.age + 1;

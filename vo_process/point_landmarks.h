@@ -28,6 +28,8 @@ struct PointLandmark {
 
   /// The same landmark in the map, or -1.
   int64_t map_id = -1;
+  /// Keyframes that had seen it when the map last told of it.
+  int map_sights = 0;
   /// Founded by the map, not by a frame.
   bool from_map = false;
   int seen = 1;
@@ -37,7 +39,7 @@ struct PointLandmark {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.p_odom, self.covariance, self.descriptor, self.angle_rad, self.octave, self.depth_m, self.map_id,
-      self.from_map, self.seen, self.unseen_frames, self.missed);
+      self.map_sights, self.from_map, self.seen, self.unseen_frames, self.missed);
   }
 };
 

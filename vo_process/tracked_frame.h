@@ -15,8 +15,9 @@ struct FeatureTrack {
   int64_t landmark_id = -1;
   /// Frames in which the landmark has been seen; 0 for one founded by this feature.
   int age = 0;
-  /// The same landmark in the map, or -1.
+  /// The same landmark in the map, or -1, and the keyframes that see it there.
   int64_t map_id = -1;
+  int map_sights = 0;
 };
 
 /// Landmarks of features, in their order.

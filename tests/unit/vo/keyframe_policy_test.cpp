@@ -57,6 +57,26 @@ TEST(KeyframePolicy, RotationIsAReason) {
   EXPECT_EQ(Second(candidate), KeyframeReason::kRotation);
 }
 
+TEST(KeyframePolicy, WhatTheMapKnowsWellNeedsNoneForMotionAlone) {
+  KeyframeCandidate candidate = Moved(2.0);
+  candidate.T_kf_c = candidate.T_kf_c * SE3(ExpSO3(Eigen::Vector3d(0.0, 0.4, 0.0)), Eigen::Vector3d::Zero());
+  candidate.known_share = KeyframeOptions().known_share;
+  EXPECT_EQ(Second(candidate), KeyframeReason::kNone);
+  KeyframePolicy policy{KeyframeOptions()};
+  policy.Decide(Standing());
+  for (int i = 0; i < 2 * KeyframeOptions().max_frames; ++i) {
+    ASSERT_EQ(policy.Decide(candidate).reason, KeyframeReason::kNone) << "frame " << i;
+  }
+  KeyframeCandidate unsure = candidate;
+  unsure.covariance *= 100.0;
+  EXPECT_EQ(Second(unsure), KeyframeReason::kEntropy);
+  KeyframeCandidate elsewhere = candidate;
+  elsewhere.tracked_from_keyframe = 40;
+  EXPECT_EQ(Second(elsewhere), KeyframeReason::kTracked);
+  candidate.known_share -= 0.01;
+  EXPECT_EQ(Second(candidate), KeyframeReason::kBaseline);
+}
+
 TEST(KeyframePolicy, AgeIsAReasonOnlyForACameraThatHasMoved) {
   KeyframeOptions options;
   options.max_frames = 5;

@@ -32,6 +32,7 @@ struct Patch {
     point.descriptor = {1, 2, 3, 4};
     point.octave = 2;
     point.depth_m = 3.5;
+    point.sights = {{0, 1}, {1, 1}, {4, 1}};
     patch.points.push_back({&point, std::move(tracker_ids)});
   }
   void Add(const Segment3& segment_odom, std::vector<int64_t> tracker_ids) {
@@ -41,6 +42,7 @@ struct Patch {
     line.covariance_p = kCovariance_w;
     line.covariance_q = 4.0 * kCovariance_w;
     line.descriptor = {1, 2, 3, 4};
+    line.sights = {{0, 1}, {1, 1}, {4, 1}};
     patch.lines.push_back({&line, std::move(tracker_ids)});
   }
 };
@@ -101,6 +103,7 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePlaceOfTheMap) {
     const Eigen::Vector3d moved = TypeParam::Place(now) - TypeParam::Place(before[i]);
     EXPECT_LT((moved - (i == 4 ? kOffset : Eigen::Vector3d(0.0, 0.0, 0.0))).norm(), 1e-9) << i;
     EXPECT_EQ(now.map_id, i == 4 ? kFirstMapId : -1);
+    EXPECT_EQ(now.map_sights, i == 4 ? 3 : 0);
     EXPECT_EQ(now.id, before[i].id);
     EXPECT_EQ(now.seen, before[i].seen);
     EXPECT_EQ(now.unseen_frames, before[i].unseen_frames);

@@ -146,6 +146,36 @@ void ExpectNamesAreUnique(const OdometryResult& result, int frame) {
 }
 
 // Lost in the dark, or among things never seen: the map is about the place from before, and tracking goes on there.
+// Keyframes of each of `ways` over 100 frames, forth and back in turn.
+std::vector<int> KeyframesOfWays(int ways, const VoOptions& options) {
+  const FeatureWorld world{{300, 60}, 4};
+  PerfectMap map(world);
+  Odometry odometry(FeatureWorld::Camera(), options);
+  std::vector<int> keyframes;
+  for (int i = 0; i < 100 * ways; ++i) {
+    if (i % 100 == 0) keyframes.push_back(0);
+    const int place = i % 200 < 100 ? i % 200 : 199 - i % 200;
+    const OdometryResult result = odometry.Track(kMappedFrame_ns * i, See(world, place, 0.3));
+    EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    if (!result.keyframe) continue;
+    ++keyframes.back();
+    map.Add(1, place, result);
+    odometry.Adopt(map.map(), 1, result.keyframe->id);
+  }
+  return keyframes;
+}
+
+TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
+  const std::vector<int> known = KeyframesOfWays(10, VoOptions());
+  VoOptions options;
+  options.keyframes.known_share = 1.01;
+  const std::vector<int> always = KeyframesOfWays(10, options);
+  EXPECT_EQ(known.front(), always.front()) << "what nobody has seen";
+  EXPECT_GE(always.front(), 4);
+  EXPECT_GE(always.back(), 4);
+  EXPECT_LE(known.back(), 1) << testing::PrintToString(known) << " of " << testing::PrintToString(always);
+}
+
 TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);

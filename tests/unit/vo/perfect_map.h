@@ -64,6 +64,7 @@ class PerfectMap {
       point.descriptor = exact.left.descriptor;
       point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
     }
+    if (!point.sights.empty() && point.sights.back().keyframe_id == keyframe.id) return;
     point.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(point);
   }
@@ -78,6 +79,7 @@ class PerfectMap {
       line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
       line.descriptor = exact.left.descriptor;
     }
+    if (!line.sights.empty() && line.sights.back().keyframe_id == keyframe.id) return;
     line.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(line);
   }

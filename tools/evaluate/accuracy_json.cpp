@@ -49,8 +49,8 @@ Json ConsistencyJson(const Consistency& c) {
 }
 
 Json AlignmentJson(const Accuracy& a) {
-  const Eigen::Vector3d& t = a.alignment.T_truth_estimate.translation();
-  const Eigen::Quaterniond& q = a.alignment.T_truth_estimate.rotation();
+  const Eigen::Vector3d& t = a.alignment.T_a_b.translation();
+  const Eigen::Quaterniond& q = a.alignment.T_a_b.rotation();
   return {{"kind", AlignmentName(a.alignment_kind)},
           {"scale", a.alignment.scale},
           {"translation_m", {t.x(), t.y(), t.z()}},

@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/geometry/similarity.h"
 #include "tools/evaluate/association.h"
 
 namespace plslam {
@@ -15,17 +16,7 @@ enum class Alignment {
   kSim3,   ///< the same with a scale
 };
 
-/// p_truth = scale * R * p_estimate + t.
-struct Similarity {
-  double scale = 1.0;
-  SE3 T_truth_estimate;
-
-  SE3 Apply(const SE3& pose) const;
-};
-
-/// Closed form of Umeyama (1991). Where the positions leave the rotation open (all on one line: the turn about the
-/// line; all equal: everything), the rest is chosen so that the orientations agree best. No pairs: identity. Equal
-/// positions: scale 1.
+/// Takes the estimate (b of the similarity) to the truth (a), by `AlignPaths` where it is of least squares. No pairs: identity.
 Similarity Align(const PosePairs& pairs, Alignment alignment);
 
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.

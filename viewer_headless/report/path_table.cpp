@@ -1,9 +1,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/geometry/similarity.h"
 #include "viewer_headless/final_trajectory.h"
 #include "viewer_headless/report/frame_tables.h"
-#include "viewer_headless/report/rigid_alignment.h"
 
 namespace plslam {
 namespace {
@@ -44,7 +44,7 @@ SE3 Align(const std::vector<PathFrame>& frames, SE3 PathFrame::*pose) {
     estimated.push_back(frame.*pose);
     truth.push_back(*frame.truth);
   }
-  return AlignPoses(estimated, truth);
+  return AlignPaths(estimated, truth, false).T_a_b;
 }
 
 class RootMeanSquare {

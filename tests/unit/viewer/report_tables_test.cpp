@@ -7,7 +7,6 @@
 #include "tests/unit/viewer/report_columns.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"
-#include "viewer_headless/report/rigid_alignment.h"
 
 namespace plslam {
 namespace {
@@ -21,29 +20,6 @@ SE3 Random(std::mt19937& random) {
   Vector6d x;
   for (double& value : x) value = normal(random);
   return SE3::Exp(x);
-}
-
-TEST(RigidAlignment, FindsTheMotionBetweenTwoCopies) {
-  std::mt19937 random(3);
-  const SE3 T_a_b = Random(random);
-  std::vector<SE3> a, b;
-  for (int i = 0; i < 20; ++i) {
-    b.push_back(Random(random));
-    a.push_back(T_a_b * b.back());
-  }
-  EXPECT_LT((AlignPoses(a, b).Inverse() * T_a_b).Log().norm(), 1e-9);
-}
-
-TEST(RigidAlignment, StraightPathsFewPosesAndNone) {
-  std::mt19937 random(4);
-  const SE3 T_a_b = Random(random);
-  std::vector<SE3> a, b;
-  EXPECT_LT(AlignPoses(a, b).Log().norm(), 1e-12);
-  for (int i = 0; i < 5; ++i) {
-    b.push_back(SE3(kUnturned, {0, 0, 1.0 * i}));
-    a.push_back(T_a_b * b.back());
-    EXPECT_LT((AlignPoses(a, b).Inverse() * T_a_b).Log().norm(), 1e-9) << a.size() << " poses on a line";
-  }
 }
 
 TEST(FrameTable, RowsSayWhatWasPublished) {

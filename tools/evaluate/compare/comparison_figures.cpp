@@ -48,7 +48,7 @@ std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
     if (!estimate || estimate->empty()) continue;
     SE3 T_w_estimate;
     if (truth && !truth->empty()) {
-      const SE3 T_truth_estimate = EvaluateTrajectory(*estimate, *truth, {}).alignment.T_truth_estimate;
+      const SE3 T_truth_estimate = EvaluateTrajectory(*estimate, *truth, {}).alignment.T_a_b;
       if (!T_w_truth) {
         T_w_truth = T_truth_estimate.Inverse();
         paths.push_back({"truth", PositionsOf(*truth, *T_w_truth), {kTruth, 1.8, false}});

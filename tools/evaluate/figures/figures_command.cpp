@@ -97,7 +97,7 @@ void DrawTopView(const Material& m) {
   std::vector<NamedPath> paths;
   std::string title = m.title;
   if (!accuracy.pairs.empty()) {
-    const SE3 T_w_truth = accuracy.alignment.T_truth_estimate.Inverse();
+    const SE3 T_w_truth = accuracy.alignment.T_a_b.Inverse();
     paths.push_back({"truth", PositionsOf(m.truth, T_w_truth), {{214, 39, 40}, 1.6, false}});
     title += fmt::format(": ATE {:.3g} m", accuracy.ate_m.rmse);
   }

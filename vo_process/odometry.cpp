@@ -264,7 +264,8 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
   candidate.covariance = covariance_kf_c_;
   candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
   candidate.median_depth_m = MedianDepth(frame, camera_);
-  candidate.known_share = KnownShare(frame, options_.keyframes.known_sights);
+  // In a map that stays as it is, keyframes are where it is looked at anew.
+  if (!options_.map.localise_only) candidate.known_share = KnownShare(frame, options_.keyframes.known_sights);
   const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
   result.entropy_ratio = decision.entropy_ratio;
   if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);

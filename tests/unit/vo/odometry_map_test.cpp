@@ -173,6 +173,9 @@ TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
   EXPECT_EQ(known.front(), always.front()) << "what nobody has seen";
   EXPECT_GE(always.front(), 4);
   EXPECT_GE(always.back(), 4);
+  options = {};
+  options.map.localise_only = true;
+  EXPECT_EQ(KeyframesOfWays(10, options), always) << "keyframes are where it looks around anew";
   EXPECT_LE(known.back(), 1) << testing::PrintToString(known) << " of " << testing::PrintToString(always);
 }
 

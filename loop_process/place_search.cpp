@@ -16,7 +16,6 @@ namespace {
 // Pairs of points that are all compared.
 constexpr size_t kFewPairs = 100'000;
 constexpr int kGrid = 4;
-constexpr double kMinDepth_m = 0.05;
 
 // Features of a keyframe that show a landmark: these, their places among all, and how they looked then.
 template <class Feature>
@@ -50,7 +49,7 @@ Shown<typename Kind::Feature> ThatShow(const Map& map, int64_t keyframe_id, cons
 // Where a landmark should appear; nullopt where it is not in view.
 std::optional<Eigen::Vector2d> Projection(const Eigen::Vector3d& p_w, const SE3& T_c_w, const StereoCamera& camera) {
   const Eigen::Vector3d p_c = T_c_w * p_w;
-  if (p_c.z() < kMinDepth_m) return std::nullopt;
+  if (p_c.z() < camera.MinDepth()) return std::nullopt;
   const Eigen::Vector2d px = camera.Project(p_c);
   return camera.InImage(px, 0.0) ? std::optional(px) : std::nullopt;
 }

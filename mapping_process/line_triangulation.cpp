@@ -11,7 +11,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kMinDepth_m = 0.1;
 constexpr double kMinOverlap = 0.3;
 constexpr double kMaxAcross_px = 2.0;
 constexpr int kNeighbours = 4;
@@ -30,7 +29,7 @@ Eigen::Vector3d PlaneNormal(const SegmentView& view, const StereoCamera& camera)
 bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCamera& camera) {
   const SE3 T_kf_w = view.T_w_kf.Inverse();
   const Segment3 in_camera{T_kf_w * segment_w.p, T_kf_w * segment_w.q};
-  if (in_camera.p.z() < kMinDepth_m || in_camera.q.z() < kMinDepth_m) return false;
+  if (in_camera.p.z() < camera.MinDepth() || in_camera.q.z() < camera.MinDepth()) return false;
   const auto s_p = AlongLine(in_camera, view.segment.p, camera);
   const auto s_q = AlongLine(in_camera, view.segment.q, camera);
   if (!s_p || !s_q || *s_p >= *s_q) return false;
@@ -152,7 +151,7 @@ std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const 
   const auto place = [&](const Eigen::Vector2d& px, Eigen::Vector3d& end, Eigen::Matrix3d& covariance) {
     const Eigen::Vector3d ray = Ray(px, first, camera);
     const double depth_m = n_second.dot(between) / n_second.dot(ray);
-    if (!(depth_m > kMinDepth_m) || !std::isfinite(depth_m)) return false;
+    if (!(depth_m > camera.MinDepth()) || !std::isfinite(depth_m)) return false;
     end = first.T_w_kf.translation() + depth_m * ray;
     covariance = EndpointCovariance(px, depth_m, first, second, camera);
     return covariance.allFinite();

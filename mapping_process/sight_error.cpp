@@ -27,8 +27,7 @@ bool IsNear(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, c
 }
 
 bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera) {
-  const auto segment =
-      ClipInFront({T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q}, PoseView::MinDepth(camera));
+  const auto segment = ClipInFront({T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q}, camera.MinDepth());
   if (!segment || !(seen.left.segment.Length() > 0.0)) return false;
   const Eigen::Vector2d middle = 0.5 * (seen.left.segment.p + seen.left.segment.q);
   const Segment2 projected{camera.Project(segment->p), camera.Project(segment->q)};
@@ -36,11 +35,11 @@ bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, cons
 }
 
 bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera) {
-  return !((T_kf_w * point.p_w).z() > PoseView::MinDepth(camera));
+  return !((T_kf_w * point.p_w).z() > camera.MinDepth());
 }
 
 bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera) {
-  const double least_m = PoseView::MinDepth(camera);
+  const double least_m = camera.MinDepth();
   return !((T_kf_w * line.segment_w.p).z() > least_m) && !((T_kf_w * line.segment_w.q).z() > least_m);
 }
 
@@ -56,7 +55,7 @@ double SightError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w
   double error = 0.0;
   for (const Eigen::Vector3d& end_w : {line.segment_w.p, line.segment_w.q}) {
     const Eigen::Vector3d end = T_kf_w * end_w;
-    if (!(end.z() > PoseView::MinDepth(camera))) return kMostSightError;
+    if (!(end.z() > camera.MinDepth())) return kMostSightError;
     const Eigen::Vector3d uvd = camera.ProjectStereo(end);
     error += Across(seen.left.segment, uvd.head<2>(), seen.sigma_px);
     if (!seen.HasDepth()) continue;

@@ -15,7 +15,6 @@ constexpr double kMaxImpliedSigma_px = 0.7;
 constexpr double kIndependentPerFrame = 30.0;
 constexpr double kMaxDeviation = 4.0;
 constexpr double kHuber = 1.5;
-constexpr double kMinCalibratedDepth_m = 0.1;
 constexpr int kIterations = 4;
 // Deviations of the scale error: at first, and of its change from frame to frame.
 constexpr double kScaleSigma = 0.02;
@@ -66,7 +65,7 @@ bool DisparityCalibration::Compare(const Sight& before, const SE3& T_now_before,
   double information = 0.0;
   for (int i = 0; i < kIterations; ++i) {
     const Eigen::Vector3d p = turned + inverse_depth * t;
-    if (p.z() < kMinCalibratedDepth_m * inverse_depth || p.z() <= 0.0) return false;
+    if (p.z() < camera_.MinDepth() * inverse_depth || p.z() <= 0.0) return false;
     const Eigen::Vector2d J = camera_.f_px / (p.z() * p.z()) *
                               Eigen::Vector2d(t.x() * p.z() - p.x() * t.z(), t.y() * p.z() - p.y() * t.z());
     information = J.squaredNorm();

@@ -12,7 +12,6 @@ namespace {
 
 // Share of a measurement's variance that neighbouring frames have in common (place of a corner in its patch, say).
 constexpr double kCommonShare = 0.3;
-constexpr double kMinMeasuredDepth_m = 0.1;
 constexpr int kMinSights = 2;
 // Right lines flatter than this (sine of the angle to the rows) give no disparity where rows meet them.
 constexpr double kMinTilt = 0.1;
@@ -66,7 +65,7 @@ struct ProjectedSegment {
 std::optional<ProjectedSegment> Project(const SE3& T_c_odom, const Segment3& segment, const StereoCamera& camera) {
   const Eigen::Vector3d p_c = T_c_odom * segment.p;
   const Eigen::Vector3d q_c = T_c_odom * segment.q;
-  if (p_c.z() < kMinMeasuredDepth_m || q_c.z() < kMinMeasuredDepth_m) return std::nullopt;
+  if (p_c.z() < camera.MinDepth() || q_c.z() < camera.MinDepth()) return std::nullopt;
   return ProjectedSegment{camera.ProjectStereo(p_c), camera.ProjectStereo(q_c)};
 }
 
@@ -145,7 +144,7 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vec
                                    StereoPoint& feature) const {
   const auto project = [&](const SE3& T_c_odom) -> std::optional<Eigen::Vector3d> {
     const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
-    if (p_c.z() < kMinMeasuredDepth_m) return std::nullopt;
+    if (p_c.z() < camera_.MinDepth()) return std::nullopt;
     return camera_.ProjectStereo(p_c);
   };
   const auto here = project(frames_.back().T_c_odom);

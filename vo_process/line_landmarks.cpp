@@ -16,7 +16,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kMinLineDepth_m = 0.1;
 // How far a segment may grow at one sight, in lengths of its own.
 constexpr double kMaxExtension = 0.5;
 
@@ -63,7 +62,7 @@ void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamer
                   const Eigen::Matrix3d& across, double growth, Eigen::Vector3d& p_odom,
                   Eigen::Matrix3d& covariance) {
   const Eigen::Vector3d p_c = T_c_odom * p_odom;
-  if (p_c.z() < kMinLineDepth_m) return;
+  if (p_c.z() < camera.MinDepth()) return;
   const EndpointMeasurements measured = MeasureEndpoint(p_c, T_c_odom.R(), seen, camera);
   covariance += growth * across * covariance * across;
   FuseMeasurements(std::span(measured.values).first(measured.count), p_odom, covariance);

@@ -38,7 +38,7 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByProjection(const SE3& T_c_odom
     const PointLandmark& landmark = landmarks_[i];
     if (landmark.unseen_frames > search.max_unseen_frames) continue;
     const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
-    if (p_c.z() < kMinPointDepth_m) continue;
+    if (p_c.z() < camera_.MinDepth()) continue;
     const Eigen::Vector2d px = camera_.Project(p_c);
     if (!camera_.InImage(px, -search.radius_px)) continue;
     queries.push_back({px, search.radius_px,
@@ -84,7 +84,7 @@ void PointLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch
 void PointLandmarks::Fuse(const SE3& T_odom_c, const StereoPoint& seen, PointLandmark& landmark) const {
   const Eigen::Matrix3d R_c_odom = T_odom_c.R().transpose();
   const Eigen::Vector3d p_c = R_c_odom * (landmark.p_odom - T_odom_c.translation());
-  if (p_c.z() < kMinPointDepth_m) return;
+  if (p_c.z() < camera_.MinDepth()) return;
   const Eigen::Vector3d residual = Measurement(seen) - camera_.ProjectStereo(p_c);
   const Eigen::Matrix3d J = camera_.ProjectStereoJacobian(p_c) * R_c_odom;
   const double variance = seen.sigma_px * seen.sigma_px;
@@ -103,7 +103,7 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
   for (PointLandmark& landmark : landmarks_) {
     if (landmark.unseen_frames == 0) continue;
     const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
-    const bool in_view = p_c.z() > kMinPointDepth_m && camera_.InImage(camera_.Project(p_c), kImageMargin_px);
+    const bool in_view = p_c.z() > camera_.MinDepth() && camera_.InImage(camera_.Project(p_c), kImageMargin_px);
     if (in_view) ++landmark.missed;
   }
   DropStale(options_, landmarks_);

@@ -11,9 +11,6 @@
 
 namespace plslam {
 
-/// Nearer points are not tracked.
-inline constexpr double kMinPointDepth_m = 0.05;
-
 /// A point that odometry tracks.
 struct PointLandmark {
   int64_t id = -1;

@@ -87,7 +87,7 @@ std::optional<StereoPoint> PointRefiner::RefineOne(const Reference& reference, c
 std::optional<Eigen::Matrix2d> PointRefiner::Shape(const Reference& reference, const Eigen::Vector3d& p_odom,
                                                    const SE3& T_c_odom) const {
   const Eigen::Vector3d p_ref = reference.T_ref_odom * p_odom;
-  if (p_ref.z() < kMinPointDepth_m) return std::nullopt;
+  if (p_ref.z() < camera_.MinDepth()) return std::nullopt;
   const SE3 T_c_ref = T_c_odom * reference.T_ref_odom.Inverse();
   const double arm_px = kArm * reference.pixels.size_px;
   Eigen::Matrix2d shape;
@@ -99,7 +99,7 @@ std::optional<Eigen::Matrix2d> PointRefiner::Shape(const Reference& reference, c
       if (!(disparity_px > 0.0)) return std::nullopt;
       const Eigen::Vector2d end_px = reference.px + arm;
       const Eigen::Vector3d p_c = T_c_ref * camera_.Backproject({end_px.x(), end_px.y(), disparity_px});
-      if (p_c.z() < kMinPointDepth_m) return std::nullopt;
+      if (p_c.z() < camera_.MinDepth()) return std::nullopt;
       ends_px[side] = camera_.Project(p_c);
     }
     shape.col(axis) = (ends_px[1] - ends_px[0]) / (2.0 * arm_px);

@@ -8,7 +8,6 @@ namespace {
 
 // sin^2 of the least angle between a viewing ray and a line for which the nearest place is meaningful.
 constexpr double kMinSine2 = 1e-4;
-constexpr double kMinDepth_m = 0.1;
 constexpr double kMinLength_px = 5.0;
 
 }  // namespace
@@ -46,7 +45,7 @@ std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera&
 }
 
 std::optional<Segment2> ProjectSegment(const Segment3& segment_c, const StereoCamera& camera, double margin_px) {
-  const auto visible = ClipInFront(segment_c, kMinDepth_m);
+  const auto visible = ClipInFront(segment_c, camera.MinDepth());
   if (!visible) return std::nullopt;
   return ClipToImage({camera.Project(visible->p), camera.Project(visible->q)}, camera, margin_px);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 namespace plslam {
 
@@ -18,6 +19,9 @@ struct StereoCamera {
 
   double FocalBaseline() const { return f_px * baseline_m; }
   double Depth(double disparity_px) const { return FocalBaseline() / disparity_px; }
+  /// A disparity of four focal lengths: nearer than anything that a pair can see. Relative to the baseline, so that a rig of
+  /// millimetres sees what one of metres does.
+  double MinDepth() const { return std::max(1e-6, 0.25 * baseline_m); }
 
   /// Left pixel of a point in front of the camera (z > 0 is the caller's duty).
   Eigen::Vector2d Project(const Eigen::Vector3d& p_c) const {

@@ -8,8 +8,6 @@
 namespace plslam {
 namespace {
 
-constexpr double kMinDepth_m = 0.05;
-
 // Features that take part, and their places in the whole list.
 template <class Feature>
 struct Subset {
@@ -50,7 +48,7 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
   for (const int64_t id : ids) {
     const MapPoint& point = *map.FindPoint(id);
     const Eigen::Vector3d p_c = T_kf_w * point.p_w;
-    if (p_c.z() < kMinDepth_m) continue;
+    if (p_c.z() < camera.MinDepth()) continue;
     const Eigen::Vector2d px = camera.Project(p_c);
     if (!camera.InImage(px, 0.0)) continue;
     const int octave =

@@ -24,10 +24,7 @@ struct Residual {
 /// What every residual of one pose shares.
 struct PoseView {
   PoseView(const SE3& T_cur_ref, const StereoCamera& camera_in)
-      : R(T_cur_ref.R()), t(T_cur_ref.translation()), camera(camera_in), min_depth_m(MinDepth(camera_in)) {}
-
-  /// A disparity of four focal lengths: nearer than anything a pair can see.
-  static double MinDepth(const StereoCamera& camera) { return std::max(1e-3, 0.25 * camera.baseline_m); }
+      : R(T_cur_ref.R()), t(T_cur_ref.translation()), camera(camera_in), min_depth_m(camera_in.MinDepth()) {}
 
   Eigen::Matrix3d R;
   Eigen::Vector3d t;

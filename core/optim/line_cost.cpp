@@ -72,7 +72,7 @@ std::array<Eigen::Matrix3d, 2> AdjustedLine::EndCovariances(const Eigen::Matrix4
 
 LineCost::LineCost(const LineSight& sight, const AdjustedLine& line, const CameraView& view,
                    const StereoCamera& camera)
-    : line_(&line), weight_(1.0 / sight.sigma_px), min_depth_m_(PoseView::MinDepth(camera)) {
+    : line_(&line), weight_(1.0 / sight.sigma_px), min_depth_m_(camera.MinDepth()) {
   const ObservedImages images(sight, camera);
   left_ = images.left;
   right_ = images.right;

@@ -52,7 +52,7 @@ LineEndpointCost::LineEndpointCost(const LineSight& sight, const AdjustedEndpoin
       sigma_px_(sight.sigma_px),
       sigma_disparity_p_px_(sight.sigma_disparity_p_px),
       sigma_disparity_q_px_(sight.sigma_disparity_q_px),
-      min_depth_m_(PoseView::MinDepth(camera)) {
+      min_depth_m_(camera.MinDepth()) {
   const ObservedImages images(sight, camera);
   left_ = images.left;
   right_ = images.right;

@@ -12,7 +12,7 @@ PointCost::PointCost(const PointSight& sight, const AdjustedPoint&, const Camera
       weight_disparity_(1.0 / sight.sigma_disparity_px),
       f_px_(camera.f_px),
       focal_baseline_(camera.FocalBaseline()),
-      min_depth_m_(PoseView::MinDepth(camera)),
+      min_depth_m_(camera.MinDepth()),
       rows_(sight.uvd.z() >= 0.0 ? 3 : 2) {}
 
 bool PointCost::IsUsable(const PointSight& sight) {

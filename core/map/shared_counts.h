@@ -14,15 +14,6 @@ class SharedCounts {
   /// The other keyframe and how many (>= 1), ascending by keyframe.
   using Count = std::pair<int64_t, int>;
 
- private:
-  /// Where the count of the keyframe is, or would have to be.
-  template <class Counts>
-  static auto Place(Counts& counts, int64_t keyframe_id) {
-    return std::lower_bound(counts.begin(), counts.end(), keyframe_id,
-                            [](const Count& count, int64_t id) { return count.first < id; });
-  }
-
- public:
   void Add(int64_t keyframe_id, int n) {
     const auto place = Place(counts_, keyframe_id);
     if (place == counts_.end() || place->first != keyframe_id) {
@@ -41,6 +32,13 @@ class SharedCounts {
   std::vector<Count>::const_iterator end() const { return counts_.end(); }
 
  private:
+  /// Where the count of the keyframe is, or would have to be.
+  template <class Counts>
+  static auto Place(Counts& counts, int64_t keyframe_id) -> decltype(counts.begin()) {
+    return std::lower_bound(counts.begin(), counts.end(), keyframe_id,
+                            [](const Count& count, int64_t id) { return count.first < id; });
+  }
+
   std::vector<Count> counts_;
 };
 

@@ -52,6 +52,13 @@ class TenPercent {
   std::thread thread_;
 };
 
+/// A stream that the tracker can keep up with, all other stages beside it on two cores.
+#ifdef PLSLAM_SANITIZED
+constexpr int kRate_Hz = 2;
+#else
+constexpr int kRate_Hz = 10;
+#endif
+
 /// Times between the poses of one frame and the next, sorted.
 std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
   std::vector<double> gaps;
@@ -74,11 +81,10 @@ TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
     PLSLAM_REQUIRE_LONG_TESTS();
   }
   const int frames = test::LongTests() ? 400 : 50;
-  constexpr double kPeriod_s = 0.1;
   RunWatcher watcher;
   WholeRun run;
-  run.Start({"run", fmt::format("synthetic:room?size=320x200&frames={}&rate=10", frames), "--pace", "realtime",
-             "--url", watcher.url()});
+  run.Start({"run", fmt::format("synthetic:room?size=320x200&frames={}&rate={}", frames, kRate_Hz), "--pace",
+             "realtime", "--url", watcher.url()});
   ASSERT_TRUE(watcher.WaitForFrame(10)) << run.Logs();
   {
     const pid_t pid = run.PidOf(executable);
@@ -95,8 +101,8 @@ TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
   const double queue = summary["processes"][name]["longest_queue"];
   std::cout << name << " at 10 %: poses every " << median << " s, at worst " << worst << " s; "
             << summary["skipped_frames"] << " of " << frames << " frames skipped; longest queue " << queue << '\n';
-  EXPECT_LT(median, 1.3 * kPeriod_s);
-  EXPECT_LT(worst, 10 * kPeriod_s) << "a pose is never older than that";
+  EXPECT_LT(median, 1.3 / kRate_Hz);
+  EXPECT_LT(worst, 10.0 / kRate_Hz) << "a pose is never older than that";
   EXPECT_LT(queue, 100.0);
   EXPECT_EQ(summary["processes"][name]["restarts"], 0);
 }

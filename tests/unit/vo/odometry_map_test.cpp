@@ -145,7 +145,6 @@ void ExpectNamesAreUnique(const OdometryResult& result, int frame) {
   }
 }
 
-// Lost in the dark, or among things never seen: the map is about the place from before, and tracking goes on there.
 // Keyframes of each of `ways` over 100 frames, forth and back in turn.
 std::vector<int> KeyframesOfWays(int ways, const VoOptions& options) {
   const FeatureWorld world{{300, 60}, 4};
@@ -179,6 +178,7 @@ TEST(OdometryAndMap, PlacesThatTheMapKnowsWellMakeHardlyAnyKeyframes) {
   EXPECT_LE(known.back(), 1) << testing::PrintToString(known) << " of " << testing::PrintToString(always);
 }
 
+// Lost in the dark, or among things never seen: the map is about the place from before, and tracking goes on there.
 TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);

@@ -51,8 +51,7 @@ void Bus::Impl::Listen(const std::string& wire_name, const Channel& channel, con
     inbox.subscriptions.push_back(subscription);
     next_poll_ = 0;
   }
-  // STATUS is listened to with any prefix as it is, and LCM would hand it over twice.
-  if (is_new && channel.name != kStatus.name) transport.Listen(wire_name);
+  if (is_new) transport.Listen(wire_name);
 }
 
 void Bus::Impl::MayReceive() {

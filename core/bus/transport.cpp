@@ -13,6 +13,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "core/bus/datagram_filter.h"
+
 namespace plslam::bus {
 namespace {
 
@@ -116,15 +118,23 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
 }
 
 void Transport::Listen(const std::string& channel) {
-  if (udp_ == nullptr) return Subscribe(Quoted(channel));
-  const std::lock_guard lock(listen_mutex_);
-  names_.insert(channel);
+  {
+    const std::lock_guard lock(listen_mutex_);
+    // LCM hands a message to each pattern that matches it.
+    const bool is_new = !HasListenedEnding(channel) && !names_.contains(channel);
+    names_.insert(channel);
+    if (udp_ != nullptr && !listens_to_all_) FilterLargeDatagrams(udp_->fd(), names_);
+    if (udp_ != nullptr || !is_new) return;
+  }
+  Subscribe(Quoted(channel));
 }
 
 void Transport::ListenToEnding(std::string_view ending) {
-  if (udp_ == nullptr) return Subscribe(".*" + Quoted(std::string(ending)));
-  const std::lock_guard lock(listen_mutex_);
-  endings_.emplace_back(ending);
+  {
+    const std::lock_guard lock(listen_mutex_);
+    endings_.emplace_back(ending);
+  }
+  if (udp_ == nullptr) Subscribe(".*" + Quoted(std::string(ending)));
 }
 
 void Transport::ListenToAll() {
@@ -138,6 +148,7 @@ void Transport::ListenToAll() {
   if (udp_ == nullptr) Subscribe(".*");
   const std::scoped_lock lock(send_mutex_, listen_mutex_);
   listens_to_all_ = true;
+  if (udp_ != nullptr) RemoveDatagramFilter(udp_->fd());
 }
 
 /// With send_mutex_: for tcpq this writes to the socket, too.
@@ -159,10 +170,13 @@ bool Transport::WaitReadable(int timeout_ms, int fd) const {
   return fd >= 0 && fds[1].revents != 0;
 }
 
+bool Transport::HasListenedEnding(std::string_view channel) const {
+  return std::any_of(endings_.begin(), endings_.end(), [&](const std::string& e) { return channel.ends_with(e); });
+}
+
 bool Transport::IsListenedTo(std::string_view channel) {
   const std::lock_guard lock(listen_mutex_);
-  return listens_to_all_ || names_.contains(channel) ||
-         std::any_of(endings_.begin(), endings_.end(), [&](const std::string& e) { return channel.ends_with(e); });
+  return listens_to_all_ || names_.contains(channel) || HasListenedEnding(channel);
 }
 
 bool Transport::ReceiveUdp(int timeout_ms) {

@@ -50,7 +50,7 @@ class Transport {
 
   /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
   void Listen(const std::string& channel);
-  /// All messages of channels whose name ends like this.
+  /// All messages of channels whose name ends like this; of multicast, small ones (datagram_filter.h).
   void ListenToEnding(std::string_view ending);
   /// All messages of all channels; `Listen` is then not needed any more.
   void ListenToAll();
@@ -69,6 +69,8 @@ class Transport {
  private:
   void Subscribe(const std::string& pattern);
   bool ReceiveUdp(int timeout_ms);
+  /// With listen_mutex_.
+  bool HasListenedEnding(std::string_view channel) const;
   bool IsListenedTo(std::string_view channel);
   bool WaitReadable(int timeout_ms, int fd) const;
 
@@ -82,8 +84,8 @@ class Transport {
   bool listens_to_all_ = false;
   bool ended_ = false;  // a log that is read
   std::unique_ptr<UdpReceiver> udp_;
-  std::mutex listen_mutex_;                   // what follows, and `listens_to_all_`
-  std::set<std::string, std::less<>> names_;  // listened to by `udp_`
+  std::mutex listen_mutex_;  // what follows, and `listens_to_all_`
+  std::set<std::string, std::less<>> names_;
   std::vector<std::string> endings_;
   std::atomic<int64_t> junk_{0};
   Receiver receiver_;

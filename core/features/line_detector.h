@@ -17,6 +17,8 @@ struct DetectedSegment {
   Segment2 segment;
   /// Mean contrast across the segment, grey levels; positive: the brighter side is on the right of p->q.
   double contrast = 0.0;
+  /// Of the image that it was found in: halved so many times.
+  int octave = 0;
 };
 
 /// One way to find straight edges in an image (PL-SLAM §IV.B). Implementations keep buffers, never results.

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/features/coarse_lines.h"
 #include "core/features/gradients.h"
 #include "core/features/lbd.h"
 #include "core/features/line_detector.h"
@@ -12,17 +13,19 @@
 namespace plslam {
 
 struct LineExtractor::Impl {
-  explicit Impl(const LineOptions& o) : options(o), detector(MakeLineDetector(o)) {}
+  explicit Impl(const LineOptions& o) : options(o), detector(MakeLineDetector(o)), coarse(*detector, options) {}
 
   std::vector<DetectedSegment> Segments(const cv::Mat& image) {
     std::vector<DetectedSegment> segments = MergeCollinear(detector->Detect(image, gradients));
     const auto is_short = [this](const DetectedSegment& s) { return s.segment.Length() < options.min_length_px; };
     segments.erase(std::find_if(segments.begin(), segments.end(), is_short), segments.end());
+    coarse.Complete(image, gradients, segments);
     return SelectSpread(segments, image.size(), options.max_lines);
   }
 
   LineOptions options;
   std::unique_ptr<LineDetector> detector;
+  CoarseLines coarse;
   Gradients gradients;
 };
 
@@ -39,6 +42,7 @@ std::vector<LineFeature> LineExtractor::Extract(const cv::Mat& image) {
   for (const DetectedSegment& s : impl_->Segments(image)) {
     LineFeature line;
     line.segment = s.segment;
+    line.octave = s.octave;
     line.response = static_cast<float>(s.contrast);
     line.descriptor = ComputeLbd(impl_->gradients, s.segment);
     lines.push_back(line);

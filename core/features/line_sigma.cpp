@@ -10,13 +10,21 @@ namespace {
 /// neighbours through the gradient filter.
 constexpr double kNoise = 3.0;
 constexpr double kFloor_px = 0.03;
+/// In pixels of the line's own image.
+constexpr double kBlurred_px = 0.1;
 
 }  // namespace
 
-double LineSigma_px(double length_px, double contrast, double t) {
-  const double place = kNoise / std::max(contrast, 1.0);
-  const double n = std::max(length_px, 1.0);
-  return std::sqrt((place * place / n + kFloor_px * kFloor_px / 4.0) * (1.0 + 3.0 * t * t));
+double LineSigma_px(double length_px, double contrast, double t, int octave) {
+  const double scale = 1 << octave;
+  const double place = kNoise / (scale * std::max(contrast, 1.0));
+  const double n = std::max(length_px / scale, 1.0);
+  return scale * std::sqrt((place * place / n + kFloor_px * kFloor_px / 4.0) * (1.0 + 3.0 * t * t));
+}
+
+double EndSigma_px(const LineFeature& line) {
+  const double fit = LineSigma_px(line.segment.Length(), line.response, 1.0, line.octave);
+  return line.octave == 0 ? fit : std::hypot(fit, kBlurred_px * (1 << line.octave));
 }
 
 double PlaceAlong(const Segment2& segment, const Eigen::Vector2d& point) {

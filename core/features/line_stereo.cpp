@@ -152,8 +152,9 @@ double DisparitySigma(const LineFeature& left, const LineFeature& right, const R
                       double row) {
   const Eigen::Vector2d on_left(l.Column(row), row);
   const Eigen::Vector2d on_right(r.Column(row), row);
-  const double sl = LineSigma_px(l.length, left.response, PlaceAlong(left.segment, on_left)) / l.Sine();
-  const double sr = LineSigma_px(r.length, right.response, PlaceAlong(right.segment, on_right)) / r.Sine();
+  const double sl = LineSigma_px(l.length, left.response, PlaceAlong(left.segment, on_left), left.octave) / l.Sine();
+  const double sr =
+      LineSigma_px(r.length, right.response, PlaceAlong(right.segment, on_right), right.octave) / r.Sine();
   return std::sqrt(sl * sl + sr * sr);
 }
 
@@ -194,7 +195,7 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
   std::vector<StereoLine> out(lines.size());
   for (size_t i = 0; i < lines.size(); ++i) {
     out[i].left = lines[i];
-    out[i].sigma_px = LineSigma_px(lines[i].segment.Length(), lines[i].response, 1.0);
+    out[i].sigma_px = EndSigma_px(lines[i]);
   }
   return out;
 }

@@ -1,5 +1,7 @@
 # Line segments: detection, description, matching. Included by this folder's CMakeLists.txt.
 set(plslam_line_sources
+  coarse_lines.cpp
+  edge_width.cpp
   gradients.cpp
   lbd.cpp
   line_depth.cpp

@@ -25,6 +25,8 @@ struct LineOptions {
   double min_length_px = 20.0;
   /// Contrast across a segment, grey levels; edgechain only.
   double min_contrast = 8.0;
+  /// Images that are searched where few lines are sharp: whole, half, quarter ...
+  int levels = 3;
   /// Size of the image LSD works on, relative to the input.
   double lsd_scale = 1.2;
 };
@@ -113,6 +115,9 @@ void VisitFields(Visitor& visit, LineOptions& o) {
   visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest, spread");
   visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
   visit("min_contrast", o.min_contrast, Bounds{2, 100}, "contrast across a segment, grey levels (edgechain)");
+  visit("levels", o.levels, Bounds{1, 5},
+        "images that are searched where few lines are sharp, as in motion: the whole one, half of its size, a "
+        "quarter, ...");
   visit("lsd_scale", o.lsd_scale, Bounds{0.3, 2.0}, "size of the image LSD works on, relative to the input");
 }
 

@@ -11,7 +11,11 @@
 namespace plslam::synthetic {
 namespace {
 
-constexpr int kBlurSteps = 5;
+// Images that are averaged to a blurred one: as many that edges move by this from one to the next, where they are so far away.
+constexpr double kBlurStep_px = 1.5;
+constexpr double kBlurDepth_m = 2.0;
+constexpr int kMinBlurSteps = 5;
+constexpr int kMaxBlurSteps = 65;
 constexpr double kExposureSwing = 0.2;
 
 /// The frame with z upwards from the frame of a trajectory file: cameras are upright in the mean, so the signed axis
@@ -152,17 +156,29 @@ double Simulator::Gain(int index) const {
   return 1.0 + kExposureSwing * options_.exposure * wave;
 }
 
+int Simulator::BlurSteps(const Eye& eye, int index) const {
+  const SE3 opens = motion_->At(index - 0.5 * options_.blur);
+  const SE3 closes = motion_->At(index + 0.5 * options_.blur);
+  // The chord of the rotation; of angles as small it is their length.
+  const double turn_rad = (closes.R() - opens.R()).norm() / std::sqrt(2.0);
+  const double way_m = (closes.translation() - opens.translation()).norm();
+  const double moved_px = eye.lens.ideal().fx * (turn_rad + way_m / kBlurDepth_m);
+  return std::clamp(static_cast<int>(std::ceil(moved_px / kBlurStep_px)), kMinBlurSteps, kMaxBlurSteps);
+}
+
 std::vector<float> Simulator::Radiance(const Eye& eye, int index) const {
   if (options_.blur == 0.0) {
     return RenderRadiance(world_, ViewOf(eye, motion_->At(index)));
   }
+  const int steps = BlurSteps(eye, index);
+  const float share = 1.0F / static_cast<float>(steps);
   std::vector<float> sum;
-  for (int step = 0; step < kBlurSteps; ++step) {
-    const double shutter = options_.blur * ((step + 0.5) / kBlurSteps - 0.5);
+  for (int step = 0; step < steps; ++step) {
+    const double shutter = options_.blur * ((step + 0.5) / steps - 0.5);
     const std::vector<float> part = RenderRadiance(world_, ViewOf(eye, motion_->At(index + shutter)));
     sum.resize(part.size(), 0.0F);
     std::transform(sum.begin(), sum.end(), part.begin(), sum.begin(),
-                   [](float a, float b) { return a + b * (1.0F / kBlurSteps); });
+                   [share](float a, float b) { return a + b * share; });
   }
   return sum;
 }

@@ -52,6 +52,7 @@ class Simulator {
   void MakeEyes();
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
+  int BlurSteps(const Eye& eye, int index) const;
   std::vector<float> Radiance(const Eye& eye, int index) const;
   cv::Mat RenderEye(const Eye& eye, int index, int camera) const;
 

@@ -1,0 +1,22 @@
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "player/open_dataset.h"
+#include "tests/support/slam_run.h"
+
+namespace plslam::test {
+namespace {
+
+// Up to 200 degrees a second, with the shutter open for most of the time: hardly a sharp edge is left of a world that has nothing but edges.
+TEST(Blurred, WhitewallIsTrackedInFastMotion) {
+  const auto dataset = OpenDataset("synthetic:whitewall?size=376x240&frames=60&blur=0.8&speed=3&seed=4", "");
+  const SlamRun run = RunSlam(*dataset, {}, {}, 1);
+  EXPECT_EQ(LostFrames(run.live), 0);
+  const double error_m = AbsoluteTrajectoryError(run.final);
+  RecordProperty("ate_m", std::to_string(error_m));
+  EXPECT_LT(error_m, 0.2) << "over 9 m";
+}
+
+}  // namespace
+}  // namespace plslam::test

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace plslam {
 namespace {
@@ -20,8 +21,8 @@ std::array<double, kMaxEdgeWidth_px> ProfileAcross(const Gradients& gradients, c
   for (int k = 0; k < kPlaces; ++k) {
     Eigen::Vector2d at = segment.p + (k + 0.5) / kPlaces * step - kReach * normal;
     for (double& sum : profile) {
-      const int x = static_cast<int>(std::clamp(at.x(), 0.0, right) + 0.5);
-      const int y = static_cast<int>(std::clamp(at.y(), 0.0, bottom) + 0.5);
+      const int x = static_cast<int>(std::lround(std::clamp(at.x(), 0.0, right)));
+      const int y = static_cast<int>(std::lround(std::clamp(at.y(), 0.0, bottom)));
       sum += normal.x() * gradients.dx.at<int16_t>(y, x) + normal.y() * gradients.dy.at<int16_t>(y, x);
       at += normal;
     }

@@ -9,9 +9,6 @@ namespace {
 
 constexpr int kReach = kMaxEdgeWidth_px / 2;
 constexpr int kPlaces = 8;
-/// Share of the largest gradient that is of the slope still. What motion blurs is flat on top; half would count the feet of what a
-/// lens blurs, whose peak tells its place.
-constexpr double kOfTheSlope = 0.6;
 
 /// Sums of the gradient across, from the darker to the brighter side.
 std::array<double, kMaxEdgeWidth_px> ProfileAcross(const Gradients& gradients, const Segment2& segment,
@@ -40,11 +37,11 @@ int EdgeWidth_px(const Gradients& gradients, const Segment2& segment) {
   if (!(length > 0.0)) return 0;
   const std::array<double, kMaxEdgeWidth_px> profile = ProfileAcross(gradients, segment, length);
   const auto at = [&profile](int offset) { return profile[static_cast<size_t>(kReach + offset)]; };
-  const double least = kOfTheSlope * std::max({at(-1), at(0), at(1)});
+  const double half = 0.5 * std::max({at(-1), at(0), at(1)});
   int first = 0;
   int last = 0;
-  while (first > -kReach && at(first - 1) >= least) --first;
-  while (last < kReach && at(last + 1) >= least) ++last;
+  while (first > -kReach && at(first - 1) >= half) --first;
+  while (last < kReach && at(last + 1) >= half) ++last;
   return last - first + 1;
 }
 

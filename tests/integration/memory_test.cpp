@@ -28,6 +28,7 @@ using test::WholeRun;
 /// sample that is taken while a process writes its state, a copy of all it has, says nothing.
 double Grown_mb(const std::vector<std::pair<double, double>>& samples) {
   std::vector<double> mb;
+  mb.reserve(samples.size());
   for (const auto& sample : samples) mb.push_back(sample.second);
   const auto middle = mb.begin() + static_cast<std::ptrdiff_t>(mb.size() / 2);
   const auto median = [](auto begin, auto end) {

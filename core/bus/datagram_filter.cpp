@@ -6,13 +6,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/bus/udp_receiver.h"
+
 namespace plslam::bus {
 namespace {
 
-// The filter sees a datagram from its UDP header on; then come LCM's magic and number, and the name of the channel.
-constexpr uint32_t kMagicAt = 8;
-constexpr uint32_t kNameAt = 16;
-constexpr uint32_t kMagic = 0x4c433032;
+// The filter sees a datagram from its UDP header on.
+constexpr uint32_t kPacketAt = 8;
+constexpr uint32_t kNameAt = kPacketAt + kLcmHeadBytes;
 // BPF's answers: how many bytes of the datagram are kept.
 constexpr uint32_t kAll = 0xffffffff;
 constexpr uint32_t kNone = 0;
@@ -54,8 +55,8 @@ void FilterLargeDatagrams(int fd, const std::set<std::string, std::less<>>& name
   program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
   program.push_back({BPF_JMP | BPF_JGT | BPF_K, 1, 0, static_cast<uint32_t>(kUnfilteredBytes)});
   Return(program, kAll);
-  Load(program, BPF_W, kMagicAt);
-  program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kMagic});
+  Load(program, BPF_W, kPacketAt);
+  program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kLcmMagic});
   Return(program, kAll);
   for (const std::string& name : names) KeepChannel(program, name);
   Return(program, kNone);

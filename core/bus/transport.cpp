@@ -120,11 +120,13 @@ bool Transport::Send(const std::string& channel, ByteView bytes) {
 void Transport::Listen(const std::string& channel) {
   {
     const std::lock_guard lock(listen_mutex_);
+    if (!names_.insert(channel).second) return;
+    if (udp_ != nullptr) {
+      if (!listens_to_all_) FilterLargeDatagrams(udp_->fd(), names_);
+      return;
+    }
     // LCM hands a message to each pattern that matches it.
-    const bool is_new = !HasListenedEnding(channel) && !names_.contains(channel);
-    names_.insert(channel);
-    if (udp_ != nullptr && !listens_to_all_) FilterLargeDatagrams(udp_->fd(), names_);
-    if (udp_ != nullptr || !is_new) return;
+    if (HasListenedEnding(channel)) return;
   }
   Subscribe(Quoted(channel));
 }

@@ -15,9 +15,6 @@ namespace plslam::bus {
 namespace {
 
 constexpr std::string_view kScheme = "udpm://";
-// A packet: magic, number (both 32 bits), channel name, 0, message.
-constexpr int32_t kMagic = 0x4c433032;
-constexpr size_t kHeadBytes = 8;
 constexpr size_t kMaxNameBytes = 63;
 constexpr size_t kMaxDatagram = 65'536;
 
@@ -66,8 +63,8 @@ UdpGroup ParseUdpGroup(const std::string& url) {
 }
 
 bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes) {
-  if (packet.size() <= kHeadBytes || ReadInt32(packet.data()) != kMagic) return false;
-  const ByteView rest = packet.subspan(kHeadBytes);
+  if (packet.size() <= kLcmHeadBytes || static_cast<uint32_t>(ReadInt32(packet.data())) != kLcmMagic) return false;
+  const ByteView rest = packet.subspan(kLcmHeadBytes);
   const void* end = std::memchr(rest.data(), 0, std::min(rest.size(), kMaxNameBytes + 1));
   if (end == nullptr) return false;
   const auto length = static_cast<size_t>(static_cast<const uint8_t*>(end) - rest.data());

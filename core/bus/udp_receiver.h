@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -9,6 +10,10 @@
 #include "core/bus/wire.h"
 
 namespace plslam::bus {
+
+/// A packet of LCM: magic and number (both 32 bits), name of the channel, 0, message.
+inline constexpr uint32_t kLcmMagic = 0x4c433032;
+inline constexpr size_t kLcmHeadBytes = 8;
 
 /// A multicast group in an LCM URL.
 struct UdpGroup {

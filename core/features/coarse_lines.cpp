@@ -64,9 +64,7 @@ void CoarseLines::Complete(const cv::Mat& image, const Gradients& gradients, std
     if (std::min(level.cols, level.rows) < kMinSize_px) break;
     AddLevel(level, octave, segments);
   }
-  std::stable_sort(segments.begin(), segments.end(), [](const DetectedSegment& a, const DetectedSegment& b) {
-    return a.segment.Length() > b.segment.Length();
-  });
+  segments = LongestFirst(segments);
 }
 
 void CoarseLines::AddLevel(const cv::Mat& level, int octave, std::vector<DetectedSegment>& segments) {

@@ -46,25 +46,6 @@ Piece MakePiece(const DetectedSegment& segment) {
   return {segment, length, step / length, true};
 }
 
-/// Ordered by length, equal ones by place.
-std::vector<DetectedSegment> LongestFirst(const std::vector<DetectedSegment>& segments) {
-  // Lengths and indices are sorted, not segments: comparing segments takes roots, and swapping them bytes.
-  std::vector<std::pair<double, size_t>> order;
-  order.reserve(segments.size());
-  for (size_t i = 0; i < segments.size(); ++i) order.emplace_back(segments[i].segment.Length(), i);
-  const auto place = [&](size_t i) {
-    const Segment2& s = segments[i].segment;
-    return std::make_tuple(s.p.y(), s.p.x(), s.q.y(), s.q.x(), i);
-  };
-  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first > b.first : place(a.second) < place(b.second);
-  });
-  std::vector<DetectedSegment> sorted;
-  sorted.reserve(segments.size());
-  for (const auto& [length, i] : order) sorted.push_back(segments[i]);
-  return sorted;
-}
-
 enum class Relation { kApart, kDuplicate, kSameEdge };
 
 /// How `b`, the shorter one, lies to `a`.
@@ -200,6 +181,24 @@ int Cell(const Segment2& segment, cv::Size size) {
 }
 
 }  // namespace
+
+std::vector<DetectedSegment> LongestFirst(const std::vector<DetectedSegment>& segments) {
+  // Lengths and indices are sorted, not segments: comparing segments takes roots, and swapping them bytes.
+  std::vector<std::pair<double, size_t>> order;
+  order.reserve(segments.size());
+  for (size_t i = 0; i < segments.size(); ++i) order.emplace_back(segments[i].segment.Length(), i);
+  const auto place = [&](size_t i) {
+    const Segment2& s = segments[i].segment;
+    return std::make_tuple(s.p.y(), s.p.x(), s.q.y(), s.q.x(), i);
+  };
+  std::sort(order.begin(), order.end(), [&](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first > b.first : place(a.second) < place(b.second);
+  });
+  std::vector<DetectedSegment> sorted;
+  sorted.reserve(segments.size());
+  for (const auto& [length, i] : order) sorted.push_back(segments[i]);
+  return sorted;
+}
 
 std::vector<DetectedSegment> MergeCollinear(const std::vector<DetectedSegment>& segments) {
   return LongestFirst(Merger(LongestFirst(segments)).Merge());

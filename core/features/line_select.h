@@ -8,6 +8,9 @@
 
 namespace plslam {
 
+/// Ordered by length, longest first, equal ones by place.
+std::vector<DetectedSegment> LongestFirst(const std::vector<DetectedSegment>& segments);
+
 /// Joins collinear pieces of one edge (same polarity, gap of a few pixels, within about a pixel of one straight line)
 /// and drops duplicates that lie on a longer segment. The result is ordered by length, longest first.
 std::vector<DetectedSegment> MergeCollinear(const std::vector<DetectedSegment>& segments);

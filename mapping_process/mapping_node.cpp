@@ -1,6 +1,5 @@
 #include "mapping_process/mapping_node.h"
 
-#include <malloc.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <utility>
 
 #include "core/bus/convert.h"
+#include "core/bus/process_memory.h"
 #include "core/bus/worker.h"
 #include "core/geometry/rectification.h"
 #include "core/io/map_camera.h"
@@ -368,7 +368,7 @@ void MappingNode::KeepState() {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
   // Copies of the whole map, needed now and then only: twice the memory of the process, if it kept that.
-  malloc_trim(0);
+  bus::GiveBackFreedMemory();
 }
 
 bus::ProcessSpec MappingSpec() {

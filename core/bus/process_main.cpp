@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <malloc.h>
 #include <signal.h>
 #include <spdlog/spdlog.h>
 
@@ -9,6 +8,7 @@
 
 #include "core/bus/process_arguments.h"
 #include "core/bus/process_impl.h"
+#include "core/bus/process_memory.h"
 #include "core/bus/process_signals.h"
 
 namespace plslam::bus {
@@ -84,14 +84,6 @@ class ProcessRunner {
   bool signalled_ = false;
 };
 
-/// Frames come and go: their memory stays with the process. Given back to the kernel at each, it would be cleared, page by
-/// page, for the next: of all page faults of a run that is a sixth at 752x480, a third at 1241x376.
-void KeepMemory() {
-  constexpr int kLargestBlock = 32 << 20;  // the most that glibc takes from its heap
-  mallopt(M_MMAP_THRESHOLD, kLargestBlock);
-  mallopt(M_TRIM_THRESHOLD, 4 * kLargestBlock);
-}
-
 int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   CLI::App app(spec.description, argc > 0 ? argv[0] : spec.name);
   app.set_version_flag("--version", PLSLAM_VERSION);
@@ -110,7 +102,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   }
   SetUpLogging(spec.name);
   signal(SIGPIPE, SIG_IGN);
-  KeepMemory();
+  KeepFreedMemory();
   return ProcessRunner(spec, arguments).Run();
 }
 

@@ -24,20 +24,18 @@ namespace {
 
 using test::WholeRun;
 
-/// Growth over the time of the samples (time, MB): from the median of their first half to that of the second is half of it. One
-/// sample that is taken while a process writes its state, a copy of all it has, says nothing.
-double Grown_mb(const std::vector<std::pair<double, double>>& samples) {
-  std::vector<double> mb;
-  mb.reserve(samples.size());
-  for (const auto& sample : samples) mb.push_back(sample.second);
-  const auto middle = mb.begin() + static_cast<std::ptrdiff_t>(mb.size() / 2);
-  const auto median = [](auto begin, auto end) {
-    const auto place = begin + (end - begin) / 2;
-    std::nth_element(begin, place, end);
-    return *place;
-  };
-  const double first = median(mb.begin(), middle);
-  return 2.0 * (median(middle, mb.end()) - first);
+/// Least squares through (x, y): rise of y for one x.
+double Slope(const std::vector<std::pair<double, double>>& points) {
+  double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (const auto& [x, y] : points) {
+    n += 1;
+    sx += x;
+    sy += y;
+    sxx += x * x;
+    sxy += x * y;
+  }
+  const double determinant = n * sxx - sx * sx;
+  return determinant > 0 ? (n * sxy - sx * sy) / determinant : 0.0;
 }
 
 std::string ToText(const std::vector<std::pair<double, double>>& samples) {
@@ -109,7 +107,7 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
   for (const char* process : {"player", "vo", "mapping", "loop", "viewer", "plslam"}) {
     KeepSecondHalf(memory[process]);
     ASSERT_GE(memory[process].size(), 5U) << process;
-    const double grown_mb = Grown_mb(memory[process]);
+    const double grown_mb = Slope(memory[process]) * 0.5;
     std::cout << process << ": " << grown_mb << " MB in the second half of " << frames << " frames, "
               << summary["keyframes"] << " keyframes:" << ToText(memory[process]) << '\n';
     const double kept = kept_mb.contains(process) ? kept_mb.at(process) : 0.0;

@@ -1,10 +1,9 @@
 #include "core/bus/bus.h"
 
-#include <fstream>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/bus/process_usage.h"
 #include "plslam/command_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -342,14 +341,6 @@ TEST(Bus, RefusesMessagesThatDoNotFitOrDoNotBelong) {
   EXPECT_THROW(bus.Subscribe<status_t>(kPose, [](const status_t&) {}), std::logic_error);
 }
 
-/// Resident memory of this process.
-double MemoryMb() {
-  std::ifstream in("/proc/self/statm");
-  double pages = 0;
-  in >> pages >> pages;
-  return pages * 4096 / 1e6;
-}
-
 TEST(Bus, MemoryStaysBoundedOverManyMessages) {
 #ifdef PLSLAM_SANITIZED
   GTEST_SKIP() << "sanitizers keep memory of their own";
@@ -370,11 +361,12 @@ TEST(Bus, MemoryStaysBoundedOverManyMessages) {
   double early = 0.0;
   for (int i = 0; i < kMessages; ++i) {
     publisher.Publish(kStream, stream_t{});
-    if (i == kMessages / 10) early = MemoryMb();
+    if (i == kMessages / 10) early = CurrentUsage().memory_mb;
   }
   ASSERT_TRUE(received.Reaches(kMessages, std::chrono::seconds(60)));
-  std::printf("  %.1f MB after %d messages, %.1f MB after %d\n", early, kMessages / 10, MemoryMb(), kMessages);
-  EXPECT_LT(MemoryMb(), early + 10.0);
+  std::printf("  %.1f MB after %d messages, %.1f MB after %d\n", early, kMessages / 10, CurrentUsage().memory_mb,
+              kMessages);
+  EXPECT_LT(CurrentUsage().memory_mb, early + 10.0);
   EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
 }
 

@@ -28,7 +28,7 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
       questions_(
           process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
-      map_(process.bus(), [this](const MapUpdate& update, const MapReplica&) { Queue(update); }) {
+      map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
   judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });

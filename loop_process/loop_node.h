@@ -76,7 +76,7 @@ class LoopNode {
   std::thread adjuster_;
   bus::KeyframeSubscriber keyframes_;
   bus::KeyframeSubscriber questions_;
-  bus::MapSubscriber map_;
+  bus::MapUpdateSubscriber map_;
 };
 
 bus::ProcessSpec LoopSpec();

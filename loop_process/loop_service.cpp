@@ -33,7 +33,7 @@ LoopService::Output LoopService::OnTick() {
 LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
   const int64_t source = replica_.source();
-  if (replica_.Apply(update) != MapReplica::Outcome::kApplied) return output;
+  if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
   if (replica_.source() != source) {
     judged_.clear();
     newest_.clear();

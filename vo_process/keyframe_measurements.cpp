@@ -106,41 +106,45 @@ KeyframeContent KeyframeMeasurements::Take(const LocalLandmarks& landmarks, Keyf
 }
 
 template <class Feature>
-std::map<int64_t, std::vector<KeyframeMeasurements::Seen<Feature>>> KeyframeMeasurements::Collect(
+IdIndex<KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
     std::vector<Named<Feature>> Frame::*of) const {
-  std::map<int64_t, std::vector<Seen<Feature>>> collected;
+  size_t n = 0;
+  for (const Frame& frame : frames_) n += (frame.*of).size();
+  std::vector<std::pair<int64_t, Seen<Feature>>> seen;
+  seen.reserve(n);
   for (const Frame& frame : frames_) {
     for (const Named<Feature>& named : frame.*of) {
-      collected[named.landmark_id].push_back({&frame.T_c_odom, &named.feature});
+      seen.push_back({named.landmark_id, {&frame.T_c_odom, &named.feature}});
     }
   }
-  return collected;
+  return IdIndex(std::move(seen));
 }
 
 template <class Landmark, class Feature>
-void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks,
-                                      const std::map<int64_t, std::vector<Seen<Feature>>>& collected,
+void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
-  std::map<int64_t, size_t> feature_of;
+  std::vector<std::pair<int64_t, size_t>> places;
+  places.reserve(tracks.size());
   for (size_t i = 0; i < tracks.size(); ++i) {
-    if (tracks[i].landmark_id >= 0) feature_of[tracks[i].landmark_id] = i;
+    if (tracks[i].landmark_id >= 0) places.emplace_back(tracks[i].landmark_id, i);
   }
+  const IdIndex feature_of(std::move(places));
   for (const Landmark& landmark : landmarks) {
-    const auto seen = collected.find(landmark.id);
-    if (seen == collected.end() || seen->second.size() < kMinSights) continue;
-    const auto found = feature_of.find(landmark.id);
-    if (found != feature_of.end()) {
-      Improve(landmark, seen->second, features[found->second]);
+    const Sights<Feature> seen = collected.Find(landmark.id);
+    if (seen.size() < kMinSights) continue;
+    const auto found = feature_of.Find(landmark.id);
+    if (!found.empty()) {
+      Improve(landmark, seen, features[found.back().second]);
       continue;
     }
-    Feature feature = *seen->second.back().feature;
-    if (!Expect(landmark, feature) || !Improve(landmark, seen->second, feature)) continue;
+    Feature feature = *seen.back().second.feature;
+    if (!Expect(landmark, feature) || !Improve(landmark, seen, feature)) continue;
     features.push_back(feature);
     tracks.push_back({landmark.id, landmark.seen, landmark.map_id});
   }
 }
 
-bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vector<Seen<StereoPoint>>& seen,
+bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Sights<StereoPoint> seen,
                                    StereoPoint& feature) const {
   const auto project = [&](const SE3& T_c_odom) -> std::optional<Eigen::Vector3d> {
     const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
@@ -150,7 +154,7 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vec
   const auto here = project(frames_.back().T_c_odom);
   if (!here) return false;
   Mean u, v, d;
-  for (const Seen<StereoPoint>& sight : seen) {
+  for (const auto& [id, sight] : seen) {
     const auto expected = project(*sight.T_c_odom);
     if (!expected) continue;
     const StereoPoint& measured = *sight.feature;
@@ -171,12 +175,11 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, const std::vec
   return true;
 }
 
-bool KeyframeMeasurements::Improve(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
-                                   StereoLine& feature) const {
+bool KeyframeMeasurements::Improve(const LineLandmark& landmark, Sights<StereoLine> seen, StereoLine& feature) const {
   const auto here = Project(frames_.back().T_c_odom, landmark.segment_odom, camera_);
   if (!here) return false;
   EndMeans left;
-  for (const Seen<StereoLine>& sight : seen) {
+  for (const auto& [id, sight] : seen) {
     const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
     if (!expected) continue;
     const Segment2 projected = expected->Left();
@@ -197,10 +200,10 @@ bool KeyframeMeasurements::Improve(const LineLandmark& landmark, const std::vect
   return true;
 }
 
-bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
+bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, Sights<StereoLine> seen,
                                               const Segment2& right, StereoLine& feature) const {
   EndMeans means;
-  for (const Seen<StereoLine>& sight : seen) {
+  for (const auto& [id, sight] : seen) {
     const StereoLine& measured = *sight.feature;
     const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
     if (!expected || !measured.HasDepth()) continue;

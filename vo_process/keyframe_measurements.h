@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <map>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/id_index.h"
 #include "vo_process/local_landmarks.h"
 
 namespace plslam {
@@ -56,22 +58,24 @@ class KeyframeMeasurements {
     const SE3* T_c_odom = nullptr;
     const Feature* feature = nullptr;
   };
+  template <class Feature>
+  using Sights = std::span<const std::pair<int64_t, Seen<Feature>>>;
+
   /// Means over `seen` as a feature of the last frame; `feature` says what it looks like. False, and nothing done, where
   /// they say nothing.
-  bool Improve(const PointLandmark& landmark, const std::vector<Seen<StereoPoint>>& seen, StereoPoint& feature) const;
-  bool Improve(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen, StereoLine& feature) const;
-  bool ImproveDisparities(const LineLandmark& landmark, const std::vector<Seen<StereoLine>>& seen,
-                          const Segment2& right, StereoLine& feature) const;
+  bool Improve(const PointLandmark& landmark, Sights<StereoPoint> seen, StereoPoint& feature) const;
+  bool Improve(const LineLandmark& landmark, Sights<StereoLine> seen, StereoLine& feature) const;
+  bool ImproveDisparities(const LineLandmark& landmark, Sights<StereoLine> seen, const Segment2& right,
+                          StereoLine& feature) const;
   /// The feature as it should be in the last frame where that did not find it.
   bool Expect(const PointLandmark& landmark, StereoPoint& feature) const;
   bool Expect(const LineLandmark& landmark, StereoLine& feature) const;
   /// By landmark, in the order of the frames.
   template <class Feature>
-  std::map<int64_t, std::vector<Seen<Feature>>> Collect(std::vector<Named<Feature>> Frame::*of) const;
+  IdIndex<Seen<Feature>> Collect(std::vector<Named<Feature>> Frame::*of) const;
   template <class Landmark, class Feature>
-  void ImproveAll(const std::vector<Landmark>& landmarks,
-                  const std::map<int64_t, std::vector<Seen<Feature>>>& collected, std::vector<Feature>& features,
-                  std::vector<FeatureTrack>& tracks) const;
+  void ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
+                  std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const;
 
   StereoCamera camera_;
   std::deque<Frame> frames_;

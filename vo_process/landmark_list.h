@@ -1,10 +1,13 @@
 #pragma once
 
-#include <map>
-#include <set>
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/features/features.h"
+#include "vo_process/id_index.h"
 #include "vo_process/map_patch.h"
 #include "vo_process/options.h"
 #include "vo_process/tracked_frame.h"
@@ -39,34 +42,38 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
-  std::map<int64_t, size_t> by_id;
-  std::map<int64_t, size_t> by_map_id;
-  for (size_t i = 0; i < landmarks.size(); ++i) {
-    by_id[landmarks[i].id] = i;
-    if (landmarks[i].map_id >= 0) by_map_id[landmarks[i].map_id] = i;
-  }
+  const auto index_by = [&landmarks](int64_t Landmark::*id) {
+    std::vector<std::pair<int64_t, size_t>> places;
+    places.reserve(landmarks.size());
+    for (size_t i = 0; i < landmarks.size(); ++i) {
+      if (landmarks[i].*id >= 0) places.emplace_back(landmarks[i].*id, i);
+    }
+    return IdIndex(std::move(places));
+  };
+  const IdIndex<size_t> by_id = index_by(&Landmark::id);
+  const IdIndex<size_t> by_map_id = index_by(&Landmark::map_id);
   std::vector<char> taken(landmarks.size(), 0);
   std::vector<char> drop(landmarks.size(), 0);
+  std::vector<size_t> same;
   for (const Adopted<Known>& entry : adopted) {
-    std::set<size_t> same;
-    for (const int64_t id : entry.tracker_ids) {
-      const auto found = by_id.find(id);
-      if (found != by_id.end() && !taken[found->second]) same.insert(found->second);
-    }
-    const auto found = by_map_id.find(entry.landmark->id);
-    if (found != by_map_id.end() && !taken[found->second]) same.insert(found->second);
-    for (const size_t i : same) {
-      taken[i] = 1;
-      drop[i] = i == *same.begin() ? 0 : 1;
-    }
+    same.clear();
+    const auto add = [&](std::span<const std::pair<int64_t, size_t>> found) {
+      if (found.empty() || taken[found.back().second]) return;
+      same.push_back(found.back().second);
+      taken[same.back()] = 1;
+    };
+    for (const int64_t id : entry.tracker_ids) add(by_id.Find(id));
+    add(by_map_id.Find(entry.landmark->id));
     const bool is_new = same.empty();
+    const size_t first = is_new ? 0 : *std::min_element(same.begin(), same.end());
+    for (const size_t i : same) drop[i] = i == first ? 0 : 1;
     if (is_new) {
       Landmark& landmark = landmarks.emplace_back();
       landmark.id = next_id++;
       landmark.from_map = true;
       landmark.unseen_frames = kAdoptedUnseenFrames;
     }
-    Landmark& landmark = is_new ? landmarks.back() : landmarks[*same.begin()];
+    Landmark& landmark = is_new ? landmarks.back() : landmarks[first];
     landmark.map_id = entry.landmark->id;
     landmark.map_sights = static_cast<int>(entry.landmark->sights.size());
     set(*entry.landmark, is_new, landmark);

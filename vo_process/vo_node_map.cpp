@@ -28,13 +28,13 @@ int64_t NewestOf(int64_t session, const Map& map) {
 
 /// To the map and to loop_process.
 void VoNode::Listen() {
-  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update, const MapReplica& map) {
+  map_ = std::make_unique<bus::MapSubscriber>(process_.bus(), [this](const MapUpdate& update) {
     // In lockstep only what loop_process has had its say about: the same at every run.
     if (lockstep_ && !update.settled) return;
     if (update.session == session_) {
       map_keyframe_id_ = update.session_keyframe_id;
     } else if (map_keyframe_id_ < 0) {
-      map_keyframe_id_ = NewestOf(session_, map.map());
+      map_keyframe_id_ = NewestOf(session_, map_->replica().map());
     }
     OnMap();
   });

@@ -43,21 +43,20 @@ void MapUpdatePublisher::Publish(const MapUpdate& update) {
   state_->version = update.version;
 }
 
-struct MapSubscriber::State {
-  State(Bus& bus_in, std::function<void(const MapUpdate&, const MapReplica&)> handler_in)
-      : bus(bus_in), handler(std::move(handler_in)) {}
+struct MapUpdateSubscriber::State {
+  State(Bus& bus_in, std::function<void(MapUpdate)> handler_in) : bus(bus_in), handler(std::move(handler_in)) {}
 
   void OnPage(const map_update_t& page);
-  void OnUpdate(const MapUpdate& update);
+  void OnUpdate(MapUpdate update);
   void OnTick();
   void Lack();
   void Ask();
   bool IsOld(int64_t source);
 
   Bus& bus;
-  std::function<void(const MapUpdate&, const MapReplica&)> handler;
+  std::function<void(MapUpdate)> handler;
   MapUpdateAssembler assembler;
-  MapReplica replica;
+  MapVersion known;
   /// In the order in which they were heard first.
   std::vector<int64_t> publishers;
   bool lacking = true;
@@ -65,20 +64,20 @@ struct MapSubscriber::State {
   bool being_served = false;
 };
 
-bool MapSubscriber::State::IsOld(int64_t source) {
+bool MapUpdateSubscriber::State::IsOld(int64_t source) {
   const auto place = [this](int64_t publisher) { return std::find(publishers.begin(), publishers.end(), publisher); };
   if (place(source) == publishers.end()) {
     if (publishers.size() >= kMaxMapPublishers) publishers.erase(publishers.begin());
     publishers.push_back(source);
   }
-  const auto ours = place(replica.source());
+  const auto ours = place(known.source());
   return ours != publishers.end() && place(source) < ours;
 }
 
-void MapSubscriber::State::OnPage(const map_update_t& page) {
+void MapUpdateSubscriber::State::OnPage(const map_update_t& page) {
   if (IsOld(page.header.source)) return;
   being_served = being_served || page.base_version == 0;
-  const bool is_news = page.header.source != replica.source() || page.version > replica.version();
+  const bool is_news = page.header.source != known.source() || page.version > known.number();
   switch (assembler.Add(page)) {
     case PageOutcome::kTaken:
       return;
@@ -92,34 +91,34 @@ void MapSubscriber::State::OnPage(const map_update_t& page) {
   }
 }
 
-void MapSubscriber::State::OnUpdate(const MapUpdate& update) {
-  switch (replica.Apply(update)) {
-    case MapReplica::Outcome::kKnown:
+void MapUpdateSubscriber::State::OnUpdate(MapUpdate update) {
+  switch (known.Advance(update)) {
+    case MapVersion::Step::kKnown:
       return;
-    case MapReplica::Outcome::kGap:
+    case MapVersion::Step::kGap:
       return Lack();
-    case MapReplica::Outcome::kApplied:
+    case MapVersion::Step::kNext:
       lacking = false;
-      handler(update, replica);
+      handler(std::move(update));
   }
 }
 
-void MapSubscriber::State::Lack() {
+void MapUpdateSubscriber::State::Lack() {
   if (!std::exchange(lacking, true)) Ask();
 }
 
-void MapSubscriber::State::OnTick() {
+void MapUpdateSubscriber::State::OnTick() {
   if (lacking && !std::exchange(being_served, false)) Ask();
 }
 
-void MapSubscriber::State::Ask() {
+void MapUpdateSubscriber::State::Ask() {
   map_request_t request{};
   request.publisher = publishers.empty() ? 0 : publishers.back();
-  request.version = request.publisher == replica.source() ? replica.version() : 0;
+  request.version = request.publisher == known.source() ? known.number() : 0;
   bus.Publish(kMapRequest, request);
 }
 
-MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&, const MapReplica&)> handler)
+MapUpdateSubscriber::MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler)
     : state_(std::make_shared<State>(bus, std::move(handler))) {
   const std::weak_ptr<State> weak = state_;
   bus.Subscribe<map_update_t>(kMapUpdate, [weak](const map_update_t& page) {
@@ -131,6 +130,10 @@ MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&, cons
   state_->Ask();
 }
 
-const MapReplica& MapSubscriber::replica() const { return state_->replica; }
+MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler)
+    : updates_(bus, [replica = replica_, handler = std::move(handler)](const MapUpdate& update) {
+        replica->Apply(update);
+        handler(update);
+      }) {}
 
 }  // namespace plslam::bus

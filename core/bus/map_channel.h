@@ -26,20 +26,30 @@ class MapUpdatePublisher {
   std::shared_ptr<State> state_;
 };
 
-/// Keeps a copy of the map on the thread of `Bus::Run`: asks for the whole map where it lacks something, at the start
-/// too, and again every 500 ms until it comes. When mapping_process has been started again its new map takes the place
-/// of the old one; of two publishers the one that was heard first is the old one. Pages that cannot be are counted in
+/// Hears every update of the map in order, on the thread of `Bus::Run`: asks for the whole map where one is missing, at
+/// the start too, and again every 500 ms until it comes. When mapping_process has been started again its new map takes the
+/// place of the old one; of two publishers the one that was heard first is the old one. Pages that cannot be are counted in
 /// `BusCounters::rejected`.
-class MapSubscriber {
+class MapUpdateSubscriber {
  public:
-  /// `handler`, after each update that changed the copy, gets both.
-  MapSubscriber(Bus& bus, std::function<void(const MapUpdate&, const MapReplica&)> handler);
-
-  const MapReplica& replica() const;
+  MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler);
 
  private:
   struct State;
   std::shared_ptr<State> state_;
+};
+
+/// Keeps a copy of the map, by all its updates.
+class MapSubscriber {
+ public:
+  /// `handler` gets each update after the copy has taken it over.
+  MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler);
+
+  const MapReplica& replica() const { return *replica_; }
+
+ private:
+  std::shared_ptr<MapReplica> replica_ = std::make_shared<MapReplica>();
+  MapUpdateSubscriber updates_;
 };
 
 }  // namespace plslam::bus

@@ -50,53 +50,51 @@ bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
   return true;
 }
 
-bool AppendKeyframes(const std::vector<map_keyframe_t>& messages, std::vector<MapKeyframe>& to) {
-  if (to.size() + messages.size() > kMaxMapEntries) return false;
-  for (const map_keyframe_t& message : messages) {
-    const auto keyframe = FromMessage(message);
-    if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
-    to.push_back(*keyframe);
-  }
+bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) {
+  const auto keyframe = FromMessage(message);
+  if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
+  to.push_back(*keyframe);
   return true;
 }
 
-/// An entry with the id of the one before goes on with its sights.
+/// Of a landmark; one with the id of the one before goes on with its sights.
 template <class Message, class Landmark>
-bool AppendLandmarks(const std::vector<Message>& messages, std::vector<Landmark>& to) {
-  if (to.size() + messages.size() > kMaxMapEntries) return false;
-  for (const Message& message : messages) {
-    auto landmark = FromMessage(message);
-    const int64_t last_id = to.empty() ? -1 : to.back().id;
-    if (!landmark || landmark->id < last_id) return false;
-    if (landmark->id > last_id) {
-      to.push_back(std::move(*landmark));
-      continue;
-    }
-    std::vector<Sight>& sights = to.back().sights;
-    const bool goes_on = !landmark->sights.empty() && !sights.empty() &&
-                         landmark->sights.front().keyframe_id > sights.back().keyframe_id;
-    if (!goes_on) return false;
-    sights.insert(sights.end(), landmark->sights.begin(), landmark->sights.end());
+bool AppendOne(const Message& message, std::vector<Landmark>& to) {
+  auto landmark = FromMessage(message);
+  const int64_t last_id = to.empty() ? -1 : to.back().id;
+  if (!landmark || landmark->id < last_id) return false;
+  if (landmark->id > last_id) {
+    to.push_back(std::move(*landmark));
+    return true;
   }
+  std::vector<Sight>& sights = to.back().sights;
+  const bool goes_on = !landmark->sights.empty() && !sights.empty() &&
+                       landmark->sights.front().keyframe_id > sights.back().keyframe_id;
+  if (!goes_on) return false;
+  sights.insert(sights.end(), landmark->sights.begin(), landmark->sights.end());
   return true;
 }
 
-bool AppendLoops(const std::vector<loop_edge_t>& messages, std::vector<LoopEdge>& to) {
-  if (to.size() + messages.size() > kMaxMapEntries) return false;
-  for (const loop_edge_t& message : messages) {
-    const auto loop = FromMessage(message);
-    if (!loop) return false;
-    to.push_back(*loop);
-  }
+bool AppendOne(const loop_edge_t& message, std::vector<LoopEdge>& to) {
+  const auto loop = FromMessage(message);
+  if (!loop) return false;
+  to.push_back(*loop);
   return true;
+}
+
+template <class Message, class Value>
+bool AppendAll(const std::vector<Message>& messages, std::vector<Value>& to) {
+  if (to.size() + messages.size() > kMaxMapEntries) return false;
+  return std::all_of(messages.begin(), messages.end(),
+                     [&to](const Message& message) { return AppendOne(message, to); });
 }
 
 bool Append(const map_update_t& page, MapUpdate& update) {
   return AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
          AppendRemoved(page.removed_points, update.removed_points) &&
-         AppendRemoved(page.removed_lines, update.removed_lines) &&
-         AppendKeyframes(page.keyframes, update.keyframes) && AppendLandmarks(page.points, update.points) &&
-         AppendLandmarks(page.lines, update.lines) && AppendLoops(page.loops, update.loops);
+         AppendRemoved(page.removed_lines, update.removed_lines) && AppendAll(page.keyframes, update.keyframes) &&
+         AppendAll(page.points, update.points) && AppendAll(page.lines, update.lines) &&
+         AppendAll(page.loops, update.loops);
 }
 
 using UpdatePager = Pager<map_update_t>;
@@ -110,8 +108,51 @@ void CutRemoved(const std::vector<int64_t>& ids, int32_t map_update_t::*count,
   }
 }
 
+template <class Value>
+std::string NameOf(const Value& value) {
+  return std::to_string(value.id);
+}
+std::string NameOf(const LoopEdge& loop) {
+  return fmt::format("from keyframe {} to {}", loop.old_keyframe_id, loop.keyframe_id);
+}
+
+/// Messages of values, one after the other; throws where readers would refuse one, by the very code that they run.
+template <class Value>
+class AcceptedMessages {
+ public:
+  explicit AcceptedMessages(const char* kind) : kind_(kind) {}
+
+  auto Of(const Value& value) {
+    auto message = ToMessage(value);
+    if (!AppendOne(message, taken_)) {
+      throw std::invalid_argument(
+          fmt::format("map update: {} {} cannot be: numbers that are not finite, or ids, keyframes or sights that do "
+                      "not ascend",
+                      kind_, NameOf(value)));
+    }
+    if (taken_.size() > 1) taken_.erase(taken_.begin());
+    return message;
+  }
+
+ private:
+  const char* kind_;
+  std::vector<Value> taken_;  // the last one
+};
+
+template <class Value, class Message>
+void CutValues(const char* kind, const std::vector<Value>& values, int32_t map_update_t::*count,
+               std::vector<Message> map_update_t::*list, UpdatePager& pager) {
+  AcceptedMessages<Value> messages(kind);
+  for (const Value& value : values) {
+    const Message message = messages.Of(value);
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    (page.*list).push_back(message);
+    ++(page.*count);
+  }
+}
+
 template <class Landmark, class Message>
-void CutLandmarks(const std::vector<Landmark>& landmarks, int32_t map_update_t::*count,
+void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int32_t map_update_t::*count,
                   std::vector<Message> map_update_t::*list, UpdatePager& pager) {
   static constexpr int64_t kSightBytes = 12;
   const auto add = [&](Message message) {
@@ -119,8 +160,9 @@ void CutLandmarks(const std::vector<Landmark>& landmarks, int32_t map_update_t::
     (page.*list).push_back(std::move(message));
     ++(page.*count);
   };
+  AcceptedMessages<Landmark> messages(kind);
   for (const Landmark& landmark : landmarks) {
-    Message rest = ToMessage(landmark);
+    Message rest = messages.Of(landmark);
     // More sights than a page holds go into entries of their own before the last.
     while (rest._getEncodedSizeNoHash() > pager.room()) {
       Message part = rest;
@@ -134,37 +176,6 @@ void CutLandmarks(const std::vector<Landmark>& landmarks, int32_t map_update_t::
       add(std::move(part));
     }
     add(std::move(rest));
-  }
-}
-
-/// The first element that readers would refuse, by the very code that they run.
-template <class Value, class Append>
-void CheckValues(const char* kind, const std::vector<Value>& values, Append append) {
-  std::vector<Value> taken;
-  for (const Value& value : values) {
-    if (append(std::vector{ToMessage(value)}, taken)) {
-      if (taken.size() > 1) taken.erase(taken.begin());
-      continue;
-    }
-    throw std::invalid_argument(std::string("map update: ") + kind + " " + std::to_string(value.id) +
-                                " cannot be: numbers that are not finite, ids or sights that do not ascend");
-  }
-}
-
-void Check(const MapUpdate& update, const map_update_t& first_page) {
-  if (!HeadOf(first_page)) {
-    throw std::invalid_argument("map update: version " + std::to_string(update.version) + " on " +
-                                std::to_string(update.base_version) + ": its head has numbers that cannot be");
-  }
-  CheckValues("keyframe", update.keyframes, AppendKeyframes);
-  CheckValues("point", update.points, AppendLandmarks<map_point_t, MapPoint>);
-  CheckValues("line", update.lines, AppendLandmarks<map_line_t, MapLine>);
-  for (const LoopEdge& loop : update.loops) {
-    if (FromMessage(ToMessage(loop))) continue;
-    throw std::invalid_argument(
-        fmt::format("map update: loop from keyframe {} to {} cannot be: numbers that are not "
-                    "finite, or keyframes that do not ascend",
-                    loop.old_keyframe_id, loop.keyframe_id));
   }
 }
 
@@ -204,25 +215,18 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
   const map_update_t head = HeadPage(update);
   map_update_t first = head;
   AddStages(update, first);
-  Check(update, first);
+  if (!HeadOf(first)) {
+    throw std::invalid_argument(fmt::format("map update: version {} on {}: its head has numbers that cannot be",
+                                            update.version, update.base_version));
+  }
   UpdatePager pager(std::move(first), head, page_bytes, "the map");
   CutRemoved(update.removed_keyframes, &map_update_t::n_removed_keyframes, &map_update_t::removed_keyframes, pager);
   CutRemoved(update.removed_points, &map_update_t::n_removed_points, &map_update_t::removed_points, pager);
   CutRemoved(update.removed_lines, &map_update_t::n_removed_lines, &map_update_t::removed_lines, pager);
-  for (const MapKeyframe& keyframe : update.keyframes) {
-    const map_keyframe_t message = ToMessage(keyframe);
-    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
-    page.keyframes.push_back(message);
-    ++page.n_keyframes;
-  }
-  CutLandmarks(update.points, &map_update_t::n_points, &map_update_t::points, pager);
-  CutLandmarks(update.lines, &map_update_t::n_lines, &map_update_t::lines, pager);
-  for (const LoopEdge& loop : update.loops) {
-    const loop_edge_t message = ToMessage(loop);
-    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
-    page.loops.push_back(message);
-    ++page.n_loops;
-  }
+  CutValues("keyframe", update.keyframes, &map_update_t::n_keyframes, &map_update_t::keyframes, pager);
+  CutLandmarks("point", update.points, &map_update_t::n_points, &map_update_t::points, pager);
+  CutLandmarks("line", update.lines, &map_update_t::n_lines, &map_update_t::lines, pager);
+  CutValues("loop", update.loops, &map_update_t::n_loops, &map_update_t::loops, pager);
   return pager.Finish();
 }
 

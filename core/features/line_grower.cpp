@@ -250,9 +250,9 @@ std::optional<DetectedSegment> LineGrower::Grow(int x, int y) {
   Extend(1);
   Extend(-1);
   // What was tried is not tried again from its other pixels; after a failure they may still join another segment.
-  const std::vector<Sample> tried = samples_;
+  tried_ = samples_;
   auto segment = Finish();
-  for (const Sample& s : segment ? samples_ : tried) {
+  for (const Sample& s : segment ? samples_ : tried_) {
     edges_[EdgeOffset(s.major, s.minor)] |= segment ? kUsedEdge : kTriedEdge;
   }
   return segment;

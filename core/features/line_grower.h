@@ -77,6 +77,7 @@ class LineGrower {
   double slope_ = 0.0;
   std::vector<Sample> samples_;
   std::vector<Sample> scratch_;
+  std::vector<Sample> tried_;
   Fit fit_;
 };
 

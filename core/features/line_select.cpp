@@ -119,12 +119,19 @@ class Merger {
  public:
   explicit Merger(const std::vector<DetectedSegment>& segments) {
     pieces_.reserve(segments.size());
+    std::vector<size_t> bin_of;
+    bin_of.reserve(segments.size());
     for (const DetectedSegment& s : segments) {
       const Piece piece = MakePiece(s);
       if (!(piece.length > 0.0) || !piece.direction.allFinite()) continue;
-      bins_[static_cast<size_t>(DirectionBin(piece.direction))].push_back(pieces_.size());
+      bin_of.push_back(static_cast<size_t>(DirectionBin(piece.direction)));
+      ++begin_[bin_of.back() + 1];
       pieces_.push_back(piece);
     }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::array<size_t, kBins + 1> next = begin_;
+    in_bins_.resize(pieces_.size());
+    for (size_t i = 0; i < pieces_.size(); ++i) in_bins_[next[bin_of[i]]++] = i;
   }
 
   std::vector<DetectedSegment> Merge() {
@@ -145,7 +152,9 @@ class Merger {
     bool grew = false;
     const int middle = DirectionBin(pieces_[i].direction);
     for (int offset = -2; offset <= 2; ++offset) {
-      for (const size_t j : bins_[static_cast<size_t>((middle + offset + kBins) % kBins)]) {
+      const auto bin = static_cast<size_t>((middle + offset + kBins) % kBins);
+      for (size_t k = begin_[bin]; k < begin_[bin + 1]; ++k) {
+        const size_t j = in_bins_[k];
         if (j != i && pieces_[j].alive && pieces_[j].length <= pieces_[i].length) grew |= TakeIn(i, j);
       }
     }
@@ -167,7 +176,9 @@ class Merger {
   }
 
   std::vector<Piece> pieces_;
-  std::array<std::vector<size_t>, kBins> bins_;
+  /// Places of pieces, by bin; bin b has [begin_[b], begin_[b + 1]).
+  std::vector<size_t> in_bins_;
+  std::array<size_t, kBins + 1> begin_{};
 };
 
 constexpr int kCellColumns = 8;

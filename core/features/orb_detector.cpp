@@ -14,6 +14,8 @@ namespace {
 constexpr int kCell_px = 32;
 /// Corners a cell of `SpreadCorners` is expected to give.
 constexpr double kCornersPerCell = 2.0;
+/// Room for the corners of an image before they are spread.
+constexpr size_t kCornersExpected = 4096;
 
 /// Places of the non-zero bytes among `count`, eight at a time: most are zero.
 template <class Visit>
@@ -105,6 +107,7 @@ std::vector<Corner> CornerDetector::Detect(const cv::Mat& image, int threshold, 
   SuppressNonMaxima(scores_, std::min(threshold, low_threshold) + 1, maxima_);
 
   std::vector<Corner> corners;
+  corners.reserve(kCornersExpected);
   for (int y = margin; y < margin + height; y += kCell_px) {
     const int rows = std::min(kCell_px, margin + height - y);
     DropWeakBesideStrong(threshold, cv::Rect(margin, y, width, rows), maxima_);
@@ -134,6 +137,7 @@ std::vector<Corner> SpreadCorners(const std::vector<Corner>& corners, int quota,
   std::vector<Corner> kept;
   std::vector<Corner> offered;
   kept.reserve(quota);
+  offered.reserve(cells.begin.size());
   for (int turn = 0; static_cast<int>(kept.size()) < quota; ++turn) {
     offered.clear();
     for (size_t c = 0; c + 1 < cells.begin.size(); ++c) {

@@ -1,7 +1,7 @@
 #include "core/map/map.h"
 
 #include <algorithm>
-#include <iterator>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -25,26 +25,24 @@ void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights)
   }
 }
 
-/// Keyframes of `a` that are not in `b` (`common` false), or are (true).
-std::vector<int64_t> Keyframes(const std::vector<Sight>& a, const std::vector<Sight>& b, bool common) {
-  std::vector<int64_t> ids;
+/// Calls `visit` with each sight of `a` and the one that `b` has of the same keyframe, nullptr where it has none.
+template <class Visit>
+void ForEachBeside(const std::vector<Sight>& a, const std::vector<Sight>& b, const Visit& visit) {
   auto other = b.begin();
   for (const Sight& sight : a) {
     while (other != b.end() && other->keyframe_id < sight.keyframe_id) ++other;
-    const bool is_common = other != b.end() && other->keyframe_id == sight.keyframe_id;
-    if (is_common == common) ids.push_back(sight.keyframe_id);
+    const bool has_other = other != b.end() && other->keyframe_id == sight.keyframe_id;
+    visit(sight, has_other ? &*other : nullptr);
   }
-  return ids;
 }
 
-/// Sights of `a` that are not in `b`.
-std::vector<Sight> Without(const std::vector<Sight>& a, const std::vector<Sight>& b) {
-  std::vector<Sight> rest;
-  std::set_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(rest),
-                      [](const Sight& x, const Sight& y) {
-                        return std::pair(x.keyframe_id, x.feature) < std::pair(y.keyframe_id, y.feature);
-                      });
-  return rest;
+/// Of what was touched, what is among `values` has changed, and the rest is gone.
+template <class Value>
+void Tell(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
+          std::vector<int64_t>& removed) {
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  for (const int64_t id : touched) (values.contains(id) ? changed : removed).push_back(id);
 }
 
 }  // namespace
@@ -76,67 +74,75 @@ void Map::Put(const MapKeyframe& keyframe) {
   children_[keyframe.parent_id].insert(keyframe.id);
   landmarks_of_.try_emplace(keyframe.id);
   shared_.try_emplace(keyframe.id);
-  changes_.keyframes.insert(keyframe.id);
-  changes_.removed_keyframes.erase(keyframe.id);
+  touched_.keyframes.push_back(keyframe.id);
 }
 
-Map::Kind<MapPoint> Map::Points() {
-  return {points_, &FeatureLandmarks::points, changes_.points, changes_.removed_points, n_point_sights_};
-}
+Map::Kind<MapPoint> Map::Points() { return {points_, &FeatureLandmarks::points, touched_.points, n_point_sights_}; }
 
-Map::Kind<MapLine> Map::Lines() {
-  return {lines_, &FeatureLandmarks::lines, changes_.lines, changes_.removed_lines, n_line_sights_};
-}
+Map::Kind<MapLine> Map::Lines() { return {lines_, &FeatureLandmarks::lines, touched_.lines, n_line_sights_}; }
 
-/// Replaces the sights of a landmark, and keeps the tables that follow from them.
+/// Replaces the sights of a landmark.
 template <class Landmark>
 void Map::SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind) {
   const std::vector<Sight> old = std::exchange(landmark.sights, std::move(sights));
+  FollowSights(old, landmark, kind);
+}
+
+/// Keeps the tables that follow from the sights of a landmark, which were `old`.
+template <class Landmark>
+void Map::FollowSights(const std::vector<Sight>& old, const Landmark& landmark, Kind<Landmark> kind) {
   const std::vector<Sight>& now = landmark.sights;
   kind.n_sights += static_cast<int64_t>(now.size()) - static_cast<int64_t>(old.size());
-  const std::vector<int64_t> kept = Keyframes(old, now, true);
-  CountShared(Keyframes(old, now, false), kept, -1);
-  CountShared(Keyframes(now, old, false), kept, 1);
-  for (const Sight& sight : Without(old, now)) {
-    SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, -1);
-  }
-  for (const Sight& sight : Without(now, old)) {
-    SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, landmark.id);
-  }
+  CountShared(old, now, -1);
+  CountShared(now, old, 1);
+  const auto set_where_new = [&](const std::vector<Sight>& sights, const std::vector<Sight>& others, int64_t id) {
+    ForEachBeside(sights, others, [&](const Sight& sight, const Sight* other) {
+      if (other != nullptr && other->feature == sight.feature) return;
+      SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, id);
+    });
+  };
+  set_where_new(old, now, -1);
+  set_where_new(now, old, landmark.id);
 }
 
 template <class Landmark>
-void Map::PutLandmark(Landmark landmark, Kind<Landmark> kind) {
-  kind.removed.erase(landmark.id);
-  kind.changed.insert(landmark.id);
+void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
+  const auto is_of_keyframe = [this](const Sight& sight) { return keyframes_.contains(sight.keyframe_id); };
+  if (!std::all_of(landmark.sights.begin(), landmark.sights.end(), is_of_keyframe)) {
+    Landmark rest = landmark;
+    std::erase_if(rest.sights, std::not_fn(is_of_keyframe));
+    return PutLandmark(rest, kind);
+  }
+  kind.touched.push_back(landmark.id);
   Landmark& stored = kind.landmarks[landmark.id];
-  std::vector<Sight> sights = std::move(landmark.sights);
-  std::erase_if(sights, [this](const Sight& sight) { return !keyframes_.contains(sight.keyframe_id); });
-  landmark.sights = std::move(stored.sights);
-  stored = std::move(landmark);
-  if (stored.sights == sights) return;
-  for (const Sight& sight : sights) {
+  if (stored.sights == landmark.sights) {
+    stored = landmark;
+    return;
+  }
+  for (const Sight& sight : landmark.sights) {
     const std::vector<int64_t>& of_keyframe = landmarks_of_[sight.keyframe_id].*kind.of;
     const auto feature = static_cast<size_t>(sight.feature);
     const int64_t owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
-    if (owner < 0 || owner == stored.id) continue;
+    if (owner < 0 || owner == landmark.id) continue;
     Landmark& robbed = kind.landmarks.at(owner);
     std::vector<Sight> rest = robbed.sights;
     std::erase(rest, sight);
     SetSights(robbed, std::move(rest), kind);
-    kind.changed.insert(owner);
+    kind.touched.push_back(owner);
   }
-  SetSights(stored, std::move(sights), kind);
+  const std::vector<Sight> old = std::exchange(stored.sights, {});
+  stored = landmark;
+  FollowSights(old, stored, kind);
 }
 
-void Map::Put(MapPoint point) {
+void Map::Put(const MapPoint& point) {
   CheckSights("point", point.id, point.sights);
-  PutLandmark(std::move(point), Points());
+  PutLandmark(point, Points());
 }
 
-void Map::Put(MapLine line) {
+void Map::Put(const MapLine& line) {
   CheckSights("line", line.id, line.sights);
-  PutLandmark(std::move(line), Lines());
+  PutLandmark(line, Lines());
 }
 
 template <class Landmark>
@@ -145,8 +151,7 @@ void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
   if (landmark == nullptr) return;
   SetSights(*landmark, {}, kind);
   kind.landmarks.erase(id);
-  kind.changed.erase(id);
-  kind.removed.insert(id);
+  kind.touched.push_back(id);
 }
 
 void Map::RemovePoint(int64_t id) { RemoveLandmark(id, Points()); }
@@ -164,7 +169,7 @@ void Map::DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind) {
       RemoveLandmark(id, kind);
     } else {
       SetSights(landmark, std::move(rest), kind);
-      kind.changed.insert(id);
+      kind.touched.push_back(id);
     }
   }
 }
@@ -191,14 +196,10 @@ void Map::RemoveKeyframe(int64_t id) {
   shared_.erase(id);
   landmarks_of_.erase(id);
   keyframes_.erase(id);
-  changes_.keyframes.erase(id);
-  changes_.removed_keyframes.insert(id);
+  touched_.keyframes.push_back(id);
 }
 
-void Map::Add(const LoopEdge& loop) {
-  loops_.push_back(loop);
-  changes_.loops.push_back(loop);
-}
+void Map::Add(const LoopEdge& loop) { loops_.push_back(loop); }
 
 void Map::Clear() { *this = Map(); }
 
@@ -206,14 +207,14 @@ void Map::SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covari
   MapKeyframe& keyframe = keyframes_.at(keyframe_id);
   keyframe.T_w_kf = T_w_kf;
   keyframe.covariance = covariance;
-  changes_.keyframes.insert(keyframe_id);
+  touched_.keyframes.push_back(keyframe_id);
 }
 
 void Map::SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance) {
   MapPoint& point = points_.at(point_id);
   point.p_w = p_w;
   point.covariance = covariance;
-  changes_.points.insert(point_id);
+  touched_.points.push_back(point_id);
 }
 
 void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
@@ -222,20 +223,22 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
   line.segment_w = segment_w;
   line.covariance_p = covariance_p;
   line.covariance_q = covariance_q;
-  changes_.lines.insert(line_id);
+  touched_.lines.push_back(line_id);
 }
 
-/// Counts a landmark of `changed` and `kept` keyframes for the pairs in which one is of the changed.
-void Map::CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign) {
-  const auto count_one_way = [this, sign](int64_t from, int64_t to) { shared_[from].Add(to, sign); };
-  for (size_t i = 0; i < changed.size(); ++i) {
-    const auto count = [&](int64_t other) {
-      count_one_way(changed[i], other);
-      count_one_way(other, changed[i]);
-    };
-    std::for_each(kept.begin(), kept.end(), count);
-    std::for_each(changed.begin(), changed.begin() + static_cast<std::ptrdiff_t>(i), count);
-  }
+/// Counts a landmark that has these sights for the pairs of keyframes of which one is not among those of `others`.
+void Map::CountShared(const std::vector<Sight>& sights, const std::vector<Sight>& others, int sign) {
+  ForEachBeside(sights, others, [&](const Sight& sight, const Sight* same) {
+    if (same != nullptr) return;
+    const int64_t a = sight.keyframe_id;
+    ForEachBeside(sights, others, [&](const Sight& partner, const Sight* common) {
+      const int64_t b = partner.keyframe_id;
+      // A pair of which neither is among the others is met twice.
+      if (b == a || (common == nullptr && b > a)) return;
+      shared_[a].Add(b, sign);
+      shared_[b].Add(a, sign);
+    });
+  });
 }
 
 const Map::FeatureLandmarks& Map::LandmarksOf(int64_t keyframe_id) const { return landmarks_of_.at(keyframe_id); }
@@ -263,6 +266,21 @@ std::vector<int64_t> Map::Children(int64_t keyframe_id) const {
   return {children->begin(), children->end()};
 }
 
-MapChanges Map::TakeChanges() { return std::exchange(changes_, {}); }
+MapChanges Map::TakeChanges() {
+  MapChanges changes;
+  Tell(std::move(touched_.keyframes), keyframes_, changes.keyframes, changes.removed_keyframes);
+  Tell(std::move(touched_.points), points_, changes.points, changes.removed_points);
+  Tell(std::move(touched_.lines), lines_, changes.lines, changes.removed_lines);
+  changes.loops.assign(loops_.begin() + static_cast<std::ptrdiff_t>(n_loops_told_), loops_.end());
+  ForgetChanges();
+  return changes;
+}
+
+void Map::ForgetChanges() {
+  touched_.keyframes.clear();
+  touched_.points.clear();
+  touched_.lines.clear();
+  n_loops_told_ = loops_.size();
+}
 
 }  // namespace plslam

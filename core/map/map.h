@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <set>
 #include <vector>
@@ -12,11 +13,11 @@
 
 namespace plslam {
 
-/// Names of what has changed since the last `Map::TakeChanges`; what was removed stands only among the removed.
+/// Names of what has changed since the last `Map::TakeChanges`, ascending; what was removed stands only among the removed.
 struct MapChanges {
-  std::set<int64_t> keyframes, removed_keyframes;
-  std::set<int64_t> points, removed_points;
-  std::set<int64_t> lines, removed_lines;
+  std::vector<int64_t> keyframes, removed_keyframes;
+  std::vector<int64_t> points, removed_points;
+  std::vector<int64_t> lines, removed_lines;
   std::vector<LoopEdge> loops;
 
   bool empty() const;
@@ -74,8 +75,8 @@ class Map {
 
   /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
   void Put(const MapKeyframe& keyframe);
-  void Put(MapPoint point);
-  void Put(MapLine line);
+  void Put(const MapPoint& point);
+  void Put(const MapLine& line);
   /// A keyframe goes with its sights; landmarks that lose their last sight go too, and its children in the spanning tree
   /// move to their best neighbour (`kParent`; its parent where they have none).
   void RemoveKeyframe(int64_t id);
@@ -98,6 +99,8 @@ class Map {
 
   /// What has changed since the last call.
   MapChanges TakeChanges();
+  /// For those who tell nobody.
+  void ForgetChanges();
 
  private:
   /// Where everything about one kind of landmarks stands.
@@ -105,22 +108,27 @@ class Map {
   struct Kind {
     IdMap<Landmark>& landmarks;
     std::vector<int64_t> FeatureLandmarks::*of;
-    std::set<int64_t>& changed;
-    std::set<int64_t>& removed;
+    std::vector<int64_t>& touched;
     int64_t& n_sights;
+  };
+  /// Ids of what came, changed or went, as often as it did: what is in the map now has changed, the rest is gone.
+  struct Touched {
+    std::vector<int64_t> keyframes, points, lines;
   };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
 
   template <class Landmark>
-  void PutLandmark(Landmark landmark, Kind<Landmark> kind);
+  void PutLandmark(const Landmark& landmark, Kind<Landmark> kind);
   template <class Landmark>
   void RemoveLandmark(int64_t id, Kind<Landmark> kind);
   template <class Landmark>
   void SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind);
   template <class Landmark>
+  void FollowSights(const std::vector<Sight>& old, const Landmark& landmark, Kind<Landmark> kind);
+  template <class Landmark>
   void DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind);
-  void CountShared(const std::vector<int64_t>& changed, const std::vector<int64_t>& kept, int sign);
+  void CountShared(const std::vector<Sight>& sights, const std::vector<Sight>& others, int sign);
 
   IdMap<MapKeyframe> keyframes_;
   IdMap<MapPoint> points_;
@@ -131,7 +139,8 @@ class Map {
   int64_t n_point_sights_ = 0;
   int64_t n_line_sights_ = 0;
   std::vector<LoopEdge> loops_;
-  MapChanges changes_;
+  size_t n_loops_told_ = 0;
+  Touched touched_;
 };
 
 }  // namespace plslam

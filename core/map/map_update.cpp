@@ -4,12 +4,14 @@ namespace plslam {
 namespace {
 
 template <class Value>
-void Copy(const IdMap<Value>& from, const std::set<int64_t>& ids, std::vector<Value>& to) {
+void Copy(const IdMap<Value>& from, const std::vector<int64_t>& ids, std::vector<Value>& to) {
+  to.reserve(ids.size());
   for (const int64_t id : ids) to.push_back(from.at(id));
 }
 
 template <class Value>
 void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
+  to.reserve(from.size());
   for (const auto& [id, value] : from) to.push_back(value);
 }
 
@@ -21,9 +23,9 @@ MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
   Copy(map.keyframes(), changes.keyframes, update.keyframes);
   Copy(map.points(), changes.points, update.points);
   Copy(map.lines(), changes.lines, update.lines);
-  update.removed_keyframes.assign(changes.removed_keyframes.begin(), changes.removed_keyframes.end());
-  update.removed_points.assign(changes.removed_points.begin(), changes.removed_points.end());
-  update.removed_lines.assign(changes.removed_lines.begin(), changes.removed_lines.end());
+  update.removed_keyframes = changes.removed_keyframes;
+  update.removed_points = changes.removed_points;
+  update.removed_lines = changes.removed_lines;
   update.loops = changes.loops;
   return update;
 }
@@ -49,12 +51,20 @@ bool SettledKeyframes::Has(int64_t session, int64_t session_keyframe_id) const {
   return found != settled_.end() && found->second >= session_keyframe_id;
 }
 
-MapReplica::Outcome MapReplica::Apply(const MapUpdate& update) {
+MapVersion::Step MapVersion::Advance(const MapUpdate& update) {
   const bool same_source = update.source == source_;
-  if (same_source && update.version <= version_) return Outcome::kKnown;
+  if (same_source && update.version <= number_) return Step::kKnown;
   const bool whole = update.base_version == 0;
-  if (!whole && (!same_source || update.base_version != version_)) return Outcome::kGap;
-  if (whole) map_.Clear();
+  if (!whole && (!same_source || update.base_version != number_)) return Step::kGap;
+  source_ = update.source;
+  number_ = update.version;
+  return Step::kNext;
+}
+
+MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
+  const MapVersion::Step step = version_.Advance(update);
+  if (step != MapVersion::Step::kNext) return step;
+  if (update.base_version == 0) map_.Clear();
   // What is removed first: keyframes that go hand their children on, and the update knows to whom.
   for (const int64_t id : update.removed_points) map_.RemovePoint(id);
   for (const int64_t id : update.removed_lines) map_.RemoveLine(id);
@@ -63,10 +73,8 @@ MapReplica::Outcome MapReplica::Apply(const MapUpdate& update) {
   for (const MapPoint& point : update.points) map_.Put(point);
   for (const MapLine& line : update.lines) map_.Put(line);
   for (const LoopEdge& loop : update.loops) map_.Add(loop);
-  map_.TakeChanges();
-  source_ = update.source;
-  version_ = update.version;
-  return Outcome::kApplied;
+  map_.ForgetChanges();
+  return step;
 }
 
 }  // namespace plslam

@@ -69,23 +69,38 @@ class SettledKeyframes {
   std::map<int64_t, int64_t> settled_;
 };
 
+/// Whose map, and how much of it, somebody has who follows its updates.
+class MapVersion {
+ public:
+  /// kNext: the update goes on from here, and this is now that version. kKnown: it was already. kGap: versions are
+  /// missing, ask for the whole map.
+  enum class Step { kNext, kKnown, kGap };
+
+  /// An update of another source counts only where it is a whole map.
+  Step Advance(const MapUpdate& update);
+
+  int64_t source() const { return source_; }
+  /// 0: nothing has come.
+  int64_t number() const { return number_; }
+
+ private:
+  int64_t source_ = 0;
+  int64_t number_ = 0;
+};
+
 /// Keeps up with a map that somebody else owns.
 class MapReplica {
  public:
-  /// kApplied: this is now that version. kKnown: it was already. kGap: versions are missing, ask for the whole map.
-  enum class Outcome { kApplied, kKnown, kGap };
-
-  /// An update of another source counts only where it is a whole map; then that source's map replaces this one.
-  Outcome Apply(const MapUpdate& update);
+  /// A whole map takes the place of this one.
+  MapVersion::Step Apply(const MapUpdate& update);
 
   const Map& map() const { return map_; }
-  int64_t source() const { return source_; }
-  int64_t version() const { return version_; }
+  int64_t source() const { return version_.source(); }
+  int64_t version() const { return version_.number(); }
 
  private:
   Map map_;
-  int64_t source_ = 0;
-  int64_t version_ = 0;
+  MapVersion version_;
 };
 
 }  // namespace plslam

@@ -90,8 +90,8 @@ void RunWatcher::Listen() {
   keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
     Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
   });
-  map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&, const MapReplica& replica) {
-    auto keyframes = KeyframesOf(replica.map());
+  map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
+    auto keyframes = KeyframesOf(map_->replica().map());
     Add([&](Heard& heard) { heard.mapped = std::move(keyframes); });
   });
 }

@@ -62,7 +62,8 @@ class Publisher {
 class Listener {
  public:
   explicit Listener(const BusOptions& options)
-      : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update, const MapReplica& replica) {
+      : bus_(options, "viewer"), subscriber_(*bus_, [this](const MapUpdate& update) {
+          const MapReplica& replica = subscriber_.replica();
           EXPECT_EQ(update.totals, replica.map().Totals());
           source_ = replica.source();
           version_ = replica.version();

@@ -81,7 +81,7 @@ TEST(MapPages, AReplicaThatIsFedByThemIsTheMap) {
     for (int i = 0; i < 20; ++i) {
       const auto update = Assemble(CutIntoPages(owner.Next(40), 3000));
       ASSERT_TRUE(update);
-      ASSERT_EQ(replica.Apply(*update), MapReplica::Outcome::kApplied);
+      ASSERT_EQ(replica.Apply(*update), MapVersion::Step::kNext);
       ASSERT_EQ(update->totals, replica.map().Totals()) << "seed " << seed << ", version " << update->version;
       ASSERT_EQ(EncodedMap(replica.map()), EncodedMap(owner.map())) << "seed " << seed;
     }

@@ -178,6 +178,21 @@ TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
   EXPECT_TRUE(map.TakeChanges().empty());
 }
 
+TEST(Map, WhatComesAndGoesBetweenTwoLooksIsToldAsItIsInTheEnd) {
+  Map map = Chain();
+  map.Put(PointOf(0, {{0, 0}}));
+  map.Put(PointOf(1, {{0, 1}}));
+  map.TakeChanges();
+  map.RemovePoint(1);
+  map.Put(PointOf(1, {{0, 1}}));
+  map.Put(PointOf(1, {{1, 1}}));
+  map.Put(PointOf(2, {{0, 2}}));
+  map.RemovePoint(2);
+  const MapChanges changes = map.TakeChanges();
+  EXPECT_THAT(changes.points, ElementsAre(1));
+  EXPECT_THAT(changes.removed_points, ElementsAre(2));
+}
+
 TEST(Map, AFalseLandmarkIsNoParent) {
   Map map = Chain();
   map.Put(KeyframeOf(3, 2));

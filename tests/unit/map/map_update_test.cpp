@@ -7,7 +7,7 @@
 namespace plslam {
 namespace {
 
-using Outcome = MapReplica::Outcome;
+using Step = MapVersion::Step;
 
 template <class Landmark>
 void ExpectSameSights(const IdMap<Landmark>& a, const IdMap<Landmark>& b) {
@@ -74,7 +74,7 @@ TEST(MapReplica, FollowsWhateverHappens) {
     MapReplica replica;
     for (int i = 0; i < 40; ++i) {
       const MapUpdate update = owner.Next(1 + i);
-      ASSERT_EQ(replica.Apply(update), Outcome::kApplied);
+      ASSERT_EQ(replica.Apply(update), Step::kNext);
       ASSERT_EQ(update.totals, replica.map().Totals());
       ExpectSame(owner.map(), replica.map());
       if (HasFatalFailure()) return;
@@ -87,12 +87,12 @@ TEST(MapReplica, AGapIsSeenAndTheWholeMapFillsIt) {
   MapReplica replica;
   replica.Apply(owner.Next(50));
   owner.Next(50);
-  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kGap);
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kGap);
   EXPECT_EQ(replica.version(), 1);
-  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kApplied);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kNext);
   EXPECT_EQ(replica.version(), 3);
-  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kKnown) << "asked for by somebody else";
-  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kApplied);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kKnown) << "asked for by somebody else";
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kNext);
   ExpectSame(owner.map(), replica.map());
 }
 
@@ -100,9 +100,9 @@ TEST(MapReplica, OneThatComesLateLacksWhatWasBefore) {
   Owner owner(1, 6);
   owner.Next(50);
   MapReplica replica;
-  EXPECT_EQ(replica.Apply(owner.Next(50)), Outcome::kGap);
+  EXPECT_EQ(replica.Apply(owner.Next(50)), Step::kGap);
   EXPECT_TRUE(replica.map().keyframes().empty());
-  EXPECT_EQ(replica.Apply(owner.Whole()), Outcome::kApplied);
+  EXPECT_EQ(replica.Apply(owner.Whole()), Step::kNext);
   ExpectSame(owner.map(), replica.map());
 }
 
@@ -111,10 +111,10 @@ TEST(MapReplica, TheMapOfAnotherStartTakesItsPlace) {
   MapReplica replica;
   replica.Apply(before.Next(100));
   replica.Apply(before.Next(100));
-  EXPECT_EQ(replica.Apply(after.Next(20)), Outcome::kApplied) << "its first version stands on nothing";
+  EXPECT_EQ(replica.Apply(after.Next(20)), Step::kNext) << "its first version stands on nothing";
   ExpectSame(after.map(), replica.map());
-  EXPECT_EQ(replica.Apply(before.Next(10)), Outcome::kGap);
-  EXPECT_EQ(replica.Apply(after.Next(20)), Outcome::kApplied);
+  EXPECT_EQ(replica.Apply(before.Next(10)), Step::kGap);
+  EXPECT_EQ(replica.Apply(after.Next(20)), Step::kNext);
   ExpectSame(after.map(), replica.map());
 }
 

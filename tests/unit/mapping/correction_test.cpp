@@ -185,12 +185,12 @@ TEST_P(Correction, WhatWasRemovedMeanwhileIsLeftOut) {
 
 TEST_P(Correction, TheUpdateTellsAReplicaAll) {
   MapReplica replica;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapReplica::Outcome::kApplied);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
   ASSERT_TRUE(mapper_.Correct(Loop(), &reason_)) << reason_;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapReplica::Outcome::kApplied);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
   EXPECT_EQ(Encoded(replica.map()), Encoded(mapper_.map()));
   ASSERT_TRUE(mapper_.Correct(test::AdjustByTruth(mapper_.map(), walk_.T_w_c), &reason_)) << reason_;
-  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapReplica::Outcome::kApplied);
+  ASSERT_EQ(replica.Apply(mapper_.TakeUpdate()), MapVersion::Step::kNext);
   EXPECT_EQ(Encoded(replica.map()), Encoded(mapper_.map()));
 }
 

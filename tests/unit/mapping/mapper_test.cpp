@@ -151,12 +151,12 @@ TEST_P(MapperWalk, AReplicaFedWithAllUpdatesIsTheWholeMap) {
   MapReplica replica;
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
-    ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapReplica::Outcome::kApplied);
+    ASSERT_EQ(replica.Apply(mapper.TakeUpdate()), MapVersion::Step::kNext);
     ASSERT_EQ(replica.version(), mapper.version());
     ASSERT_EQ(Encoded(replica.map()), Encoded(mapper.map())) << "keyframe " << keyframe.keyframe_id;
   }
   MapReplica late;
-  ASSERT_EQ(late.Apply(mapper.Whole()), MapReplica::Outcome::kApplied);
+  ASSERT_EQ(late.Apply(mapper.Whole()), MapVersion::Step::kNext);
   EXPECT_EQ(Encoded(late.map()), Encoded(replica.map()));
   EXPECT_EQ(mapper.Whole().session_keyframe_id, 19);
 }

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace plslam {
+
+/// Values by id, several of one id in the order in which they came: filled first, then only asked, which costs one block of memory
+/// where std::map takes one for each value.
+template <class Value>
+class IdIndex {
+ public:
+  using Entry = std::pair<int64_t, Value>;
+
+  explicit IdIndex(std::vector<Entry> entries) : entries_(std::move(entries)) {
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const Entry& a, const Entry& b) { return a.first < b.first; });
+  }
+
+  /// Empty where there is none.
+  std::span<const Entry> Find(int64_t id) const {
+    const auto [first, last] = std::equal_range(entries_.begin(), entries_.end(), Entry(id, Value()),
+                                                [](const Entry& a, const Entry& b) { return a.first < b.first; });
+    return {first, last};
+  }
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+}  // namespace plslam

@@ -36,9 +36,11 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
                      [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
 }
 
-// Landmarks that at least two keyframes see, one of them free; where there are too many, those that most see.
+// Landmarks that at least two keyframes see, one of them free; where they, or their sights by a window of this size, are too
+// many, those that most see.
 template <class Kind>
-std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, int max_count) {
+std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
+                               int max_sights) {
   std::set<int64_t> ids;
   for (const int64_t keyframe_id : free) {
     for (const int64_t id : Kind::Of(map, keyframe_id)) {
@@ -46,11 +48,14 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
     }
   }
   std::vector<int64_t> chosen(ids.begin(), ids.end());
-  if (static_cast<int>(chosen.size()) <= max_count) return chosen;
-  std::stable_sort(chosen.begin(), chosen.end(), [&map](int64_t a, int64_t b) {
-    return Kind::Find(map, a)->sights.size() > Kind::Find(map, b)->sights.size();
+  const auto sights = [&map](int64_t id) { return Kind::Find(map, id)->sights.size(); };
+  std::stable_sort(chosen.begin(), chosen.end(), [&sights](int64_t a, int64_t b) { return sights(a) > sights(b); });
+  chosen.resize(std::min(chosen.size(), static_cast<size_t>(max_count)));
+  size_t total = 0;
+  const auto beyond = std::find_if(chosen.begin(), chosen.end(), [&](int64_t id) {
+    return (total += std::min(sights(id), window_size)) > static_cast<size_t>(max_sights);
   });
-  chosen.resize(static_cast<size_t>(max_count));
+  chosen.erase(beyond, chosen.end());
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }
@@ -182,10 +187,11 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
   const bool at_seam = IsSeam({window.keyframes.data(), usual}, map);
   if (!at_seam) window.keyframes.resize(usual);
   const size_t n_free = window.keyframes.size();
-  window.points = SeenTwice<PointKind>(window.keyframes, map, options.max_points);
-  window.lines = SeenTwice<LineKind>(window.keyframes, map, options.max_lines);
-  const std::vector<int64_t> fixed =
-      FixedKeyframes(window, map, (at_seam ? kSeamFactor : 1) * options.fixed_keyframes);
+  const int n_fixed = (at_seam ? kSeamFactor : 1) * options.fixed_keyframes;
+  const size_t size = n_free + static_cast<size_t>(n_fixed);
+  window.points = SeenTwice<PointKind>(window.keyframes, map, size, options.max_points, options.max_point_sights);
+  window.lines = SeenTwice<LineKind>(window.keyframes, map, size, options.max_lines, options.max_line_sights);
+  const std::vector<int64_t> fixed = FixedKeyframes(window, map, n_fixed);
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);
   AddLandmarks(map, features, window);

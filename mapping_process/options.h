@@ -23,6 +23,8 @@ struct WindowOptions {
   int fixed_keyframes = 6;
   int max_points = 600;
   int max_lines = 200;
+  int max_point_sights = 4000;
+  int max_line_sights = 1300;
   int min_shared = 15;
   double relative_sigma = 1.0;
 };
@@ -74,6 +76,9 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
   visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
   visit("max_points", o.max_points, Bounds{0, 1000000}, "points that are adjusted: those that most keyframes see");
   visit("max_lines", o.max_lines, Bounds{0, 1000000}, "the same of lines");
+  visit("max_point_sights", o.max_point_sights, Bounds{0, 10000000},
+        "sights of adjusted points by the keyframes of the window: fewer points where each is seen often");
+  visit("max_line_sights", o.max_line_sights, Bounds{0, 10000000}, "the same of lines");
   visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
   visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
         "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");

@@ -55,6 +55,21 @@ TEST_F(Window, IsTwiceAsWideWhereASessionBeginsAmongAnother) {
   EXPECT_EQ(Around(9), 2 * usual_);
 }
 
+TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
+  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  const auto make = [&] {
+    return MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  };
+  const LocalWindow all = make();
+  ASSERT_GT(all.problem.point_sights.size(), 100U);
+  options_.max_point_sights = static_cast<int>(all.problem.point_sights.size() / 2);
+  const LocalWindow half = make();
+  EXPECT_LE(half.problem.point_sights.size(), all.problem.point_sights.size() / 2);
+  EXPECT_GE(half.problem.point_sights.size(), all.problem.point_sights.size() / 3);
+  EXPECT_LT(half.points.size(), all.points.size() / 2) << "of those that most keyframes see";
+  EXPECT_EQ(half.lines, all.lines);
+}
+
 TEST_F(Window, IsAsWideAsEverLaterOn) {
   EXPECT_EQ(Around(10), usual_);
   EXPECT_EQ(Around(13), usual_);

@@ -19,7 +19,7 @@ const Eigen::Matrix3d kCovariance_w = Eigen::Vector3d(1e-4, 4e-4, 9e-4).asDiagon
 constexpr int64_t kFirstMapId = 500;
 
 /// A map that has landmarks of the scene `kOffset` from where the tracker has them.
-struct Patch {
+struct AdoptedPatch {
   std::deque<MapPoint> map_points;
   std::deque<MapLine> map_lines;
   MapPatch patch{kT_w_odom, {}, {}};
@@ -70,7 +70,7 @@ class LandmarkAdoption : public testing::Test {
  protected:
   const Scene scene_ = MakeScene();
   LocalLandmarks landmarks_ = LandmarksOf(scene_);
-  Patch map_;
+  AdoptedPatch map_;
 
   const std::vector<typename Kind::Landmark>& Now() const { return Kind::Of(landmarks_); }
   const typename Kind::Landmark* Find(int64_t id) const {
@@ -174,7 +174,7 @@ TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
   // A keyframe has shown since that the tracker's number 5 is the same.
   this->map_.patch.points.clear();
   this->map_.patch.lines.clear();
-  Patch later;
+  AdoptedPatch later;
   later.Add(TypeParam::In(this->scene_)[5], {5});
   this->landmarks_.Adopt(later.patch, false);
   EXPECT_EQ(this->Now().size(), before);

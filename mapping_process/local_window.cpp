@@ -3,10 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
-#include <set>
 #include <span>
+#include <utility>
 
 #include "core/geometry/rotate_covariance.h"
+#include "core/localisation/landmark_kinds.h"
 #include "core/localisation/local_map.h"
 #include "core/optim/bundle_sights.h"
 #include "mapping_process/sights.h"
@@ -41,21 +42,19 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
 template <class Kind>
 std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
                                int max_sights) {
-  std::set<int64_t> ids;
-  for (const int64_t keyframe_id : free) {
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id >= 0 && Kind::Find(map, id)->sights.size() >= 2) ids.insert(id);
-    }
+  std::vector<std::pair<size_t, int64_t>> ranked;
+  for (const int64_t id : SeenBy<Kind>(free, map)) {
+    const size_t n_sights = Kind::Find(map, id)->sights.size();
+    if (n_sights >= 2) ranked.emplace_back(n_sights, id);
   }
-  std::vector<int64_t> chosen(ids.begin(), ids.end());
-  const auto sights = [&map](int64_t id) { return Kind::Find(map, id)->sights.size(); };
-  std::stable_sort(chosen.begin(), chosen.end(), [&sights](int64_t a, int64_t b) { return sights(a) > sights(b); });
-  chosen.resize(std::min(chosen.size(), static_cast<size_t>(max_count)));
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  std::vector<int64_t> chosen;
   size_t total = 0;
-  const auto beyond = std::find_if(chosen.begin(), chosen.end(), [&](int64_t id) {
-    return (total += std::min(sights(id), window_size)) > static_cast<size_t>(max_sights);
-  });
-  chosen.erase(beyond, chosen.end());
+  for (const auto& [n_sights, id] : ranked) {
+    total += std::min(n_sights, window_size);
+    if (chosen.size() >= static_cast<size_t>(max_count) || total > static_cast<size_t>(max_sights)) break;
+    chosen.push_back(id);
+  }
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }

@@ -32,4 +32,15 @@ class IdIndex {
   std::vector<Entry> entries_;
 };
 
+/// Where in `list` each id stands; those below zero name nothing.
+template <class Element>
+IdIndex<size_t> PlacesBy(int64_t Element::*id, const std::vector<Element>& list) {
+  std::vector<std::pair<int64_t, size_t>> places;
+  places.reserve(list.size());
+  for (size_t i = 0; i < list.size(); ++i) {
+    if (list[i].*id >= 0) places.emplace_back(list[i].*id, i);
+  }
+  return IdIndex(std::move(places));
+}
+
 }  // namespace plslam

@@ -123,12 +123,7 @@ IdIndex<KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
 template <class Landmark, class Feature>
 void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
-  std::vector<std::pair<int64_t, size_t>> places;
-  places.reserve(tracks.size());
-  for (size_t i = 0; i < tracks.size(); ++i) {
-    if (tracks[i].landmark_id >= 0) places.emplace_back(tracks[i].landmark_id, i);
-  }
-  const IdIndex feature_of(std::move(places));
+  const IdIndex<size_t> feature_of = PlacesBy(&FeatureTrack::landmark_id, tracks);
   for (const Landmark& landmark : landmarks) {
     const Sights<Feature> seen = collected.Find(landmark.id);
     if (seen.size() < kMinSights) continue;

@@ -42,16 +42,8 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
-  const auto index_by = [&landmarks](int64_t Landmark::*id) {
-    std::vector<std::pair<int64_t, size_t>> places;
-    places.reserve(landmarks.size());
-    for (size_t i = 0; i < landmarks.size(); ++i) {
-      if (landmarks[i].*id >= 0) places.emplace_back(landmarks[i].*id, i);
-    }
-    return IdIndex(std::move(places));
-  };
-  const IdIndex<size_t> by_id = index_by(&Landmark::id);
-  const IdIndex<size_t> by_map_id = index_by(&Landmark::map_id);
+  const IdIndex<size_t> by_id = PlacesBy(&Landmark::id, landmarks);
+  const IdIndex<size_t> by_map_id = PlacesBy(&Landmark::map_id, landmarks);
   std::vector<char> taken(landmarks.size(), 0);
   std::vector<char> drop(landmarks.size(), 0);
   std::vector<size_t> same;

@@ -9,8 +9,10 @@ namespace {
 constexpr size_t kMinOfEach = 20;
 // Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as much.
 constexpr double kAllowedRatio = 1.1;
+// What points err in common moves the pose with it and is not in their residuals, so deviations grow by more than these show.
+constexpr double kCommonPower = 1.5;
 // Share of the way, in logarithms, that one frame goes.
-constexpr double kGain = 0.1;
+constexpr double kGain = 0.2;
 
 }  // namespace
 
@@ -23,9 +25,11 @@ void KindBalance::Apply(StereoFeatures& features) const {
 
 void KindBalance::Observe(const Alignment& alignment) {
   if (alignment.matches.points.size() < kMinOfEach || alignment.matches.lines.size() < kMinOfEach) return;
-  const double ratio = alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
+  // As it would be with the deviations that the points claim.
+  const double ratio = scale_ * alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
   if (!(ratio > 0.0) || !std::isfinite(ratio)) return;
-  scale_ = std::clamp(scale_ * std::pow(ratio, kGain), 1.0, max_scale_);
+  const double wanted = std::pow(ratio, kCommonPower);
+  scale_ = std::clamp(scale_ * std::pow(wanted / scale_, kGain), 1.0, max_scale_);
 }
 
 }  // namespace plslam

@@ -9,8 +9,8 @@ namespace plslam {
 ///
 /// Corners that slide along edges, as where a bar crosses a stripe behind it, leave small residuals, since the pose follows
 /// them; those of the lines tell. So the residuals of the two kinds are compared, each in its own deviations (variance
-/// components, after Helmert), and deviations of points grow until theirs are no larger than those of the lines. Lines are
-/// never told to count less: on real images their residuals are large for reasons that cancel between lines.
+/// components, after Helmert), and deviations of points grow with the ratio of the two. Lines are never told to count
+/// less: on real images their residuals are large for reasons that cancel between lines.
 class KindBalance {
  public:
   /// `max_scale`: as large as the factor may get; 1 leaves everything as it is.

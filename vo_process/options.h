@@ -11,7 +11,7 @@ namespace plslam {
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
   double line_model_sigma_px = 0.1;
-  double max_point_scale = 2.0;
+  double max_point_scale = 16.0;
   double max_relative_depth_sigma = 0.3;
   double forgetting = 1.02;
   int max_unseen_frames = 30;

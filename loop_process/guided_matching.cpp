@@ -9,19 +9,19 @@ namespace plslam {
 namespace {
 
 // Descriptors of one node, and their places in the whole list.
-struct Bucket {
+struct NodeMembers {
   std::vector<Descriptor> descriptors;
   std::vector<int> places;
 };
 
-std::map<int32_t, Bucket> Buckets(const std::vector<Descriptor>& descriptors, const FeatureNodes& nodes) {
-  std::map<int32_t, Bucket> buckets;
+std::map<int32_t, NodeMembers> ByNode(const std::vector<Descriptor>& descriptors, const FeatureNodes& nodes) {
+  std::map<int32_t, NodeMembers> by_node;
   for (size_t i = 0; i < descriptors.size() && i < nodes.node.size(); ++i) {
-    Bucket& bucket = buckets[nodes.node[i]];
-    bucket.descriptors.push_back(descriptors[i]);
-    bucket.places.push_back(static_cast<int>(i));
+    NodeMembers& members = by_node[nodes.node[i]];
+    members.descriptors.push_back(descriptors[i]);
+    members.places.push_back(static_cast<int>(i));
   }
-  return buckets;
+  return by_node;
 }
 
 }  // namespace
@@ -30,14 +30,14 @@ std::vector<int> MatchByNodes(const std::vector<Descriptor>& a, const FeatureNod
                               const std::vector<Descriptor>& b, const FeatureNodes& nodes_b,
                               const MatchOptions& options) {
   std::vector<int> matches(a.size(), -1);
-  const std::map<int32_t, Bucket> of_b = Buckets(b, nodes_b);
-  for (const auto& [node, bucket_a] : Buckets(a, nodes_a)) {
-    const auto bucket_b = of_b.find(node);
-    if (bucket_b == of_b.end()) continue;
-    const std::vector<int> found = MatchBruteForce(bucket_a.descriptors, bucket_b->second.descriptors, options);
+  const std::map<int32_t, NodeMembers> of_b = ByNode(b, nodes_b);
+  for (const auto& [node, members_a] : ByNode(a, nodes_a)) {
+    const auto members_b = of_b.find(node);
+    if (members_b == of_b.end()) continue;
+    const std::vector<int> found = MatchBruteForce(members_a.descriptors, members_b->second.descriptors, options);
     for (size_t i = 0; i < found.size(); ++i) {
       if (found[i] < 0) continue;
-      matches[static_cast<size_t>(bucket_a.places[i])] = bucket_b->second.places[static_cast<size_t>(found[i])];
+      matches[static_cast<size_t>(members_a.places[i])] = members_b->second.places[static_cast<size_t>(found[i])];
     }
   }
   return matches;

@@ -124,17 +124,11 @@ void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
     const Eigen::Vector2i cell = ((e.px - origin_px_) / cell_size_px_).cast<int>();
     return cell.y() * columns_ + cell.x();
   };
-  // Counting sort by cell, stable by index.
-  cell_begin_.assign(columns_ * rows_ + 1, 0);
-  for (const Entry& e : entries) ++cell_begin_[cell_of(e) + 1];
-  for (size_t i = 1; i < cell_begin_.size(); ++i) cell_begin_[i] += cell_begin_[i - 1];
-  std::vector<int> next(cell_begin_.begin(), cell_begin_.end() - 1);
-  entries_.resize(entries.size());
-  for (const Entry& e : entries) entries_[next[cell_of(e)]++] = e;
+  cells_ = Buckets<Entry>(entries, static_cast<size_t>(columns_) * rows_, cell_of);
 }
 
 PointGrid::Cells PointGrid::CellsAround(const Eigen::Vector2d& center_px, double radius_px) const {
-  if (entries_.empty() || !center_px.allFinite() || !(radius_px >= 0.0)) return {};
+  if (cells_.size() == 0 || !center_px.allFinite() || !(radius_px >= 0.0)) return {};
   // Clamped before the conversion: predictions may lie far outside what an int holds.
   const auto cell = [this](double offset_px, int count) {
     return static_cast<int>(std::clamp(std::floor(offset_px / cell_size_px_), -1.0, static_cast<double>(count)));

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "core/features/buckets.h"
 #include "core/features/features.h"
 #include "core/features/options.h"
 
@@ -39,10 +40,10 @@ class PointGrid {
     const Cells cells = CellsAround(center_px, radius_px);
     for (int y = cells.y_begin; y < cells.y_end; ++y) {
       // Cells of one row are neighbours in memory.
-      const int begin = cell_begin_[y * columns_ + cells.x_begin];
-      const int end = cell_begin_[y * columns_ + cells.x_end];
-      for (int i = begin; i < end; ++i) {
-        if ((entries_[i].px - center_px).squaredNorm() <= radius_px * radius_px) visit(entries_[i]);
+      const auto row = static_cast<size_t>(y) * static_cast<size_t>(columns_);
+      for (const Entry& entry :
+           cells_.Range(row + static_cast<size_t>(cells.x_begin), row + static_cast<size_t>(cells.x_end))) {
+        if ((entry.px - center_px).squaredNorm() <= radius_px * radius_px) visit(entry);
       }
     }
   }
@@ -59,8 +60,7 @@ class PointGrid {
   int size_ = 0;
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<int> cell_begin_;
-  std::vector<Entry> entries_;
+  Buckets<Entry> cells_;
 };
 
 /// Where a known point is expected in the current image, and what it looks like.

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <tuple>
 #include <utility>
+
+#include "core/features/buckets.h"
 
 namespace plslam {
 namespace {
@@ -119,19 +120,13 @@ class Merger {
  public:
   explicit Merger(const std::vector<DetectedSegment>& segments) {
     pieces_.reserve(segments.size());
-    std::vector<size_t> bin_of;
-    bin_of.reserve(segments.size());
     for (const DetectedSegment& s : segments) {
       const Piece piece = MakePiece(s);
       if (!(piece.length > 0.0) || !piece.direction.allFinite()) continue;
-      bin_of.push_back(static_cast<size_t>(DirectionBin(piece.direction)));
-      ++begin_[bin_of.back() + 1];
       pieces_.push_back(piece);
     }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    std::array<size_t, kBins + 1> next = begin_;
-    in_bins_.resize(pieces_.size());
-    for (size_t i = 0; i < pieces_.size(); ++i) in_bins_[next[bin_of[i]]++] = i;
+    bins_ = PlacesByBucket(pieces_.size(), kBins,
+                           [this](int i) { return DirectionBin(pieces_[static_cast<size_t>(i)].direction); });
   }
 
   std::vector<DetectedSegment> Merge() {
@@ -153,8 +148,8 @@ class Merger {
     const int middle = DirectionBin(pieces_[i].direction);
     for (int offset = -2; offset <= 2; ++offset) {
       const auto bin = static_cast<size_t>((middle + offset + kBins) % kBins);
-      for (size_t k = begin_[bin]; k < begin_[bin + 1]; ++k) {
-        const size_t j = in_bins_[k];
+      for (const int place : bins_.Range(bin, bin + 1)) {
+        const auto j = static_cast<size_t>(place);
         if (j != i && pieces_[j].alive && pieces_[j].length <= pieces_[i].length) grew |= TakeIn(i, j);
       }
     }
@@ -176,9 +171,8 @@ class Merger {
   }
 
   std::vector<Piece> pieces_;
-  /// Places of pieces, by bin; bin b has [begin_[b], begin_[b + 1]).
-  std::vector<size_t> in_bins_;
-  std::array<size_t, kBins + 1> begin_{};
+  /// Places of pieces as they were at first.
+  Buckets<int> bins_;
 };
 
 constexpr int kCellColumns = 8;

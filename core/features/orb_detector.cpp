@@ -4,7 +4,9 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
+#include "core/features/buckets.h"
 #include "core/features/cpu_clones.h"
 #include "core/features/fast_score.h"
 
@@ -76,26 +78,6 @@ bool Better(const Corner& a, const Corner& b) {
   return a.y != b.y ? a.y < b.y : a.x < b.x;
 }
 
-/// Corners grouped by cell, best first within each; cell c holds [begin[c], begin[c + 1]).
-struct CellCorners {
-  std::vector<Corner> corners;
-  std::vector<int> begin;
-};
-
-CellCorners GroupByCell(const std::vector<Corner>& corners, double cell_px, int columns, int rows) {
-  const auto cell_of = [&](const Corner& c) {
-    return static_cast<int>(c.y / cell_px) * columns + static_cast<int>(c.x / cell_px);
-  };
-  CellCorners cells;
-  cells.begin.assign(static_cast<size_t>(columns) * rows + 1, 0);
-  for (const Corner& c : corners) ++cells.begin[cell_of(c) + 1];
-  for (size_t i = 1; i < cells.begin.size(); ++i) cells.begin[i] += cells.begin[i - 1];
-  std::vector<int> next(cells.begin.begin(), cells.begin.end() - 1);
-  cells.corners.resize(corners.size());
-  for (const Corner& c : corners) cells.corners[next[cell_of(c)]++] = c;
-  return cells;
-}
-
 }  // namespace
 
 std::vector<Corner> CornerDetector::Detect(const cv::Mat& image, int threshold, int low_threshold, int margin_px) {
@@ -132,18 +114,21 @@ std::vector<Corner> SpreadCorners(const std::vector<Corner>& corners, int quota,
   const double cell_px = std::max(4.0, std::sqrt(kCornersPerCell * width_px * height_px / quota));
   const int columns = static_cast<int>(width_px / cell_px) + 1;
   const int rows = static_cast<int>(height_px / cell_px) + 1;
-  CellCorners cells = GroupByCell(corners, cell_px, columns, rows);
+  Buckets<Corner> cells(corners, static_cast<size_t>(columns) * rows, [&](const Corner& c) {
+    return static_cast<int>(c.y / cell_px) * columns + static_cast<int>(c.x / cell_px);
+  });
 
   std::vector<Corner> kept;
   std::vector<Corner> offered;
   kept.reserve(quota);
-  offered.reserve(cells.begin.size());
-  for (int turn = 0; static_cast<int>(kept.size()) < quota; ++turn) {
+  offered.reserve(cells.size());
+  for (size_t turn = 0; kept.size() < static_cast<size_t>(quota); ++turn) {
     offered.clear();
-    for (size_t c = 0; c + 1 < cells.begin.size(); ++c) {
-      if (cells.begin[c] + turn >= cells.begin[c + 1]) continue;
-      const auto first = cells.corners.begin() + cells.begin[c] + turn;
-      const auto last = cells.corners.begin() + cells.begin[c + 1];
+    for (size_t c = 0; c < cells.size(); ++c) {
+      const std::span<Corner> cell = cells[c];
+      if (turn >= cell.size()) continue;
+      const auto first = cell.begin() + static_cast<ptrdiff_t>(turn);
+      const auto last = cell.end();
       // Only what is asked for gets sorted: few turns are needed, and cells may hold hundreds.
       std::iter_swap(first, std::min_element(first, last, Better));
       offered.push_back(*first);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/features/buckets.h"
 #include "core/features/halved_pair.h"
 #include "core/features/patch_aligner.h"
 #include "core/features/row_search.h"
@@ -25,26 +26,21 @@ class RowIndex {
   explicit RowIndex(const std::vector<PointFeature>& points) {
     int rows = 0;
     for (const PointFeature& p : points) rows = std::max(rows, Row(p) + 1);
-    begin_.assign(rows + 1, 0);
-    for (const PointFeature& p : points) ++begin_[Row(p) + 1];
-    for (int r = 0; r < rows; ++r) begin_[r + 1] += begin_[r];
-    std::vector<int> next(begin_.begin(), begin_.end() - 1);
-    indices_.resize(points.size());
-    for (size_t i = 0; i < points.size(); ++i) indices_[next[Row(points[i])]++] = static_cast<int>(i);
+    rows_ = PlacesByBucket(points.size(), static_cast<size_t>(rows),
+                           [&points](int i) { return Row(points[static_cast<size_t>(i)]); });
   }
 
   template <class Visit>
   void ForEachNear(double row_px, double tolerance_px, const Visit& visit) const {
-    const int rows = static_cast<int>(begin_.size()) - 1;
+    const int rows = static_cast<int>(rows_.size());
     const int first = std::clamp(static_cast<int>(std::floor(row_px - tolerance_px)), 0, rows);
     const int last = std::clamp(static_cast<int>(std::floor(row_px + tolerance_px)) + 1, first, rows);
-    for (int i = begin_[first]; i < begin_[last]; ++i) visit(indices_[i]);
+    for (const int i : rows_.Range(static_cast<size_t>(first), static_cast<size_t>(last))) visit(i);
   }
 
  private:
   static int Row(const PointFeature& p) { return std::max(static_cast<int>(std::floor(p.px.y())), 0); }
-  std::vector<int> begin_;
-  std::vector<int> indices_;
+  Buckets<int> rows_;
 };
 
 bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoOptions& options) {

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <numeric>
+#include <span>
+#include <vector>
+
+namespace plslam {
+
+/// Items by bucket, in one piece of memory (counting sort). Items of one bucket keep the order they were given in, and
+/// neighbouring buckets lie side by side.
+template <class Item>
+class Buckets {
+ public:
+  /// None.
+  Buckets() = default;
+
+  /// `bucket_of(item)` is a number from 0 to `n_buckets` - 1; it is asked twice for each item.
+  template <class BucketOf>
+  Buckets(const std::vector<Item>& items, size_t n_buckets, const BucketOf& bucket_of)
+      : begin_(n_buckets + 1), items_(items.size()) {
+    const auto place = [&](const Item& item) { return static_cast<size_t>(bucket_of(item)); };
+    for (const Item& item : items) ++begin_[place(item) + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::vector<size_t> next(begin_.begin(), begin_.end() - 1);
+    for (const Item& item : items) items_[next[place(item)]++] = item;
+  }
+
+  /// Number of buckets.
+  size_t size() const { return begin_.empty() ? 0 : begin_.size() - 1; }
+
+  std::span<Item> operator[](size_t bucket) {
+    return {items_.data() + begin_[bucket], items_.data() + begin_[bucket + 1]};
+  }
+
+  /// The items of the buckets from `first` up to but not `end`.
+  std::span<const Item> Range(size_t first, size_t end) const {
+    return {items_.data() + begin_[first], items_.data() + begin_[end]};
+  }
+
+ private:
+  std::vector<size_t> begin_;
+  std::vector<Item> items_;
+};
+
+/// The places 0 to `n` - 1 by bucket: `bucket_of(place)`.
+template <class BucketOf>
+Buckets<int> PlacesByBucket(size_t n, size_t n_buckets, const BucketOf& bucket_of) {
+  std::vector<int> places(n);
+  std::iota(places.begin(), places.end(), 0);
+  return Buckets<int>(places, n_buckets, bucket_of);
+}
+
+}  // namespace plslam

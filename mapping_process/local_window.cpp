@@ -37,8 +37,8 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
                      [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
 }
 
-// Landmarks that at least two keyframes see, one of them free; where they, or their sights by a window of this size, are too
-// many, those that most see.
+// Landmarks that at least two keyframes see, one of them free; where they, or the sights of them that a window of this size
+// may hold, are too many, those that most see.
 template <class Kind>
 std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
                                int max_sights) {
@@ -186,10 +186,13 @@ LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeF
   const bool at_seam = IsSeam({window.keyframes.data(), usual}, map);
   if (!at_seam) window.keyframes.resize(usual);
   const size_t n_free = window.keyframes.size();
-  const int n_fixed = (at_seam ? kSeamFactor : 1) * options.fixed_keyframes;
+  const int factor = at_seam ? kSeamFactor : 1;
+  const int n_fixed = factor * options.fixed_keyframes;
   const size_t size = n_free + static_cast<size_t>(n_fixed);
-  window.points = SeenTwice<PointKind>(window.keyframes, map, size, options.max_points, options.max_point_sights);
-  window.lines = SeenTwice<LineKind>(window.keyframes, map, size, options.max_lines, options.max_line_sights);
+  window.points =
+      SeenTwice<PointKind>(window.keyframes, map, size, options.max_points, factor * options.max_point_sights);
+  window.lines =
+      SeenTwice<LineKind>(window.keyframes, map, size, options.max_lines, factor * options.max_line_sights);
   const std::vector<int64_t> fixed = FixedKeyframes(window, map, n_fixed);
   window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
   AddPoses(n_free, map, window);

@@ -77,7 +77,7 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
   visit("max_points", o.max_points, Bounds{0, 1000000}, "points that are adjusted: those that most keyframes see");
   visit("max_lines", o.max_lines, Bounds{0, 1000000}, "the same of lines");
   visit("max_point_sights", o.max_point_sights, Bounds{0, 10000000},
-        "sights of adjusted points by the keyframes of the window: fewer points where each is seen often");
+        "sights of adjusted points, of each as many as the window may hold: fewer points where each is seen often");
   visit("max_line_sights", o.max_line_sights, Bounds{0, 10000000}, "the same of lines");
   visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
   visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},

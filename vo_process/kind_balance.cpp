@@ -13,6 +13,8 @@ constexpr double kAllowedRatio = 1.1;
 constexpr double kCommonPower = 1.5;
 // Share of the way, in logarithms, that one frame goes.
 constexpr double kGain = 0.2;
+// The same of frames in which too few of one kind say anything: what was learned elsewhere may not hold here.
+constexpr double kForgottenShare = 0.05;
 
 }  // namespace
 
@@ -24,7 +26,10 @@ void KindBalance::Apply(StereoFeatures& features) const {
 }
 
 void KindBalance::Observe(const Alignment& alignment) {
-  if (alignment.matches.points.size() < kMinOfEach || alignment.matches.lines.size() < kMinOfEach) return;
+  if (alignment.matches.points.size() < kMinOfEach || alignment.matches.lines.size() < kMinOfEach) {
+    scale_ = std::pow(scale_, 1.0 - kForgottenShare);
+    return;
+  }
   // As it would be with the deviations that the points claim.
   const double ratio = scale_ * alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
   if (!(ratio > 0.0) || !std::isfinite(ratio)) return;

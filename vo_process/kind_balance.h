@@ -22,7 +22,7 @@ class KindBalance {
   /// Multiplies the deviations of all points, of place and disparity.
   void Apply(StereoFeatures& features) const;
 
-  /// Learns from a frame that was found; too few points or lines say nothing.
+  /// Learns from a frame that was found; where points or lines are too few to tell, what was learned fades.
   void Observe(const Alignment& alignment);
 
   /// All that it goes on with, for `core/io/archive.h`.

@@ -86,6 +86,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
   kind_balance_.Apply(features);
   calibration_.Correct(features);
   TrackedFrame frame(std::move(features), left);
+  frame.point_sigma_scale = kind_balance_.scale();
   OdometryResult result;
   // Unsigned, or time stamps at both ends of their range overflow.
   const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));

@@ -56,15 +56,15 @@ std::vector<RefinedPoint> PointRefiner::Refine(const PointLandmarks& landmarks,
     const PointLandmark& landmark = landmarks.landmarks()[match.landmark];
     const Reference* reference = Find(landmark.id);
     if (reference == nullptr) continue;
-    const auto point = RefineOne(*reference, landmark, frame.features.points[match.feature], T_c_odom, frame.image);
+    const auto point = RefineOne(*reference, landmark, frame, frame.features.points[match.feature], T_c_odom);
     if (point) refined.push_back({match.feature, *point});
   }
   return refined;
 }
 
 std::optional<StereoPoint> PointRefiner::RefineOne(const Reference& reference, const PointLandmark& landmark,
-                                                   const StereoPoint& seen, const SE3& T_c_odom,
-                                                   const ImageLevels& image) const {
+                                                   const TrackedFrame& frame, const StereoPoint& seen,
+                                                   const SE3& T_c_odom) const {
   const auto shape = Shape(reference, landmark.p_odom, T_c_odom);
   if (!shape) return std::nullopt;
   const Eigen::Vector2d start_px = camera_.Project(T_c_odom * landmark.p_odom);
@@ -72,14 +72,16 @@ std::optional<StereoPoint> PointRefiner::RefineOne(const Reference& reference, c
   std::optional<ReferencePatch> made;
   if (!reference.patch) made = MakeReferencePatch(reference.pixels);
   if (!reference.patch && !made) return std::nullopt;
-  const auto tracked = TrackPatch(reference.patch ? *reference.patch : *made, image, {start_px, *shape, shape_sigma});
+  const auto tracked =
+      TrackPatch(reference.patch ? *reference.patch : *made, frame.image, {start_px, *shape, shape_sigma});
   if (!tracked || tracked->correlation < options_.min_correlation) return std::nullopt;
   const Eigen::Vector2d moved_px = tracked->px - seen.left.px;
-  if (!(moved_px.norm() <= kMaxDisagreement * seen.sigma_px)) return std::nullopt;
+  if (!(moved_px.norm() * frame.point_sigma_scale <= kMaxDisagreement * seen.sigma_px)) return std::nullopt;
   StereoPoint point = seen;
   point.left.px = tracked->px;
   // What a patch errs by is much the same in all frames that it is found in.
-  point.sigma_px = std::hypot(tracked->sigma_px, options_.sigma_px * reference.pixels.size_px);
+  point.sigma_px =
+      frame.point_sigma_scale * std::hypot(tracked->sigma_px, options_.sigma_px * reference.pixels.size_px);
   if (point.HasDepth()) point.disparity_px += point.disparity_slope.dot(moved_px);
   return point;
 }

@@ -86,7 +86,7 @@ class PointRefiner {
   Reference* Find(int64_t landmark_id);
   const Reference* Find(int64_t landmark_id) const;
   std::optional<StereoPoint> RefineOne(const Reference& reference, const PointLandmark& landmark,
-                                       const StereoPoint& seen, const SE3& T_c_odom, const ImageLevels& image) const;
+                                       const TrackedFrame& frame, const StereoPoint& seen, const SE3& T_c_odom) const;
   std::optional<Eigen::Matrix2d> Shape(const Reference& reference, const Eigen::Vector3d& p_odom,
                                        const SE3& T_c_odom) const;
   static Slope SlopeOf(const StereoPoint& seen);

@@ -38,6 +38,8 @@ struct TrackedFrame {
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
+  /// Factor that the deviations of the points have grown by (`KindBalance`).
+  double point_sigma_scale = 1.0;
   /// The left image, or none.
   ImageLevels image;
   PointGrid point_grid;

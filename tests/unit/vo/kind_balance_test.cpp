@@ -47,6 +47,16 @@ TEST(KindBalance, StaysWithinItsBounds) {
   EXPECT_EQ(ScaleAfter(off, 9.0, kManyFrames), 1.0);
 }
 
+TEST(KindBalance, ForgetsWhereNothingTells) {
+  KindBalance balance(16.0);
+  const double learned = ScaleAfter(balance, 9.0, kManyFrames);
+  ASSERT_GT(learned, 8.0);
+  balance.Observe(Frame(1.0, 100, 5));
+  EXPECT_GT(balance.scale(), 0.8 * learned);
+  for (int i = 0; i < kManyFrames; ++i) balance.Observe(Frame(1.0, 100, 5));
+  EXPECT_NEAR(balance.scale(), 1.0, 1e-3);
+}
+
 TEST(KindBalance, LearnsNothingFromTooFewOrFromNonsense) {
   KindBalance balance(4.0);
   Alignment frame = Frame(3.0, 5, 50);

@@ -64,18 +64,10 @@ void MapWays::Connect(int64_t a, int64_t b, int loop) {
 }
 
 void MapWays::SortEdgesByNode() {
-  first_edge_.assign(nodes_.size() + 1, 0);
-  for (const Edge& edge : edges_) {
-    ++first_edge_[edge.a + 1];
-    ++first_edge_[edge.b + 1];
-  }
-  for (size_t i = 1; i < first_edge_.size(); ++i) first_edge_[i] += first_edge_[i - 1];
-  std::vector<int> next(first_edge_.begin(), first_edge_.end() - 1);
-  edges_of_.resize(2 * edges_.size());
-  for (int e = 0; e < static_cast<int>(edges_.size()); ++e) {
-    edges_of_[next[edges_[e].a]++] = e;
-    edges_of_[next[edges_[e].b]++] = e;
-  }
+  ends_of_ = PlacesByBucket(2 * edges_.size(), nodes_.size(), [this](int end) {
+    const Edge& edge = edges_[end / 2];
+    return end % 2 == 0 ? edge.a : edge.b;
+  });
 }
 
 void MapWays::SearchUntil(int place) {
@@ -90,15 +82,15 @@ void MapWays::SearchUntil(int place) {
 
 void MapWays::Leave(int place) {
   const Eigen::Vector3d end = nodes_[to_].keyframe->T_w_kf.translation();
-  for (int i = first_edge_[place]; i < first_edge_[place + 1]; ++i) {
-    const Edge& edge = edges_[edges_of_[i]];
+  for (const int edge_end : ends_of_[static_cast<size_t>(place)]) {
+    const Edge& edge = edges_[edge_end / 2];
     const int other = edge.a == place ? edge.b : edge.a;
     Node& next = nodes_[other];
     const double total_m = nodes_[place].distance_m + edge.length_m;
     if (next.distance_m >= 0.0 && next.distance_m <= total_m) continue;
     next.distance_m = total_m;
     next.reach_m = std::max(nodes_[place].reach_m, (next.keyframe->T_w_kf.translation() - end).norm());
-    next.towards = edges_of_[i];
+    next.towards = edge_end / 2;
     open_.emplace(total_m, other);
   }
 }

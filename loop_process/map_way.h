@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/features/buckets.h"
 #include "core/geometry/se3.h"
 #include "core/map/map.h"
 
@@ -70,9 +71,8 @@ class MapWays {
   std::vector<Node> nodes_;   // ascending by id
   std::vector<int64_t> ids_;  // of the nodes; a table by id would be as long as the largest
   std::vector<Edge> edges_;
-  // The edges of node i: edges_of_[first_edge_[i]] to edges_of_[first_edge_[i + 1]].
-  std::vector<int> first_edge_;
-  std::vector<int> edges_of_;
+  // Ends of edges by the node they are at; ends 2 e and 2 e + 1 are of edge e.
+  Buckets<int> ends_of_;
   std::priority_queue<Open, std::vector<Open>, std::greater<>> open_;
   std::vector<Matrix6d> covariances_;
 };

@@ -17,6 +17,11 @@ void VisitFields(Visitor& visit, TestOptions& o) {
   visit("answer", o.answer, plslam::Bounds{0, 100}, "a number");
 }
 
+void Say(const char* line) {
+  std::puts(line);
+  std::fflush(stdout);
+}
+
 /// Does what the word on its command line says; the process tests start it.
 struct TestNode {
   TestNode(plslam::bus::Process& process, const plslam::Config& config, const std::string& mode) {
@@ -29,15 +34,13 @@ struct TestNode {
     if (mode == "finish-7") process.Finish(7);
     if (mode == "hang")
       process.bus().Post([] {
+        Say("hangs");
         for (volatile bool forever = true; forever;) continue;
       });
     if (mode == "throw-in-handler") process.bus().Post([] { throw std::runtime_error("a handler failed"); });
     if (mode == "throw-a-number") process.bus().Post([] { throw 5; });
     if (mode == "own-state") process.SetState("running", "because");
-    process.bus().Post([] {
-      std::puts("runs");
-      std::fflush(stdout);
-    });
+    process.bus().Post([] { Say("runs"); });
   }
   ~TestNode() { std::puts("node is gone"); }
   TestNode(const TestNode&) = delete;

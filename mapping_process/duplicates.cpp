@@ -35,10 +35,8 @@ Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + l
 // Landmarks of one keyframe that another does not see.
 template <class Kind>
 std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {
-  std::vector<int64_t> ids;
-  for (const int64_t id : Kind::Of(map, keyframe_id)) {
-    if (id >= 0 && !IsSeenBy(*Kind::Find(map, id), other_id)) ids.push_back(id);
-  }
+  std::vector<int64_t> ids = Kind::Of(map, keyframe_id);
+  LeaveOutSeen<Kind>(other_id, map, ids);
   return ids;
 }
 

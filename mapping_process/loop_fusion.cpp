@@ -40,11 +40,6 @@ void FuseKind(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& f
   }
 }
 
-template <class Kind>
-void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
-  std::erase_if(ids, [&](int64_t id) { return IsSeenBy(*Kind::Find(map, id), keyframe_id); });
-}
-
 void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& from, const KeyframeFeatures& features,
                  const StereoCamera& camera, const MappingOptions& options, Map& map) {
   const double radius_px = kRadius * options.insertion.fuse_radius_px;

@@ -17,14 +17,15 @@ constexpr double kMaxCells = 65536.0;
 constexpr int kTooFar = 257;  // above any distance of 256 bits
 constexpr int kTurnBins = 30;
 
-template <class Points, class GetPoint>
-std::vector<PointGrid::Entry> MakeEntries(const Points& points, const GetPoint& get) {
+// `get` gives the point at a place, nullptr for one that is left out.
+template <class GetPoint>
+std::vector<PointGrid::Entry> MakeEntries(size_t size, const GetPoint& get) {
   std::vector<PointGrid::Entry> entries;
-  entries.reserve(points.size());
-  for (size_t i = 0; i < points.size(); ++i) {
-    const PointFeature& f = get(points[i]);
-    if (!f.px.allFinite()) continue;
-    entries.push_back({f.px, f.angle_rad, f.octave, static_cast<int>(i), f.descriptor});
+  entries.reserve(size);
+  for (size_t i = 0; i < size; ++i) {
+    const PointFeature* f = get(i);
+    if (f == nullptr || !f->px.allFinite()) continue;
+    entries.push_back({f->px, f->angle_rad, f->octave, static_cast<int>(i), f->descriptor});
   }
   return entries;
 }
@@ -98,11 +99,16 @@ void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, in
 }  // namespace
 
 PointGrid::PointGrid(const std::vector<PointFeature>& points) {
-  Build(MakeEntries(points, [](const PointFeature& f) -> const PointFeature& { return f; }), points.size());
+  Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i]; }), points.size());
 }
 
 PointGrid::PointGrid(const std::vector<StereoPoint>& points) {
-  Build(MakeEntries(points, [](const StereoPoint& p) -> const PointFeature& { return p.left; }), points.size());
+  Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i].left; }), points.size());
+}
+
+PointGrid::PointGrid(const std::vector<StereoPoint>& points, const std::vector<char>& eligible) {
+  const auto get = [&](size_t i) { return eligible[i] != 0 ? &points[i].left : nullptr; };
+  Build(MakeEntries(points.size(), get), points.size());
 }
 
 void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {

@@ -62,6 +62,13 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
   return ids;
 }
 
+/// Leaves those that the keyframe does not see; ids below zero are none.
+template <class Kind>
+void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
+  const std::vector<int64_t> seen = SeenBy<Kind>({keyframe_id}, map);
+  std::erase_if(ids, [&seen](int64_t id) { return id < 0 || std::binary_search(seen.begin(), seen.end(), id); });
+}
+
 /// Adds to `counts`, by keyframe, how many of the landmarks it sees; ids below zero do not count.
 template <class Kind>
 void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {

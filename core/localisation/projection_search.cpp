@@ -8,16 +8,14 @@
 namespace plslam {
 namespace {
 
-// Features that take part, and their places in the whole list.
-template <class Feature>
-struct Subset {
-  std::vector<Feature> features;
+// Lines that take part, and their places in the whole list.
+struct LineSubset {
+  std::vector<StereoLine> features;
   std::vector<int> places;
 };
 
-template <class Feature>
-Subset<Feature> Eligible(const std::vector<Feature>& features, const std::vector<char>& eligible) {
-  Subset<Feature> subset;
+LineSubset Eligible(const std::vector<StereoLine>& features, const std::vector<char>& eligible) {
+  LineSubset subset;
   for (size_t i = 0; i < features.size(); ++i) {
     if (eligible[i] == 0) continue;
     subset.features.push_back(features[i]);
@@ -26,11 +24,13 @@ Subset<Feature> Eligible(const std::vector<Feature>& features, const std::vector
   return subset;
 }
 
+// `place_of` says where among all features one that was found stands.
+template <class PlaceOf>
 std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const std::vector<int>& found,
-                                    const std::vector<int>& places) {
+                                    const PlaceOf& place_of) {
   std::vector<LandmarkFeature> pairs;
   for (size_t i = 0; i < found.size(); ++i) {
-    if (found[i] >= 0) pairs.push_back({owners[i], places[static_cast<size_t>(found[i])]});
+    if (found[i] >= 0) pairs.push_back({owners[i], place_of(found[i])});
   }
   return pairs;
 }
@@ -41,7 +41,6 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
                                           const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
                                           const LocalisationOptions& options) {
-  const Subset<StereoPoint> subset = Eligible(features, eligible);
   const SE3 T_kf_w = T_w_kf.Inverse();
   std::vector<PointQuery> queries;
   std::vector<int64_t> owners;
@@ -56,16 +55,16 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
     queries.push_back({px, radius_px, octave, point.angle_rad, point.descriptor});
     owners.push_back(id);
   }
-  if (queries.empty() || subset.features.empty()) return {};
-  return PairUp(owners, MatchPointsByProjection(queries, PointGrid(subset.features), options.point_matching),
-                subset.places);
+  if (queries.empty()) return {};
+  const std::vector<int> found =
+      MatchPointsByProjection(queries, PointGrid(features, eligible), options.point_matching);
+  return PairUp(owners, found, [](int feature) { return feature; });
 }
 
 std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
                                          const std::vector<StereoLine>& features, const std::vector<char>& eligible,
                                          double radius_px, const StereoCamera& camera,
                                          const LocalisationOptions& options) {
-  const Subset<StereoLine> subset = Eligible(features, eligible);
   const SE3 T_kf_w = T_w_kf.Inverse();
   std::vector<PredictedLine> predicted;
   std::vector<int64_t> owners;
@@ -76,10 +75,12 @@ std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64
     predicted.push_back({*segment, line.descriptor});
     owners.push_back(id);
   }
-  if (predicted.empty() || subset.features.empty()) return {};
+  if (predicted.empty()) return {};
+  const LineSubset subset = Eligible(features, eligible);
   LineMatchOptions window = options.line_matching;
   window.max_across_px = radius_px;
-  return PairUp(owners, MatchLinesByProjection(predicted, subset.features, window), subset.places);
+  return PairUp(owners, MatchLinesByProjection(predicted, subset.features, window),
+                [&subset](int feature) { return subset.places[static_cast<size_t>(feature)]; });
 }
 
 }  // namespace plslam

@@ -21,6 +21,7 @@
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"
 #include "tests/support/worse_images.h"
+#include "tools/command_line/run_command_line.h"
 
 namespace {
 
@@ -149,72 +150,92 @@ void PrintLoops(const std::string& name, const plslam::test::LoopRun& run, bool 
   }
 }
 
+struct Arguments {
+  std::vector<std::string> datasets;
+  std::vector<std::string> overrides;
+  std::string config;
+  int stride = 1;
+  int frames = 1 << 30;
+  bool verbose = false;
+  bool mapping = false;
+  bool loops = false;
+  plslam::test::Worsening worsening;
+};
+
+void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run) {
+  app.add_option("datasets", a.datasets, "datasets")->required();
+  app.add_option("--set", a.overrides, "KEY=VALUE");
+  app.add_option("--config", a.config, "configuration file");
+  app.add_option("--stride", a.stride, "every so many frames");
+  app.add_option("--frames", a.frames, "at most so many");
+  app.add_flag("--verbose", a.verbose, "a line for each frame");
+  app.add_flag("--mapping", a.mapping, "tracking against the map instead of odometry alone");
+  app.add_flag("--loops", a.loops, "mapping and loop closing");
+  app.add_flag("--forth-and-back", run.forth_and_back, "with --loops: then all frames in reverse order");
+  app.add_option("--ask-every", run.ask_every, "with --loops: ask where every so many frames are");
+  app.add_option("--noise", a.worsening.noise_sigma, "added to the images, grey values");
+  app.add_option("--darkest", a.worsening.darkest, "factor of the grey values, that comes and goes");
+  app.add_option("--blur", a.worsening.blur_sigma_px, "of the images, pixels");
+  app.add_option("--covered", a.worsening.covered, "side of a black square, as a share of the image's height");
+}
+
+void ReadOptions(const Arguments& a, plslam::test::LoopRunOptions& run) {
+  plslam::Config config;
+  if (!a.config.empty()) config = plslam::Config::FromFile(a.config);
+  for (const std::string& assignment : a.overrides) config.Override(assignment);
+  config.Read("vo", run.vo);
+  config.Read("mapping", run.mapping);
+  config.Read("loop", run.loops);
+  run.stride = a.stride;
+  run.max_frames = a.frames;
+}
+
+std::string LastOf(const std::string& location, size_t length) {
+  return location.substr(location.size() > length ? location.size() - length : 0);
+}
+
+void RunMapping(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
+                const plslam::test::LoopRunOptions& options) {
+  const auto run = plslam::test::RunSlam(dataset, options.vo, options.mapping, a.stride, a.frames);
+  PrintSlam(LastOf(location, 40), run);
+  for (size_t i = 0; a.verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
+}
+
+void RunOdometry(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
+                 const plslam::test::LoopRunOptions& options) {
+  const auto frames = plslam::test::RunOdometry(dataset, options.vo, a.stride, a.frames);
+  const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
+  for (int i = 0; a.verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
+  std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",
+              LastOf(location, 40).c_str(), frames.size(), plslam::test::LostFrames(frames), keyframes,
+              plslam::test::AbsoluteTrajectoryError(frames), plslam::test::MotionNees(frames),
+              Mean(frames, &OdometryFrame::n_tracked_points), Mean(frames, &OdometryFrame::n_points),
+              Mean(frames, &OdometryFrame::n_tracked_lines), Mean(frames, &OdometryFrame::n_lines),
+              StageMedians(frames).c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::vector<std::string> datasets;
-  std::vector<std::string> overrides;
-  std::string config_path;
-  int stride = 1;
-  int frames_wanted = 1 << 30;
-  bool verbose = false;
-  bool with_mapping = false;
-  bool with_loops = false;
-  plslam::test::LoopRunOptions run_options;
-  plslam::test::Worsening worsening;
-  CLI::App app("Accuracy and time of odometry in one process, without messages");
-  app.add_option("datasets", datasets, "datasets")->required();
-  app.add_option("--set", overrides, "KEY=VALUE");
-  app.add_option("--config", config_path, "configuration file");
-  app.add_option("--stride", stride, "every so many frames");
-  app.add_option("--frames", frames_wanted, "at most so many");
-  app.add_flag("--verbose", verbose, "a line for each frame");
-  app.add_flag("--mapping", with_mapping, "tracking against the map instead of odometry alone");
-  app.add_flag("--loops", with_loops, "mapping and loop closing");
-  app.add_flag("--forth-and-back", run_options.forth_and_back, "with --loops: then all frames in reverse order");
-  app.add_option("--ask-every", run_options.ask_every, "with --loops: ask where every so many frames are");
-  app.add_option("--noise", worsening.noise_sigma, "added to the images, grey values");
-  app.add_option("--darkest", worsening.darkest, "factor of the grey values, that comes and goes");
-  app.add_option("--blur", worsening.blur_sigma_px, "of the images, pixels");
-  app.add_option("--covered", worsening.covered, "side of a black square, as a share of the image's height");
-  CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  plslam::Config config;
-  if (!config_path.empty()) config = plslam::Config::FromFile(config_path);
-  for (const std::string& assignment : overrides) config.Override(assignment);
-  plslam::VoOptions options;
-  config.Read("vo", options);
-  plslam::MappingOptions mapping;
-  config.Read("mapping", mapping);
-  config.Read("loop", run_options.loops);
-  const plslam::PlaceRecogniser places = Places(with_loops, run_options.loops.places);
-  run_options.vo = options;
-  run_options.mapping = mapping;
-  run_options.stride = stride;
-  run_options.max_frames = frames_wanted;
-  for (const std::string& location : datasets) {
-    const auto opened = plslam::OpenDataset(location, "");
-    const plslam::test::WorseImages dataset(*opened, worsening);
-    if (with_loops) {
-      PrintLoops(location.substr(location.size() > 60 ? location.size() - 60 : 0),
-                 plslam::test::RunLoops(dataset, places, run_options), verbose);
-      continue;
+  CLI::App app("Accuracy and time of odometry in one process, without messages", "accuracy_benchmark");
+  Arguments a;
+  plslam::test::LoopRunOptions options;
+  AddArguments(app, a, options);
+  return plslam::RunCommandLine(app, argc, argv, [&] {
+    cv::setNumThreads(1);
+    ReadOptions(a, options);
+    const plslam::PlaceRecogniser places = Places(a.loops, options.loops.places);
+    for (const std::string& location : a.datasets) {
+      const auto opened = plslam::OpenDataset(location, "");
+      const plslam::test::WorseImages dataset(*opened, a.worsening);
+      if (a.loops) {
+        PrintLoops(LastOf(location, 60), plslam::test::RunLoops(dataset, places, options), a.verbose);
+      } else if (a.mapping) {
+        RunMapping(location, dataset, a, options);
+      } else {
+        RunOdometry(location, dataset, a, options);
+      }
     }
-    if (with_mapping) {
-      const auto run = plslam::test::RunSlam(dataset, options, mapping, stride, frames_wanted);
-      PrintSlam(location.substr(location.size() > 40 ? location.size() - 40 : 0), run);
-      for (size_t i = 0; verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
-      continue;
-    }
-    const auto frames = plslam::test::RunOdometry(dataset, options, stride, frames_wanted);
-    const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
-    for (int i = 0; verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
-    std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",
-                location.substr(location.size() > 40 ? location.size() - 40 : 0).c_str(), frames.size(),
-                plslam::test::LostFrames(frames), keyframes, plslam::test::AbsoluteTrajectoryError(frames),
-                plslam::test::MotionNees(frames), Mean(frames, &OdometryFrame::n_tracked_points),
-                Mean(frames, &OdometryFrame::n_points), Mean(frames, &OdometryFrame::n_tracked_lines),
-                Mean(frames, &OdometryFrame::n_lines), StageMedians(frames).c_str());
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -16,6 +16,7 @@
 #include "player/synthetic/simulator.h"
 #include "player/synthetic/synthetic_dataset.h"
 #include "tests/support/odometry_run.h"
+#include "tools/command_line/run_command_line.h"
 #include "vo_process/stereo_front_end.h"
 
 namespace {
@@ -140,29 +141,32 @@ class Judge {
   std::map<double, Bin> bins_;
 };
 
+void JudgeWorld(const std::string& world, const plslam::VoOptions& options) {
+  const plslam::synthetic::Simulator simulator(plslam::synthetic::ParseOptions(world));
+  const auto dataset = plslam::OpenSyntheticDataset(world);
+  Judge judge(simulator, plslam::StereoFrontEnd(dataset->rig(), options).camera());
+  int index = 0;
+  const auto frames = plslam::test::RunOdometry(
+      *dataset, options, 1, 1 << 30,
+      [&](const plslam::StereoImages&, const OdometryResult& result) { judge.See(index++, result); });
+  judge.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   std::vector<std::string> worlds;
   std::vector<std::string> overrides;
-  CLI::App app("Errors of tracked points against the truth of synthetic worlds");
+  CLI::App app("Errors of tracked points against the truth of synthetic worlds", "tracks_benchmark");
   app.add_option("worlds", worlds, "as after synthetic:")->required();
   app.add_option("--set", overrides, "KEY=VALUE");
-  CLI11_PARSE(app, argc, argv);
-  cv::setNumThreads(1);
-  plslam::Config config;
-  for (const std::string& assignment : overrides) config.Override(assignment);
-  plslam::VoOptions options;
-  config.Read("vo", options);
-  for (const std::string& world : worlds) {
-    const plslam::synthetic::Simulator simulator(plslam::synthetic::ParseOptions(world));
-    const auto dataset = plslam::OpenSyntheticDataset(world);
-    Judge judge(simulator, plslam::StereoFrontEnd(dataset->rig(), options).camera());
-    int index = 0;
-    const auto frames = plslam::test::RunOdometry(
-        *dataset, options, 1, 1 << 30,
-        [&](const plslam::StereoImages&, const OdometryResult& result) { judge.See(index++, result); });
-    judge.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
-  }
-  return 0;
+  return plslam::RunCommandLine(app, argc, argv, [&] {
+    cv::setNumThreads(1);
+    plslam::Config config;
+    for (const std::string& assignment : overrides) config.Override(assignment);
+    plslam::VoOptions options;
+    config.Read("vo", options);
+    for (const std::string& world : worlds) JudgeWorld(world, options);
+    return 0;
+  });
 }

@@ -230,6 +230,7 @@ void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string
   notes_.push_back("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
                    " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
   std::vector<LogFrame> kept;
+  kept.reserve(places.size());
   for (const size_t place : places) kept.push_back(std::move(frames_[place]));
   frames_ = std::move(kept);
 }

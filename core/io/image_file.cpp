@@ -142,7 +142,7 @@ cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
 cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }
 
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected) {
-  const cv::Mat image = ReadImage(path, expected).pixels;
+  cv::Mat image = ReadImage(path, expected).pixels;
   if (image.type() != CV_16UC1) {
     Fail(path, fmt::format("a depth map has one channel of 16 bits, this image {} of {}", image.channels(),
                            8 * image.elemSize1()));

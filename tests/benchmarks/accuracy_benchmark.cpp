@@ -154,8 +154,6 @@ struct Arguments {
   std::vector<std::string> datasets;
   std::vector<std::string> overrides;
   std::string config;
-  int stride = 1;
-  int frames = 1 << 30;
   bool verbose = false;
   bool mapping = false;
   bool loops = false;
@@ -166,8 +164,8 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("datasets", a.datasets, "datasets")->required();
   app.add_option("--set", a.overrides, "KEY=VALUE");
   app.add_option("--config", a.config, "configuration file");
-  app.add_option("--stride", a.stride, "every so many frames");
-  app.add_option("--frames", a.frames, "at most so many");
+  app.add_option("--stride", run.stride, "every so many frames");
+  app.add_option("--frames", run.max_frames, "at most so many");
   app.add_flag("--verbose", a.verbose, "a line for each frame");
   app.add_flag("--mapping", a.mapping, "tracking against the map instead of odometry alone");
   app.add_flag("--loops", a.loops, "mapping and loop closing");
@@ -186,8 +184,6 @@ void ReadOptions(const Arguments& a, plslam::test::LoopRunOptions& run) {
   config.Read("vo", run.vo);
   config.Read("mapping", run.mapping);
   config.Read("loop", run.loops);
-  run.stride = a.stride;
-  run.max_frames = a.frames;
 }
 
 std::string LastOf(const std::string& location, size_t length) {
@@ -196,14 +192,14 @@ std::string LastOf(const std::string& location, size_t length) {
 
 void RunMapping(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                 const plslam::test::LoopRunOptions& options) {
-  const auto run = plslam::test::RunSlam(dataset, options.vo, options.mapping, a.stride, a.frames);
+  const auto run = plslam::test::RunSlam(dataset, options.vo, options.mapping, options.stride, options.max_frames);
   PrintSlam(LastOf(location, 40), run);
   for (size_t i = 0; a.verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
 }
 
 void RunOdometry(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                  const plslam::test::LoopRunOptions& options) {
-  const auto frames = plslam::test::RunOdometry(dataset, options.vo, a.stride, a.frames);
+  const auto frames = plslam::test::RunOdometry(dataset, options.vo, options.stride, options.max_frames);
   const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
   for (int i = 0; a.verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
   std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <utility>
 
 #include "core/optim/bundle_covariance.h"
-#include "core/optim/bundle_solver.h"
+#include "core/optim/ceres_solver.h"
 #include "core/optim/line_cost.h"
 #include "core/optim/line_endpoint_cost.h"
 #include "core/optim/point_cost.h"
-#include "core/optim/relative_pose_cost.h"
+#include "core/optim/relative_poses.h"
+#include "core/optim/schur_solver.h"
 #include "core/optim/sight_group.h"
 
 namespace plslam {
@@ -19,8 +19,6 @@ namespace {
 
 // Share of sights below which a change of outliers is not worth another pass.
 constexpr double kFewChanges = 0.005;
-// Where the loss of relative poses turns linear, in standard deviations.
-constexpr double kRelativeDelta = 3.0;
 
 template <class Sight>
 std::string IndexFault(const char* kind, const std::vector<Sight>& sights, size_t poses, size_t landmarks) {
@@ -96,14 +94,15 @@ class Adjustment {
       : given_(problem),
         options_(options),
         gates_(MakeGates(options.gate_sigmas)),
-        context_{options.huber_delta, false},
         poses_(MakePoses(problem)),
-        points_(problem.points, problem.point_sights, context_, poses_, problem.camera),
-        lines_(problem.lines, problem.line_sights, context_, poses_, problem.camera) {}
+        points_(problem.points, problem.point_sights, options.huber_delta, poses_, problem.camera),
+        lines_(problem.lines, problem.line_sights, options.huber_delta, poses_, problem.camera),
+        relative_poses_(problem.relative_poses, poses_) {}
 
   BundleResult Run(const std::atomic<bool>* stop, BundleCovariances covariances) {
     BundleResult result = AsGiven(given_);
-    const bool free_pose = std::any_of(poses_.begin(), poses_.end(), IsAdjusted);
+    const bool free_pose =
+        std::any_of(poses_.begin(), poses_.end(), [](const auto& pose) { return pose.IsAdjusted(); });
     if (!free_pose && !points_.HasFree() && !lines_.HasFree()) {
       result.reason = "no free pose or landmark is seen";
       return result;
@@ -115,9 +114,24 @@ class Adjustment {
   }
 
  private:
-  static bool IsAdjusted(const AdjustedPose& pose) { return pose.IsFree() && pose.sights > 0; }
-
   bool Solve(const std::atomic<bool>* stop, BundleResult& result) {
+    // A later pass lets them in again.
+    if (options_.max_refinements > 0) {
+      points_.TrimGross();
+      lines_.TrimGross();
+    }
+    points_.HoldUndetermined();
+    lines_.HoldUndetermined();
+    StepJudge judge(Actions(), options_, stop);
+    const bool dense = CountFree(poses_) <= options_.max_dense_poses;
+    const bool solved = dense ? SolveDensely(judge, result) : SolveSparsely(judge, result);
+    points_.RestoreLost();
+    lines_.RestoreLost();
+    if (!solved) result.reason = "the solver failed";
+    return solved;
+  }
+
+  SightActions Actions() {
     SightActions actions;
     actions.loss = [this] {
       const LossSum points = points_.Loss();
@@ -125,65 +139,37 @@ class Adjustment {
       return LossSum{points.loss + lines.loss, points.rows + lines.rows};
     };
     actions.trim = [this] {
-      points_.Update();
-      lines_.Update();
       points_.Trim(gates_);
       lines_.Trim(gates_);
     };
-    actions.finish = [this] { context_.finished = true; };
-    BundleMonitor monitor(poses_, actions, options_, stop);
-    ceres::SoftLOneLoss pseudo_huber(options_.huber_delta);
-    ceres::Problem ceres_problem(BundleProblemOptions(monitor));
-    ceres::ParameterBlockOrdering order;
-    // A later pass lets them in again.
-    if (options_.max_refinements > 0) {
-      points_.TrimGross();
-      lines_.TrimGross();
-    }
-    std::vector<double> parameters(points_.ParameterCount() + lines_.ParameterCount());
-    points_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data());
-    lines_.AddTo(ceres_problem, order, &pseudo_huber, parameters.data() + points_.ParameterCount());
-    ceres::SoftLOneLoss relative_loss(kRelativeDelta);
-    AddRelativePoses(ceres_problem, &relative_loss);
-    for (AdjustedPose& pose : poses_) {
-      if (IsAdjusted(pose)) order.AddElementToGroup(pose.x.data(), 1);
-    }
+    return actions;
+  }
+
+  bool SolveDensely(StepJudge& judge, BundleResult& result) {
+    LandmarkElimination<PointCost> points(points_);
+    LandmarkElimination<Line> lines(lines_);
+    SchurSolver solver(poses_, relative_poses_, {&points, &lines}, options_);
+    return RunPasses(solver, judge, result);
+  }
+
+  bool SolveSparsely(StepJudge& judge, BundleResult& result) {
+    CeresSolver solver(poses_, relative_poses_, points_.ParameterCount() + lines_.ParameterCount(), options_);
+    solver.Add(points_);
+    solver.Add(lines_);
+    return RunPasses(solver, judge, result);
+  }
+
+  template <class Solver>
+  bool RunPasses(Solver& solver, StepJudge& judge, BundleResult& result) {
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
-      context_.finished = false;
-      monitor.Start(refinement == 0 && options_.max_refinements > 0);
-      const BundlePass pass = SolveBundle(ceres_problem, order, monitor, options_);
-      for (AdjustedPose& pose : poses_) pose.Update();
-      points_.Update();
-      lines_.Update();
+      const BundlePass pass = solver.Run(judge, refinement == 0 && options_.max_refinements > 0);
       result.stopped = pass.stopped;
       result.iterations += pass.iterations;
-      if (!pass.ok || !IsFinite()) {
-        result.reason = "the solver failed";
-        return false;
-      }
+      if (!pass.ok || !IsFinite()) return false;
       const int changed = points_.Gate(gates_) + lines_.Gate(gates_);
       if (changed <= kFewChanges * (points_.sight_count() + lines_.sight_count())) break;
     }
-    points_.RestoreLost();
-    lines_.RestoreLost();
     return true;
-  }
-
-  void AddRelativePoses(ceres::Problem& ceres_problem, ceres::LossFunction* loss) {
-    relative_costs_.reserve(given_.relative_poses.size());
-    for (const RelativePose& relative : given_.relative_poses) {
-      AdjustedPose& a = poses_[static_cast<size_t>(relative.a)];
-      AdjustedPose& b = poses_[static_cast<size_t>(relative.b)];
-      if (a.sights == 0 || b.sights == 0) continue;
-      auto cost = std::make_unique<RelativePoseCost>(relative, a, b);
-      if (!cost->IsUsable()) continue;
-      std::vector<double*> blocks;
-      for (AdjustedPose* pose : {&a, &b}) {
-        if (pose->IsFree()) blocks.push_back(pose->x.data());
-      }
-      ceres_problem.AddResidualBlock(cost.get(), loss, blocks);
-      relative_costs_.push_back(std::move(cost));
-    }
   }
 
   bool IsFinite() const {
@@ -203,9 +189,7 @@ class Adjustment {
   }
 
   void FillCovariances(BundleResult& result) const {
-    int free_poses = 0;
-    for (const AdjustedPose& pose : poses_) free_poses += pose.IsFree();
-    BundleCovariance covariance(free_poses, options_.huber_delta, options_.gate_sigmas);
+    BundleCovariance covariance(CountFree(poses_), options_.huber_delta, options_.gate_sigmas);
     const auto of_points = covariance.Eliminate(points_);
     const auto of_lines = covariance.Eliminate(lines_);
     const double excess = covariance.Excess();
@@ -233,11 +217,10 @@ class Adjustment {
   const BundleProblem& given_;
   const BundleOptions& options_;
   Gates gates_;
-  SightContext context_;
   std::vector<AdjustedPose> poses_;
   SightGroup<PointCost> points_;
   SightGroup<Line> lines_;
-  std::vector<std::unique_ptr<RelativePoseCost>> relative_costs_;
+  RelativePoses relative_poses_;
 };
 
 }  // namespace

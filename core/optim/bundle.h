@@ -107,8 +107,9 @@ struct BundleResult {
 };
 
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks
-/// eliminated first (Schur complement), outliers removed between passes. Residuals are whitened vectors in both images;
-/// points and lines stand side by side. One thread, so equal input gives equal output.
+/// eliminated first (Schur complement: `SchurSolver`, or Ceres for many poses), outliers removed between passes.
+/// Residuals are whitened vectors in both images; points and lines stand side by side. One thread, so equal input gives
+/// equal output.
 ///
 /// What cannot be measured (not finite, sigmas that are not positive, segments without length) is never an inlier. A
 /// landmark whose sights leave a direction open (one view without disparity, infinity) stays near where it was given

@@ -57,12 +57,12 @@ std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(
   Eigen::Matrix<double, kRows, 1> r;
   Eigen::Matrix<double, kRows, 6, Eigen::RowMajor> by_pose;
   Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor> by_landmark;
-  group.ForEachLandmark([&](size_t i, const SightCostFunction<Cost>* begin, const SightCostFunction<Cost>* end) {
+  group.ForEachLandmark([&](size_t i, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
     const auto& landmark = group.landmarks()[i];
-    Information H = group.PriorOf(i);
+    Information H = group.PriorInformation(i);
     couplings.clear();
     bool seen = false;
-    for (const SightCostFunction<Cost>* sight = begin; sight != end; ++sight) {
+    for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
       if (!sight->active) continue;
       r.setZero();
       by_pose.setZero();

@@ -1,5 +1,6 @@
 #include "core/optim/camera_view.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace plslam {
@@ -36,6 +37,11 @@ Matrix6d AdjustedPose::RightCovariance(const Matrix6d& covariance_x) const {
   M.bottomRightCorner<3, 3>() = view.turn;
   const Matrix6d turned = M * covariance_x * M.transpose();
   return 0.5 * (turned + turned.transpose());
+}
+
+int CountFree(const std::vector<AdjustedPose>& poses) {
+  const auto is_free = [](const AdjustedPose& pose) { return pose.IsFree(); };
+  return static_cast<int>(std::count_if(poses.begin(), poses.end(), is_free));
 }
 
 }  // namespace plslam

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "core/geometry/se3.h"
@@ -37,12 +39,16 @@ class AdjustedPose {
 
  public:
   bool IsFree() const { return column >= 0; }
+  /// Free, and something is seen from it.
+  bool IsAdjusted() const { return IsFree() && sights > 0; }
 
   int column = -1;
   int sights = 0;
   Vector6d x = Vector6d::Zero();
   CameraView view;
 };
+
+int CountFree(const std::vector<AdjustedPose>& poses);
 
 /// One row of a residual's Jacobians: by a pose's [a; w], from the derivatives `g` by points `p_c` of the camera.
 /// `by_world` is the derivative by a shift of the whole landmark in the world, `by_turn` the sum of g x p_c.

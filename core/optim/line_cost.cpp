@@ -115,6 +115,7 @@ bool LineCost::Evaluate(const CameraView& view, const double* x, double* residua
   }
   int row = 0;
   const auto write_row = [&](const End& end, const Eigen::Vector3d& place_c, const Eigen::Vector3d& g) {
+    if (!by_landmark && !by_pose) return;
     const Eigen::RowVector3d by_world = g.transpose() * view.R_c_w;
     if (by_landmark) {
       const Eigen::RowVector2d by_across = by_world * line_->across;

@@ -78,6 +78,7 @@ class LineCost {
  public:
   using Landmark = AdjustedLine;
   static constexpr int kMaxRows = 4;
+  static constexpr bool kShiftsAgainstCamera = false;
 
   LineCost() = default;
   LineCost(const LineSight& sight, const AdjustedLine& line, const CameraView& view, const StereoCamera& camera);

@@ -41,6 +41,7 @@ class LineEndpointCost {
  public:
   using Landmark = AdjustedEndpoints;
   static constexpr int kMaxRows = 4;
+  static constexpr bool kShiftsAgainstCamera = false;
 
   LineEndpointCost() = default;
   LineEndpointCost(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view,

@@ -14,6 +14,7 @@ struct BundleOptions {
   double huber_delta = 1.5;
   double gate_sigmas = 2.33;
   double function_tolerance = 3e-2;
+  int max_dense_poses = 150;
 };
 
 template <class Visitor>
@@ -29,6 +30,8 @@ void VisitFields(Visitor& visit, BundleOptions& o) {
         "chi-square gate of inliers, as quantile of the normal distribution (2.33 keeps 99 %)");
   visit("function_tolerance", o.function_tolerance, Bounds{0, 1},
         "share of the cost that a step must gain for another one to follow");
+  visit("max_dense_poses", o.max_dense_poses, Bounds{0, 1000},
+        "free poses above which Ceres solves the sparse system of all poses; below, a dense one is faster");
 }
 
 }  // namespace plslam

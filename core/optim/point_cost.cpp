@@ -22,9 +22,9 @@ bool PointCost::IsUsable(const PointSight& sight) {
   return finite && sight.sigma_px > 0.0 && disparity;
 }
 
-bool PointCost::Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
+bool PointCost::Evaluate(const CameraView& view, const double* p_w, double* residuals, double* by_pose,
                          double* by_landmark) const {
-  const Eigen::Vector3d p_c = view.ToCamera(Eigen::Map<const Eigen::Vector3d>(x));
+  const Eigen::Vector3d p_c = view.ToCamera(Eigen::Map<const Eigen::Vector3d>(p_w));
   if (!(p_c.z() > min_depth_m_)) return false;
   const double inverse_z = 1.0 / p_c.z();
   const double k = f_px_ * inverse_z;
@@ -33,17 +33,23 @@ bool PointCost::Evaluate(const CameraView& view, const double* x, double* residu
   if (rows_ == 3) residuals[2] = weight_disparity_ * (uvd_.z() - focal_baseline_ * inverse_z);
   if (!by_pose && !by_landmark) return true;
 
-  // Rows: derivatives of the residuals by the point in the camera.
-  Eigen::Matrix3d g;
-  g << -weight_ * k, 0.0, weight_ * k * p_c.x() * inverse_z,  //
-      0.0, -weight_ * k, weight_ * k * p_c.y() * inverse_z,   //
-      0.0, 0.0, weight_disparity_ * focal_baseline_ * inverse_z * inverse_z;
-  for (int i = 0; i < rows_; ++i) {
-    const Eigen::Vector3d row = g.row(i);
-    const Eigen::RowVector3d by_world = row.transpose() * view.R_c_w;
-    if (by_landmark) Eigen::Map<Eigen::RowVector3d>{by_landmark + 3 * i} = by_world;
-    if (by_pose) WritePoseRow(view, by_world, row.cross(p_c).transpose(), by_pose + 6 * i);
-  }
+  // Derivatives g of the residuals by the point in the camera: (a, 0, b), (0, a, c), (0, 0, d).
+  const double a = -weight_ * k;
+  const double b = -a * p_c.x() * inverse_z;
+  const double c = -a * p_c.y() * inverse_z;
+  const auto write_row = [&](int row, const Eigen::RowVector3d& by_world, const Eigen::RowVector3d& by_turn) {
+    if (by_landmark) Eigen::Map<Eigen::RowVector3d>{by_landmark + 3 * row} = by_world;
+    if (by_pose) WritePoseRow(view, by_world, by_turn, by_pose + 6 * row);
+  };
+  const auto& R = view.R_c_w;
+  const double x = p_c.x();
+  const double y = p_c.y();
+  const double z = p_c.z();
+  write_row(0, a * R.row(0) + b * R.row(2), {-b * y, b * x - a * z, a * y});
+  write_row(1, a * R.row(1) + c * R.row(2), {a * z - c * y, c * x, -a * x});
+  if (rows_ < 3) return true;
+  const double d = weight_disparity_ * focal_baseline_ * inverse_z * inverse_z;
+  write_row(2, d * R.row(2), {-d * y, d * x, 0.0});
   return true;
 }
 

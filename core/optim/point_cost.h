@@ -29,6 +29,8 @@ class PointCost {
  public:
   using Landmark = AdjustedPoint;
   static constexpr int kMaxRows = 3;
+  /// Derivatives by the landmark are those by a shift of the camera with the other sign.
+  static constexpr bool kShiftsAgainstCamera = true;
 
   PointCost() = default;
   PointCost(const PointSight& sight, const AdjustedPoint& point, const CameraView& view, const StereoCamera& camera);
@@ -41,9 +43,9 @@ class PointCost {
 
   int rows() const { return rows_; }
 
-  /// Residuals at the parameters `x` of the point, and where not null their Jacobians (row-major, `rows()` x 6 and
+  /// Residuals at the position `p_w` of the point, and where not null their Jacobians (row-major, `rows()` x 6 and
   /// `rows()` x 3). False, with nothing written, where the point is behind the camera or too near.
-  bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
+  bool Evaluate(const CameraView& view, const double* p_w, double* residuals, double* by_pose,
                 double* by_landmark) const;
 
   /// Squared distance in the left image, from whitened residuals.

@@ -26,35 +26,24 @@ Matrix6d InverseRightJacobian(const Vector6d& e) {
 
 }  // namespace
 
-RelativePoseCost::RelativePoseCost(const RelativePose& measured, const AdjustedPose& a, const AdjustedPose& b)
-    : T_b_a_measured_(measured.T_a_b.Inverse()), a_(a), b_(b) {
-  set_num_residuals(6);
-  for (const AdjustedPose* pose : {&a, &b}) {
-    if (pose->IsFree()) mutable_parameter_block_sizes()->push_back(6);
-  }
+RelativePoseCost::RelativePoseCost(const RelativePose& measured, AdjustedPose& a, AdjustedPose& b)
+    : T_b_a_measured_(measured.T_a_b.Inverse()), a_(&a), b_(&b) {
   const Eigen::LLT<Matrix6d> cholesky(measured.covariance);
   const bool definite = measured.covariance.allFinite() && cholesky.info() == Eigen::Success;
   if (definite) whitening_ = cholesky.matrixL().solve(Matrix6d::Identity());
   usable_ = definite && whitening_.allFinite() && measured.T_a_b.IsFinite() && (a.IsFree() || b.IsFree()) && &a != &b;
 }
 
-bool RelativePoseCost::Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const {
-  const SE3 T_a_b = a_.T_w_c().Inverse() * b_.T_w_c();
+void RelativePoseCost::Evaluate(double* residuals, double* by_a, double* by_b) const {
+  const SE3 T_a_b = a_->T_w_c().Inverse() * b_->T_w_c();
   const Vector6d difference = (T_b_a_measured_ * T_a_b).Log();
   Eigen::Map<Vector6d>{residuals} = whitening_ * difference;
-  if (jacobians == nullptr) return true;
-  const Matrix6d by_b = whitening_ * InverseRightJacobian(difference);
-  int block = 0;
-  if (a_.IsFree()) {
-    double* const by_a = jacobians[block++];
-    if (by_a != nullptr) {
-      Eigen::Map<Jacobian>{by_a} = -by_b * T_a_b.Inverse().Adjoint() * PerturbationByParameters(a_);
-    }
+  if (by_a == nullptr && by_b == nullptr) return;
+  const Matrix6d by_perturbation = whitening_ * InverseRightJacobian(difference);
+  if (by_a != nullptr) {
+    Eigen::Map<Jacobian>{by_a} = -by_perturbation * T_a_b.Inverse().Adjoint() * PerturbationByParameters(*a_);
   }
-  if (b_.IsFree() && jacobians[block] != nullptr) {
-    Eigen::Map<Jacobian>{jacobians[block]} = by_b * PerturbationByParameters(b_);
-  }
-  return true;
+  if (by_b != nullptr) Eigen::Map<Jacobian>{by_b} = by_perturbation * PerturbationByParameters(*b_);
 }
 
 }  // namespace plslam

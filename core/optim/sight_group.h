@@ -1,15 +1,13 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include <ceres/ceres.h>
 #include <Eigen/Cholesky>
 
+#include "core/optim/adjusted_sight.h"
 #include "core/optim/bundle.h"
 #include "core/optim/camera_view.h"
-#include "core/optim/fixed_views_cost.h"
-#include "core/optim/sight_cost.h"
+#include "core/optim/step_judge.h"
 
 namespace plslam {
 
@@ -22,11 +20,6 @@ struct SightSums {
   double rows = 0.0;
   double squares_px = 0.0;
   double sights = 0.0;
-};
-
-struct LossSum {
-  double loss = 0.0;
-  double rows = 0.0;
 };
 
 /// Where sights are looked at: as the adjustment was given, or as it was evaluated last.
@@ -43,22 +36,21 @@ class SightGroup {
   /// Sights that cannot be measured (not finite, of landmarks that are not) take no part, now or later; those that the
   /// landmark is behind of take none until a gate lets them in.
   template <class GivenLandmark, class Sight>
-  SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
-             const SightContext& context, std::vector<AdjustedPose>& poses, const StereoCamera& camera);
+  SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights, double huber_delta,
+             std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
   /// Numbers of all landmarks.
   size_t ParameterCount() const { return landmarks_.size() * kSize; }
 
-  /// Residuals, weak priors, and the landmarks into group 0. Ceres works on `ParameterCount()` numbers at `parameters`; as it
-  /// sorts by address, those of points and lines must be in one piece for equal input to give equal output.
-  void AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss,
-             double* parameters);
-
-  /// Follows Ceres' numbers.
-  void Update();
+  /// Gives weak priors to the free landmarks that their sights do not determine (at infinity, seen once without
+  /// disparity, along a line). They hold them near their start, and are nothing beside what is measured.
+  void HoldUndetermined();
 
   /// Twice the cost of the sights that take part, and their rows, as they were evaluated last.
   LossSum Loss() const;
+
+  /// Twice the cost of the weak priors.
+  double PriorLoss() const;
 
   /// Takes away what stands out far from the landmark's other sights: it would pull the first step astray.
   void TrimGross();
@@ -83,15 +75,18 @@ class SightGroup {
   /// Calls `visit(landmark index, first, last)` for each landmark with its range of `sights()`.
   template <class Visitor>
   void ForEachLandmark(Visitor visit) const {
-    for (size_t i = 0; i < landmarks_.size(); ++i) visit(i, &sights_[first_[i]], &sights_[first_[i]] + Count(i));
+    for (size_t i = 0; i < landmarks_.size(); ++i)
+      visit(i, sights_.data() + first_[i], sights_.data() + first_[i + 1]);
   }
 
   const std::vector<Landmark>& landmarks() const { return landmarks_; }
+  std::vector<Landmark>& landmarks() { return landmarks_; }
   int sight_count() const { return first_.back(); }
-  /// Of the weak prior of a landmark; zero where there is none.
-  Information PriorOf(size_t landmark) const {
-    return priors_[landmark] ? priors_[landmark]->information() : Information::Zero();
-  }
+  double huber_delta() const { return huber_delta_; }
+  bool HasPrior(size_t landmark) const { return !prior_weights_[landmark].isZero(0.0); }
+  /// Root of the information of a landmark's weak prior, symmetric; zero where there is none.
+  const Information& PriorWeight(size_t landmark) const { return prior_weights_[landmark]; }
+  Information PriorInformation(size_t landmark) const { return prior_weights_[landmark] * prior_weights_[landmark]; }
 
  private:
   int Count(size_t landmark) const { return first_[landmark + 1] - first_[landmark]; }
@@ -101,19 +96,13 @@ class SightGroup {
   /// After a change: a landmark that its sights do not determine any more, and no prior holds, takes no part.
   void DropUndetermined(size_t landmark);
 
-  double* ParametersOf(size_t landmark) const { return parameters_ + kSize * landmark; }
-
-  const SightContext& context_;
-  double* parameters_ = nullptr;
+  double huber_delta_;
   std::vector<Landmark> landmarks_;
   /// Sights of landmark i are first_[i] to first_[i + 1].
   std::vector<int> first_;
-  std::unique_ptr<SightCostFunction<Cost>[]> sights_;
+  std::vector<AdjustedSight<Cost>> sights_;
   size_t given_sights_;
-  /// By landmark; null where there are none.
-  std::vector<std::unique_ptr<FixedViewsCost<Cost>>> fixed_views_;
-  /// By landmark; null where sights suffice.
-  std::vector<std::unique_ptr<WeakPrior<Landmark>>> priors_;
+  std::vector<Information> prior_weights_;
   bool has_free_ = false;
 };
 

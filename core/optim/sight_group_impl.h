@@ -11,14 +11,12 @@ namespace plslam {
 template <class Cost>
 template <class GivenLandmark, class Sight>
 SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Sight>& sights,
-                             const SightContext& context, std::vector<AdjustedPose>& poses,
-                             const StereoCamera& camera)
-    : context_(context),
+                             double huber_delta, std::vector<AdjustedPose>& poses, const StereoCamera& camera)
+    : huber_delta_(huber_delta),
       landmarks_(landmarks.begin(), landmarks.end()),
       first_(landmarks.size() + 1, 0),
       given_sights_(sights.size()),
-      fixed_views_(landmarks.size()),
-      priors_(landmarks.size()) {
+      prior_weights_(landmarks.size(), Information::Zero()) {
   std::vector<char> usable(sights.size());
   for (size_t i = 0; i < sights.size(); ++i) {
     const int landmark = LandmarkOf(sights[i]);
@@ -26,14 +24,14 @@ SightGroup<Cost>::SightGroup(const std::vector<GivenLandmark>& landmarks, const 
     if (usable[i]) ++first_[landmark + 1];
   }
   for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  sights_ = std::make_unique<SightCostFunction<Cost>[]>(first_.back());
+  sights_.resize(first_.back());
   std::vector<int> next(first_);
   for (size_t i = 0; i < sights.size(); ++i) {
     if (!usable[i]) continue;
     Landmark& landmark = landmarks_[LandmarkOf(sights[i])];
     AdjustedPose& pose = poses[sights[i].pose];
     ++pose.sights;
-    sights_[next[LandmarkOf(sights[i])]++].Bind(Cost(sights[i], landmark, pose.view, camera), context, pose, landmark,
+    sights_[next[LandmarkOf(sights[i])]++].Bind(Cost(sights[i], landmark, pose.view, camera), pose, landmark,
                                                 static_cast<int>(i));
   }
   for (size_t i = 0; i < landmarks_.size(); ++i) has_free_ |= landmarks_[i].free && Count(i) > 0;
@@ -61,7 +59,7 @@ typename SightGroup<Cost>::Information SightGroup<Cost>::InformationOf(size_t la
   double r[Cost::kMaxRows];
   Eigen::Matrix<double, Cost::kMaxRows, kSize, Eigen::RowMajor> J;
   for (int i = first_[landmark]; i < first_[landmark + 1]; ++i) {
-    const SightCostFunction<Cost>& sight = sights_[i];
+    const AdjustedSight<Cost>& sight = sights_[i];
     J.setZero();
     if (sight.active && sight.cost.Evaluate(sight.pose->view, landmarks_[landmark].x.data(), r, nullptr, J.data())) {
       sum.noalias() += J.transpose() * J;
@@ -91,41 +89,13 @@ bool SightGroup<Cost>::IsDetermined(size_t landmark, double distance_m) const {
 }
 
 template <class Cost>
-void SightGroup<Cost>::AddTo(ceres::Problem& problem, ceres::ParameterBlockOrdering& order, ceres::LossFunction* loss,
-                             double* parameters) {
-  parameters_ = parameters;
+void SightGroup<Cost>::HoldUndetermined() {
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     const Landmark& landmark = landmarks_[i];
-    std::copy_n(landmark.x.data(), kSize, ParametersOf(i));
-    bool fixed_views = false;
-    for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      SightCostFunction<Cost>& sight = sights_[k];
-      double* pose = sight.pose->x.data();
-      if (!sight.pose->IsFree()) {
-        fixed_views = true;
-      } else if (landmark.free) {
-        problem.AddResidualBlock(&sight, loss, ParametersOf(i), pose);
-      } else {
-        problem.AddResidualBlock(&sight, loss, pose);
-      }
-    }
     if (!landmark.free || Count(i) == 0) continue;
-    if (fixed_views) {
-      const SightCostFunction<Cost>* begin = &sights_[first_[i]];
-      fixed_views_[i] = std::make_unique<FixedViewsCost<Cost>>(begin, begin + Count(i), context_);
-      problem.AddResidualBlock(fixed_views_[i].get(), nullptr, ParametersOf(i));
-    }
-    order.AddElementToGroup(ParametersOf(i), 0);
     const double distance_m = DistanceTo(i);
-    if (!Landmark::kAlwaysPrior && IsDetermined(i, distance_m)) continue;
-    priors_[i] = std::make_unique<WeakPrior<Landmark>>(landmark, distance_m, context_);
-    problem.AddResidualBlock(priors_[i].get(), nullptr, ParametersOf(i));
+    if (Landmark::kAlwaysPrior || !IsDetermined(i, distance_m)) prior_weights_[i] = landmark.PriorWeight(distance_m);
   }
-}
-
-template <class Cost>
-void SightGroup<Cost>::Update() {
-  for (size_t i = 0; i < landmarks_.size(); ++i) std::copy_n(ParametersOf(i), kSize, landmarks_[i].x.data());
 }
 
 template <class Cost>
@@ -133,21 +103,30 @@ LossSum SightGroup<Cost>::Loss() const {
   LossSum sum;
   for (int i = 0; i < first_.back(); ++i) {
     if (!sights_[i].active) continue;
-    sum.loss += sights_[i].Loss();
+    sum.loss += sights_[i].Loss(huber_delta_);
     sum.rows += sights_[i].cost.rows();
   }
   return sum;
 }
 
 template <class Cost>
+double SightGroup<Cost>::PriorLoss() const {
+  double loss = 0.0;
+  for (size_t i = 0; i < landmarks_.size(); ++i) {
+    if (HasPrior(i)) loss += (prior_weights_[i] * (landmarks_[i].x - landmarks_[i].start)).squaredNorm();
+  }
+  return loss;
+}
+
+template <class Cost>
 void SightGroup<Cost>::Trim(const Gates& gates) {
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    SightCostFunction<Cost>* begin = sights_.get() + first_[i];
-    SightCostFunction<Cost>* end = begin + Count(i);
+    const auto begin = sights_.begin() + first_[i];
+    const auto end = begin + Count(i);
     const auto taken = std::count_if(begin, end, [](const auto& sight) { return sight.active; });
     const auto good = std::count_if(begin, end, [&](const auto& s) { return s.active && s.Agrees(gates); });
     if (good == taken || 2 * good <= taken) continue;
-    for (auto* sight = begin; sight != end; ++sight) sight->active = sight->active && sight->Agrees(gates);
+    for (auto sight = begin; sight != end; ++sight) sight->active = sight->active && sight->Agrees(gates);
     DropUndetermined(i);
   }
 }
@@ -158,7 +137,7 @@ int SightGroup<Cost>::Gate(const Gates& gates) {
   for (size_t i = 0; i < landmarks_.size(); ++i) {
     const int changed_before = changed;
     for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      SightCostFunction<Cost>& sight = sights_[k];
+      AdjustedSight<Cost>& sight = sights_[k];
       sight.cost.Anchor(sight.pose->view, landmarks_[i]);
       sight.Refit();
       const bool agrees = sight.Agrees(gates);
@@ -172,14 +151,14 @@ int SightGroup<Cost>::Gate(const Gates& gates) {
 
 template <class Cost>
 void SightGroup<Cost>::DropUndetermined(size_t landmark) {
-  if (!landmarks_[landmark].free || priors_[landmark] || IsDetermined(landmark, DistanceTo(landmark))) return;
+  if (!landmarks_[landmark].free || HasPrior(landmark) || IsDetermined(landmark, DistanceTo(landmark))) return;
   for (int k = first_[landmark]; k < first_[landmark + 1]; ++k) sights_[k].active = false;
 }
 
 template <class Cost>
 void SightGroup<Cost>::RestoreLost() {
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    const auto* begin = sights_.get() + first_[i];
+    const auto begin = sights_.begin() + first_[i];
     if (std::none_of(begin, begin + Count(i), [](const auto& sight) { return sight.active; })) {
       landmarks_[i].x = landmarks_[i].start;
     }
@@ -190,7 +169,7 @@ template <class Cost>
 SightSums SightGroup<Cost>::Sum(State state) const {
   SightSums sums;
   for (int i = 0; i < first_.back(); ++i) {
-    const SightCostFunction<Cost>& sight = sights_[i];
+    const AdjustedSight<Cost>& sight = sights_[i];
     const Fit& fit = state == State::kStart ? sight.at_start : sight.now;
     if (!sight.active || !fit.in_front) continue;
     sums.squares += fit.squared;

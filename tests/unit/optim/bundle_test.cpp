@@ -211,6 +211,31 @@ TEST_P(AdjustBundleOf, EndpointsDoNotWander) {
   }
 }
 
+// What a fixed pose sees fits from the start, as a new landmark does: it holds the landmark all the same, in the first step.
+TEST_P(AdjustBundleOf, ViewsThatFitExactlyHoldTheirLandmarks) {
+  spec_.noise_px = 0.0;
+  spec_.noise_disparity_px = 0.0;
+  spec_.upright = true;
+  test::BundleWorld world = test::MakeBundleWorld(spec_, 3);
+  for (size_t i = 0; i < world.problem.points.size(); ++i) world.problem.points[i].p_w = world.true_points[i];
+  for (size_t i = 0; i < world.problem.lines.size(); ++i) world.problem.lines[i].segment_w = world.true_lines[i];
+  for (size_t i = 0; i + 1 < world.problem.poses.size(); ++i) world.problem.poses[i] = {world.true_T_w_c[i], true};
+  options_.max_iterations = 1;
+  options_.max_refinements = 0;
+  options_.huber_delta = 100.0;
+  const double before_m =
+      (world.problem.poses.back().T_w_c.translation() - world.true_T_w_c.back().translation()).norm();
+  const BundleResult result = AdjustBundle(world.problem, options_);
+  ASSERT_TRUE(result.ok) << result.reason;
+  EXPECT_LT((result.T_w_c.back().translation() - world.true_T_w_c.back().translation()).norm(), 0.05 * before_m);
+  for (size_t i = 0; i < result.points.size(); ++i) {
+    EXPECT_LT((result.points[i] - world.true_points[i]).norm(), 0.05 * before_m) << "point " << i;
+  }
+  for (size_t i = 0; i < result.lines.size(); ++i) {
+    EXPECT_LT(test::DistanceToLine(result.lines[i].p, world.true_lines[i]), 0.05 * before_m) << "line " << i;
+  }
+}
+
 // Enough poses for the sparse solver and the sparse covariances.
 TEST(AdjustBundle, HundredPoses) {
   test::BundleWorldSpec spec;
@@ -221,7 +246,9 @@ TEST(AdjustBundle, HundredPoses) {
   spec.start_m = 0.005;
   spec.start_rad = 0.001;
   const test::BundleWorld world = test::MakeBundleWorld(spec, 8);
-  const BundleResult result = AdjustBundle(world.problem, BundleOptions());
+  BundleOptions options;
+  options.max_dense_poses = 60;
+  const BundleResult result = AdjustBundle(world.problem, options);
   ASSERT_TRUE(result.ok) << result.reason;
   double nees = 0.0;
   for (int i = 2; i < 102; ++i) {

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "core/optim/ceres_sights.h"
 #include "core/optim/line_cost.h"
 #include "core/optim/line_endpoint_cost.h"
 #include "core/optim/point_cost.h"
@@ -125,13 +126,14 @@ TYPED_TEST(SightCost, FixedPosesAndLandmarksHaveNoBlock) {
   ByLandmark by_landmark, expected_by_landmark;
   ASSERT_TRUE(s.cost.Evaluate(s.pose.view, s.landmark.x.data(), expected_r.data(), expected_by_pose.data(),
                               expected_by_landmark.data()));
-  const SightContext context;
+  const bool finished = false;
   for (const bool free_pose : {true, false}) {
     for (const bool free_landmark : {true, false}) {
       s.pose.column = free_pose ? 0 : -1;
       s.landmark.free = free_landmark;
-      SightCostFunction<TypeParam> function;
-      function.Bind(s.cost, context, s.pose, s.landmark, 0);
+      AdjustedSight<TypeParam> sight;
+      sight.Bind(s.cost, s.pose, s.landmark, 0);
+      const CeresSight<TypeParam> function(sight, finished);
       std::vector<int> sizes;
       std::vector<const double*> parameters;
       std::vector<double*> jacobians;

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/optim/camera_view.h"
+#include "core/optim/eliminated_landmarks.h"
+#include "core/optim/relative_poses.h"
+#include "core/optim/step_judge.h"
+
+namespace plslam {
+
+/// How far steps are trusted, as Ceres has it: K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares
+/// problems" (2004), 3.2.
+class TrustRegion {
+ public:
+  Damping damping() const { return {1.0 / radius_}; }
+  /// `quality`: gain of the step over what was foretold.
+  void Accepted(double quality);
+  void Rejected();
+
+ private:
+  double radius_ = 1e4;
+  double shrink_ = 2.0;
+};
+
+/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated and a dense system of the poses: what Ceres
+/// does with its dense Schur complement, step for step, in a third of the time, because the sizes of all blocks
+/// are known to the compiler. Time grows with the cube of the free poses: for many there is `CeresSolver`.
+class SchurSolver {
+ public:
+  /// All must outlive it.
+  SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
+              const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options);
+
+  /// Steps from the state as it is until `judge` has enough; leaves the best state found. Outliers are trimmed if `trim`.
+  BundlePass Run(StepJudge& judge, bool trim);
+
+ private:
+  double Linearise();
+  double Loss() const;
+  bool IsFlat() const;
+  /// Returns the gain foretold; 0, with nothing moved, where there is no step.
+  double Step(const Damping& damping);
+  void TakeBack();
+
+  std::vector<AdjustedPose>& poses_;
+  const RelativePoses& relative_;
+  std::array<EliminatedLandmarks*, 2> kinds_;
+  const BundleOptions& options_;
+  std::vector<Vector6d> before_;
+  PoseSystem system_;
+  PoseSystem reduced_;
+};
+
+}  // namespace plslam

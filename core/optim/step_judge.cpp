@@ -1,0 +1,33 @@
+#include "core/optim/step_judge.h"
+
+#include <utility>
+
+namespace plslam {
+namespace {
+
+// Outliers can be told once a step gains less than this share of the cost, or what is left is less than this for a
+// row; inliers alone leave 0.6.
+constexpr double kNearGain = 0.5;
+constexpr double kNearLoss = 1.5;
+
+}  // namespace
+
+void StepJudge::Start(bool trim) {
+  trim_ = trim;
+  loss_ = sights_.loss().loss;
+}
+
+bool StepJudge::GoesOn() {
+  const LossSum now = sights_.loss();
+  const double before = std::exchange(loss_, now.loss);
+  const double gain = before - now.loss;
+  if (trim_ && (gain <= kNearGain * before || now.loss <= kNearLoss * now.rows)) {
+    trim_ = false;
+    sights_.trim();
+    loss_ = sights_.loss().loss;
+    return true;
+  }
+  return gain > options_.function_tolerance * before;
+}
+
+}  // namespace plslam

@@ -1,0 +1,136 @@
+#include "core/optim/schur_solver.h"
+
+#include <gtest/gtest.h>
+
+#include "core/optim/bundle.h"
+#include "tests/unit/optim/bundle_world.h"
+
+namespace plslam {
+namespace {
+
+struct Setting {
+  const char* name;
+  int points;
+  int lines;
+  const char* parameters;
+  bool all_poses_fixed;
+};
+
+/// A problem with all that may tie poses and landmarks together, and the two solvers on it.
+class SolversOf : public testing::TestWithParam<Setting> {
+ protected:
+  SolversOf() {
+    test::BundleWorldSpec spec;
+    spec.points = GetParam().points;
+    spec.lines = GetParam().lines;
+    spec.without_disparity = 0.2;
+    spec.outliers = 0.03;
+    world_ = test::MakeBundleWorld(spec, 7);
+    BundleProblem& problem = world_.problem;
+    if (!problem.points.empty()) problem.points[1] = {world_.true_points[1], true};
+    if (!problem.lines.empty()) problem.lines[1] = {world_.true_lines[1], true};
+    // Poses that see a landmark twice.
+    for (size_t i = 0; i < problem.point_sights.size(); i += 50)
+      problem.point_sights.push_back(problem.point_sights[i]);
+    for (size_t i = 0; i < problem.line_sights.size(); i += 50) problem.line_sights.push_back(problem.line_sights[i]);
+    const auto count = static_cast<int>(problem.poses.size());
+    for (int i = 1; i < count; ++i) {
+      const SE3 T_a_b = world_.true_T_w_c[i - 1].Inverse() * world_.true_T_w_c[i];
+      problem.relative_poses.push_back({i - 1, i, T_a_b, 1e-4 * Matrix6d::Identity()});
+      problem.relative_poses.push_back({i, i - 1, T_a_b.Inverse(), 1e-4 * Matrix6d::Identity()});
+    }
+    for (BundlePose& pose : problem.poses) pose.fixed |= GetParam().all_poses_fixed;
+    options_.lines = GetParam().parameters;
+  }
+
+  BundleResult Solve(int max_dense_poses) const {
+    BundleOptions options = options_;
+    options.max_dense_poses = max_dense_poses;
+    return AdjustBundle(world_.problem, options);
+  }
+
+  static void ExpectAlike(const BundleResult& a, const BundleResult& b) {
+    constexpr double kAlike = 1e-8;
+    ASSERT_TRUE(a.ok && b.ok) << a.reason << b.reason;
+    EXPECT_EQ(a.iterations, b.iterations);
+    EXPECT_EQ(a.point_inliers, b.point_inliers);
+    EXPECT_EQ(a.line_inliers, b.line_inliers);
+    for (size_t i = 0; i < a.T_w_c.size(); ++i) {
+      EXPECT_LT(test::ErrorOf(a.T_w_c[i], b.T_w_c[i]).norm(), kAlike) << "pose " << i;
+    }
+    for (size_t i = 0; i < a.points.size(); ++i) {
+      EXPECT_LT((a.points[i] - b.points[i]).norm(), kAlike * b.points[i].norm()) << "point " << i;
+    }
+    for (size_t i = 0; i < a.lines.size(); ++i) {
+      EXPECT_LT((a.lines[i].p - b.lines[i].p).norm(), kAlike * b.lines[i].p.norm()) << "line " << i;
+      EXPECT_LT((a.lines[i].q - b.lines[i].q).norm(), kAlike * b.lines[i].q.norm()) << "line " << i;
+    }
+  }
+
+  test::BundleWorld world_;
+  BundleOptions options_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Settings, SolversOf,
+                         testing::Values(Setting{"points", 150, 0, "minimal", false},
+                                         Setting{"lines", 0, 80, "minimal", false},
+                                         Setting{"both", 100, 50, "minimal", false},
+                                         Setting{"both_by_endpoints", 100, 50, "endpoints", false},
+                                         Setting{"landmarks_alone", 100, 50, "minimal", true}),
+                         [](const auto& instance) { return instance.param.name; });
+
+// Step for step, with the passes and the outliers of a local adjustment.
+TEST_P(SolversOf, DenseIsAsCeres) { ExpectAlike(Solve(1000), Solve(0)); }
+
+TEST_P(SolversOf, DenseIsAsCeresToTheEnd) {
+  options_.max_iterations = 100;
+  options_.max_refinements = 0;
+  options_.function_tolerance = 0.0;
+  const BundleResult dense = Solve(1000);
+  const BundleResult sparse = Solve(0);
+  ASSERT_TRUE(dense.ok && sparse.ok);
+  for (size_t i = 0; i < dense.T_w_c.size(); ++i) {
+    EXPECT_LT(test::ErrorOf(dense.T_w_c[i], sparse.T_w_c[i]).norm(), 1e-6) << "pose " << i;
+  }
+  EXPECT_NEAR(dense.after.normalised, sparse.after.normalised, 1e-8);
+}
+
+// Starts so far away that whole steps make it worse.
+TEST_P(SolversOf, StepsThatMakeItWorseAreTakenBack) {
+  test::BundleWorldSpec spec;
+  spec.points = GetParam().points;
+  spec.lines = GetParam().lines;
+  spec.start_m = 0.5;
+  spec.start_rad = 0.1;
+  for (uint32_t seed = 1; seed <= 5; ++seed) {
+    world_ = test::MakeBundleWorld(spec, seed);
+    options_.max_iterations = 25;
+    options_.max_refinements = 0;
+    const BundleResult dense = Solve(1000);
+    const BundleResult sparse = Solve(0);
+    ASSERT_TRUE(dense.ok && sparse.ok);
+    EXPECT_EQ(dense.iterations, sparse.iterations) << "seed " << seed;
+    EXPECT_NEAR(dense.after.normalised, sparse.after.normalised, 1e-4 * sparse.after.normalised) << "seed " << seed;
+  }
+}
+
+TEST(TrustRegion, GrowsWithGoodStepsAndShrinksFasterAndFaster) {
+  TrustRegion region;
+  const double start = region.damping().share;
+  EXPECT_DOUBLE_EQ(start, 1e-4);
+  region.Accepted(1.0);
+  EXPECT_DOUBLE_EQ(region.damping().share, start / 3.0);
+  region.Accepted(0.5);
+  EXPECT_DOUBLE_EQ(region.damping().share, start / 3.0) << "half of what was foretold: neither";
+  region.Rejected();
+  EXPECT_DOUBLE_EQ(region.damping().share, 2.0 * start / 3.0);
+  region.Rejected();
+  EXPECT_DOUBLE_EQ(region.damping().share, 8.0 * start / 3.0);
+  region.Accepted(0.01);
+  EXPECT_GT(region.damping().share, 8.0 * start / 3.0) << "a bad step that gained a little";
+  region.Rejected();
+  EXPECT_LT(region.damping().share, 40.0 * start / 3.0) << "shrinks by two again";
+}
+
+}  // namespace
+}  // namespace plslam

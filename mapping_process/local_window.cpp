@@ -242,6 +242,8 @@ AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult&
     if (result.line_p_covariances[i].isZero(0.0)) continue;
     map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
   }
+  // Poses that were on their way tell no outliers; the next adjustment looks again.
+  if (result.stopped) return figures;
   figures.n_outliers = DropOutliers<PointKind>(window, window.points, result.point_inliers, features, map) +
                        DropOutliers<LineKind>(window, window.lines, result.line_inliers, features, map);
   return figures;

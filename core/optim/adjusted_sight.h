@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/motion/robust.h"
@@ -19,7 +20,7 @@ struct Fit {
 
 /// A sight with the pose and the landmark that it ties together; it is evaluated at their state as it is, and remembers how
 /// it fitted. One that a step brings behind the camera costs a constant, so that one bad landmark does not
-/// forbid the step.
+/// forbid the step, and no less than at the start, so that nothing is gained by it.
 template <class Cost>
 class AdjustedSight {
  public:
@@ -53,11 +54,14 @@ class AdjustedSight {
   /// Of the fit as it was evaluated last.
   bool Agrees(const Gates& gates) const { return now.in_front && now.squared <= gates[cost.rows()]; }
   double Loss(double huber_delta) const {
-    return PseudoHuberLoss(now.in_front ? now.squared : kBehind * kBehind, huber_delta);
+    return PseudoHuberLoss(now.in_front ? now.squared : SquaredBehind(), huber_delta);
   }
 
-  /// Residual of a sight behind the camera, in standard deviations.
-  static constexpr double kBehind = 30.0;
+  /// What stands for the squared residuals behind the camera.
+  double SquaredBehind() const {
+    constexpr double kSigmas = 30.0;
+    return std::max(kSigmas * kSigmas, at_start.squared);
+  }
 
   Cost cost;
   AdjustedPose* pose = nullptr;

@@ -125,10 +125,21 @@ class Adjustment {
     StepJudge judge(Actions(), options_, stop);
     const bool dense = CountFree(poses_) <= options_.max_dense_poses;
     const bool solved = dense ? SolveDensely(judge, result) : SolveSparsely(judge, result);
-    points_.RestoreLost();
-    lines_.RestoreLost();
+    RestoreLost();
     if (!solved) result.reason = "the solver failed";
     return solved;
+  }
+
+  // What nothing agrees with in the end stays where it was, not where outliers brought it.
+  void RestoreLost() {
+    points_.RestoreLost();
+    lines_.RestoreLost();
+    points_.HoldPoses();
+    lines_.HoldPoses();
+    relative_poses_.HoldPoses();
+    for (AdjustedPose& pose : poses_) {
+      if (!pose.held) pose.Restore();
+    }
   }
 
   SightActions Actions() {
@@ -138,6 +149,7 @@ class Adjustment {
       const LossSum lines = lines_.Loss();
       return LossSum{points.loss + lines.loss, points.rows + lines.rows};
     };
+    actions.other_loss = [this] { return points_.PriorLoss() + lines_.PriorLoss() + relative_poses_.Loss(); };
     actions.trim = [this] {
       points_.Trim(gates_);
       lines_.Trim(gates_);

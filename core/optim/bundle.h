@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,14 +89,16 @@ struct BundleResult {
   std::vector<SE3> T_w_c;
   std::vector<Eigen::Vector3d> points;
   std::vector<Segment3> lines;
-  /// Of the right perturbation of each pose, given the fixed poses (zero for those); of positions and endpoints given
+  /// Of the right perturbation of each pose, given the fixed poses (zero for those; a kilometre and ten turns where
+  /// nothing is seen, or the whole cannot be inverted); of positions and endpoints given
   /// all poses (conditional), across the line only for endpoints. Zero for landmarks that are fixed or have no inlier,
   /// which are as given. Empty where `ok` is false or none were asked for.
   std::vector<Matrix6d> pose_covariances;
   std::vector<Eigen::Matrix3d> point_covariances;
   std::vector<Eigen::Matrix3d> line_p_covariances;
   std::vector<Eigen::Matrix3d> line_q_covariances;
-  /// In the order of the sights: those that agree in the end. Sights of landmarks behind a camera never do.
+  /// In the order of the sights: those that agree in the end. Sights of landmarks behind a camera never do, nor do those
+  /// that do not determine their landmark any more once others are gone.
   std::vector<bool> point_inliers;
   std::vector<bool> line_inliers;
   BundleRms before;

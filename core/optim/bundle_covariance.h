@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 
 #include "core/optim/reduced_information.h"
 #include "core/optim/sight_group.h"
@@ -23,7 +23,7 @@ class BundleCovariance {
         free_poses_(free_poses) {}
 
   /// Eliminates the landmarks of one kind. Returns the covariances of their parameters given all poses, before `Excess`;
-  /// zero for those that are fixed or without inliers.
+  /// zero for those that are fixed, without inliers, or cannot be inverted.
   template <class Cost>
   std::vector<typename SightGroup<Cost>::Information> Eliminate(const SightGroup<Cost>& group);
 
@@ -86,7 +86,9 @@ std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(
     }
     if (!landmark.free || !seen) return;
     landmark_parameters_ += kSize;
-    covariances[i] = H.llt().solve(Information::Identity());
+    const Eigen::LLT<Information> root(H);
+    if (root.info() != Eigen::Success || !H.allFinite()) return;
+    covariances[i] = root.solve(Information::Identity());
     for (size_t a = 0; a < couplings.size(); ++a) {
       const Coupling<Cost> half = couplings[a].second * covariances[i];
       for (size_t b = 0; b < couplings.size(); ++b) {

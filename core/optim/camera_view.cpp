@@ -25,6 +25,11 @@ void AdjustedPose::Update() {
   view.turn = RightJacobian(w);
 }
 
+void AdjustedPose::Restore() {
+  x.setZero();
+  Update();
+}
+
 SE3 AdjustedPose::T_w_c() const {
   // Untouched poses come back bit for bit.
   if (x.isZero(0.0)) return start_;

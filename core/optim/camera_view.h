@@ -30,6 +30,8 @@ class AdjustedPose {
 
   /// Follows `x`.
   void Update();
+  /// Back to where it started.
+  void Restore();
   SE3 T_w_c() const;
   /// Of the right perturbation of `T_w_c()`, from that of `x`.
   Matrix6d RightCovariance(const Matrix6d& covariance_x) const;
@@ -44,6 +46,8 @@ class AdjustedPose {
 
   int column = -1;
   int sights = 0;
+  /// At the end: by a sight that agrees, or a relative pose.
+  bool held = false;
   Vector6d x = Vector6d::Zero();
   CameraView view;
 };

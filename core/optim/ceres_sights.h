@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include <ceres/cost_function.h>
 
@@ -27,7 +28,7 @@ class CeresSight final : public ceres::CostFunction {
     if (takes_part && sight_.Evaluate(residuals, by_pose, by_landmark)) return true;
     const int rows = sight_.cost.rows();
     std::fill_n(residuals, rows, 0.0);
-    if (takes_part) residuals[0] = AdjustedSight<Cost>::kBehind;
+    if (takes_part) residuals[0] = std::sqrt(sight_.SquaredBehind());
     if (by_landmark) std::fill_n(by_landmark, rows * Cost::Landmark::kSize, 0.0);
     if (by_pose) std::fill_n(by_pose, rows * 6, 0.0);
     return true;

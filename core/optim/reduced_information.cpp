@@ -13,12 +13,17 @@ constexpr int kMaxDenselyInverted = 60;
 constexpr double kUnseen_m = 1e3;
 constexpr double kUnseen_rad = 20.0 * std::numbers::pi;
 
+/// Covariance of a pose that nothing is known of.
+Matrix6d Unseen() {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(kUnseen_m * kUnseen_m), Eigen::Vector3d::Constant(kUnseen_rad * kUnseen_rad);
+  return variances.asDiagonal();
+}
+
 }  // namespace
 
 ReducedInformation::ReducedInformation(int pose_count) : pose_count_(pose_count), rows_(pose_count) {
-  Matrix6d unseen = Matrix6d::Zero();
-  unseen.diagonal().head<3>().setConstant(1.0 / (kUnseen_m * kUnseen_m));
-  unseen.diagonal().tail<3>().setConstant(1.0 / (kUnseen_rad * kUnseen_rad));
+  const Matrix6d unseen = Unseen().diagonal().cwiseInverse().asDiagonal();
   for (int i = 0; i < pose_count; ++i) rows_[i][i] = unseen;
 }
 
@@ -39,7 +44,7 @@ std::vector<Matrix6d> ReducedInformation::DenseCovariances() const {
     // The factorisation reads the lower half.
     for (const auto& [j, block] : rows_[i]) full.block<6, 6>(6 * j, 6 * i) = block.transpose();
   }
-  std::vector<Matrix6d> covariances(pose_count_, Matrix6d::Zero());
+  std::vector<Matrix6d> covariances(pose_count_, Unseen());
   const Eigen::LLT<Eigen::MatrixXd> factor(full);
   if (factor.info() != Eigen::Success) return covariances;
   const Eigen::MatrixXd inverse = factor.solve(Eigen::MatrixXd::Identity(n, n));
@@ -58,7 +63,7 @@ std::vector<Matrix6d> ReducedInformation::SparseCovariances() const {
   }
   Eigen::SparseMatrix<double> lower(6 * pose_count_, 6 * pose_count_);
   lower.setFromTriplets(entries.begin(), entries.end());
-  std::vector<Matrix6d> covariances(pose_count_, Matrix6d::Zero());
+  std::vector<Matrix6d> covariances(pose_count_, Unseen());
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(lower);
   if (factor.info() != Eigen::Success) return covariances;
   Eigen::Matrix<double, Eigen::Dynamic, 6> unit(6 * pose_count_, 6);

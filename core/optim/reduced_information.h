@@ -20,7 +20,7 @@ class ReducedInformation {
   /// Adds to block (i, j); i <= j.
   void Add(int i, int j, const Matrix6d& block) { Block(i, j) += block; }
 
-  /// Diagonal blocks of the inverse; zero should the matrix not be positive definite.
+  /// Diagonal blocks of the inverse; as of what nobody saw should the matrix not be positive definite.
   std::vector<Matrix6d> Covariances() const;
 
  private:

@@ -47,6 +47,10 @@ double RelativePoses::Linearise(PoseSystem& system) const {
   return loss;
 }
 
+void RelativePoses::HoldPoses() {
+  for (const RelativePoseCost& cost : costs_) cost.a().held = cost.b().held = true;
+}
+
 double RelativePoses::Loss() const {
   double loss = 0.0;
   Vector6d r;

@@ -21,6 +21,9 @@ class RelativePoses {
   /// Twice the cost at the poses as they are.
   double Loss() const;
 
+  /// Says of their poses that they are held.
+  void HoldPoses();
+
   const std::vector<RelativePoseCost>& costs() const { return costs_; }
 
  private:

@@ -44,17 +44,18 @@ BundlePass SchurSolver::Run(StepJudge& judge, bool trim) {
   int without_step = 0;
   while (pass.iterations < options_.max_iterations && !IsFlat() && !pass.stopped) {
     ++pass.iterations;
-    const double foretold = Step(region.damping());
-    if (!(foretold > 0.0)) {
-      if (++without_step == kMaxWithoutStep) break;
+    const std::optional<double> foretold = Step(region.damping());
+    pass.stopped = judge.IsStopped();
+    if (!foretold || *foretold <= 0.0) {
+      pass.ok = ++without_step < kMaxWithoutStep || foretold;
+      if (without_step == kMaxWithoutStep) break;
       region.Rejected();
       continue;
     }
     without_step = 0;
     const double gain = loss - Loss();
-    pass.stopped = judge.IsStopped();
-    if (gain > kMinQuality * foretold) {
-      region.Accepted(gain / foretold);
+    if (gain > kMinQuality * *foretold) {
+      region.Accepted(gain / *foretold);
       if (!judge.GoesOn()) break;
       if (pass.iterations < options_.max_iterations && !pass.stopped) loss = Linearise();
     } else {
@@ -85,17 +86,17 @@ bool SchurSolver::IsFlat() const {
   return steepest <= kFlat;
 }
 
-double SchurSolver::Step(const Damping& damping) {
+std::optional<double> SchurSolver::Step(const Damping& damping) {
   reduced_ = system_;
   const Eigen::VectorXd of_poses = damping.Of(system_.H.diagonal());
   reduced_.H.diagonal() += of_poses;
   for (EliminatedLandmarks* kind : kinds_) {
-    if (!kind->Eliminate(damping, reduced_)) return 0.0;
+    if (!kind->Eliminate(damping, reduced_)) return std::nullopt;
   }
   Eigen::VectorXd step(reduced_.g.size());
   if (step.size() > 0) {
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(reduced_.H);
-    if (root.info() != Eigen::Success) return 0.0;
+    if (root.info() != Eigen::Success) return std::nullopt;
     step = -root.solve(reduced_.g);
   }
   double foretold = step.dot(of_poses.cwiseProduct(step) - system_.g);
@@ -108,7 +109,7 @@ double SchurSolver::Step(const Damping& damping) {
   }
   if (foretold > 0.0) return foretold;
   TakeBack();
-  return 0.0;
+  return std::isfinite(foretold) ? std::optional(foretold) : std::nullopt;
 }
 
 void SchurSolver::TakeBack() {

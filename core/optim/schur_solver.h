@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "core/optim/camera_view.h"
@@ -34,14 +35,16 @@ class SchurSolver {
               const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options);
 
   /// Steps from the state as it is until `judge` has enough; leaves the best state found. Outliers are trimmed if `trim`.
+  /// Fails where the system cannot be solved, however short the step. Where steps promise no gain any more, which Ceres
+  /// calls a failure too, it is at its end.
   BundlePass Run(StepJudge& judge, bool trim);
 
  private:
   double Linearise();
   double Loss() const;
   bool IsFlat() const;
-  /// Returns the gain foretold; 0, with nothing moved, where there is no step.
-  double Step(const Damping& damping);
+  /// Returns the gain foretold; where that is not above 0, nothing has moved. nullopt where the system cannot be solved.
+  std::optional<double> Step(const Damping& damping);
   void TakeBack();
 
   std::vector<AdjustedPose>& poses_;

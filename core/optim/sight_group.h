@@ -65,6 +65,9 @@ class SightGroup {
   /// Puts back where they were the landmarks that no sight agrees with.
   void RestoreLost();
 
+  /// Says of the poses that a sight agrees with that they are held.
+  void HoldPoses();
+
   SightSums Sum(State state) const;
   /// In the order of the sights given.
   std::vector<bool> Inliers() const;

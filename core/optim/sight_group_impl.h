@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -134,17 +135,22 @@ void SightGroup<Cost>::Trim(const Gates& gates) {
 template <class Cost>
 int SightGroup<Cost>::Gate(const Gates& gates) {
   int changed = 0;
+  std::vector<bool> before;
   for (size_t i = 0; i < landmarks_.size(); ++i) {
-    const int changed_before = changed;
-    for (int k = first_[i]; k < first_[i + 1]; ++k) {
-      AdjustedSight<Cost>& sight = sights_[k];
-      sight.cost.Anchor(sight.pose->view, landmarks_[i]);
-      sight.Refit();
-      const bool agrees = sight.Agrees(gates);
-      changed += agrees != sight.active;
-      sight.active = agrees;
+    const auto begin = sights_.begin() + first_[i];
+    const auto end = begin + Count(i);
+    before.clear();
+    bool agree_as_before = true;
+    for (auto sight = begin; sight != end; ++sight) {
+      sight->cost.Anchor(sight->pose->view, landmarks_[i]);
+      sight->Refit();
+      before.push_back(std::exchange(sight->active, sight->Agrees(gates)));
+      agree_as_before &= before.back() == sight->active;
     }
-    if (changed != changed_before) DropUndetermined(i);
+    if (agree_as_before) continue;
+    DropUndetermined(i);
+    // What was dropped before, and is again, has not changed.
+    for (int k = 0; k < Count(i); ++k) changed += begin[k].active != before[static_cast<size_t>(k)];
   }
   return changed;
 }
@@ -163,6 +169,11 @@ void SightGroup<Cost>::RestoreLost() {
       landmarks_[i].x = landmarks_[i].start;
     }
   }
+}
+
+template <class Cost>
+void SightGroup<Cost>::HoldPoses() {
+  for (AdjustedSight<Cost>& sight : sights_) sight.pose->held |= sight.active;
 }
 
 template <class Cost>

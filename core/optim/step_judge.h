@@ -16,6 +16,8 @@ struct LossSum {
 /// What is asked of the sights after a step, as they were evaluated last.
 struct SightActions {
   std::function<LossSum()> loss;
+  /// Loss of all that is no sight: weak priors and relative poses, at the state as it is.
+  std::function<double()> other_loss;
   /// Takes outliers away.
   std::function<void()> trim;
 };
@@ -27,10 +29,11 @@ struct BundlePass {
   int iterations = 0;
 };
 
-/// Ends a pass when a step has gained little.
+/// Ends a pass when a step has gained little of the whole loss.
 ///
-/// Outliers are trimmed once within a pass, before the derivatives of its second step are evaluated: a pass of its own would
-/// cost as much as a step. Sights can only be taken away there: the next cost is compared with the one before.
+/// Outliers are trimmed once within a pass, as soon as the sights are near enough to tell them and before the next
+/// derivatives are evaluated: a pass of its own would cost as much as a step. Sights can only be taken away there: the next
+/// cost is compared with the one before.
 class StepJudge {
  public:
   StepJudge(SightActions sights, const BundleOptions& options, const std::atomic<bool>* stop)
@@ -49,6 +52,7 @@ class StepJudge {
   const BundleOptions& options_;
   const std::atomic<bool>* stop_;
   double loss_ = 0.0;
+  double other_loss_ = 0.0;
   bool trim_ = false;
 };
 

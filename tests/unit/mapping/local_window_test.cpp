@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -71,6 +72,31 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
   EXPECT_GE(half.problem.point_sights.size(), all.problem.point_sights.size() / 3);
   EXPECT_LT(half.points.size(), all.points.size() / 2) << "of those that most keyframes see";
   EXPECT_EQ(half.lines, all.lines);
+}
+
+// Its poses were on their way, so that nothing told outliers from sights that would have agreed.
+TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
+  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  LocalWindow window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  for (BundlePose& pose : window.problem.poses) {
+    if (!pose.fixed) pose.T_w_c = pose.T_w_c * SE3(Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.0});
+  }
+  for (const bool stopped : {true, false}) {
+    const std::atomic<bool> stop{stopped};
+    BundleOptions bundle;
+    bundle.max_refinements = stopped ? 1 : 0;
+    bundle.max_iterations = 1;
+    const BundleResult result = AdjustBundle(window.problem, bundle, &stop);
+    ASSERT_TRUE(result.ok) << result.reason;
+    ASSERT_EQ(result.stopped, stopped);
+    Map map = stored_.map;
+    const AdjustmentFigures figures = ApplyAdjustment(window, result, stored_.features, map);
+    if (stopped) {
+      EXPECT_EQ(figures.n_outliers, 0);
+    } else {
+      EXPECT_GT(figures.n_outliers, 0) << "one step is not enough for them all";
+    }
+  }
 }
 
 TEST_F(Window, IsAsWideAsEverLaterOn) {

@@ -1,5 +1,7 @@
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -12,9 +14,10 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class AdjustBundleDegenerate : public testing::TestWithParam<const char*> {
+/// Parameters of lines, and free poses above which Ceres takes over.
+class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const char*, int>> {
  protected:
-  AdjustBundleDegenerate() { options_.lines = GetParam(); }
+  AdjustBundleDegenerate() { std::tie(options_.lines, options_.max_dense_poses) = GetParam(); }
 
   static test::BundleWorld Make() {
     test::BundleWorldSpec spec;
@@ -25,7 +28,7 @@ class AdjustBundleDegenerate : public testing::TestWithParam<const char*> {
 
   // What holds of any result, and poses stay where they belong.
   BundleResult Adjust(const test::BundleWorld& world) const {
-    const BundleResult result = AdjustBundle(world.problem, options_);
+    BundleResult result = AdjustBundle(world.problem, options_);
     EXPECT_TRUE(result.ok) << result.reason;
     for (size_t i = 0; i < result.T_w_c.size(); ++i) {
       EXPECT_LT(test::ErrorOf(result.T_w_c[i], world.true_T_w_c[i]).norm(), 0.05) << "pose " << i;
@@ -52,7 +55,8 @@ class AdjustBundleDegenerate : public testing::TestWithParam<const char*> {
   BundleOptions options_;
 };
 
-INSTANTIATE_TEST_SUITE_P(Lines, AdjustBundleDegenerate, testing::Values("minimal", "endpoints"));
+INSTANTIATE_TEST_SUITE_P(LinesAndSolvers, AdjustBundleDegenerate,
+                         testing::Combine(testing::Values("minimal", "endpoints"), testing::Values(1000, 0)));
 
 TEST_P(AdjustBundleDegenerate, EmptyProblem) {
   BundleProblem problem;
@@ -186,6 +190,31 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOnePoint) {
   ASSERT_TRUE(result.ok);
   EXPECT_LT(test::ErrorOf(result.T_w_c.back(), T_w_c).norm(), 0.2);
   EXPECT_GT(result.pose_covariances.back().trace(), 10.0);
+}
+
+// A pose that sees known points, each three times and far from where it is: it goes to their middle, where none agrees.
+TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
+  test::BundleWorld world = Make();
+  const SE3 T_w_c = world.true_T_w_c[3];
+  world.problem.poses.push_back({T_w_c, false});
+  world.true_T_w_c.push_back(T_w_c);
+  for (int i = 0; i < 12; ++i) {
+    if (i % 3 == 0) world.problem.points.push_back({world.true_points[i], true});
+    PointSight sight;
+    sight.pose = static_cast<int>(world.problem.poses.size()) - 1;
+    sight.point = static_cast<int>(world.problem.points.size()) - 1;
+    const double turn = 2.0 / 3.0 * std::numbers::pi * i;
+    const Eigen::Vector3d wrong_px(30.0 + 15.0 * std::cos(turn), 15.0 * std::sin(turn), 0.0);
+    const Eigen::Vector3d& p_w = world.problem.points.back().p_w;
+    sight.uvd = world.problem.camera.ProjectStereo(T_w_c.Inverse() * p_w) + wrong_px;
+    world.problem.point_sights.push_back(sight);
+  }
+  const BundleResult result = Adjust(world);
+  for (size_t i = result.point_inliers.size() - 12; i < result.point_inliers.size(); ++i) {
+    EXPECT_FALSE(result.point_inliers[i]) << i;
+  }
+  EXPECT_EQ(result.T_w_c.back().matrix(), T_w_c.matrix());
+  EXPECT_GT(result.pose_covariances.back().trace(), 1e5);
 }
 
 TEST_P(AdjustBundleDegenerate, LandmarkSeenByNobody) {

@@ -27,7 +27,7 @@ BundleProblem Strangers(int poses) {
     for (int i = 0; i < 6; ++i) x(i) = k == 0 ? 0.0 : 0.02 * normal(random);
     problem.poses.push_back({TrueAt(k) * SE3::Exp(x), k == 0});
     for (int i = 0; i < 4; ++i) {
-      const Eigen::Vector3d p_c(i % 2 - 0.5, i / 2 - 0.5, 3.0 + 0.3 * i);
+      const Eigen::Vector3d p_c(i % 2 - 0.5, (i > 1 ? 1 : 0) - 0.5, 3.0 + 0.3 * i);
       PointSight sight;
       sight.pose = k;
       sight.point = static_cast<int>(problem.points.size());
@@ -65,6 +65,23 @@ TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
     for (size_t point = 4 * i; point < 4 * i + 4; ++point) {
       const Eigen::Vector3d uvd = kCamera.ProjectStereo(chained.T_w_c[i].Inverse() * chained.points[point]);
       EXPECT_LT((uvd - problem.point_sights[point].uvd).norm(), 1e-3) << "point " << point;
+    }
+  }
+}
+
+// Each step trades some of what the sights say for what the motions say.
+TEST(AdjustBundleRelative, StepsThatOnlyMotionsGainFromGoOn) {
+  BundleProblem problem = Strangers(6);
+  for (int k = 1; k < 6; ++k) problem.relative_poses.push_back(Between(k - 1, k, 0.01));
+  BundleOptions options = ThoroughOptions();
+  options.max_refinements = 0;
+  for (const int max_dense_poses : {1000, 0}) {
+    options.max_dense_poses = max_dense_poses;
+    const BundleResult chained = AdjustBundle(problem, options);
+    ASSERT_TRUE(chained.ok) << chained.reason;
+    EXPECT_GT(chained.iterations, 2);
+    for (int k = 1; k < 6; ++k) {
+      EXPECT_LT(test::ErrorOf(chained.T_w_c[static_cast<size_t>(k)], TrueAt(k)).norm(), 1e-5) << "pose " << k;
     }
   }
 }

@@ -158,16 +158,20 @@ TEST_P(AdjustBundleOf, OutliersAreRejected) {
 TEST_P(AdjustBundleOf, EqualInputGivesEqualOutput) {
   spec_.outliers = 0.05;
   const test::BundleWorld world = test::MakeBundleWorld(spec_, 4);
-  const BundleResult one = AdjustBundle(world.problem, options_);
-  const BundleResult two = AdjustBundle(world.problem, options_);
-  for (size_t i = 0; i < one.T_w_c.size(); ++i) {
-    EXPECT_EQ(one.T_w_c[i].matrix(), two.T_w_c[i].matrix());
-    EXPECT_EQ(one.pose_covariances[i], two.pose_covariances[i]);
+  for (const int max_dense_poses : {1000, 0}) {
+    options_.max_dense_poses = max_dense_poses;
+    const BundleResult one = AdjustBundle(world.problem, options_);
+    const BundleResult two = AdjustBundle(world.problem, options_);
+    ASSERT_TRUE(one.ok && two.ok) << one.reason << two.reason;
+    for (size_t i = 0; i < one.T_w_c.size(); ++i) {
+      EXPECT_EQ(one.T_w_c[i].matrix(), two.T_w_c[i].matrix());
+      EXPECT_EQ(one.pose_covariances[i], two.pose_covariances[i]);
+    }
+    EXPECT_EQ(one.points, two.points);
+    EXPECT_EQ(one.point_covariances, two.point_covariances);
+    EXPECT_EQ(one.line_p_covariances, two.line_p_covariances);
+    EXPECT_EQ(one.line_inliers, two.line_inliers);
   }
-  EXPECT_EQ(one.points, two.points);
-  EXPECT_EQ(one.point_covariances, two.point_covariances);
-  EXPECT_EQ(one.line_p_covariances, two.line_p_covariances);
-  EXPECT_EQ(one.line_inliers, two.line_inliers);
 }
 
 TEST_P(AdjustBundleOf, WithoutCovariancesAllElseIsTheSame) {

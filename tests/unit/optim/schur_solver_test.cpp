@@ -1,5 +1,10 @@
 #include "core/optim/schur_solver.h"
 
+#include <atomic>
+#include <functional>
+#include <limits>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "core/optim/bundle.h"
@@ -48,6 +53,9 @@ class SolversOf : public testing::TestWithParam<Setting> {
     options.max_dense_poses = max_dense_poses;
     return AdjustBundle(world_.problem, options);
   }
+  BundleResult SolveDensely() const { return Solve(1000); }
+  /// Also where no pose is free.
+  BundleResult SolveByCeres() const { return Solve(-1); }
 
   static void ExpectAlike(const BundleResult& a, const BundleResult& b) {
     constexpr double kAlike = 1e-8;
@@ -80,14 +88,14 @@ INSTANTIATE_TEST_SUITE_P(Settings, SolversOf,
                          [](const auto& instance) { return instance.param.name; });
 
 // Step for step, with the passes and the outliers of a local adjustment.
-TEST_P(SolversOf, DenseIsAsCeres) { ExpectAlike(Solve(1000), Solve(0)); }
+TEST_P(SolversOf, DenseIsAsCeres) { ExpectAlike(SolveDensely(), SolveByCeres()); }
 
 TEST_P(SolversOf, DenseIsAsCeresToTheEnd) {
   options_.max_iterations = 100;
   options_.max_refinements = 0;
   options_.function_tolerance = 0.0;
-  const BundleResult dense = Solve(1000);
-  const BundleResult sparse = Solve(0);
+  const BundleResult dense = SolveDensely();
+  const BundleResult sparse = SolveByCeres();
   ASSERT_TRUE(dense.ok && sparse.ok);
   for (size_t i = 0; i < dense.T_w_c.size(); ++i) {
     EXPECT_LT(test::ErrorOf(dense.T_w_c[i], sparse.T_w_c[i]).norm(), 1e-6) << "pose " << i;
@@ -96,7 +104,7 @@ TEST_P(SolversOf, DenseIsAsCeresToTheEnd) {
 }
 
 // Starts so far away that whole steps make it worse.
-TEST_P(SolversOf, StepsThatMakeItWorseAreTakenBack) {
+TEST_P(SolversOf, AlikeFromFarAway) {
   test::BundleWorldSpec spec;
   spec.points = GetParam().points;
   spec.lines = GetParam().lines;
@@ -104,14 +112,135 @@ TEST_P(SolversOf, StepsThatMakeItWorseAreTakenBack) {
   spec.start_rad = 0.1;
   for (uint32_t seed = 1; seed <= 5; ++seed) {
     world_ = test::MakeBundleWorld(spec, seed);
+    for (BundlePose& pose : world_.problem.poses) pose.fixed |= GetParam().all_poses_fixed;
     options_.max_iterations = 25;
     options_.max_refinements = 0;
-    const BundleResult dense = Solve(1000);
-    const BundleResult sparse = Solve(0);
+    const BundleResult dense = SolveDensely();
+    const BundleResult sparse = SolveByCeres();
     ASSERT_TRUE(dense.ok && sparse.ok);
     EXPECT_EQ(dense.iterations, sparse.iterations) << "seed " << seed;
     EXPECT_NEAR(dense.after.normalised, sparse.after.normalised, 1e-4 * sparse.after.normalised) << "seed " << seed;
   }
+}
+
+/// One pose with a bowl around x = (-1, 0, ...) as its loss; what steps do to "landmarks" is as told.
+class Scripted final : public EliminatedLandmarks {
+ public:
+  double Linearise(PoseSystem& system) override {
+    system.Diagonal(0).setIdentity();
+    system.Gradient(0) << 1.0 + pose_.x(0), pose_.x.tail<5>();
+    return Bowl();
+  }
+  bool Eliminate(const Damping& damping, PoseSystem& /*system*/) override {
+    dampings.push_back(damping.share);
+    return solvable;
+  }
+  double Step(const Eigen::VectorXd& /*of_poses*/) override { return foretold; }
+  void TakeBack() override { ++taken_back; }
+  double Loss() const override {
+    if (on_loss) on_loss();
+    return losses_seen_++ < worse_steps ? 10.0 : Bowl();
+  }
+  double Steepest() const override { return 0.0; }
+
+  /// Runs a pass over one free pose.
+  BundlePass Run(int max_iterations) {
+    BundleOptions options;
+    options.max_iterations = max_iterations;
+    options.function_tolerance = 0.0;
+    const RelativePoses none({}, poses);
+    SightActions actions{[this] { return LossSum{Bowl(), 1.0}; }, [] { return 0.0; }, [] {}};
+    StepJudge judge(actions, options, &stop);
+    EliminatedLandmarks* const nothing = &still_;
+    return SchurSolver(poses, none, {this, nothing}, options).Run(judge, false);
+  }
+
+  std::vector<AdjustedPose> poses{AdjustedPose(SE3(), 0)};
+  std::atomic<bool> stop{false};
+  bool solvable = true;
+  double foretold = 0.0;
+  int worse_steps = 0;
+  std::function<void()> on_loss;
+  int taken_back = 0;
+  std::vector<double> dampings;
+
+ private:
+  class Nothing final : public EliminatedLandmarks {
+    double Linearise(PoseSystem& /*system*/) override { return 0.0; }
+    bool Eliminate(const Damping& /*damping*/, PoseSystem& /*system*/) override { return true; }
+    double Step(const Eigen::VectorXd& /*of_poses*/) override { return 0.0; }
+    void TakeBack() override {}
+    double Loss() const override { return 0.0; }
+    double Steepest() const override { return 0.0; }
+  };
+
+  double Bowl() const {
+    Vector6d from_bottom = pose_.x;
+    from_bottom(0) += 1.0;
+    return from_bottom.squaredNorm();
+  }
+
+  const AdjustedPose& pose_ = poses.front();
+  Nothing still_;
+  mutable int losses_seen_ = 0;
+};
+
+TEST(SchurSolver, StepsThatMakeItWorseAreTakenBackBitForBit) {
+  Scripted scripted;
+  scripted.worse_steps = 2;
+  const BundlePass pass = scripted.Run(2);
+  EXPECT_TRUE(pass.ok);
+  EXPECT_EQ(pass.iterations, 2);
+  EXPECT_EQ(scripted.taken_back, 2);
+  EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
+  EXPECT_EQ(scripted.poses[0].T_w_c().matrix(), SE3().matrix());
+}
+
+TEST(SchurSolver, ShorterStepsAreTriedAfterOneThatMadeItWorse) {
+  Scripted scripted;
+  scripted.worse_steps = 2;
+  const BundlePass pass = scripted.Run(30);
+  EXPECT_TRUE(pass.ok);
+  EXPECT_EQ(scripted.taken_back, 2);
+  ASSERT_GT(scripted.dampings.size(), 2U);
+  EXPECT_DOUBLE_EQ(scripted.dampings[1], 2.0 * scripted.dampings[0]);
+  EXPECT_DOUBLE_EQ(scripted.dampings[2], 8.0 * scripted.dampings[0]);
+  EXPECT_NEAR(scripted.poses[0].x(0), -1.0, 1e-6);
+}
+
+TEST(SchurSolver, FailsWhereTheSystemCannotBeSolved) {
+  Scripted scripted;
+  scripted.solvable = false;
+  const BundlePass pass = scripted.Run(30);
+  EXPECT_FALSE(pass.ok);
+  EXPECT_EQ(pass.iterations, 5);
+  EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
+}
+
+TEST(SchurSolver, FailsWhereTheStepIsNotFinite) {
+  Scripted scripted;
+  scripted.foretold = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(scripted.Run(30).ok);
+  EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
+}
+
+TEST(SchurSolver, IsAtItsEndWhereNoStepPromisesAGain) {
+  Scripted scripted;
+  scripted.foretold = -10.0;
+  const BundlePass pass = scripted.Run(30);
+  EXPECT_TRUE(pass.ok);
+  EXPECT_EQ(pass.iterations, 5);
+  EXPECT_EQ(scripted.poses[0].x, Vector6d::Zero());
+}
+
+TEST(SchurSolver, StopsBetweenSteps) {
+  Scripted scripted;
+  scripted.on_loss = [&scripted] { scripted.stop = true; };
+  const BundlePass pass = scripted.Run(30);
+  EXPECT_TRUE(pass.ok);
+  EXPECT_TRUE(pass.stopped);
+  EXPECT_LE(pass.iterations, 2);
+  EXPECT_LT(scripted.poses[0].x(0), -0.5) << "the step that was being judged counts";
 }
 
 TEST(TrustRegion, GrowsWithGoodStepsAndShrinksFasterAndFaster) {

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
 #include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
 
 namespace plslam {
 
@@ -23,6 +28,36 @@ inline float Dot(const Patch& a, const Patch& b) { return (a * b).sum(); }
 inline void RemoveMean(Patch& p) {
   const float mean = p.sum() / kPixels;
   p.topRows<kSide>() -= mean;
+}
+
+/// Grey levels from column `u` and row `v` on.
+template <int Rows>
+Eigen::Array<float, kRow, Rows> ReadRows(const cv::Mat& image, int u, int v) {
+  std::array<uint8_t, kRow * Rows> bytes;
+  for (int y = 0; y < Rows; ++y) std::copy_n(image.ptr<uint8_t>(v + y) + u, kRow, bytes.data() + y * kRow);
+  Eigen::Array<float, kRow, Rows> pixels;
+  // In one loop, long enough for compilers to use vector registers.
+  std::copy(bytes.begin(), bytes.end(), pixels.data());
+  return pixels;
+}
+
+struct PatchGradients {
+  Patch pixels;
+  Patch grad_u;
+  Patch grad_v;
+};
+
+/// Pixels and their central differences. `center` must be at least kHalf + 2 from the border of the image.
+inline PatchGradients ReadGradients(const cv::Mat& image, const Eigen::Vector2i& center) {
+  const int u = center.x() - kHalf;
+  const int v = center.y() - kHalf;
+  const auto rows = ReadRows<kSide + 2>(image, u, v - 1);
+  PatchGradients patch;
+  patch.pixels = rows.middleCols<kSide>(1);
+  patch.grad_u = 0.5F * (ReadRows<kSide>(image, u + 1, v) - ReadRows<kSide>(image, u - 1, v));
+  patch.grad_v = 0.5F * (rows.rightCols<kSide>() - rows.leftCols<kSide>());
+  for (Patch* p : {&patch.pixels, &patch.grad_u, &patch.grad_v}) p->bottomRows<1>().setZero();
+  return patch;
 }
 
 }  // namespace plslam

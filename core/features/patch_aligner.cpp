@@ -22,29 +22,13 @@ constexpr double kMinSlantDisparity_px = 10.0;
 
 /// The left patch, ready for Gauss-Newton: its pixels and gradients, orthogonal to a constant, the gradients also to
 /// the pixels. So offset and gain of brightness drop out of the equations for the shift.
-struct Template {
-  Patch pixels;
-  Patch grad_u;
-  Patch grad_v;
+struct Template : PatchGradients {
   double energy = 0.0;
   Eigen::Matrix2d hessian = Eigen::Matrix2d::Zero();
 };
 
-Template MakeTemplate(const cv::Mat& image, int u, int v) {
-  Template t;
-  t.pixels.setZero();
-  t.grad_u.setZero();
-  t.grad_v.setZero();
-  for (int y = 0; y < kSide; ++y) {
-    const uint8_t* above = image.ptr<uint8_t>(v + y - kHalf - 1) + u - kHalf;
-    const uint8_t* row = image.ptr<uint8_t>(v + y - kHalf) + u - kHalf;
-    const uint8_t* below = image.ptr<uint8_t>(v + y - kHalf + 1) + u - kHalf;
-    for (int x = 0; x < kSide; ++x) {
-      t.pixels(x, y) = row[x];
-      t.grad_u(x, y) = 0.5F * static_cast<float>(row[x + 1] - row[x - 1]);
-      t.grad_v(x, y) = 0.5F * static_cast<float>(below[x] - above[x]);
-    }
-  }
+Template MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
+  Template t{ReadGradients(image, center)};
   RemoveMean(t.pixels);
   RemoveMean(t.grad_u);
   RemoveMean(t.grad_v);
@@ -65,15 +49,9 @@ void Sample(const cv::Mat& image, double u, double v, Patch& patch) {
   const int v0 = static_cast<int>(std::floor(v));
   const auto fu = static_cast<float>(u - u0);
   const auto fv = static_cast<float>(v - v0);
-  Eigen::Array<float, kRow, kSide + 1> along;
-  for (int y = 0; y <= kSide; ++y) {
-    const uint8_t* row = image.ptr<uint8_t>(v0 + y - kHalf) + u0 - kHalf;
-    for (int x = 0; x < kRow; ++x) {
-      const auto a = static_cast<float>(row[x]);
-      const auto b = static_cast<float>(row[x + 1]);
-      along(x, y) = a + fu * (b - a);
-    }
-  }
+  const auto here = ReadRows<kSide + 1>(image, u0 - kHalf, v0 - kHalf);
+  const auto next = ReadRows<kSide + 1>(image, u0 + 1 - kHalf, v0 - kHalf);
+  const Eigen::Array<float, kRow, kSide + 1> along = here + fu * (next - here);
   patch = along.leftCols<kSide>() + fv * (along.rightCols<kSide>() - along.leftCols<kSide>());
   patch.bottomRows<1>().setZero();
 }
@@ -123,7 +101,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
   if (!Inside(level.left, u, v)) return std::nullopt;
-  const Template patch = MakeTemplate(level.left, u, v);
+  const Template patch = MakeTemplate(level.left, {u, v});
   if (!(patch.energy > kPixels * kMinNoise * kMinNoise) || !(patch.hessian(0, 0) > 0.0)) return std::nullopt;
 
   const double start = disparity_px / size_px;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include "core/features/cpu_clones.h"
 
@@ -66,31 +67,33 @@ void WindowSums(std::vector<int>& columns, int places) {
 
 /// Left patch minus its mean (times 1, rounded); its energy is exact for what is stored.
 struct LeftPatch {
-  WindowPixels pixels{};
+  WindowPixels pixels;
   int sum = 0;
   double energy = 0.0;
 };
 
 LeftPatch ReadPatch(const cv::Mat& image, int u, int v) {
-  LeftPatch patch;
-  int total = 0;
+  std::array<uint8_t, static_cast<size_t>(kWindowSide) * kWindowRow> bytes{};
   for (int y = 0; y < kWindowSide; ++y) {
     const uint8_t* row = image.ptr<uint8_t>(v + y - kWindowHalf) + u - kWindowHalf;
-    for (int x = 0; x < kWindowSide; ++x) total += row[x];
+    std::copy_n(row, kWindowSide, bytes.data() + y * kWindowRow);
   }
+  const int total = std::accumulate(bytes.begin(), bytes.end(), 0);
   const int mean = (total + kWindowPixels / 2) / kWindowPixels;
-  int square = 0;
+  LeftPatch patch;
+  patch.sum = total - mean * kWindowPixels;
+  for (size_t i = 0; i < bytes.size(); ++i) patch.pixels[i] = static_cast<int16_t>(bytes[i] - mean);
   for (int y = 0; y < kWindowSide; ++y) {
-    const uint8_t* row = image.ptr<uint8_t>(v + y - kWindowHalf) + u - kWindowHalf;
-    for (int x = 0; x < kWindowSide; ++x) {
-      const int value = row[x] - mean;
-      patch.pixels[static_cast<size_t>(y) * kWindowRow + x] = static_cast<int16_t>(value);
-      patch.sum += value;
-      square += value * value;
-    }
+    std::fill_n(patch.pixels.data() + y * kWindowRow + kWindowSide, kWindowRow - kWindowSide, int16_t{0});
   }
+  const int square = std::inner_product(patch.pixels.begin(), patch.pixels.end(), patch.pixels.begin(), 0);
   patch.energy = square - static_cast<double>(patch.sum) * patch.sum / kWindowPixels;
   return patch;
+}
+
+/// Highest of the scores [first, last); 0 for none.
+float Highest(const std::vector<float>& scores, int first, int last) {
+  return last > first ? Eigen::Map<const Eigen::ArrayXf>(scores.data() + first, last - first).maxCoeff() : 0.0F;
 }
 
 }  // namespace
@@ -129,21 +132,20 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   WindowSums(sum_, places);
   WindowSums(square_, places);
 
-  int best = -1;
   for (int p = 0; p < places; ++p) {
     const double mean = static_cast<double>(sum_[p]) / kWindowPixels;
     const double energy = square_[p] - mean * sum_[p];
     const double cross = cross_[p] - mean * patch.sum;
-    // Squared, which keeps the order; negative correlations count as none.
-    score_[p] = cross > 0.0 && energy > 0.0 ? static_cast<float>(cross * cross / (energy * patch.energy)) : 0.0F;
-    if (score_[p] > 0.0F && (best < 0 || score_[p] > score_[best])) best = p;
+    // Squared, which keeps the order; negative correlations count as none. Computed for all, so without branches.
+    const double squared = cross * cross / (energy * patch.energy);
+    score_[p] = static_cast<float>(cross > 0.0 && energy > 0.0 ? squared : 0.0);
   }
-  if (best < 0) return std::nullopt;
-  float second = 0.0F;
-  for (int p = 0; p < places; ++p) {
-    if (std::abs(p - best) >= kPeakHalfWidth) second = std::max(second, score_[p]);
-  }
-  return RowMatch{(u - first - best) * level.size_px, std::sqrt(static_cast<double>(score_[best])),
+  const float highest = Highest(score_, 0, places);
+  if (!(highest > 0.0F)) return std::nullopt;
+  const int best = static_cast<int>(std::find(score_.begin(), score_.end(), highest) - score_.begin());
+  const float second =
+      std::max(Highest(score_, 0, best - kPeakHalfWidth + 1), Highest(score_, best + kPeakHalfWidth, places));
+  return RowMatch{(u - first - best) * level.size_px, std::sqrt(static_cast<double>(highest)),
                   std::sqrt(static_cast<double>(second))};
 }
 

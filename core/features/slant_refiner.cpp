@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 #include <Eigen/Cholesky>
 
@@ -18,6 +19,11 @@ constexpr double kMaxSlope = 0.7;
 constexpr int kMaxSlantIterations = 10;
 constexpr double kMaxSlantTravel = 1.5;
 
+constexpr size_t kPlaces = static_cast<size_t>(kRow) * kSide;
+using PatchRow = Eigen::Array<float, kRow, 1>;
+/// The columns of a patch; the idle one takes what the last takes.
+const PatchRow kColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
+
 /// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself, so
 /// that offset and gain of brightness drop out.
 struct SlantTemplate {
@@ -28,24 +34,13 @@ struct SlantTemplate {
 };
 
 SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
+  const PatchGradients patch = ReadGradients(image, center);
   SlantTemplate t;
-  t.pixels.setZero();
-  for (Patch& derivative : t.derivatives) derivative.setZero();
-  for (int y = 0; y < kSide; ++y) {
-    const int v = center.y() + y - kHalf;
-    const int u = center.x() - kHalf;
-    const uint8_t* above = image.ptr<uint8_t>(v - 1) + u;
-    const uint8_t* row = image.ptr<uint8_t>(v) + u;
-    const uint8_t* below = image.ptr<uint8_t>(v + 1) + u;
-    for (int x = 0; x < kSide; ++x) {
-      const float along = 0.5F * static_cast<float>(row[x + 1] - row[x - 1]);
-      t.pixels(x, y) = row[x];
-      t.derivatives[0](x, y) = along;
-      t.derivatives[1](x, y) = 0.5F * static_cast<float>(below[x] - above[x]);
-      t.derivatives[2](x, y) = along * static_cast<float>(x - kHalf);
-      t.derivatives[3](x, y) = along * static_cast<float>(y - kHalf);
-    }
-  }
+  t.pixels = patch.pixels;
+  t.derivatives[0] = patch.grad_u;
+  t.derivatives[1] = patch.grad_v;
+  t.derivatives[2] = patch.grad_u.colwise() * (kColumns - kHalf);
+  for (int y = 0; y < kSide; ++y) t.derivatives[3].col(y) = patch.grad_u.col(y) * static_cast<float>(y - kHalf);
   RemoveMean(t.pixels);
   const float energy = Dot(t.pixels, t.pixels);
   t.energy = energy;
@@ -59,54 +54,57 @@ SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) 
   return t;
 }
 
-/// Pixels of one image row at `columns` and, one further, `next`; nothing in the idle column.
-struct Neighbours {
-  std::array<int32_t, kRow> here{};
-  std::array<int32_t, kRow> next{};
+/// Pixels of the image, each with its right neighbour.
+using PixelPairs = std::array<uint8_t, 2 * kPlaces>;
 
-  void Take(const uint8_t* row, const std::array<int32_t, kRow>& columns) {
-    for (size_t x = 0; x < kSide; ++x) {
-      here[x] = row[columns[x]];
-      next[x] = row[columns[x] + 1];
-    }
+/// Linear between the two pixels.
+Patch Between(const PixelPairs& pairs, const Patch& fractions) {
+  Patch patch;
+  for (size_t i = 0; i < kPlaces; ++i) {
+    const auto here = static_cast<float>(pairs[2 * i]);
+    const auto next = static_cast<float>(pairs[2 * i + 1]);
+    patch.data()[i] = here + fractions.data()[i] * (next - here);
   }
-  float Between(size_t x, float f) const {
-    const auto a = static_cast<float>(here[x]);
-    return a + f * (static_cast<float>(next[x]) - a);
-  }
-};
+  return patch;
+}
 
 /// The right image where the left patch should be. False where that leaves the image.
 ///
-/// Only fetching pixels goes one by one; places and blending are loops over whole vector registers.
+/// Only fetching pixels goes one by one; places and blending are loops over the whole patch, in vector registers.
 bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Vector4d& warp, Patch& patch) {
   const auto step = static_cast<float>(1.0 + warp(2));
   const int reach = static_cast<int>(std::ceil((kSide - 1) * step)) + 2;
-  Neighbours above, below;
+  std::array<const uint8_t*, kSide> rows;
+  std::array<float, kSide> fv;
+  Patch places;
   for (int y = 0; y < kSide; ++y) {
     const double v = center.y() + warp(1) + y - kHalf;
     const double u = center.x() + warp(0) + warp(3) * (y - kHalf) - (1.0 + warp(2)) * kHalf;
     const int v0 = static_cast<int>(std::floor(v));
     const int u0 = static_cast<int>(std::floor(u));
     if (v0 < 0 || v0 + 1 >= image.rows || u0 < 0 || u0 + reach >= image.cols) return false;
-    const auto fv = static_cast<float>(v - v0);
-    const auto fu = static_cast<float>(u - u0);
-    std::array<int32_t, kRow> columns;
-    std::array<float, kRow> fractions;
-    for (size_t x = 0; x < kRow; ++x) {
-      const float place = fu + step * static_cast<float>(static_cast<int32_t>(x));
-      columns[x] = static_cast<int32_t>(place);
-      fractions[x] = place - static_cast<float>(columns[x]);
-    }
-    above.Take(image.ptr<uint8_t>(v0) + u0, columns);
-    below.Take(image.ptr<uint8_t>(v0 + 1) + u0, columns);
-    float* const out = &patch(0, y);
-    for (size_t x = 0; x < kRow; ++x) {
-      const float top = above.Between(x, fractions[x]);
-      const float bottom = below.Between(x, fractions[x]);
-      out[x] = top + fv * (bottom - top);
+    rows[y] = image.ptr<uint8_t>(v0) + u0;
+    fv[y] = static_cast<float>(v - v0);
+    places.col(y) = static_cast<float>(u - u0) + step * kColumns;
+  }
+  std::array<int32_t, kPlaces> columns;
+  Patch fractions;
+  for (size_t i = 0; i < kPlaces; ++i) {
+    columns[i] = static_cast<int32_t>(places.data()[i]);
+    fractions.data()[i] = places.data()[i] - static_cast<float>(columns[i]);
+  }
+  PixelPairs above;
+  PixelPairs below;
+  for (size_t y = 0; y < kSide; ++y) {
+    for (size_t i = y * kRow; i < (y + 1) * kRow; ++i) {
+      std::memcpy(&above[2 * i], rows[y] + columns[i], 2);
+      std::memcpy(&below[2 * i], rows[y] + image.step + columns[i], 2);
     }
   }
+  const Patch top = Between(above, fractions);
+  const Patch bottom = Between(below, fractions);
+  for (int y = 0; y < kSide; ++y) patch.col(y) = top.col(y) + fv[y] * (bottom.col(y) - top.col(y));
+  patch.bottomRows<1>().setZero();
   return true;
 }
 
@@ -121,7 +119,6 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
   const Eigen::Vector4d prior(0.0, row_information, 1.0 / (kSlopeSigma * kSlopeSigma),
                               1.0 / (kSlopeSigma * kSlopeSigma));
   Patch right;
-  right.setZero();
   for (int iteration = 0; iteration < kMaxSlantIterations; ++iteration) {
     if (!Sample(level.right, center, warp, right)) return std::nullopt;
     const double sum = right.sum();

@@ -243,7 +243,7 @@ AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult&
     map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
   }
   // Poses that were on their way tell no outliers; the next adjustment looks again.
-  if (result.stopped) return figures;
+  if (!result.settled) return figures;
   figures.n_outliers = DropOutliers<PointKind>(window, window.points, result.point_inliers, features, map) +
                        DropOutliers<LineKind>(window, window.lines, result.line_inliers, features, map);
   return figures;

@@ -19,7 +19,7 @@ constexpr double kMaxSlope = 0.7;
 constexpr int kMaxSlantIterations = 10;
 constexpr double kMaxSlantTravel = 1.5;
 
-constexpr size_t kPlaces = static_cast<size_t>(kRow) * kSide;
+constexpr size_t kPatchPlaces = static_cast<size_t>(kRow) * kSide;
 using PatchRow = Eigen::Array<float, kRow, 1>;
 /// The columns of a patch; the idle one takes what the last takes.
 const PatchRow kColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
@@ -55,12 +55,12 @@ SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) 
 }
 
 /// Pixels of the image, each with its right neighbour.
-using PixelPairs = std::array<uint8_t, 2 * kPlaces>;
+using PixelPairs = std::array<uint8_t, 2 * kPatchPlaces>;
 
 /// Linear between the two pixels.
 Patch Between(const PixelPairs& pairs, const Patch& fractions) {
   Patch patch;
-  for (size_t i = 0; i < kPlaces; ++i) {
+  for (size_t i = 0; i < kPatchPlaces; ++i) {
     const auto here = static_cast<float>(pairs[2 * i]);
     const auto next = static_cast<float>(pairs[2 * i + 1]);
     patch.data()[i] = here + fractions.data()[i] * (next - here);
@@ -87,9 +87,9 @@ bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Ve
     fv[y] = static_cast<float>(v - v0);
     places.col(y) = static_cast<float>(u - u0) + step * kColumns;
   }
-  std::array<int32_t, kPlaces> columns;
+  std::array<int32_t, kPatchPlaces> columns;
   Patch fractions;
-  for (size_t i = 0; i < kPlaces; ++i) {
+  for (size_t i = 0; i < kPatchPlaces; ++i) {
     columns[i] = static_cast<int32_t>(places.data()[i]);
     fractions.data()[i] = places.data()[i] - static_cast<float>(columns[i]);
   }

@@ -176,6 +176,7 @@ class Adjustment {
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
       const BundlePass pass = solver.Run(judge, refinement == 0 && options_.max_refinements > 0);
       result.stopped = pass.stopped;
+      result.settled |= !pass.stopped;
       result.iterations += pass.iterations;
       if (!pass.ok || !IsFinite()) return false;
       const int changed = points_.Gate(gates_) + lines_.Gate(gates_);

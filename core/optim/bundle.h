@@ -105,6 +105,8 @@ struct BundleResult {
   BundleRms after;
   int iterations = 0;
   bool stopped = false;
+  /// A pass came to its end: where none did, poses were on their way, and inliers say little.
+  bool settled = false;
 };
 
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks

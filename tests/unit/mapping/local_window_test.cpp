@@ -89,6 +89,7 @@ TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
     const BundleResult result = AdjustBundle(window.problem, bundle, &stop);
     ASSERT_TRUE(result.ok) << result.reason;
     ASSERT_EQ(result.stopped, stopped);
+    ASSERT_EQ(result.settled, !stopped);
     Map map = stored_.map;
     const AdjustmentFigures figures = ApplyAdjustment(window, result, stored_.features, map);
     if (stopped) {

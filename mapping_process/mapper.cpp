@@ -113,7 +113,9 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
     entry.previous_id = previous.id;
     entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
-    entry.relative_covariance = UsableCovariance(keyframe.covariance);
+    // The message's is of the last step; those between may be missing.
+    const auto steps = static_cast<double>(keyframe.keyframe_id - session->second.session_keyframe_id);
+    entry.relative_covariance = std::max(1.0, steps) * UsableCovariance(keyframe.covariance);
     entry.T_w_kf = previous.T_w_kf * entry.T_prevkf_kf;
     entry.covariance = ComposeCovariance(previous.covariance, entry.T_prevkf_kf, entry.relative_covariance);
   } else if (!map_.keyframes().empty()) {

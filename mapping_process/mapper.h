@@ -98,7 +98,7 @@ class Mapper {
   bool Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
   bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
-  void BringTogether(const Keyframe& keyframe, const Association& association, MapKeyframe& entry);
+  void BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
   BundleResult Adjusted(const LocalWindow& window, const std::atomic<bool>* stop);
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);

@@ -55,6 +55,13 @@ int64_t MostSeen(const Association& association, const Map& map) {
   return MostCounted(counts, 1).front();
 }
 
+template <class Kind>
+void ForgetGone(const Map& map, std::vector<int64_t>& ids) {
+  for (int64_t& id : ids) {
+    if (id >= 0 && Kind::Find(map, id) == nullptr) id = -1;
+  }
+}
+
 }  // namespace
 
 void Mapper::Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
@@ -107,7 +114,7 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKe
 
 // The landmarks are of a part of the map that nothing has tied to the keyframe before: it lies elsewhere than the tracker's
 // motion says, which is right as long as the tracker was not lost.
-void Mapper::BringTogether(const Keyframe& keyframe, const Association& association, MapKeyframe& entry) {
+void Mapper::BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
   const Vector6d error = (T_w_predicted.Inverse() * entry.T_w_kf).Log();
@@ -126,6 +133,9 @@ void Mapper::BringTogether(const Keyframe& keyframe, const Association& associat
   MoveKeyframes(poses, features_, camera_, map_);
   bent_version_ = version_ + 1;
   entry.T_w_kf = T_w_fixed;
+  // A landmark goes when the move leaves it no sight that can be.
+  ForgetGone<PointKind>(map_, association.points);
+  ForgetGone<LineKind>(map_, association.lines);
 }
 
 void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {

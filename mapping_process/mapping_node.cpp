@@ -352,7 +352,10 @@ void MappingNode::ReadState() {
 /// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was culled.
 void MappingNode::Know(const StoredMap& stored) {
   std::map<int64_t, int64_t> newest;
-  for (const auto& [id, session] : stored.sessions) newest[id] = session.session_keyframe_id;
+  for (const auto& [id, session] : stored.sessions) {
+    newest[id] = session.session_keyframe_id;
+    known_sessions_.insert(id);
+  }
   const std::lock_guard lock(mutex_);
   queue_.Restore(newest, stored.newest_session);
 }

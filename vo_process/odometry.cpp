@@ -186,7 +186,8 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   if (alignment.weak) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
-    is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
+    // Found again where it was lost, it knows no more of the map than it did there.
+    if (tracked.reference != Reference::kDormant) is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
   }
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
@@ -203,9 +204,11 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
     landmarks_.Found(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
-  // From where a lost camera was thought to be to where it is: that is no motion, and how fast it moves is not known.
-  const bool jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
-  motion_model_.Observe(jumped ? SE3() : result.T_prev_c, dt_s, result.motion_covariance);
+  // A jump is no motion, and how fast the camera moves is not known. A second image of the same time tells no speed.
+  result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
+  if (dt_s > kMinInterval_s) {
+    motion_model_.Observe(result.jumped ? SE3() : result.T_prev_c, dt_s, result.motion_covariance);
+  }
   ChooseKeyframe(tracked, frame, result);
 }
 

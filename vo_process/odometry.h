@@ -37,8 +37,10 @@ struct OdometryResult {
   /// growing with the way.
   SE3 T_odom_c;
   Matrix6d covariance = Matrix6d::Zero();
-  /// Motion since the frame before.
+  /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it was
+  /// found.
   SE3 T_prev_c;
+  bool jumped = false;
   Matrix6d motion_covariance = Matrix6d::Zero();
   double entropy_ratio = 0.0;
   std::optional<KeyframeStep> keyframe;

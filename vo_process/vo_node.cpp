@@ -67,7 +67,14 @@ void VoNode::OnCamera(const camera_t& message) {
     process_.SetState("failed", error.what());
     throw;
   }
-  if (rig_) spdlog::info("another camera '{}': a new session begins", rig->name);
+  if (rig_) {
+    spdlog::info("another camera '{}': a new session begins", rig->name);
+    // What the old one waits for is not for this one, nor are its frames.
+    map_wait_.End();
+    answer_wait_.End();
+    question_.reset();
+    waiting_.clear();
+  }
   rig_ = *rig;
   odometry_.reset();
   GoOn();

@@ -36,8 +36,8 @@ TrackingState VoNode::StateOf(const OdometryResult& result) const {
 /// held in place. A tracker that goes on from the state as of a keyframe asks what this one asked: after it, not at it.
 bool VoNode::NeedsToAsk(const Frame& frame, const OdometryResult& result) {
   const bool lost = StateOf(result) == TrackingState::kLost;
-  // An answer on its way is about where it was before; adrift, that is what counts.
-  if (result.state == TrackingState::kRecovered && !odometry_->is_adrift()) question_.reset();
+  // An answer on its way is about where it was before; adrift, that is what counts, but not across a jump.
+  if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_adrift())) question_.reset();
   if (lost || !odometry_->is_adrift()) adrift_since_ns_ = frame.images.t_ns;
   if (lost) return true;
   if (options_.map.localise_only) return follows_keyframe_ && TrackedOfMap(result) < options_.tracking.weak_inliers;

@@ -149,7 +149,8 @@ int Ransac::NeededHypotheses(int n_inliers) const {
   const double all = static_cast<double>(observations_.points.size() + 2 * observations_.lines.size());
   const double share = std::clamp(n_inliers / all, 1e-3, 0.999);
   const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - share * share * share);
-  return std::clamp(static_cast<int>(std::ceil(needed)), kMinHypotheses, kMaxHypotheses);
+  // Before the cast: few inliers of many ask for more than an int holds.
+  return static_cast<int>(std::clamp<double>(std::ceil(needed), kMinHypotheses, kMaxHypotheses));
 }
 
 std::optional<SE3> Ransac::Estimate() {

@@ -109,6 +109,17 @@ TEST_P(MapperWalk, TheAdjustmentLowersTheErrorAndStaysWithinItsOptions) {
 }
 
 // As of a live stream: keyframes queue while a solve runs.
+TEST_P(MapperWalk, TheMotionAcrossMissingKeyframesIsLessSure) {
+  constexpr size_t kBefore = 4;
+  constexpr size_t kAfter = 7;
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (size_t i = 0; i < kBefore; ++i) ASSERT_TRUE(MapOne(walk_.keyframes[i], mapper));
+  ASSERT_TRUE(mapper.Insert(walk_.keyframes[kAfter], nullptr));
+  const MapKeyframe& newest = mapper.map().keyframes().rbegin()->second;
+  const double steps = kAfter - (kBefore - 1);
+  EXPECT_TRUE(newest.relative_covariance.isApprox(steps * walk_.keyframes[kAfter].covariance, 1e-9));
+}
+
 TEST_P(MapperWalk, SeveralInsertedBeforeOneAdjustment) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   std::string reason;

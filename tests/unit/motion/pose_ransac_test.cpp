@@ -75,6 +75,18 @@ TEST_P(Ransac, FindsThePoseAmongOutliers) {
 INSTANTIATE_TEST_SUITE_P(EstimatePoseRansac, Ransac,
                          testing::Values(std::pair(100, 0), std::pair(0, 60), std::pair(60, 30)));
 
+// A first hypothesis that one of a thousand agrees with asks for more hypotheses than an int can count.
+TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
+  MotionWorldMaker maker(23);
+  MotionWorld world = WideWorld(maker, 1000, 0);
+  for (int i = 500; i < 750; ++i) world.points[i].uvd = world.camera.ProjectStereo(maker.PointInView(world.camera));
+  for (uint64_t seed = 1; seed <= 20; ++seed) {
+    const auto estimate = EstimatePoseRansac(world.points, world.lines, world.camera, 15, 3.0, seed);
+    ASSERT_TRUE(estimate) << "seed " << seed;
+    EXPECT_LT(ErrorOf(*estimate, world.T_cur_ref).norm(), 0.05) << "seed " << seed;
+  }
+}
+
 TEST(EstimatePoseRansac, SameSeedSameBits) {
   MotionWorldMaker maker(22);
   const MotionWorld world = WideWorld(maker, 60, 20);

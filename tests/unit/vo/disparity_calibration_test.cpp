@@ -63,15 +63,17 @@ TEST(DisparityCalibration, SwitchedOffItChangesNothing) {
 }
 
 TEST(DisparityCalibration, CorrectionThatLeavesNoDisparityTakesTheDepth) {
-  DisparityCalibrationOptions options;
-  options.min_chi_square = 0.0;
+  const Odometry odometry = Drive([](double) { return 0.4; }, true);
+  DisparityCalibration calibration = odometry.disparity_calibration();
   StereoFeatures features;
-  features.points.resize(2);
+  features.points.resize(3);
+  for (StereoPoint& point : features.points) point.left.px = {320.0, 240.0};
   features.points[0].disparity_px = 5.0;
-  DisparityCalibration calibration(FeatureWorld::Camera(), options);
+  features.points[1].disparity_px = 0.1;
   calibration.Correct(features);
-  EXPECT_TRUE(features.points[0].HasDepth());
-  EXPECT_FALSE(features.points[1].HasDepth());
+  EXPECT_NEAR(features.points[0].disparity_px, 4.6, 0.15);
+  EXPECT_FALSE(features.points[1].HasDepth()) << "nothing is left of it";
+  EXPECT_FALSE(features.points[2].HasDepth()) << "it never had one";
 }
 
 TEST(DisparityCalibration, StandingCameraLearnsNothing) {

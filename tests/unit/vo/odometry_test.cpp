@@ -203,6 +203,18 @@ TEST(Odometry, TimeThatStandsOrGoesBackIsNoNan) {
   ASSERT_TRUE(IsSane(odometry.Track(2 * kFrame_ns, SeenAt(world, 2))));
 }
 
+TEST(Odometry, ASecondImageOfTheSameTimeTellsNoSpeed) {
+  const FeatureWorld world({300, 60}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));
+  const OdometryResult again = odometry.Track(9 * kFrame_ns, SeenAt(world, 9, 0.5));
+  EXPECT_EQ(again.state, TrackingState::kTracking);
+  const OdometryResult unseen = odometry.Track(10 * kFrame_ns, {});
+  EXPECT_EQ(unseen.state, TrackingState::kLost);
+  const Eigen::Vector3d truth = (PathAt(9).Inverse() * PathAt(10)).translation();
+  EXPECT_LT((unseen.T_prev_c.translation() - truth).norm(), 0.3 * truth.norm()) << "it goes on as before";
+}
+
 TEST(Odometry, KeyframesChainToTheOdometryPose) {
   const FeatureWorld world({300, 60}, 9);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());

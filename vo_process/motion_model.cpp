@@ -8,6 +8,9 @@ namespace {
 
 // Intervals up to which constant velocity is extrapolated, in multiples of the one it was measured over.
 constexpr double kMaxExtrapolation = 2.0;
+// Of a camera that has just begun nobody knows how fast it moves: a car on a motorway, a hand that turns.
+constexpr double kAnySpeed_m_s = 30.0;
+constexpr double kAnyTurn_rad_s = 2.0;
 // Uncertainty of a rotation from which on a prediction says nothing.
 constexpr double kAnyRotation_rad = 1.0;
 
@@ -38,9 +41,11 @@ MotionPrediction MotionModel::Predict(double dt_s) const {
   MotionPrediction prediction;
   prediction.T_prev_c = SE3::Exp(velocity_ * Horizon_s(dt_s));
   prediction.covariance = Isotropic(since + behind.cwiseMax(0.0));
+  const double squares = after_s * after_s - before_s * before_s;
   if (last_dt_s_ > 0.0) {
-    prediction.covariance +=
-        (after_s * after_s - before_s * before_s) / (last_dt_s_ * last_dt_s_) * motion_covariance_;
+    prediction.covariance += squares / (last_dt_s_ * last_dt_s_) * motion_covariance_;
+  } else {
+    prediction.covariance += Isotropic(squares * Extent(kAnySpeed_m_s, kAnyTurn_rad_s).cwiseAbs2());
   }
   prediction.is_near = unmeasured_s_ == 0.0 && accelerated.y() < kAnyRotation_rad;
   prediction.goes_on = prediction.is_near && dt_s <= kMaxExtrapolation * last_dt_s_;

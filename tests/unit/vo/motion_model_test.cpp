@@ -1,5 +1,7 @@
 #include "vo_process/motion_model.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
 namespace plslam {
@@ -30,8 +32,15 @@ TEST(MotionModel, DoesNotExtrapolateAcrossALongGap) {
 TEST(MotionModel, UncertaintyIsThatOfTheLargestAcceleration) {
   TrackingOptions options;
   options.max_acceleration_m_s2 = 8.0;
-  const MotionPrediction prediction = MotionModel(options).Predict(0.5);
-  EXPECT_NEAR(prediction.covariance(0, 0), 1.0, 1e-12);
+  MotionModel model{options};
+  model.Observe(SE3(), 0.5, kExact);
+  EXPECT_NEAR(model.Predict(0.5).covariance(0, 0), 1.0, 1e-12);
+}
+
+TEST(MotionModel, BeforeTheFirstMotionAnySpeedMayBe) {
+  MotionModel model{TrackingOptions()};
+  EXPECT_GT(std::sqrt(model.Predict(0.1).covariance(2, 2)), 2.0) << "m: a car on a motorway";
+  EXPECT_GT(std::sqrt(model.Predict(0.1).covariance(4, 4)), 0.1) << "rad: a hand that turns";
 }
 
 TEST(MotionModel, SlowsDownWhileLost) {

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -29,6 +30,21 @@ TEST(OdometryGaps, TheEdgeAcrossALossIsAsUnsureAsTheGapIsLong) {
   ASSERT_TRUE(back.keyframe);
   const Vector6d error = ((T_w_kf.Inverse() * PathAt(31)).Inverse() * back.keyframe->T_prevkf_kf).Log();
   EXPECT_LT(error.dot(back.keyframe->covariance.ldlt().solve(error)), 6.0);
+}
+
+// A session that begins on a motorway, and whose second frame shows nothing: it may be anywhere ahead.
+TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
+  constexpr double kMotorway_m_s = 30.0;
+  const FeatureWorld before({300, 60}, 9);
+  const FeatureWorld after({300, 60}, 10);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  odometry.Track(0, before.Observe(SE3(), 0.3, 0));
+  odometry.Track(kFrame_ns, {});
+  odometry.Track(2 * kFrame_ns, after.Observe(SE3(), 0.3, 1));
+  const OdometryResult back = odometry.Track(3 * kFrame_ns, after.Observe(SE3(), 0.3, 2));
+  ASSERT_EQ(back.state, TrackingState::kRecovered);
+  ASSERT_TRUE(back.keyframe);
+  EXPECT_GT(std::sqrt(back.keyframe->covariance(2, 2)), kMotorway_m_s * 2e-9 * kFrame_ns);
 }
 
 // Normalised squared error of the motion between keyframes: 6 where the covariance is right.

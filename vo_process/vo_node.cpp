@@ -70,9 +70,7 @@ void VoNode::OnCamera(const camera_t& message) {
   if (rig_) {
     spdlog::info("another camera '{}': a new session begins", rig->name);
     // What the old one waits for is not for this one, nor are its frames.
-    map_wait_.End();
-    answer_wait_.End();
-    question_.reset();
+    EndWaits();
     waiting_.clear();
   }
   rig_ = *rig;
@@ -143,13 +141,17 @@ void VoNode::OnStream(const stream_t& message) {
   FinishIfDone();
 }
 
-void VoNode::BeginSession() {
+void VoNode::EndWaits() {
   map_wait_.End();
+  answer_wait_.End();
+  question_.reset();
+}
+
+void VoNode::BeginSession() {
+  EndWaits();
   PublishKeyframe();
   // That of a tracker whose state this one has taken over is not the next of ours.
   if (last_t_ns_ != 0) session_ = std::max(session_ + 1, process_.bus().source());
-  answer_wait_.End();
-  question_.reset();
   follows_keyframe_ = false;
   map_keyframe_id_ = -1;
   adopted_keyframe_id_ = -1;

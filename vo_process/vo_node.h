@@ -72,6 +72,7 @@ class VoNode {
   void Listen();
   void GoOn();
   void BeginSession();
+  void EndWaits();
   bool IsTooEarly(const Frame& frame) const;
   void Track(const Frame& frame);
   StereoFeatures SeeFeatures(const StereoImages& images, StageTimer& timer);

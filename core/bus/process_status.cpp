@@ -115,4 +115,11 @@ void StatusPublisher::SetCounter(const std::string& name, double value) {
   counters_[name] = value;
 }
 
+double CounterOf(const status_t& status, const std::string& name) {
+  for (const counter_t& counter : status.counters) {
+    if (counter.name == name) return counter.value;
+  }
+  return 0.0;
+}
+
 }  // namespace plslam::bus

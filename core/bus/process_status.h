@@ -50,4 +50,7 @@ class StatusPublisher {
   std::map<std::string, double> counters_;
 };
 
+/// A counter of a status; 0 where it has none of this name.
+double CounterOf(const status_t& status, const std::string& name);
+
 }  // namespace plslam::bus

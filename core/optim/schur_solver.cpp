@@ -47,8 +47,10 @@ BundlePass SchurSolver::Run(StepJudge& judge, bool trim) {
     const std::optional<double> foretold = Step(region.damping());
     pass.stopped = judge.IsStopped();
     if (!foretold || *foretold <= 0.0) {
-      pass.ok = ++without_step < kMaxWithoutStep || foretold;
-      if (without_step == kMaxWithoutStep) break;
+      if (++without_step == kMaxWithoutStep) {
+        pass.ok = foretold.has_value();
+        break;
+      }
       region.Rejected();
       continue;
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/bus/process_status.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/data_folder.h"
 #include "tests/support/sanitized.h"
@@ -145,11 +146,7 @@ StatusListener::Statuses StatusListener::statuses() const {
 double StatusListener::Counter(const std::string& process, const std::string& name) const {
   const std::scoped_lock lock(mutex_);
   const auto found = statuses_.find(process);
-  if (found == statuses_.end()) return 0.0;
-  for (const counter_t& counter : found->second.counters) {
-    if (counter.name == name) return counter.value;
-  }
-  return 0.0;
+  return found == statuses_.end() ? 0.0 : bus::CounterOf(found->second, name);
 }
 
 double StatusListener::PeakMemory_mb(const std::string& process) const {

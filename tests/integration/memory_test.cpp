@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/process_status.h"
 #include "plslam/status_t.hpp"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
@@ -69,12 +70,6 @@ void KeepSecondHalf(std::vector<std::pair<double, double>>& samples) {
   std::erase_if(samples, [](const auto& sample) { return sample.first <= 0.5; });
 }
 
-double FramesSent(const status_t& player) {
-  const auto sent = std::find_if(player.counters.begin(), player.counters.end(),
-                                 [](const counter_t& counter) { return counter.name == "frames.sent"; });
-  return sent == player.counters.end() ? 0.0 : sent->value;
-}
-
 /// While frames are sent: what is needed to write the results behind the last one is no growth. By frames and not by time,
 /// which other tests make long and short.
 Samples MemoryOf(const std::vector<status_t>& statuses, int frames) {
@@ -82,7 +77,7 @@ Samples MemoryOf(const std::vector<status_t>& statuses, int frames) {
   double share = 0.0;
   for (const status_t& status : statuses) {
     if (status.process == "player" && status.state == "running") {
-      share = FramesSent(status) / frames;
+      share = bus::CounterOf(status, "frames.sent") / frames;
       for (const auto& [process, samples] : std::exchange(unconfirmed, {})) {
         memory[process].insert(memory[process].end(), samples.begin(), samples.end());
       }

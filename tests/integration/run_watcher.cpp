@@ -3,6 +3,7 @@
 #include <chrono>
 
 #include "core/bus/encoded.h"
+#include "core/bus/process_status.h"
 #include "core/bus/worker.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/sanitized.h"
@@ -37,11 +38,7 @@ std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
 
 double Heard::Counter(const std::string& process, const std::string& name) const {
   const auto found = status.find(process);
-  if (found == status.end()) return 0.0;
-  for (const counter_t& counter : found->second.counters) {
-    if (counter.name == name) return counter.value;
-  }
-  return 0.0;
+  return found == status.end() ? 0.0 : bus::CounterOf(found->second, name);
 }
 
 RunWatcher::RunWatcher() : bus_(On(port_.Url()), "watcher") {

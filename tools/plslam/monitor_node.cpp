@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/bus/map_pages.h"
+#include "core/bus/process_status.h"
 #include "core/bus/process_usage.h"
 #include "core/bus/worker.h"
 #include "plslam/keyframe_t.hpp"
@@ -37,13 +38,6 @@ FrameReport FromMessage(const pose_t& message) {
   report.skipped_frames = message.n_skipped_frames;
   for (const stage_t& stage : message.stages) report.stage_ms.emplace_back(stage.name, stage.ms);
   return report;
-}
-
-double CounterOf(const status_t& message, const std::string& name) {
-  for (const counter_t& counter : message.counters) {
-    if (counter.name == name) return counter.value;
-  }
-  return 0.0;
 }
 
 ProcessStatus FromMessage(const status_t& message) {
@@ -91,7 +85,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 void MonitorNode::OnStatus(const status_t& message) {
   if (message.process == "player") {
     player_heard_s_ = bus::NowS();
-    sent_frames_ = static_cast<int64_t>(CounterOf(message, "frames.sent"));
+    sent_frames_ = static_cast<int64_t>(bus::CounterOf(message, "frames.sent"));
   }
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;

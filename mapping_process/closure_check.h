@@ -18,8 +18,8 @@ struct GivenNames {
 };
 
 /// Why a correction cannot be one of this map, in a sentence; empty where it can. Names of what has been removed since are
-/// no fault, names that were never given are; so are poses that are none, a correction of which nothing is left, and an adjustment of
-/// the map as it was before a loop, which it would undo. A version of 0 says nothing: of another map.
+/// no fault, names that were never given are; so are poses that are none, a correction of which nothing is left, and one of
+/// the map as it was before a loop or before two parts came together, which it would undo. A version of 0 says nothing: of another map.
 std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map);
 
 }  // namespace plslam

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "mapping_process/loop_edges.h"
+
 namespace plslam {
 namespace {
 
@@ -44,13 +46,9 @@ std::optional<LoopEdge> Translated(const LoopEdge& edge, const Ids& ids) {
   const auto b = ids.Here(edge.keyframe_id);
   if (!a || !b) return std::nullopt;
   LoopEdge translated = edge;
-  translated.old_keyframe_id = std::min(*a, *b);
-  translated.keyframe_id = std::max(*a, *b);
-  if (*a <= *b) return translated;
-  const Matrix6d adjoint = edge.T_old_kf.Adjoint();
-  translated.T_old_kf = edge.T_old_kf.Inverse();
-  translated.covariance = adjoint * edge.covariance * adjoint.transpose();
-  return translated;
+  translated.old_keyframe_id = *a;
+  translated.keyframe_id = *b;
+  return *a <= *b ? translated : Reversed(translated);
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ namespace {
 // radians, since deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
 constexpr double kContradicted = 0.1;
+// Deviation from which nothing is known of a pose.
+constexpr double kUnknown_m = 100.0;
 // Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been, and how
 // much more widely.
 constexpr int64_t kSeamKeyframes = 10;
@@ -160,7 +162,11 @@ int DropOutliers(const LocalWindow& window, const std::vector<int64_t>& ids, con
   return static_cast<int>(outliers.size());
 }
 
-// Covariances of the adjustment are relative to what was fixed; that has one of its own.
+// What an adjustment says of a pose of which nobody saw anything (`BundleResult`): next to nothing.
+bool IsUnknown(const Matrix6d& covariance) { return covariance.trace() > kUnknown_m * kUnknown_m; }
+
+// Covariances of the adjustment are relative to what was fixed; that has one of its own. A keyframe that took part by its motion
+// alone keeps what it had.
 void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& map) {
   const auto& poses = window.problem.poses;
   const auto fixed = std::find_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; });
@@ -171,7 +177,10 @@ void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& m
     const SE3 T_new_old = result.T_w_c[i] * window.problem.poses[i].T_w_c.Inverse();
     MoveOthers(id, T_new_old, window, map);
     const SE3 T_anchor_kf = anchor.T_w_kf.Inverse() * result.T_w_c[i];
-    map.SetPose(id, result.T_w_c[i], ComposeCovariance(anchor.covariance, T_anchor_kf, result.pose_covariances[i]));
+    const Matrix6d& covariance = result.pose_covariances[i];
+    map.SetPose(id, result.T_w_c[i],
+                IsUnknown(covariance) ? map.FindKeyframe(id)->covariance
+                                      : ComposeCovariance(anchor.covariance, T_anchor_kf, covariance));
   }
 }
 

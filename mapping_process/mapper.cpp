@@ -12,6 +12,7 @@
 #include "mapping_process/line_extent.h"
 #include "mapping_process/line_triangulation.h"
 #include "mapping_process/local_window.h"
+#include "mapping_process/loop_edges.h"
 #include "mapping_process/loop_fusion.h"
 #include "mapping_process/sights.h"
 
@@ -212,7 +213,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
 void Mapper::CloseLoop(const LoopClosure& closure) {
   bent_version_ = version_ + 1;
   std::vector<LoopSides> sides;
-  for (const LoopEdge& edge : closure.edges) {
+  for (const LoopEdge& edge : EdgesInMap(closure, map_)) {
     map_.Add(edge);
     sides.push_back(SidesOf(edge, options_.window.min_shared, map_));
   }

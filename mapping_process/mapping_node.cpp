@@ -164,6 +164,7 @@ void MappingNode::BeginMap() {
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Settle();
   publisher_.Publish(mapper_->Whole());
+  process_.SetState("running");
   TellOfMap(options_.map_file);
 }
 

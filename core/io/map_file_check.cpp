@@ -119,8 +119,9 @@ void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sigh
     Demand(map.FindKeyframe(id) != nullptr, "features are of keyframe {}, which the map does not have", id);
   }
   for (const auto& [session, newest] : stored.sessions) {
-    Demand(newest.keyframe_id >= -1 && newest.keyframe_id < stored.next_keyframe_id,
-           "session {} ends with keyframe {}, which never was", session, newest.keyframe_id);
+    const MapKeyframe* keyframe = map.FindKeyframe(newest.keyframe_id);
+    Demand(keyframe != nullptr && keyframe->session == session,
+           "session {} ends with keyframe {}, which the map does not have of it", session, newest.keyframe_id);
   }
   for (const LoopEdge& loop : map.loops()) {
     Demand(std::max(loop.old_keyframe_id, loop.keyframe_id) < stored.next_keyframe_id,

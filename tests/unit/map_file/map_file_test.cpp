@@ -198,7 +198,13 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   EXPECT_THAT(EncodeError(bad), HasSubstr("has values that cannot be"));
   bad = good;
   bad.sessions[3].keyframe_id = 1 << 30;
-  EXPECT_THAT(EncodeError(bad), HasSubstr("which never was"));
+  EXPECT_THAT(EncodeError(bad), HasSubstr("session 3 ends with keyframe 1073741824"));
+  bad = good;
+  bad.sessions[bad.newest_session].keyframe_id = -1;
+  EXPECT_THAT(EncodeError(bad), HasSubstr("ends with keyframe -1"));
+  bad = good;
+  bad.sessions[bad.newest_session + 1].keyframe_id = some_keyframe;
+  EXPECT_THAT(EncodeError(bad), HasSubstr("which the map does not have of it"));
   bad = good;
   LoopEdge loop;
   loop.old_keyframe_id = 0;

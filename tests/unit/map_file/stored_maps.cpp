@@ -59,9 +59,11 @@ void SetRest(StoredMap& stored, std::mt19937_64& random) {
   stored.next_point_id = After(stored.map.points());
   stored.next_line_id = After(stored.map.lines()) + 5;
   stored.version = static_cast<int64_t>(random() % 1000);
-  stored.newest_session = -static_cast<int64_t>(random() % 1000);
   stored.newest_t_ns = static_cast<int64_t>(random() >> 1);
-  stored.sessions[stored.newest_session] = {stored.next_keyframe_id - 1, 17};
+  for (const auto& [id, keyframe] : stored.map.keyframes()) {
+    stored.sessions[keyframe.session] = {id, keyframe.session_keyframe_id};
+    stored.newest_session = keyframe.session;
+  }
   for (uint64_t i = random() % 200; i > 0; --i) stored.rig.push_back(static_cast<uint8_t>(random()));
   stored.map.TakeChanges();
 }

@@ -100,6 +100,31 @@ TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
   }
 }
 
+// Of which the adjustment says that it may be anywhere within a kilometre.
+TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
+  const int64_t newest = stored_.map.keyframes().rbegin()->first;
+  LocalWindow window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  ASSERT_EQ(window.keyframes.front(), newest);
+  ASSERT_FALSE(window.problem.relative_poses.empty());
+  std::erase_if(window.problem.point_sights, [](const PointSight& sight) { return sight.pose == 0; });
+  std::erase_if(window.problem.line_sights, [](const LineSight& sight) { return sight.pose == 0; });
+  BundleResult result = AdjustBundle(window.problem, {}, nullptr);
+  ASSERT_TRUE(result.ok) << result.reason;
+  ASSERT_GT(result.pose_covariances[0].trace(), 1e6);
+  // As many as the map's own sights, which `ApplyAdjustment` goes through.
+  const LocalWindow whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  result.point_inliers.assign(whole.problem.point_sights.size(), true);
+  result.line_inliers.assign(whole.problem.line_sights.size(), true);
+  Map map = stored_.map;
+  ApplyAdjustment(window, result, stored_.features, map);
+  EXPECT_EQ(map.FindKeyframe(newest)->covariance, stored_.map.FindKeyframe(newest)->covariance);
+  for (size_t i = 1; i < window.keyframes.size(); ++i) {
+    if (window.problem.poses[i].fixed) continue;
+    EXPECT_NE(map.FindKeyframe(window.keyframes[i])->covariance,
+              stored_.map.FindKeyframe(window.keyframes[i])->covariance);
+  }
+}
+
 TEST_F(Window, IsAsWideAsEverLaterOn) {
   EXPECT_EQ(Around(10), kUsual);
   EXPECT_EQ(Around(13), kUsual);

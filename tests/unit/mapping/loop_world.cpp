@@ -8,6 +8,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/map/keyframe_names.h"
+
 namespace plslam::test {
 namespace {
 
@@ -176,6 +178,7 @@ LoopClosure CloseByTruth(const Map& map, const Revisit& revisit, const std::vect
   closure.poses = SharedOut(map, edge);
   closure.points = SameSeen<PointKind>(map, revisit);
   closure.lines = SameSeen<LineKind>(map, revisit);
+  closure.names = NamesIn(map, closure);
   return closure;
 }
 

@@ -40,6 +40,19 @@ TEST(RunFailure, InterruptLeavesAllFiles) {
   EXPECT_FALSE(run.Read("trajectory.tum").empty());
 }
 
+TEST(RunFailure, InterruptOfARunWhoseFilesCannotBeWrittenIsTold) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  // No file can be renamed over a folder, not even by root.
+  std::filesystem::create_directories(run.out() / "trajectory.tum" / "in the way");
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 1) << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: interrupted; viewer ended with exit code 1: "));
+  const std::string reason = run.Summary()["reason"];
+  EXPECT_THAT(reason, HasSubstr("trajectory.tum"));
+}
+
 TEST(RunFailure, InterruptSavesTheMapWhereThatWasAskedFor) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();

@@ -58,12 +58,15 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   const int64_t own = bus.source();
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
-    if (m.header.source != own) statistics_.AddFrame(FromMessage(m));
+    if (m.header.source == own) return;
+    statistics_.AddFrame(FromMessage(m));
+    ++poses_heard_;
   });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
     total_frames_ = m.n_frames;
     bad_frames_ = m.n_bad;
     stream_ended_ = m.event == "end";
+    lockstep_ = m.pace == "lockstep";
   });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
     for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
@@ -86,6 +89,8 @@ void MonitorNode::OnStatus(const status_t& message) {
   if (message.process == "player") {
     player_heard_s_ = bus::NowS();
     sent_frames_ = static_cast<int64_t>(bus::CounterOf(message, "frames.sent"));
+    // A run that is interrupted hears of no end of the stream.
+    bad_frames_ = std::max(bad_frames_, static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
@@ -96,8 +101,15 @@ void MonitorNode::OnStatus(const status_t& message) {
 }
 
 bool MonitorNode::PlayerWaitsForTime(double now_s) const {
+  if (stream_ended_ || lockstep_) return false;
   const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
   return heard && sent_frames_ > 0 && statistics_.newest_frame().first + 1 >= sent_frames_;
+}
+
+SignsOfLife MonitorNode::Signs(int64_t viewer, double now_s) const {
+  const auto found = processes_.find({host_, viewer});
+  return {poses_heard_, map_.version(), PlayerWaitsForTime(now_s), stream_ended_,
+          found == processes_.end() ? -1.0 : found->second.heard_s};
 }
 
 bool MonitorNode::has_all() const {

@@ -10,6 +10,7 @@
 #include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
+#include "tools/plslam/stall_watch.h"
 
 namespace plslam {
 class status_t;
@@ -53,8 +54,11 @@ class MonitorNode {
   int64_t total_frames() const { return total_frames_; }
   bool stream_ended() const { return stream_ended_; }
   int64_t bad_frames() const { return bad_frames_; }
-  /// The player was heard of late, and the newest frame it says it has sent has a pose. `now_s`: steady time.
+  /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it has
+  /// sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;
+  /// `viewer`: process id on this host.
+  SignsOfLife Signs(int64_t viewer, double now_s) const;
 
   /// `now_s`: steady time.
   Lag LagAt(double now_s) const;
@@ -74,8 +78,10 @@ class MonitorNode {
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;
   int64_t sent_frames_ = 0;
+  int64_t poses_heard_ = 0;
   double player_heard_s_ = -1.0;
   bool stream_ended_ = false;
+  bool lockstep_ = false;
 };
 
 }  // namespace plslam

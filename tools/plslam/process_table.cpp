@@ -107,10 +107,10 @@ Arguments CommonArguments(const RunOptions& options) {
 }
 
 constexpr ProcessRow kTable[] = {
-    {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kRestart, false,
-     Recorded, kFirst, RecorderArguments},
-    {"viewer", "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kRestart,
-     false, Always, kLast, ViewerArguments},
+    {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kWritesAtTheEnd,
+     false, Recorded, kFirst, RecorderArguments},
+    {"viewer", "viewer_headless", "progress, trajectories, map file and pictures",
+     Supervisor::Ending::kWritesAtTheEnd, false, Always, kLast, ViewerArguments},
     {kMapping, "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
      false, OwnMap, kFirst, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,

@@ -12,7 +12,7 @@ int PrintProcesses() {
   fmt::print("{:<10} {:<16} {:<12} {}\n", "name", "executable", "when it ends", "what it does");
   for (const ProcessRow& row : ProcessTable()) {
     fmt::print("{:<10} {:<16} {:<12} {}\n", row.name, row.executable,
-               row.ending == Supervisor::Ending::kRestart ? "restarted" : "is done", row.meaning);
+               row.ending != Supervisor::Ending::kMayEnd ? "restarted" : "is done", row.meaning);
   }
   return 0;
 }

@@ -17,9 +17,6 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
-/// Without a pose for so long, and with a frame out or no word of the player, a run is given up; longer than any frame takes
-/// on any machine.
-constexpr seconds kStallLimit{120};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
 constexpr seconds kRunSaveLimit{60};
@@ -107,7 +104,7 @@ void RunSession::Tick() {
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
   if (phase_ == Phase::kSettling) CheckSettled(now);
   if (phase_ == Phase::kSaving) CheckSaved(now);
-  if (phase_ == Phase::kStopping && supervisor_.stopped()) bus_.Stop();
+  if (phase_ == Phase::kStopping && supervisor_.stopped()) EndStop();
   ShowProgress(now);
 }
 
@@ -138,7 +135,8 @@ void RunSession::CheckAccepted() {
 void RunSession::CheckStarted(Clock::time_point now) {
   if (AllReady()) {
     phase_ = Phase::kPlaying;
-    phase_began_ = playing_since_ = last_frame_at_ = now;
+    phase_began_ = playing_since_ = now;
+    stall_watch_.Begin(now);
     StartRows(true);
   } else if (now - phase_began_ > kStartLimit) {
     BeginStop(fmt::format("not all processes were ready after {} s; see {}", kStartLimit.count(),
@@ -147,19 +145,15 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  const int64_t frames = monitor_.statistics().frames();
-  // A player that is there and waits for the next frame's time is no stall, however long the gap in the data.
-  if (frames != last_frames_ || monitor_.PlayerWaitsForTime(bus::NowS())) {
-    last_frames_ = frames;
-    last_frame_at_ = now;
-  }
-  if (monitor_.StateOf(supervisor_.pid("viewer")) == "finished") {
+  const pid_t viewer = supervisor_.pid("viewer");
+  if (monitor_.StateOf(viewer) == "finished") {
     phase_ = Phase::kSettling;
     phase_began_ = now;
     wall_s_ = SecondsSince(playing_since_);
-  } else if (now - last_frame_at_ > kStallLimit) {
-    BeginStop(fmt::format("no pose for {} s; see {}", kStallLimit.count(), (options_.out / "logs").string()));
+    return;
   }
+  const std::string stall = stall_watch_.Look(monitor_.Signs(viewer, bus::NowS()), now);
+  if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
 void RunSession::CheckSettled(Clock::time_point now) {
@@ -187,6 +181,15 @@ void RunSession::BeginStop(const std::string& reason) {
   reason_ = reason;
   keeper_.Stop();
   supervisor_.Stop(Clock::now());
+}
+
+/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more.
+void RunSession::EndStop() {
+  if (HasResult() && !supervisor_.failure().empty()) {
+    reason_ += (reason_.empty() ? "" : "; ") + supervisor_.failure();
+    completed_ = false;
+  }
+  bus_.Stop();
 }
 
 void RunSession::ShowProgress(Clock::time_point now) {

@@ -10,6 +10,7 @@
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/save_node.h"
+#include "tools/plslam/stall_watch.h"
 #include "tools/plslam/supervisor.h"
 
 namespace plslam {
@@ -30,8 +31,8 @@ class RunSession {
   RunSummary Summary() const;
   /// Dataset and configuration were taken by all processes, and the outputs of earlier runs are gone.
   bool accepted() const { return accepted_; }
-  /// To the end of the stream, or interrupted; and the map is saved where that was asked for.
-  bool ended_well() const { return completed_ || (interrupted_ && !lacks_map_); }
+  /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended well.
+  bool ended_well() const { return HasResult() && supervisor_.failure().empty(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -48,7 +49,9 @@ class RunSession {
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
+  bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void BeginStop(const std::string& reason);
+  void EndStop();
   void ShowProgress(Clock::time_point now);
 
   RunOptions options_;
@@ -62,8 +65,7 @@ class RunSession {
   Clock::time_point began_ = Clock::now();
   Clock::time_point phase_began_;
   Clock::time_point playing_since_;
-  Clock::time_point last_frame_at_;
-  int64_t last_frames_ = 0;
+  StallWatch stall_watch_;
   std::string reason_;
   bool completed_ = false;
   bool interrupted_ = false;

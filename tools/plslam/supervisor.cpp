@@ -62,16 +62,34 @@ void Supervisor::Tick(TimePoint now) {
       Spawn(&child);
     }
   }
-  if (!stopping_since_ || stopped()) return;
+  if (!stopping_since_) return;
+  for (Child& child : children_) HurryUp(&child, now);
+}
+
+void Supervisor::HurryUp(Child* child, TimePoint now) const {
   const auto waited = now - *stopping_since_;
-  if (signals_sent_ == 1 && waited > options_.patience) SignalAll(SIGTERM);
-  if (signals_sent_ == 2 && waited > 2 * options_.patience) SignalAll(SIGKILL);
+  const bool writes = child->ending == Ending::kWritesAtTheEnd;
+  const auto patience = writes ? options_.patience_with_writers : options_.patience;
+  if (child->signal == SIGINT && waited > patience) {
+    SendSignal(child, SIGTERM);
+  } else if (child->signal == SIGTERM && waited > patience + options_.patience) {
+    SendSignal(child, SIGKILL);
+  }
 }
 
 /// A player that says what is wrong with its dataset would say so again.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
-  const bool crashed = child.ending == Ending::kRestart || end.code > 128;
-  return crashed && child.ready && child.report.restarts < options_.max_restarts;
+  const bool crashed = child.ending != Ending::kMayEnd || end.code > 128;
+  return !stopping_since_ && crashed && child.ready && child.report.restarts < options_.max_restarts;
+}
+
+/// It ended as it should, or by what we did to it.
+bool Supervisor::IsWell(const Child& child, const ChildExit& end) const {
+  if (child.interrupted) return true;
+  if (!stopping_since_) return child.ending == Ending::kMayEnd && end.code == 0;
+  // One that ends by a signal of ours has not written what it should, unless it had not even begun.
+  const bool lacks_files = child.ending == Ending::kWritesAtTheEnd && child.ready;
+  return end.code == 0 || (end.code == 128 + child.signal && !lacks_files);
 }
 
 void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
@@ -82,15 +100,23 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   child->report.cpu_s += end.cpu_s;
   child->report.peak_memory_mb = std::max(child->report.peak_memory_mb, end.peak_memory_mb);
   child->report.exit_code = end.code;
-  if (stopping_since_ || child->interrupted || (child->ending == Ending::kMayEnd && end.code == 0)) return;
+  if (IsWell(*child, end)) return;
   if (MayRestart(*child, end)) {
     child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
     ++child->failed_starts;
     return;
   }
+  Fail(*child, end.code);
+}
+
+/// The first failure is told: others often follow from it.
+void Supervisor::Fail(const Child& child, int exit_code) {
   if (!failure_.empty()) return;
-  const std::string last = LastLine(LogOf(child->name));
-  failure_ = fmt::format("{} ended with exit code {}{}{}", child->name, end.code, last.empty() ? "" : ": ", last);
+  const std::string last = LastLine(LogOf(child.name));
+  const bool cut_off = child.signal != 0 && exit_code == 128 + child.signal;
+  failure_ =
+      fmt::format("{} {} exit code {}{}{}", child.name, cut_off ? "was cut off while it stopped:" : "ended with",
+                  exit_code, last.empty() ? "" : ": ", last);
 }
 
 void Supervisor::Interrupt(const std::string& name) {
@@ -98,21 +124,24 @@ void Supervisor::Interrupt(const std::string& name) {
     if (child.name != name) continue;
     child.interrupted = true;
     child.start_at.reset();
-    if (child.process) child.process->Signal(SIGINT);
+    SendSignal(&child, SIGINT);
   }
 }
 
 void Supervisor::Stop(TimePoint now) {
   if (stopping_since_) return;
   stopping_since_ = now;
-  SignalAll(SIGINT);
+  for (Child& child : children_) {
+    // One that has crashed and would be back in a moment does not write anything any more.
+    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) Fail(child, child.report.exit_code.value_or(0));
+    SendSignal(&child, SIGINT);
+  }
 }
 
-void Supervisor::SignalAll(int signal) {
-  ++signals_sent_;
-  for (const Child& child : children_) {
-    if (child.process) child.process->Signal(signal);
-  }
+void Supervisor::SendSignal(Child* child, int signal) {
+  if (!child->process) return;
+  child->process->Signal(signal);
+  child->signal = signal;
 }
 
 bool Supervisor::stopped() const {

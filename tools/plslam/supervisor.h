@@ -27,8 +27,8 @@ struct ProcessReport {
 };
 
 /// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets
-/// ready), and stops all of them: SIGINT, then SIGTERM, then SIGKILL. Knows nothing of the bus; time is told by the
-/// caller.
+/// ready), and stops all of them: SIGINT, then SIGTERM, then SIGKILL. What goes wrong while they stop is a failure, too.
+/// Knows nothing of the bus; time is told by the caller.
 class Supervisor {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -45,12 +45,14 @@ class Supervisor {
         arguments_of_restart;
     /// A process with this id has ended. May be empty.
     std::function<void(pid_t pid)> on_exit;
+    std::chrono::milliseconds patience_with_writers{60000};  ///< after SIGINT, in place of `patience`
   };
 
   /// What a process may do by itself.
   enum class Ending {
     kRestart,  ///< it must run until stopped; where it ends it is started again
     kMayEnd,   ///< it may end with exit code 0; ended by a signal it is started again, any other code fails the run
+    kWritesAtTheEnd,  ///< as kRestart; when it is stopped it still writes what the run is for, which may take long
   };
 
   explicit Supervisor(Options options);
@@ -65,7 +67,7 @@ class Supervisor {
 
   /// Looks after all of them; call it often.
   void Tick(TimePoint now);
-  /// Why the run cannot go on; empty where it can.
+  /// Why the run cannot go on, or what went wrong while it was stopped; empty where all is well.
   const std::string& failure() const { return failure_; }
 
   /// Asks one process to end (SIGINT), and does not start it again.
@@ -87,6 +89,7 @@ class Supervisor {
     bool ready = false;        ///< was, once
     bool ready_again = false;  ///< since the last start
     bool interrupted = false;  ///< it alone: however it ends is well
+    int signal = 0;            ///< the last one we sent to stop it
     int failed_starts = 0;     ///< in a row, that did not get ready
     std::unique_ptr<ChildProcess> process;
     std::optional<TimePoint> start_at;
@@ -97,14 +100,16 @@ class Supervisor {
   void Spawn(Child* child);
   bool MayRestart(const Child& child, const ChildExit& end) const;
   void HandleExit(Child* child, const ChildExit& end, TimePoint now);
-  void SignalAll(int signal);
+  bool IsWell(const Child& child, const ChildExit& end) const;
+  void Fail(const Child& child, int exit_code);
+  static void SendSignal(Child* child, int signal);
+  void HurryUp(Child* child, TimePoint now) const;
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }
 
   Options options_;
   std::vector<Child> children_;
   std::string failure_;
   std::optional<TimePoint> stopping_since_;
-  int signals_sent_ = 0;
 };
 
 /// The last line of a text file that is not empty; empty where there is none.

@@ -10,6 +10,7 @@
 #include "core/bus/worker.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam {
@@ -83,6 +84,28 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
   speaker_.Publish(bus::kPose, pose);
   EXPECT_TRUE(Eventually([&] { return waits(0.0); }));
   EXPECT_FALSE(waits(60.0)) << "silent for a minute";
+  const auto say = [&](const char* event, const char* pace) {
+    stream_t stream{};
+    stream.event = event;
+    stream.pace = pace;
+    speaker_.Publish(bus::kStream, stream);
+  };
+  say("end", "realtime");
+  EXPECT_TRUE(Eventually([&] { return !waits(0.0); })) << "no frame will come any more";
+  say("begin", "realtime");
+  EXPECT_TRUE(Eventually([&] { return waits(0.0); }));
+  say("begin", "lockstep");
+  EXPECT_TRUE(Eventually([&] { return !waits(0.0); })) << "it waits for nothing but what it reads";
+}
+
+TEST_F(MonitorNodeTest, ViewerOfAnotherHostIsNoSignOfLife) {
+  Say("another-" + bus::HostName(), 7, "running");
+  ASSERT_TRUE(Hears(1));
+  const auto heard_s = [](const MonitorNode& m) { return m.Signs(7, bus::NowS()).viewer_heard_s; };
+  EXPECT_LT(Ask(heard_s), 0.0);
+  Say(bus::HostName(), 7, "running");
+  ASSERT_TRUE(Hears(2));
+  EXPECT_NEAR(Ask(heard_s), bus::NowS(), 60.0);
 }
 
 }  // namespace

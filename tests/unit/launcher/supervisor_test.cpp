@@ -206,6 +206,75 @@ TEST_F(SupervisorTest, StubbornProcessIsKilledInTheEnd) {
   std::filesystem::current_path("/");
 }
 
+TEST_F(SupervisorTest, ErrorsWhileStoppingAreFailures) {
+  struct Row {
+    const char* at_sigint;
+    const char* failure;
+  };
+  for (const Row& row :
+       {Row{"exit 0", ""}, Row{"echo 'no space left'; exit 1", "a ended with exit code 1: no space left"},
+        Row{"kill -SEGV $$", "a ended with exit code 139"}}) {
+    for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
+      Script("stops", std::string("trap \"") + row.at_sigint + "\" INT; echo up > up; while :; do sleep 0.01; done");
+      std::filesystem::current_path(folder_);
+      std::filesystem::remove("up");
+      Supervisor supervisor = Make();
+      supervisor.Start("a", "stops", {}, ending);
+      ASSERT_TRUE(TickUntil(supervisor, [&] { return std::filesystem::exists(folder_ / "up"); }));
+      EXPECT_TRUE(Stopped(supervisor));
+      EXPECT_EQ(supervisor.failure(), row.failure);
+      EXPECT_EQ(supervisor.restarts(), 0);
+    }
+  }
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, EndByASignalOfOursIsAFailureOfThoseThatWriteAndHadBegun) {
+  struct Row {
+    Ending ending;
+    bool ready;
+    const char* failure;
+  };
+  for (const Row& row : {Row{Ending::kRestart, true, ""}, Row{Ending::kWritesAtTheEnd, false, ""},
+                         Row{Ending::kWritesAtTheEnd, true, "a was cut off while it stopped: exit code 130"}}) {
+    Script("sleeper", "exec sleep 100");
+    Supervisor supervisor = Make();
+    supervisor.Start("a", "sleeper", {}, row.ending);
+    if (row.ready) supervisor.SetReady("a", Clock::now());
+    EXPECT_TRUE(Stopped(supervisor));
+    EXPECT_EQ(supervisor.failure(), row.failure);
+  }
+}
+
+TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
+  Script("writer",
+         "trap 'until [ -e go ]; do sleep 0.01; done; exit 0' INT; echo up > up; while :; do sleep 0.01; done");
+  std::filesystem::current_path(folder_);
+  Supervisor supervisor = Make();
+  supervisor.Start("viewer", "writer", {}, Ending::kWritesAtTheEnd);
+  supervisor.SetReady("viewer", Clock::now());
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return std::filesystem::exists(folder_ / "up"); }));
+  const auto stopped = Clock::now();
+  supervisor.Stop(stopped);
+  supervisor.Tick(stopped + std::chrono::seconds(59));
+  std::ofstream(folder_ / "go") << "on";
+  EXPECT_TRUE(Stopped(supervisor));
+  EXPECT_EQ(supervisor.reports()[0].exit_code, 0);
+  EXPECT_EQ(supervisor.failure(), "");
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, WriterThatHasCrashedAndIsNotBackIsToldAtTheStop) {
+  Script("crash", "exit 3");
+  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  supervisor.Start("viewer", "crash", {}, Ending::kWritesAtTheEnd);
+  supervisor.SetReady("viewer", Clock::now());
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("viewer") < 0; }));
+  EXPECT_EQ(supervisor.failure(), "");
+  EXPECT_TRUE(Stopped(supervisor));
+  EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 3");
+}
+
 TEST_F(SupervisorTest, UsedTimeAndMemoryAreReported) {
   Script("work", "i=0; while [ $i -lt 20000 ]; do i=$((i+1)); done");
   Supervisor supervisor = Make();

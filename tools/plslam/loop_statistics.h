@@ -7,7 +7,7 @@
 
 namespace plslam {
 
-/// Counts what loop_process says; how many loops the map has is in `MapTotals`.
+/// Counts what loop_process says in a run; how many loops the map has, with those it came with, is in `MapTotals`.
 class LoopStatistics {
  public:
   void Add(LoopClosure::Kind kind, double detect_ms, double correct_ms);

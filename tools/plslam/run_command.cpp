@@ -17,17 +17,6 @@
 namespace plslam {
 namespace {
 
-/// A folder of its own for each run that names none, within out/.
-std::filesystem::path DefaultOut(const std::string& dataset) {
-  std::string name;
-  for (const char c : std::filesystem::path(dataset).lexically_normal().string()) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-    if (plain) name += c;
-    if (!plain && !name.empty() && name.back() != '_') name += '_';
-  }
-  return std::filesystem::path("out") / (name.empty() ? "run" : name.substr(0, 80));
-}
-
 /// Hands a signal on to the session while there is one.
 class SessionDoor {
  public:
@@ -69,7 +58,7 @@ int Report(const RunOptions& options, const RunSession& session) {
   summary.version = VersionText();
   const bool keeps_old = KeepsOldOutputs(options, session);
   if (session.accepted()) {
-    summary.accuracy = EvaluateRunFiles(options.out, summary.statistics->frames());
+    summary.accuracy = EvaluateRunFiles(options.out, AllFrames(summary));
     summary.live_ate_m = LiveError_m(options.out);
   }
   const nlohmann::json json = SummaryToJson(summary);

@@ -1,5 +1,8 @@
 #include "tools/plslam/run_files.h"
 
+#include <fmt/format.h>
+
+#include <cctype>
 #include <utility>
 
 #include "core/io/atomic_file.h"
@@ -23,7 +26,32 @@ std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::fil
   return std::pair(ReadTrajectory(estimate_path, TrajectoryFormat::kTum), std::move(truth));
 }
 
+/// FNV-1a, which stays the same from machine to machine.
+uint32_t Hash(const std::string& text) {
+  uint32_t hash = 2166136261U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619U;
+  return hash;
+}
+
 }  // namespace
+
+std::filesystem::path DefaultOut(const std::string& dataset) {
+  constexpr size_t kLongestName = 80;
+  const std::string location = std::filesystem::path(dataset).lexically_normal().string();
+  std::string name;
+  bool whole = true;
+  for (size_t i = 0; i < location.size(); ++i) {
+    const char c = location[i];
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
+    const bool marked = plain || (!name.empty() && name.back() != '_');
+    if (marked) name += plain ? c : '_';
+    whole = whole && (marked || (i == 0 && c == '/'));
+  }
+  whole = whole && name.size() <= kLongestName;
+  if (name.size() > kLongestName) name = name.substr(name.size() - kLongestName);
+  if (name.empty()) name = "run";
+  return std::filesystem::path("out") / (whole ? name : fmt::format("{}_{:08x}", name, Hash(location)));
+}
 
 std::optional<double> LiveError_m(const std::filesystem::path& out) {
   const auto both = EstimateAndTruth(out, "trajectory_live.tum");

@@ -7,6 +7,10 @@
 
 namespace plslam {
 
+/// A folder for the runs of a dataset that name none, within out/. It is called as the end of the location, and where that
+/// leaves out what another location might differ in, by a hash of all of it besides: two datasets share no folder.
+std::filesystem::path DefaultOut(const std::string& dataset);
+
 /// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
 /// Nothing where there is no ground truth.
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);

@@ -48,6 +48,7 @@ json MapToJson(const RunSummary& summary) {
   if (!HasMap(summary)) return nullptr;
   const MapStatistics& map = *summary.map;
   json result = {{"keyframes", map.totals().keyframes},
+                 {"loops", map.totals().loops},
                  {"observations_per_point", Rounded(map.ObservationsPerPoint(), 1e-3)},
                  {"observations_per_line", Rounded(map.ObservationsPerLine(), 1e-3)},
                  {"reprojection_before_px", RoundedOrNull(map.ReprojectionBefore_px(), 1e-4)},
@@ -128,6 +129,10 @@ std::string AccuracyToText(const json& accuracy) {
 
 }  // namespace
 
+int64_t AllFrames(const RunSummary& summary) {
+  return summary.statistics->frames() + summary.statistics->skipped_frames() + summary.bad_frames;
+}
+
 json SummaryToJson(const RunSummary& summary) {
   const RunStatistics& s = *summary.statistics;
   json configuration = json::object();
@@ -144,7 +149,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},
           {"map", MapToJson(summary)},
-          {"loops", HasMap(summary) ? summary.map->totals().loops : 0},
+          {"loops", summary.loops != nullptr ? summary.loops->loops() : 0},
           {"loop_closing", LoopsToJson(summary)},
           {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
           {"accuracy_live_ate_m", RoundedOrNull(summary.live_ate_m, 1e-6)},
@@ -160,7 +165,8 @@ json SummaryToJson(const RunSummary& summary) {
 
 std::string SummaryToText(const json& s) {
   const auto frames = s["frames"].get<int64_t>(), tracked = s["tracked_frames"].get<int64_t>();
-  const double share = frames > 0 ? 100.0 * static_cast<double>(tracked) / static_cast<double>(frames) : 0.0;
+  const int64_t all = frames + s["skipped_frames"].get<int64_t>() + s["bad_frames"].get<int64_t>();
+  const double share = all > 0 ? 100.0 * static_cast<double>(tracked) / static_cast<double>(all) : 0.0;
   std::string text = fmt::format("{} {}\n", s["dataset"].get<std::string>(),
                                  s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>());
   text += fmt::format("  frames     {} in {:.1f} s, {} tracked ({:.1f} %)", frames, s["wall_s"].get<double>(),

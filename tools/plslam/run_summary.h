@@ -44,6 +44,10 @@ struct RunSummary {
   std::map<std::string, std::string> configurations;
 };
 
+/// Every frame of the stream that should have got a pose: those with one, those passed over by a tracker that was too slow,
+/// and those that could not be read, which the tracker never hears of.
+int64_t AllFrames(const RunSummary& summary);
+
 nlohmann::json SummaryToJson(const RunSummary& summary);
 
 /// For people, several lines.

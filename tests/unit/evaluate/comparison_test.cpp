@@ -113,6 +113,21 @@ TEST(Compare, ProcessesVersionsAndManyOptionsAreToldApart) {
   EXPECT_EQ(groups[2].label, "processes=mapping+vo, version=2");
 }
 
+TEST(Compare, APlayerThatWasStartedAgainIsNoOtherOption) {
+  json restarted = Summary("a", "both", 1.0);
+  restarted["configuration"]["player"]["player"]["resume_after"] = "17@1700000000";
+  const auto groups = Compare({RecordOf(Summary("a", "both", 1.0), "1"), RecordOf(restarted, "2")});
+  ASSERT_EQ(groups.size(), 1U);
+  EXPECT_EQ(groups[0].runs.size(), 2U);
+}
+
+TEST(Compare, TrackedIsOfAllFramesAlsoThoseWithoutAPoseMessage) {
+  json late = Summary("a", "both", 1.0);
+  late["skipped_frames"] = 30;
+  late["bad_frames"] = 6;
+  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 50.0, 1e-12);
+}
+
 TEST(Compare, SummariesWithNextToNothing) {
   const auto groups = Compare({RecordOf(json::object(), "empty"),
                                RecordOf(R"({"completed": true, "accuracy": null, "map": null})"_json, "bare")});

@@ -95,6 +95,43 @@ TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
   EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
 }
 
+TEST(RunSummary, LoopsOfTheRunAreNotThoseTheMapCameWith) {
+  const RunStatistics statistics = TwoFrames();
+  MapStatistics map;
+  MapUpdate head;
+  head.source = 5;
+  head.version = 1;
+  head.totals.loops = 7;
+  map.Add(head);
+  LoopStatistics loops;
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.map = &map;
+  summary.loops = &loops;
+  EXPECT_EQ(SummaryToJson(summary)["loops"], 0);
+  EXPECT_EQ(SummaryToJson(summary)["map"]["loops"], 7);
+  loops.Add(LoopClosure::Kind::kLoop, 0.0, 3.0);
+  loops.Add(LoopClosure::Kind::kAdjustment, 0.0, 9.0);
+  loops.Add(LoopClosure::Kind::kNone, 1.0, 0.0);
+  EXPECT_EQ(SummaryToJson(summary)["loops"], 1);
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("loops      1, relocalised"));
+}
+
+TEST(RunSummary, ShareOfTrackedFramesIsOfAllFrames) {
+  RunStatistics statistics = TwoFrames();
+  FrameReport late;
+  late.frame_id = 5;
+  late.state = 1;
+  late.skipped_frames = 3;
+  statistics.AddFrame(late);
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.bad_frames = 4;
+  EXPECT_EQ(AllFrames(summary), 10);
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)),
+              testing::HasSubstr("frames     3 in 0.0 s, 3 tracked (30.0 %), 3 skipped, 4 unreadable"));
+}
+
 TEST(RunSummary, WithoutAMapItIsNull) {
   const RunStatistics statistics = TwoFrames();
   const MapStatistics map;

@@ -43,8 +43,10 @@ Value KeyframeRmse(const json& s) {
 
 Value TrackedPercent(const json& s) {
   const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
-  if (!frames || !tracked || *frames <= 0.0) return std::nullopt;
-  return 100.0 * *tracked / *frames;
+  if (!frames || !tracked) return std::nullopt;
+  // `frames` are those with a pose message; what was passed over, or could not be read, has none.
+  const double all = *frames + At(s, "skipped_frames").value_or(0.0) + At(s, "bad_frames").value_or(0.0);
+  return all > 0.0 ? Value(100.0 * *tracked / all) : std::nullopt;
 }
 
 Value SumOverProcesses(const json& s, const char* name) {
@@ -82,9 +84,9 @@ const std::vector<MetricRow>& Rows() {
 
 /// Says where and what, not how: the last part of an option's name that is left out.
 bool IsIncidental(const std::string& name) {
-  static const std::array<const char*, 11> kEnds{".dataset",       ".out",         ".seed",      ".drop_seed",
-                                                 ".file",          ".load",        ".save",      ".map_file",
-                                                 ".overlay_every", ".history_dir", ".state_file"};
+  static const std::array<const char*, 12> kEnds{".dataset",       ".out",         ".seed",       ".drop_seed",
+                                                 ".file",          ".load",        ".save",       ".map_file",
+                                                 ".overlay_every", ".history_dir", ".state_file", ".resume_after"};
   return std::any_of(kEnds.begin(), kEnds.end(), [&](const char* end) { return name.ends_with(end); });
 }
 

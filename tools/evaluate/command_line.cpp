@@ -83,12 +83,20 @@ bool HasNoTimes(const std::string& path, const std::string& format, const Argume
   }
 }
 
-/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be associated.
-void CheckTimes(const Arguments& a) {
+/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be associated. And
+/// where two such files differ in length, rows of one number are not of one frame: a frame without a pose has none.
+void CheckTimes(const Arguments& a, size_t n_estimate, size_t n_truth) {
   const bool estimate_lacks = HasNoTimes(a.estimate, a.estimate_format, a);
-  if (estimate_lacks == HasNoTimes(a.truth, a.truth_format, a)) return;
-  throw std::runtime_error(fmt::format("{}: has no times, being in KITTI format, and {} has: give --times FILE",
-                                       estimate_lacks ? a.estimate : a.truth, estimate_lacks ? a.truth : a.estimate));
+  if (estimate_lacks != HasNoTimes(a.truth, a.truth_format, a)) {
+    throw std::runtime_error(fmt::format("{}: has no times, being in KITTI format, and {} has: give --times FILE",
+                                         estimate_lacks ? a.estimate : a.truth,
+                                         estimate_lacks ? a.truth : a.estimate));
+  }
+  if (!estimate_lacks || n_estimate == n_truth) return;
+  throw std::runtime_error(fmt::format(
+      "{} has {} poses and {} has {}, without times, being in KITTI format, so that nobody knows which are of "
+      "one frame: give the estimate with its times (trajectory.tum of a run), and --times FILE for the truth",
+      a.estimate, n_estimate, a.truth, n_truth));
 }
 
 int64_t ToNs(double seconds) { return std::llround(1e9 * seconds); }
@@ -119,7 +127,7 @@ void WritePlot(const Accuracy& accuracy, const Arguments& a) {
 int Evaluate(const Arguments& a) {
   const Trajectory estimate = Read(a.estimate, a.estimate_format, a.times);
   const Trajectory truth = Read(a.truth, a.truth_format, a.times);
-  CheckTimes(a);
+  CheckTimes(a, estimate.size(), truth.size());
   const Accuracy accuracy = EvaluateTrajectory(estimate, truth, ToOptions(a));
   fmt::print("{}", AccuracyTable(accuracy));
   if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");

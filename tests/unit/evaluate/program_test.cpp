@@ -46,6 +46,7 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
   const std::string good = folder.Write("good", "1 0 0 0 0 0 0 1\n");
   const std::string late = folder.Write("late", "9 0 0 0 0 0 0 1\n");
   const std::string kitti = folder.Write("a.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
+  const std::string longer = folder.Write("b.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
   const std::string bad = folder.Write("bad", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 x\n");
   const std::vector<std::pair<std::string, std::string>> cases{
       {good + " --truth " + bad, "bad:2: 'x' is not a finite number"},
@@ -59,6 +60,8 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {kitti + " --truth " + good,
        "a.kitti: has no times, being in KITTI format, and " + good + " has: give --times"},
       {good + " --truth " + kitti, "a.kitti: has no times"},
+      {kitti + " --truth " + longer, "a.kitti has 1 poses and " + longer + " has 2, without times"},
+      {kitti + " --truth " + longer, "give the estimate with its times (trajectory.tum of a run), and --times"},
       {good, "--truth is required"}};
   for (const auto& [arguments, sentence] : cases) {
     const ShellResult run = Evaluate(folder, arguments);

@@ -42,6 +42,7 @@ std::vector<int64_t> ReadTimes(const std::string& path) {
 Shots ReadShots(const std::string& path, const std::string& folder, int decimals, const char* columns) {
   Shots shots;
   ForEachDatasetRow(path, [&](const TextRow& row) {
+    if (row.IsCsvHeader()) return;
     RequireColumns(row, 2, columns);
     AppendTime(row, row.Scaled(0, decimals), &shots.times_ns);
     shots.files.push_back(FileBelow(folder, row, 1));

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -16,6 +17,7 @@ namespace {
 constexpr int kMaxLineLength = 4096;
 constexpr int kMaxLines = 10'000'000;
 constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string_view Trim(std::string_view text) {
   const size_t first = text.find_first_not_of(kBlanks);
@@ -109,13 +111,20 @@ std::string_view ReadLine(std::ifstream& file, const std::string& path, int line
     throw std::runtime_error(fmt::format("{}:{}: the line has more than {} characters", path, line, kMaxLineLength));
   }
   const std::streamsize end_of_line = file.eof() ? 0 : 1;
-  return {buffer.data(), static_cast<size_t>(file.gcount() - end_of_line)};
+  std::string_view text(buffer.data(), static_cast<size_t>(file.gcount() - end_of_line));
+  if (line == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  return text;
 }
 
 }  // namespace
 
 void TextRow::Fail(const std::string& message) const {
   throw std::runtime_error(fmt::format("{}:{}: {}", *path, line, message));
+}
+
+bool TextRow::IsCsvHeader() const {
+  const std::string_view name = fields.front();
+  return is_first && has_commas && !name.empty() && std::isalpha(static_cast<unsigned char>(name[0])) != 0;
 }
 
 double TextRow::Number(size_t field) const {
@@ -147,12 +156,14 @@ void ForEachRow(const std::string& path, const std::function<void(const TextRow&
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": cannot be opened");
   std::vector<char> buffer(kMaxLineLength + 1);
+  bool is_first = true;
   for (int line = 1; !file.eof(); ++line) {
     if (line > kMaxLines) throw std::runtime_error(path + ": has more than ten million lines");
     const std::string_view text = Trim(ReadLine(file, path, line, buffer));
     if (text.empty() || text[0] == '#') continue;
     const bool commas = text.find(',') != std::string_view::npos;
-    use({&path, line, commas ? SplitAtCommas(text) : SplitAtBlanks(text), commas});
+    use({&path, line, commas ? SplitAtCommas(text) : SplitAtBlanks(text), commas, is_first});
+    is_first = false;
   }
 }
 

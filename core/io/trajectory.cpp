@@ -111,6 +111,7 @@ void ApplyTimes(const std::string& path, const std::string& times_path, Trajecto
 Trajectory Read(const std::string& path, std::optional<TrajectoryFormat> format, const std::string& times_path) {
   Trajectory trajectory;
   ForEachRow(path, [&](const TextRow& row) {
+    if (row.IsCsvHeader()) return;
     if (!format) format = Recognise(row);
     Append(row, ParseRow(row, *format, static_cast<int64_t>(trajectory.size())), trajectory);
   });

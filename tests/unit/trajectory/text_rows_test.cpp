@@ -74,6 +74,34 @@ TEST(TextRows, CommentsBlankLinesAndBothLineEndings) {
   EXPECT_THAT(lines, ElementsAre(3, 4, 6));
 }
 
+TEST(TextRows, ByteOrderMarkBeforeTheFirstLineIsNoText) {
+  const ScratchFolder folder;
+  std::vector<std::string> fields;
+  const auto take = [&](const TextRow& row) { fields.emplace_back(row.fields[0]); };
+  ForEachRow(folder.Write("a.txt", "\xEF\xBB\xBF# head\n1 2\n"), take);
+  ForEachRow(folder.Write("b.txt",
+                          "\xEF\xBB\xBF"
+                          "3 4\n"),
+             take);
+  ForEachRow(folder.Write("c.txt",
+                          "5\n\xEF\xBB\xBF"
+                          "6\n"),
+             take);
+  EXPECT_THAT(fields, ElementsAre("1", "3", "5",
+                                  "\xEF\xBB\xBF"
+                                  "6"));
+}
+
+TEST(TextRows, HeaderOfACsvIsItsFirstRowWithALetter) {
+  const ScratchFolder folder;
+  std::vector<bool> headers;
+  const auto take = [&](const TextRow& row) { headers.push_back(row.IsCsvHeader()); };
+  ForEachRow(folder.Write("a.csv", "# comment\n\ntimestamp [ns],p_x\n1,2\nx,3\n"), take);
+  ForEachRow(folder.Write("b.csv", "1,2\nx,3\n"), take);
+  ForEachRow(folder.Write("c.txt", "P0: 1 2\n"), take);
+  EXPECT_THAT(headers, ElementsAre(true, false, false, false, false, false));
+}
+
 TEST(TextRows, LineOf4096CharactersIsReadAndALongerOneIsNot) {
   const ScratchFolder folder;
   int rows = 0;

@@ -108,7 +108,8 @@ TEST(Trajectory, ErrorsNameFileLineAndValue) {
   EXPECT_THAT(error("1403636579763555584 0 0 0 0 0 0 1\n"), HasSubstr("is it in nanoseconds?"));
   EXPECT_THAT(error("4700000000 0 0 0 0 0 0 1\n"), HasSubstr("t:1: time 4700000000000000000 ns is beyond"));
   EXPECT_THAT(error("1,2,3\n"), HasSubstr("t:1: 3 columns, but a row of the EuRoC format has at least 8"));
-  EXPECT_THAT(error("timestamp,a,b,c,d,e,f,g\n"), HasSubstr("t:1: 'timestamp'"));
+  EXPECT_EQ(error("timestamp,a,b,c,d,e,f,g\n1,0,0,0,1,0,0,0\n"), "") << "names of columns";
+  EXPECT_THAT(error("1,0,0,0,1,0,0,0\ntimestamp,a,b,c,d,e,f,g\n"), HasSubstr("t:2: 'timestamp'"));
   EXPECT_THAT(error("2 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("t:1: the matrix is no rotation"));
   EXPECT_THAT(error("-1 0 0 0 0 1 0 0 0 0 1 0\n"), HasSubstr("determinant -1"));
 }

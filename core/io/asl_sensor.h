@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "core/geometry/calibration.h"
 
@@ -9,5 +10,9 @@ namespace plslam {
 /// A camera's `sensor.yaml` of the ASL format: T_BS, resolution, camera_model (pinhole), intrinsics (fu fv cu cv),
 /// distortion_model (radial-tangential, equidistant or none), distortion_coefficients. Throws DatasetError.
 CameraCalibration ReadAslCamera(const std::string& path);
+
+/// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0 and cam1, each with T_cam_imu (the inverse of T_BS; for
+/// cam1 T_cn_cnm1, from cam0, does too), distortion_coeffs, and the rest as above. Throws DatasetError.
+std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path);
 
 }  // namespace plslam

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 #include "core/io/asl_sensor.h"
 #include "core/io/dataset_rows.h"
+#include "core/io/folder_names.h"
+#include "core/io/frame_truth.h"
 #include "core/io/image_list.h"
-#include "core/io/interpolate_pose.h"
 
 namespace plslam {
 namespace {
@@ -16,6 +19,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int64_t kMaxStereoPairing_ns = 500'000;
+// The first that is there counts. TUM-VI has but what its cameras of motion capture saw.
+constexpr std::array<const char*, 2> kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
 
 fs::path Mav(const fs::path& folder) { return fs::exists(folder / "mav0") ? folder / "mav0" : folder; }
 
@@ -43,24 +48,36 @@ void NoteUnpairedImages(const char* camera, size_t n, std::vector<std::string>* 
   if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are passed over", n, camera));
 }
 
-std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const std::vector<ImageList::Entry>& entries,
-                                            const SE3& T_b_l) {
-  const fs::path path = mav / "state_groundtruth_estimate0" / "data.csv";
-  std::vector<std::optional<SE3>> poses;
-  if (!fs::exists(path)) return poses;
-  const Trajectory body = ReadDatasetTrajectory(path.string(), TrajectoryFormat::kEuroc);
-  for (const ImageList::Entry& entry : entries) {
-    const std::optional<SE3> T_w_b = InterpolatePose(body, entry.t_ns, kMaxTruthGap_ns);
-    poses.push_back(T_w_b ? std::optional<SE3>(*T_w_b * T_b_l) : std::nullopt);
+std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_l, ImageList* list) {
+  for (const char* folder : kTruthFolders) {
+    const fs::path path = mav / folder / "data.csv";
+    if (!fs::exists(path)) continue;
+    std::vector<std::optional<SE3>> poses = FrameTruth(path.string(), TrajectoryFormat::kEuroc, list);
+    for (std::optional<SE3>& pose : poses) {
+      if (pose) pose = *pose * T_b_l;
+    }
+    return poses;
   }
-  return poses;
+  return {};
 }
 
-RigCalibration ReadRig(const fs::path& mav) {
+/// Of the two cameras; one file where it has both.
+std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
+  const fs::path left = mav / "cam0" / "sensor.yaml", right = mav / "cam1" / "sensor.yaml";
+  const fs::path both = FolderNames(mav).front().parent_path() / "dso" / "camchain.yaml";
+  if (!fs::exists(left) && !fs::exists(right) && fs::exists(both)) return {both.string(), both.string()};
+  return {left.string(), right.string()};
+}
+
+RigCalibration ReadRig(const std::array<std::string, 2>& paths) {
   RigCalibration rig;
   rig.name = "euroc";
-  rig.left = ReadAslCamera((mav / "cam0" / "sensor.yaml").string());
-  rig.right = ReadAslCamera((mav / "cam1" / "sensor.yaml").string());
+  if (paths[0] == paths[1]) {
+    std::tie(rig.left, rig.right) = ReadCamchain(paths[0]);
+  } else {
+    rig.left = ReadAslCamera(paths[0]);
+    rig.right = ReadAslCamera(paths[1]);
+  }
   rig.baseline_m = (rig.left.T_b_cam.Inverse() * rig.right.T_b_cam).translation().norm();
   return rig;
 }
@@ -71,7 +88,8 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   const fs::path mav = Mav(folder);
   ImageList list;
   list.name = folder;
-  list.rig = ReadRig(mav);
+  const std::array<std::string, 2> calibrations = CalibrationPaths(mav);
+  list.rig = ReadRig(calibrations);
   const Shots left = CameraShots(mav / "cam0");
   const Shots right = CameraShots(mav / "cam1");
   list.entries = Pair(left, right);
@@ -81,8 +99,8 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
   NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);
   list.image_size = LearnImageSize(list.entries);
-  list.ground_truth = GroundTruth(mav, list.entries, list.rig.left.T_b_cam);
-  return MakeImageListDataset(std::move(list), (mav / "cam1" / "sensor.yaml").string());
+  list.ground_truth = GroundTruth(mav, list.rig.left.T_b_cam, &list);
+  return MakeImageListDataset(std::move(list), calibrations[1]);
 }
 
 bool LooksLikeEuroc(const std::string& folder) { return fs::exists(Mav(folder) / "cam0" / "data.csv"); }

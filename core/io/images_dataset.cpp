@@ -9,9 +9,9 @@
 
 #include "core/io/camera_file.h"
 #include "core/io/dataset_rows.h"
+#include "core/io/frame_truth.h"
 #include "core/io/image_folder.h"
 #include "core/io/image_list.h"
-#include "core/io/interpolate_pose.h"
 
 namespace plslam {
 namespace {
@@ -70,14 +70,6 @@ std::vector<int64_t> Times(const fs::path& folder, const std::string& camera_pat
   return times_ns;
 }
 
-std::vector<std::optional<SE3>> Interpolated(const std::string& path, const std::vector<ImageList::Entry>& entries) {
-  const Trajectory truth = ReadDatasetTrajectory(path, TrajectoryFormat::kTum);
-  std::vector<std::optional<SE3>> poses;
-  poses.reserve(entries.size());
-  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxTruthGap_ns));
-  return poses;
-}
-
 std::vector<std::optional<SE3>> OneForEach(const std::string& path, size_t n) {
   std::vector<std::optional<SE3>> poses;
   for (const TrajectoryPose& pose : ReadDatasetTrajectory(path, TrajectoryFormat::kKitti)) {
@@ -87,9 +79,10 @@ std::vector<std::optional<SE3>> OneForEach(const std::string& path, size_t n) {
   return poses;
 }
 
-std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, const std::vector<ImageList::Entry>& entries) {
-  if (fs::exists(folder / "groundtruth.txt")) return Interpolated((folder / "groundtruth.txt").string(), entries);
-  if (fs::exists(folder / "poses.txt")) return OneForEach((folder / "poses.txt").string(), entries.size());
+std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* list) {
+  const fs::path timed = folder / "groundtruth.txt", untimed = folder / "poses.txt";
+  if (fs::exists(timed)) return FrameTruth(timed.string(), TrajectoryFormat::kTum, list);
+  if (fs::exists(untimed)) return OneForEach(untimed.string(), list->entries.size());
   return {};
 }
 
@@ -106,7 +99,7 @@ std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
   list.rig = ReadCameraFile(camera_path, list.image_size);
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
-  list.ground_truth = GroundTruth(folder, list.entries);
+  list.ground_truth = GroundTruth(folder, &list);
   return MakeImageListDataset(std::move(list), camera_path);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/io/dataset_rows.h"
+#include "core/io/folder_names.h"
 #include "core/io/image_list.h"
 
 namespace plslam {
@@ -99,10 +100,12 @@ std::string NamePattern(const std::string& folder, size_t n_frames) {
 
 std::string PosesPath(const fs::path& folder) {
   if (fs::exists(folder / "poses.txt")) return (folder / "poses.txt").string();
-  const fs::path sequence = fs::weakly_canonical(folder);
-  if (sequence.parent_path().filename() != "sequences") return "";
-  const fs::path beside = sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt");
-  return fs::exists(beside) ? beside.string() : "";
+  for (const fs::path& sequence : FolderNames(folder)) {
+    if (sequence.parent_path().filename() != "sequences") continue;
+    const fs::path beside = sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt");
+    if (fs::exists(beside)) return beside.string();
+  }
+  return "";
 }
 
 std::vector<std::optional<SE3>> ReadPoses(const std::string& path, size_t n_frames, const SE3& T_0_left) {

@@ -10,8 +10,9 @@
 #include "core/io/associate_times.h"
 #include "core/io/camera_file.h"
 #include "core/io/dataset_rows.h"
+#include "core/io/folder_names.h"
+#include "core/io/frame_truth.h"
 #include "core/io/image_list.h"
-#include "core/io/interpolate_pose.h"
 
 namespace plslam {
 namespace {
@@ -70,26 +71,33 @@ void PairByTime(const std::string& folder, ImageList* list) {
   NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);
 }
 
-RigCalibration KnownRig(const std::string& folder, const ImageSize& size) {
-  const std::string name = fs::weakly_canonical(folder).filename().string();
-  for (const KnownCamera& known : kKnownCameras) {
-    if (name.find(known.long_name) == std::string::npos && name.find(known.short_name) == std::string::npos) continue;
-    if (size != kKnownSize) {
-      throw DatasetError(fmt::format(
-          "{}: images of {} x {} pixels do not fit the calibration of {} ({} x {}); give "
-          "a camera.yaml",
-          folder, size.width_px, size.height_px, known.long_name, kKnownSize.width_px, kKnownSize.height_px));
+const KnownCamera& CameraByName(const std::string& folder) {
+  for (const fs::path& path : FolderNames(folder)) {
+    const std::string name = path.filename().string();
+    for (const KnownCamera& known : kKnownCameras) {
+      if (name.find(known.long_name) != std::string::npos) return known;
+      if (name.find(known.short_name) != std::string::npos) return known;
     }
-    CameraCalibration camera{size.width_px, size.height_px, "radtan", known.fx_px, known.fy_px,
-                             known.cx_px,   known.cy_px,    {},       SE3()};
-    camera.distortion.assign(known.distortion.begin(), known.distortion.end());
-    RigCalibration rig = MakeRgbdRig(camera, kVirtualBaseline_m, kDepthUnitsPerM);
-    rig.name = known.long_name;
-    return rig;
   }
   throw DatasetError(folder +
                      ": has no camera.yaml, and its name holds none of freiburg1, freiburg2, freiburg3, fr1, "
                      "fr2, fr3 whose calibration is known");
+}
+
+RigCalibration KnownRig(const std::string& folder, const ImageSize& size) {
+  const KnownCamera& known = CameraByName(folder);
+  if (size != kKnownSize) {
+    throw DatasetError(fmt::format(
+        "{}: images of {} x {} pixels do not fit the calibration of {} ({} x {}); give "
+        "a camera.yaml",
+        folder, size.width_px, size.height_px, known.long_name, kKnownSize.width_px, kKnownSize.height_px));
+  }
+  CameraCalibration camera{size.width_px, size.height_px, "radtan", known.fx_px, known.fy_px,
+                           known.cx_px,   known.cy_px,    {},       SE3()};
+  camera.distortion.assign(known.distortion.begin(), known.distortion.end());
+  RigCalibration rig = MakeRgbdRig(camera, kVirtualBaseline_m, kDepthUnitsPerM);
+  rig.name = known.long_name;
+  return rig;
 }
 
 RigCalibration ReadRig(const std::string& folder, const std::string& camera_path, const ImageSize& size) {
@@ -97,15 +105,6 @@ RigCalibration ReadRig(const std::string& folder, const std::string& camera_path
   RigCalibration rig = ReadCameraFile(camera_path, size);
   if (rig.kind != RigCalibration::Kind::kRgbd) throw DatasetError(camera_path + ": kind must be rgbd here");
   return rig;
-}
-
-std::vector<std::optional<SE3>> GroundTruth(const std::string& folder, const std::vector<ImageList::Entry>& entries) {
-  const fs::path path = fs::path(folder) / "groundtruth.txt";
-  std::vector<std::optional<SE3>> poses;
-  if (!fs::exists(path)) return poses;
-  const Trajectory camera = ReadDatasetTrajectory(path.string(), TrajectoryFormat::kTum);
-  for (const ImageList::Entry& entry : entries) poses.push_back(InterpolatePose(camera, entry.t_ns, kMaxTruthGap_ns));
-  return poses;
 }
 
 }  // namespace
@@ -122,7 +121,8 @@ std::unique_ptr<Dataset> OpenTumDataset(const std::string& folder) {
   const std::string camera_path = (fs::path(folder) / "camera.yaml").string();
   list.image_size = LearnImageSize(list.entries);
   list.rig = ReadRig(folder, camera_path, list.image_size);
-  list.ground_truth = GroundTruth(folder, list.entries);
+  const fs::path truth = fs::path(folder) / "groundtruth.txt";
+  if (fs::exists(truth)) list.ground_truth = FrameTruth(truth.string(), TrajectoryFormat::kTum, &list);
   return MakeImageListDataset(std::move(list), camera_path);
 }
 

@@ -124,8 +124,20 @@ YamlMap YamlMap::Map(std::string_view key) const {
   return {path_, node};
 }
 
+std::vector<double> YamlMap::Rows(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (node.IsMap()) return Map(key).Numbers("data", 12, 16);
+  if (!node.IsSequence() || node.size() == 0 || !node.begin()->IsSequence()) return Numbers(key, 12, 16);
+  std::vector<double> numbers;
+  for (const YAML::Node& row : node) {
+    if (!row.IsSequence() || row.size() != 4) Fail(key, "must have rows of 4 numbers");
+    for (const YAML::Node& element : row) numbers.push_back(ToNumber(key, element));
+  }
+  return numbers;
+}
+
 SE3 YamlMap::Transform(std::string_view key) const {
-  const std::vector<double> rows = Get(key).IsMap() ? Map(key).Numbers("data", 12, 16) : Numbers(key, 12, 16);
+  const std::vector<double> rows = Rows(key);
   SE3 T;
   const std::string complaint = TransformFrom(rows, &T);
   if (!complaint.empty()) Fail(key, complaint);

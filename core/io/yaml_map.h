@@ -25,7 +25,7 @@ class YamlMap {
   YamlMap Map(std::string_view key) const;
 
   /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not
-  /// 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV).
+  /// 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV), or a list for each row (Kalibr).
   SE3 Transform(std::string_view key) const;
 
   /// `Fail`s at a key that is not among `known`.
@@ -42,6 +42,7 @@ class YamlMap {
  private:
   YamlMap(std::string path, const YAML::Node& node);
   YAML::Node Get(std::string_view key) const;
+  std::vector<double> Rows(std::string_view key) const;
   double ToNumber(std::string_view key, const YAML::Node& node) const;
 
   std::string path_;

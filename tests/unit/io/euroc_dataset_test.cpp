@@ -113,6 +113,72 @@ TEST_F(EurocDataset, EquidistantModel) {
   EXPECT_EQ(OpenEurocDataset(folder_.string())->rig().right.model, "equidistant");
 }
 
+TEST_F(EurocDataset, TruthOfMotionCaptureWhereThereIsNoEstimate) {
+  const fs::path mocap = mav_ / "mocap0" / "data.csv";
+  test::WriteText(
+      mocap,
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+      "1403636584763555584, 7, 0, 1, 1, 0, 0, 0\n1403636584863555584, 8, 0, 1, 1, 0, 0, 0\n");
+  EXPECT_NEAR(OpenEurocDataset(folder_.string())->GroundTruth(0)->translation().x(), 0.1, 1e-9);
+  fs::remove(truth_);
+  const auto dataset = OpenEurocDataset(folder_.string());
+  ASSERT_TRUE(dataset->GroundTruth(0));
+  EXPECT_TRUE(dataset->GroundTruth(0)->translation().isApprox(Eigen::Vector3d(7.0, 0.0, 1.5), 1e-9));
+}
+
+// As Kalibr writes it for TUM-VI, with the two cameras of the hand-made folder.
+std::string Camchain(const std::string& right_extrinsics) {
+  const std::string lens = R"(
+  cam_overlaps: [1]
+  camera_model: pinhole
+  distortion_coeffs: [0.003, 0.0007, -0.002, 0.0002]
+  distortion_model: equidistant
+  intrinsics: [40.0, 41.0, 24.0, 16.0]
+  resolution: [48, 32]
+  rostopic: /cam/image_raw
+)";
+  return R"(cam0:
+  T_cam_imu:
+  - [0.0, 1.0, 0.0, 0.0]
+  - [-1.0, 0.0, 0.0, 0.0]
+  - [0.0, 0.0, 1.0, -0.5]
+  - [0.0, 0.0, 0.0, 1.0])" +
+         lens + "cam1:\n" + right_extrinsics + lens;
+}
+
+TEST_F(EurocDataset, CamchainBesideTheFolderInPlaceOfSensorFiles) {
+  const fs::path chain = folder_ / "dso" / "camchain.yaml";
+  const auto expected = OpenEurocDataset(folder_.string())->rig();
+  for (const char* camera : {"cam0", "cam1"}) fs::remove(mav_ / camera / "sensor.yaml");
+  for (const char* right : {"  T_cam_imu: [[0, 1, 0, -0.1], [-1, 0, 0, 0], [0, 0, 1, -0.5], [0, 0, 0, 1]]",
+                            "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]"}) {
+    test::WriteText(chain, Camchain(right));
+    for (const fs::path& folder : {folder_, mav_ / ""}) {
+      const RigCalibration rig = OpenEurocDataset(folder.string())->rig();
+      EXPECT_EQ(rig.left.model, "equidistant");
+      EXPECT_THAT(rig.right.distortion, ElementsAre(0.003, 0.0007, -0.002, 0.0002));
+      EXPECT_TRUE(rig.left.T_b_cam.matrix().isApprox(expected.left.T_b_cam.matrix(), 1e-9));
+      EXPECT_TRUE(rig.right.T_b_cam.matrix().isApprox(expected.right.T_b_cam.matrix(), 1e-9));
+      EXPECT_NEAR(rig.baseline_m, 0.1, 1e-9);
+    }
+  }
+  test::WriteText(chain, Camchain("  T_cam_imu: [[0, 1, 0], [-1, 0, 0, 0], [0, 0, 1, -0.5], [0, 0, 0, 1]]"));
+  EXPECT_THAT(OpenError(), HasSubstr(chain.string() + ":15: T_cam_imu must have rows of 4 numbers"));
+  test::WriteText(chain, Camchain("  T_cam_imu: 7"));
+  EXPECT_THAT(OpenError(), HasSubstr(chain.string() + ":15: T_cam_imu must be a list"));
+  fs::remove(chain);
+  EXPECT_THAT(OpenError(), HasSubstr(At("cam0/sensor.yaml")));
+}
+
+TEST_F(EurocDataset, HeadersWithoutAMarkAndByteOrderMarks) {
+  for (const fs::path& list : {mav_ / "cam0" / "data.csv", mav_ / "cam1" / "data.csv", truth_}) {
+    test::ReplaceText(list, "#timestamp", "\xEF\xBB\xBFtimestamp");
+  }
+  const auto dataset = OpenEurocDataset(folder_.string());
+  EXPECT_EQ(dataset->size(), 3);
+  EXPECT_TRUE(dataset->GroundTruth(0));
+}
+
 TEST_F(EurocDataset, BadSensorFilesAreNamedWithTheirLine) {
   const fs::path sensor = mav_ / "cam0" / "sensor.yaml";
   const std::string good = test::ReadText(sensor);

@@ -55,6 +55,27 @@ TEST_F(ImagesDataset, TimesFromTheRate) {
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml")), HasSubstr("rate_hz is missing")));
 }
 
+TEST_F(ImagesDataset, SparseTruthOfTheVeryFramesCounts) {
+  test::WriteText(folder_ / "times.txt", "0.5004\n0.7\n0.9\n");
+  test::WriteText(folder_ / "groundtruth.txt", "0.5 0 0 0 0 0 0 1\n0.7004 1 0 0 0 0 0 1\n0.8996 2 0 0 0 0 0 1\n");
+  const auto dataset = OpenImagesDataset(folder_.string());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(dataset->GroundTruth(i)) << i;
+    EXPECT_DOUBLE_EQ(dataset->GroundTruth(i)->translation().x(), i);
+  }
+  EXPECT_TRUE(dataset->Notes().empty());
+}
+
+TEST_F(ImagesDataset, TruthThatFitsFewFramesIsSaid) {
+  test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
+  EXPECT_THAT(
+      OpenImagesDataset(folder_.string())->Notes(),
+      testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 of 3 "
+                           "frames (0.500000000 s to 0.750000000 s) have one"));
+  test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(), testing::ElementsAre("groundtruth.txt: has no poses"));
+}
+
 TEST_F(ImagesDataset, PosesOfKittiFormat) {
   fs::rename(folder_ / "groundtruth.txt", folder_ / "other.txt");
   test::WriteText(folder_ / "poses.txt",

@@ -77,6 +77,20 @@ TEST_F(KittiDataset, OfficialLayoutHasPosesBesideSequences) {
   EXPECT_DOUBLE_EQ(dataset->GroundTruth(1)->translation().z(), 0.5);
 }
 
+TEST_F(KittiDataset, LinkedSequencesKeepTheirPoses) {
+  const fs::path link = temporary_.path() / "sequences" / "03", poses = temporary_.path() / "poses";
+  fs::create_directories(link.parent_path());
+  fs::create_directory_symlink(folder_, link);
+  fs::create_directories(poses);
+  fs::rename(folder_ / "poses.txt", poses / "03.txt");
+  EXPECT_TRUE(OpenKittiDataset(link.string() + "/")->GroundTruth(1)) << "a link within the benchmark's layout";
+  const fs::path short_name = temporary_.path() / "short", official = temporary_.path() / "sequences" / "04";
+  fs::rename(folder_, official);
+  fs::rename(poses / "03.txt", poses / "04.txt");
+  fs::create_directory_symlink(official, short_name);
+  EXPECT_TRUE(OpenKittiDataset(short_name.string())->GroundTruth(1)) << "a link to it";
+}
+
 TEST_F(KittiDataset, WithoutPosesThereIsNoGroundTruth) {
   fs::remove(folder_ / "poses.txt");
   EXPECT_FALSE(OpenKittiDataset(folder_.string())->GroundTruth(0));

@@ -53,6 +53,16 @@ TEST_F(TumDataset, HandMadeFolder) {
   EXPECT_DOUBLE_EQ(dataset->GroundTruth(2)->translation().x(), 2.0);
 }
 
+TEST_F(TumDataset, NameOfALinkOrOfWhatItLeadsToTellsTheCamera) {
+  const fs::path plain = temporary_.path() / "data", named = temporary_.path() / "fr2_desk";
+  fs::create_directory_symlink(folder_, plain);
+  EXPECT_EQ(OpenTumDataset(plain.string())->rig().name, "freiburg1");
+  fs::remove(plain);
+  fs::rename(folder_, plain);
+  fs::create_directory_symlink(plain, named);
+  EXPECT_EQ(OpenTumDataset(named.string() + "/")->rig().name, "freiburg2");
+}
+
 TEST_F(TumDataset, AssociationsFileInEitherOrder) {
   test::WriteText(folder_ / "associations.txt",
                   "1305031102.175304 rgb/1305031102.175304.png 1305031102.180000 depth/0.png\r\n"

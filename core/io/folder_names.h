@@ -1,0 +1,12 @@
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+namespace plslam {
+
+/// What a folder is called, whole and without a slash at the end: as it was given, and, where that is through a link, as it
+/// really is. A dataset's name tells what belongs to it, and either may be the one that the benchmark gave it.
+std::vector<std::filesystem::path> FolderNames(const std::filesystem::path& folder);
+
+}  // namespace plslam

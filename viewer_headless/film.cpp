@@ -15,12 +15,12 @@ constexpr double kLongestStill = 50.0;
 constexpr double kSlowest_hz = 1.0;
 constexpr double kFastest_hz = 120.0;
 
-TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path) {
+TopViewScene SceneOf(const Map& map, std::vector<Eigen::Vector3d> path) {
   TopViewScene scene;
   scene.points.reserve(map.points().size());
   for (const auto& [id, point] : map.points()) scene.points.push_back(point.p_w);
   for (const auto& [id, line] : map.lines()) scene.segments.emplace_back(line.segment_w.p, line.segment_w.q);
-  scene.path = path;
+  scene.path = std::move(path);
   return scene;
 }
 
@@ -49,9 +49,10 @@ void Film::Open(double rate_hz, const cv::Size& size) {
 
 void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
   if (failed_) return;
-  positions_.push_back((pose.T_w_odom * pose.T_odom_c).translation());
-  window_.Include({positions_.back()});
-  const cv::Mat view = DrawTopView(SceneOf(map, positions_), window_, MapSizeBeside(overlay.size()));
+  positions_.Add(pose);
+  const TopViewScene scene = SceneOf(map, positions_.In(map));
+  window_.Include(scene.path);
+  const cv::Mat view = DrawTopView(scene, window_, MapSizeBeside(overlay.size()));
   try {
     Write(pose, Join(overlay, view));
   } catch (const std::runtime_error& e) {

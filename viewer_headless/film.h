@@ -3,16 +3,17 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "core/map/map.h"
+#include "viewer_headless/film_path.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/video/run_video.h"
 #include "viewer_headless/video/top_view.h"
 
 namespace plslam {
 
-/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then.
+/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then, with the path
+/// so far in it.
 class Film {
  public:
   explicit Film(std::string path) : path_(std::move(path)), program_(StartFilm(path_)) {}
@@ -40,7 +41,7 @@ class Film {
   std::unique_ptr<FilmProcess> program_;
   bool failed_ = false;
   TopViewWindow window_;
-  std::vector<Eigen::Vector3d> positions_;
+  FilmPath positions_;
   std::optional<Waiting> first_;
   std::unique_ptr<RunVideo> video_;
   double camera_rate_hz_ = 0.0;

@@ -50,7 +50,15 @@ void DrawLine(cv::Mat& picture, const cv::Point2d& a, const cv::Point2d& b, cons
 
 void DrawPath(cv::Mat& picture, const Projection& project, const std::vector<Eigen::Vector3d>& path,
               const cv::Scalar& colour, int width) {
-  for (size_t i = 1; i < path.size(); ++i) DrawLine(picture, project(path[i - 1]), project(path[i]), colour, width);
+  if (path.empty()) return;
+  cv::Point2d last = project(path.front());
+  for (size_t i = 1; i < path.size(); ++i) {
+    const cv::Point2d px = project(path[i]);
+    // Lines of less than a pixel are most of the work, and nobody sees them.
+    if (i + 1 < path.size() && cv::norm(px - last) < 1.0) continue;
+    DrawLine(picture, last, px, colour, width);
+    last = px;
+  }
 }
 
 /// 1, 2 or 5 times a power of ten, about a quarter of the side.

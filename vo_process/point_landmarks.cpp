@@ -52,7 +52,9 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByProjection(const SE3& T_c_odom
 std::vector<LandmarkMatch> PointLandmarks::MatchByDescriptor(const TrackedFrame& frame, int max_unseen_frames,
                                                              const MatchOptions& options) const {
   const KnownDescriptors known = RecentDescriptors(landmarks_, max_unseen_frames);
-  return PairUp(known.owners, MatchBruteForce(known.descriptors, DescriptorsOf(frame.features.points), options));
+  const std::vector<CornerPlace> corners = CornerPlacesOf(frame.features.points);
+  return PairUp(known.owners,
+                MatchBruteForce(known.descriptors, DescriptorsOf(frame.features.points), options, corners));
 }
 
 std::vector<PointObservation> PointLandmarks::Observations(const std::vector<LandmarkMatch>& matches,

@@ -16,6 +16,8 @@ constexpr double kCellSize_px = 24.0;
 constexpr double kMaxCells = 65536.0;
 constexpr int kTooFar = 257;  // above any distance of 256 bits
 constexpr int kTurnBins = 30;
+// Corners nearer to each other, in pixels of the coarser octave, are one.
+constexpr double kOneCorner_px = 1.5;
 
 // `get` gives the point at a place, nullptr for one that is left out.
 template <class GetPoint>
@@ -25,7 +27,7 @@ std::vector<PointGrid::Entry> MakeEntries(size_t size, const GetPoint& get) {
   for (size_t i = 0; i < size; ++i) {
     const PointFeature* f = get(i);
     if (f == nullptr || !f->px.allFinite()) continue;
-    entries.push_back({f->px, f->angle_rad, f->octave, static_cast<int>(i), f->descriptor});
+    entries.push_back({{f->px, f->scale}, f->angle_rad, f->octave, static_cast<int>(i), f->descriptor});
   }
   return entries;
 }
@@ -35,6 +37,7 @@ struct BestTwo {
   int best_distance = kTooFar;
   int second_distance = kTooFar;
   int best_index = -1;
+  float angle_rad = 0.0F;
 
   void Offer(int distance, int index) {
     if (distance < best_distance || (distance == best_distance && index < best_index)) {
@@ -51,6 +54,49 @@ struct BestTwo {
     return options.ratio >= 1.0 || second_distance == kTooFar || best_distance < options.ratio * second_distance;
   }
 };
+
+/// A point within the window of a query.
+struct Candidate {
+  int distance = kTooFar;
+  const PointGrid::Entry* entry = nullptr;
+};
+
+/// Whether two points are one corner, found in neighbouring octaves.
+bool AreOneCorner(const CornerPlace& a, const CornerPlace& b) {
+  const double apart_px = kOneCorner_px * std::max(a.scale, b.scale);
+  return (a.px - b.px).squaredNorm() <= apart_px * apart_px;
+}
+
+/// The nearest, and the nearest that is another corner: no rival is the same one in another octave.
+BestTwo BestOf(const std::vector<Candidate>& candidates) {
+  BestTwo two;
+  const Candidate* best = nullptr;
+  for (const Candidate& c : candidates) {
+    if (best != nullptr &&
+        (c.distance > best->distance || (c.distance == best->distance && c.entry->index > best->entry->index)))
+      continue;
+    best = &c;
+  }
+  if (best == nullptr) return two;
+  two.best_distance = best->distance;
+  two.best_index = best->entry->index;
+  two.angle_rad = best->entry->angle_rad;
+  for (const Candidate& c : candidates) {
+    if (c.distance < two.second_distance && !AreOneCorner(c.entry->corner, best->entry->corner))
+      two.second_distance = c.distance;
+  }
+  return two;
+}
+
+/// Least distance of a descriptor whose corner is another than the best's.
+int NearestOfOthers(int best_index, std::span<const CornerPlace> corners, const std::vector<uint16_t>& distances) {
+  int nearest = kTooFar;
+  const CornerPlace& best = corners[static_cast<size_t>(best_index)];
+  for (size_t j = 0; j < corners.size(); ++j) {
+    if (distances[j] < nearest && !AreOneCorner(corners[j], best)) nearest = distances[j];
+  }
+  return nearest;
+}
 
 int TurnBin(float from_rad, float to_rad) {
   constexpr double kTurn_rad = 2.0 * std::numbers::pi;
@@ -98,6 +144,20 @@ void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, in
 
 }  // namespace
 
+std::vector<CornerPlace> CornerPlacesOf(const std::vector<PointFeature>& points) {
+  std::vector<CornerPlace> corners;
+  corners.reserve(points.size());
+  for (const PointFeature& point : points) corners.push_back({point.px, point.scale});
+  return corners;
+}
+
+std::vector<CornerPlace> CornerPlacesOf(const std::vector<StereoPoint>& points) {
+  std::vector<CornerPlace> corners;
+  corners.reserve(points.size());
+  for (const StereoPoint& point : points) corners.push_back({point.left.px, point.left.scale});
+  return corners;
+}
+
 PointGrid::PointGrid(const std::vector<PointFeature>& points) {
   Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i]; }), points.size());
 }
@@ -114,11 +174,11 @@ PointGrid::PointGrid(const std::vector<StereoPoint>& points, const std::vector<c
 void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
   size_ = static_cast<int>(size);
   if (entries.empty()) return;
-  Eigen::Vector2d last_px = entries.front().px;
+  Eigen::Vector2d last_px = entries.front().corner.px;
   origin_px_ = last_px;
   for (const Entry& e : entries) {
-    origin_px_ = origin_px_.cwiseMin(e.px);
-    last_px = last_px.cwiseMax(e.px);
+    origin_px_ = origin_px_.cwiseMin(e.corner.px);
+    last_px = last_px.cwiseMax(e.corner.px);
   }
   const Eigen::Vector2d extent_px = last_px - origin_px_;
   cell_size_px_ = kCellSize_px;
@@ -127,7 +187,7 @@ void PointGrid::Build(const std::vector<Entry>& entries, size_t size) {
   columns_ = static_cast<int>(extent_px.x() / cell_size_px_) + 1;
   rows_ = static_cast<int>(extent_px.y() / cell_size_px_) + 1;
   const auto cell_of = [this](const Entry& e) {
-    const Eigen::Vector2i cell = ((e.px - origin_px_) / cell_size_px_).cast<int>();
+    const Eigen::Vector2i cell = ((e.corner.px - origin_px_) / cell_size_px_).cast<int>();
     return cell.y() * columns_ + cell.x();
   };
   cells_ = Buckets<Entry>(entries, static_cast<size_t>(columns_) * rows_, cell_of);
@@ -161,17 +221,19 @@ std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries,
   std::vector<int> matches(queries.size(), -1);
   std::vector<int> distances(queries.size(), kTooFar);
   std::vector<float> angles_rad(grid.size(), 0.0F);
+  std::vector<Candidate> candidates;
   for (size_t i = 0; i < queries.size(); ++i) {
     const PointQuery& query = queries[i];
-    BestTwo two;
+    candidates.clear();
     grid.ForEachWithin(query.px, query.radius_px, [&](const PointGrid::Entry& e) {
       if (query.octave >= 0 && std::abs(e.octave - query.octave) > options.octave_window) return;
-      two.Offer(HammingDistance(query.descriptor, e.descriptor), e.index);
-      if (two.best_index == e.index) angles_rad[e.index] = e.angle_rad;
+      candidates.push_back({HammingDistance(query.descriptor, e.descriptor), &e});
     });
+    const BestTwo two = BestOf(candidates);
     if (!two.Accepted(options)) continue;
     matches[i] = two.best_index;
     distances[i] = two.best_distance;
+    angles_rad[two.best_index] = two.angle_rad;
   }
   KeepMutual(matches, distances, grid.size());
   if (options.check_rotation) {
@@ -181,7 +243,7 @@ std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries,
 }
 
 std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
-                                 const MatchOptions& options) {
+                                 const MatchOptions& options, std::span<const CornerPlace> corners_of_b) {
   const int b_count = static_cast<int>(b.size());
   std::vector<int> matches(a.size(), -1);
   std::vector<int> best_of_b(b_count, -1);
@@ -197,6 +259,9 @@ std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::ve
       }
       if (distances[j] < two.second_distance) two.Offer(distances[j], j);
     }
+    if (!corners_of_b.empty() && two.best_distance <= options.max_distance && !two.Accepted(options)) {
+      two.second_distance = NearestOfOthers(two.best_index, corners_of_b, distances);
+    }
     if (two.Accepted(options)) matches[i] = two.best_index;
   }
   for (size_t i = 0; i < a.size(); ++i) {
@@ -207,7 +272,7 @@ std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::ve
 
 std::vector<int> MatchPointsBruteForce(const std::vector<PointFeature>& a, const std::vector<PointFeature>& b,
                                        const MatchOptions& options) {
-  std::vector<int> matches = MatchBruteForce(DescriptorsOf(a), DescriptorsOf(b), options);
+  std::vector<int> matches = MatchBruteForce(DescriptorsOf(a), DescriptorsOf(b), options, CornerPlacesOf(b));
   if (options.check_rotation) {
     KeepCommonTurn(matches, [&](int i, int j) { return TurnBin(a[i].angle_rad, b[j].angle_rad); });
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,13 +11,22 @@
 
 namespace plslam {
 
+/// Where a point lies in its image, and the size of a pixel of its octave.
+struct CornerPlace {
+  Eigen::Vector2d px = Eigen::Vector2d::Zero();
+  double scale = 1.0;
+};
+
+std::vector<CornerPlace> CornerPlacesOf(const std::vector<PointFeature>& points);
+std::vector<CornerPlace> CornerPlacesOf(const std::vector<StereoPoint>& points);
+
 /// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away. Points that
 /// are not finite are left out.
 class PointGrid {
  public:
   /// A point as matching sees it; `index` is its place in the vector that the grid was made from.
   struct Entry {
-    Eigen::Vector2d px = Eigen::Vector2d::Zero();
+    CornerPlace corner;
     float angle_rad = 0.0F;
     int octave = 0;
     int index = 0;
@@ -45,7 +55,7 @@ class PointGrid {
       const auto row = static_cast<size_t>(y) * static_cast<size_t>(columns_);
       for (const Entry& entry :
            cells_.Range(row + static_cast<size_t>(cells.x_begin), row + static_cast<size_t>(cells.x_end))) {
-        if ((entry.px - center_px).squaredNorm() <= radius_px * radius_px) visit(entry);
+        if ((entry.corner.px - center_px).squaredNorm() <= radius_px * radius_px) visit(entry);
       }
     }
   }
@@ -78,15 +88,17 @@ struct PointQuery {
 /// For each query the index of its match in the vector that the grid was made from, or -1.
 ///
 /// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is at
-/// most `max_distance`, below `ratio` times the second best, if no other query is nearer to that point (mutual
+/// most `max_distance`, below `ratio` times the second best that is not the same corner in another octave (within 1.5 pixels of
+/// the coarser one), if no other query is nearer to that point (mutual
 /// best; equal distances: the lower query), and, with `check_rotation`, if its turn agrees with most of the others.
 std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
                                          const MatchOptions& options);
 
 /// For each descriptor of `a` the index of its match in `b`, or -1: mutual best over all pairs, with `max_distance` and
-/// `ratio`. For recovery, where no prediction can be trusted. Works for points and lines alike.
+/// `ratio`. For recovery, where no prediction can be trusted. Works for points and lines alike. Of points, `corners_of_b`
+/// tells which of `b` are the same corner in several octaves, and no rivals.
 std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
-                                 const MatchOptions& options);
+                                 const MatchOptions& options, std::span<const CornerPlace> corners_of_b = {});
 
 /// The same for points, with the optional test of rotations.
 std::vector<int> MatchPointsBruteForce(const std::vector<PointFeature>& a, const std::vector<PointFeature>& b,

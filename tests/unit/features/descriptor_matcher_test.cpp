@@ -53,17 +53,22 @@ std::vector<int> NaiveMatches(const std::vector<PointQuery>& queries, const std:
     int index = -1, distance = 1000, second = 1000;
   };
   std::vector<Best> best(queries.size());
-  for (size_t i = 0; i < queries.size(); ++i) {
+  const auto for_each_near = [&](const PointQuery& query, const auto& visit) {
     for (size_t j = 0; j < points.size(); ++j) {
-      if ((queries[i].px - points[j].px).norm() > queries[i].radius_px) continue;
-      if (queries[i].octave >= 0 && std::abs(queries[i].octave - points[j].octave) > options.octave_window) continue;
-      const int d = HammingDistance(queries[i].descriptor, points[j].descriptor);
-      if (d < best[i].distance) {
-        best[i] = {static_cast<int>(j), d, best[i].distance};
-      } else {
-        best[i].second = std::min(best[i].second, d);
-      }
+      if ((query.px - points[j].px).norm() > query.radius_px) continue;
+      if (query.octave >= 0 && std::abs(query.octave - points[j].octave) > options.octave_window) continue;
+      visit(j, HammingDistance(query.descriptor, points[j].descriptor));
     }
+  };
+  for (size_t i = 0; i < queries.size(); ++i) {
+    for_each_near(queries[i], [&](size_t j, int d) {
+      if (d < best[i].distance) best[i] = {static_cast<int>(j), d, 1000};
+    });
+    for_each_near(queries[i], [&](size_t j, int d) {
+      const PointFeature& winner = points[static_cast<size_t>(best[i].index)];
+      const double apart_px = (points[j].px - winner.px).norm();
+      if (apart_px > 1.5 * std::max(points[j].scale, winner.scale)) best[i].second = std::min(best[i].second, d);
+    });
     const bool clear =
         best[i].second == 1000 || options.ratio >= 1.0 || best[i].distance < options.ratio * best[i].second;
     if (best[i].distance > options.max_distance || !clear) best[i].index = -1;
@@ -130,6 +135,32 @@ TEST(MatchPointsByProjection, FindsThePointsSeenAgain) {
   int right = 0;
   for (size_t i = 0; i < points.size(); ++i) right += matches[i] == static_cast<int>((i * 7 + 3) % 400) ? 1 : 0;
   EXPECT_EQ(right, 400);
+}
+
+// A corner that was found in two octaves, and its twin some pixels away.
+TEST(Matching, TheSameCornerInAnotherOctaveIsNoRival) {
+  std::mt19937_64 random(21);
+  std::vector<PointFeature> points = RandomPoints(2, random);
+  points[0].px = {100.0, 80.0};
+  points[0].octave = 2;
+  points[0].scale = 1.44;
+  points[1] = points[0];
+  points[1].octave = 3;
+  points[1].scale = 1.728;
+  PointQuery query{{101.0, 81.0}, 20.0, 2, 0.0F, points[0].descriptor};
+  points[0].descriptor[1] ^= (uint64_t{1} << 20U) - 1U;
+  points[1].descriptor[2] ^= (uint64_t{1} << 22U) - 1U;
+  const auto match = [&](double apart_px) {
+    points[1].px = points[0].px + Eigen::Vector2d(0.0, apart_px);
+    const int by_projection = MatchPointsByProjection({query}, PointGrid(points), {})[0];
+    const std::vector<Descriptor> descriptors = {points[0].descriptor, points[1].descriptor};
+    EXPECT_EQ(MatchBruteForce({query.descriptor}, descriptors, {}, CornerPlacesOf(points))[0], by_projection);
+    EXPECT_EQ(MatchBruteForce({query.descriptor}, descriptors, {})[0], -1);
+    return by_projection;
+  };
+  EXPECT_EQ(match(0.0), 0);
+  EXPECT_EQ(match(2.5), 0) << "1.5 pixels of the coarser octave are 2.6";
+  EXPECT_EQ(match(2.7), -1);
 }
 
 TEST(MatchPointsByProjection, OctaveWindowAndRotation) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/map/connected.h"
+#include "core/optim/pose_graph.h"
 #include "loop_process/map_edges.h"
 
 namespace plslam {
@@ -33,16 +34,29 @@ Matrix6d EdgeCovariance(const Map& map, const MapEdge& edge, const SE3& T_a_b, c
   return covariance + (forward ? measured : InverseCovariance(T_a_b.Inverse(), measured));
 }
 
-// Where keyframes start that the loop connects with the rest for the first time: moved as a whole, those that began later.
-std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const std::vector<MapEdge>& edges) {
-  std::map<int64_t, SE3> T_w_kf;
-  for (const auto& [id, keyframe] : map.keyframes()) T_w_kf[id] = keyframe.T_w_kf;
+std::set<int64_t> Side(int64_t id, const std::vector<MapEdge>& edges, bool tied_only) {
   std::vector<std::pair<int64_t, int64_t>> ties;
   ties.reserve(edges.size());
-  for (const MapEdge& edge : edges) ties.emplace_back(edge.a, edge.b);
-  const std::set<int64_t> old_side = ConnectedWith(loop.old_keyframe_id, ties);
+  for (const MapEdge& edge : edges) {
+    if (edge.tied || !tied_only) ties.emplace_back(edge.a, edge.b);
+  }
+  return ConnectedWith(id, ties);
+}
+
+// All that the loop brings together, directly or over steps that are not known.
+std::set<int64_t> Touched(const LoopEdge& loop, const std::vector<MapEdge>& edges) {
+  std::set<int64_t> touched = Side(loop.old_keyframe_id, edges, false);
+  if (!touched.contains(loop.keyframe_id)) touched.merge(Side(loop.keyframe_id, edges, false));
+  return touched;
+}
+
+// Where keyframes start that the loop ties to the rest for the first time: moved as a whole, those that began later.
+std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const std::vector<MapEdge>& edges) {
+  std::map<int64_t, SE3> T_w_kf;
+  for (const int64_t id : Touched(loop, edges)) T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;
+  const std::set<int64_t> old_side = Side(loop.old_keyframe_id, edges, true);
   if (old_side.contains(loop.keyframe_id)) return T_w_kf;
-  const std::set<int64_t> new_side = ConnectedWith(loop.keyframe_id, ties);
+  const std::set<int64_t> new_side = Side(loop.keyframe_id, edges, true);
   const SE3 T_moved_w = T_w_kf.at(loop.old_keyframe_id) * loop.T_old_kf * T_w_kf.at(loop.keyframe_id).Inverse();
   const bool old_first = *old_side.begin() < *new_side.begin();
   for (const int64_t id : old_first ? new_side : old_side) {
@@ -51,38 +65,48 @@ std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const std::v
   return T_w_kf;
 }
 
-}  // namespace
+// A pose graph, and the keyframes that its poses are of.
+struct LoopGraph {
+  std::vector<int64_t> keyframe_ids;
+  PoseGraphProblem problem;
+};
 
-PoseGraphProblem MakeLoopGraph(const Map& map, const LoopEdge& loop, const CorrectionOptions& options) {
+LoopGraph MakeLoopGraph(const Map& map, const LoopEdge& loop, const CorrectionOptions& options) {
   const std::vector<MapEdge> edges = MapEdges(map);
-  PoseGraphProblem graph;
+  LoopGraph graph;
+  PoseGraphProblem& problem = graph.problem;
   std::map<int64_t, int> places;
   for (const auto& [id, T_w_kf] : Joined(map, loop, edges)) {
-    places[id] = static_cast<int>(graph.poses.size());
-    graph.poses.push_back({T_w_kf, graph.poses.empty()});
+    places[id] = static_cast<int>(problem.poses.size());
+    graph.keyframe_ids.push_back(id);
+    problem.poses.push_back({T_w_kf, problem.poses.empty()});
   }
   const auto add = [&](int64_t a, int64_t b, const SE3& T_a_b, const Matrix6d& covariance, bool robust) {
     const auto information = InformationFromCovariance(covariance);
-    if (information) graph.edges.push_back({places.at(a), places.at(b), T_a_b, *information, robust});
+    if (information) problem.edges.push_back({places.at(a), places.at(b), T_a_b, *information, robust});
   };
+  const auto start = [&](int64_t id) { return problem.poses[static_cast<size_t>(places.at(id))].T_w_kf; };
   for (const MapEdge& edge : edges) {
-    // As the map has it: adjusted since it was measured.
-    const SE3 T_a_b = map.FindKeyframe(edge.a)->T_w_kf.Inverse() * map.FindKeyframe(edge.b)->T_w_kf;
+    if (!places.contains(edge.a)) continue;
+    // As the map has it: adjusted since it was measured. A step that is not known must not pull back what the loop joins.
+    const SE3 T_a_b = edge.tied ? map.FindKeyframe(edge.a)->T_w_kf.Inverse() * map.FindKeyframe(edge.b)->T_w_kf
+                                : start(edge.a).Inverse() * start(edge.b);
     add(edge.a, edge.b, T_a_b, EdgeCovariance(map, edge, T_a_b, options), false);
   }
   add(loop.old_keyframe_id, loop.keyframe_id, loop.T_old_kf, loop.covariance, true);
   return graph;
 }
 
+}  // namespace
+
 std::optional<std::vector<CorrectedPose>> CloseLoop(const Map& map, const LoopEdge& loop,
                                                     const CorrectionOptions& options) {
-  const PoseGraphProblem graph = MakeLoopGraph(map, loop, options);
+  const auto [keyframe_ids, graph] = MakeLoopGraph(map, loop, options);
   if (graph.edges.empty() || !graph.edges.back().robust) return std::nullopt;
   const PoseGraphResult result = OptimisePoseGraph(graph, options.graph);
   if (!result.ok || result.rejected.back()) return std::nullopt;
   std::vector<CorrectedPose> poses;
-  size_t place = 0;
-  for (const auto& [id, keyframe] : map.keyframes()) poses.push_back({id, result.T_w_kf[place++]});
+  for (size_t i = 0; i < keyframe_ids.size(); ++i) poses.push_back({keyframe_ids[i], result.T_w_kf[i]});
   return poses;
 }
 

@@ -7,6 +7,12 @@
 namespace plslam {
 namespace {
 
+// Deviations of a step, or a share of its length, from which on it is not known. Where tracking went on they are at most 8 mm,
+// 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the drift test is 25 of them.
+constexpr double kUnknown_m = 0.2;
+constexpr double kUnknownShare = 0.1;
+constexpr double kUnknown_rad = 0.05;
+
 class Edges {
  public:
   explicit Edges(const Map& map) : map_(map) {}
@@ -34,18 +40,36 @@ class Edges {
 
 }  // namespace
 
+bool IsKnownStep(const MapKeyframe& keyframe) {
+  const double most_m = std::max(kUnknown_m, kUnknownShare * keyframe.T_prevkf_kf.translation().norm());
+  const auto variances = keyframe.relative_covariance.diagonal().array();
+  return (variances.head<3>() <= most_m * most_m).all() && (variances.tail<3>() <= kUnknown_rad * kUnknown_rad).all();
+}
+
+bool IsTiedToParent(const MapKeyframe& keyframe, const Map& map) {
+  return IsKnownStep(keyframe) || map.Shared(keyframe.parent_id, keyframe.id) >= Map::kParent;
+}
+
 std::vector<MapEdge> MapEdges(const Map& map) {
   Edges edges(map);
   for (const auto& [id, keyframe] : map.keyframes()) {
-    if (MapEdge* edge = edges.Between(keyframe.previous_id, id)) edge->odometry = true;
-    edges.Between(keyframe.parent_id, id);
+    if (MapEdge* edge = edges.Between(keyframe.previous_id, id)) {
+      edge->odometry = true;
+      edge->tied = edge->tied || IsKnownStep(keyframe);
+    }
+    if (MapEdge* edge = edges.Between(keyframe.parent_id, id)) {
+      edge->tied = edge->tied || IsTiedToParent(keyframe, map);
+    }
     for (const Map::Neighbour& neighbour : map.Neighbours(id, Map::kEssential)) {
-      if (neighbour.keyframe_id > id) edges.Between(id, neighbour.keyframe_id);
+      if (neighbour.keyframe_id > id) edges.Between(id, neighbour.keyframe_id)->tied = true;
     }
   }
   for (int i = 0; i < static_cast<int>(map.loops().size()); ++i) {
     const LoopEdge& loop = map.loops()[static_cast<size_t>(i)];
-    if (MapEdge* edge = edges.Between(loop.old_keyframe_id, loop.keyframe_id)) edge->loop = i;
+    if (MapEdge* edge = edges.Between(loop.old_keyframe_id, loop.keyframe_id)) {
+      edge->loop = i;
+      edge->tied = true;
+    }
   }
   return edges.All();
 }

@@ -42,8 +42,10 @@ void MapWays::MakeGraph() {
   edges_.reserve(2 * nodes_.size() + map_.loops().size());
   for (const Node& node : nodes_) {
     const MapKeyframe& keyframe = *node.keyframe;
-    Connect(keyframe.previous_id, keyframe.id, -1);
-    if (keyframe.parent_id != keyframe.previous_id) Connect(keyframe.parent_id, keyframe.id, -1);
+    const bool known = IsKnownStep(keyframe);
+    if (known) Connect(keyframe.previous_id, keyframe.id, -1);
+    const bool again = known && keyframe.parent_id == keyframe.previous_id;
+    if (!again && IsTiedToParent(keyframe, map_)) Connect(keyframe.parent_id, keyframe.id, -1);
   }
   for (int i = 0; i < static_cast<int>(map_.loops().size()); ++i) {
     const LoopEdge& loop = map_.loops()[static_cast<size_t>(i)];
@@ -112,8 +114,8 @@ Matrix6d MapWays::StepCovariance(int from) const {
     const LoopEdge& loop = map_.loops()[static_cast<size_t>(edge.loop)];
     return loop.old_keyframe_id == a.id ? loop.covariance : backwards(loop.covariance);
   }
-  if (b.previous_id == a.id) return b.relative_covariance;
-  if (a.previous_id == b.id) return backwards(a.relative_covariance);
+  if (b.previous_id == a.id && IsKnownStep(b)) return b.relative_covariance;
+  if (a.previous_id == b.id && IsKnownStep(a)) return backwards(a.relative_covariance);
   const double sigma_m = kAdjusted_m + kAdjustedPer_m * edge.length_m;
   const double sigma_rad = kAdjusted_rad + kAdjusted_radPer_m * edge.length_m;
   Matrix6d covariance = Matrix6d::Zero();

@@ -28,7 +28,7 @@ class MapWays {
  public:
   MapWays(const Map& map, int64_t to) : map_(map), to_id_(to) {}
 
-  /// nullopt where nothing connects the two: the map does not know how they lie to each other.
+  /// nullopt where nothing that is known (`IsKnownStep`) connects the two: the map does not know how they lie to each other.
   std::optional<MapWay> From(int64_t keyframe_id);
 
   /// Of T_from_to, right perturbation, from the motions between keyframes as first measured. Zero where there is no way. Ways

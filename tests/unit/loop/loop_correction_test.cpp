@@ -95,7 +95,8 @@ TEST(CloseLoop, OneThatALoopBeforeContradictsIsNone) {
   EXPECT_FALSE(CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78 * wrong), {}).has_value());
 }
 
-TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
+// Keyframes 0 to 19, and 20 to 34 of another session that lies anywhere.
+Lap LapAndAnother() {
   Lap both(20, Vector6d::Zero());
   const Lap second(15, Vector6d::Zero(), 20, 2);
   const SE3 T_w_second(ExpSO3({0.1, 1.0, -0.2}), {30.0, -2.0, 5.0});
@@ -104,18 +105,60 @@ TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
     moved.T_w_kf = T_w_second * keyframe.T_w_kf;
     both.map.Put(moved);
   }
+  return both;
+}
+
+// The loop is between 5 and 22.
+void ExpectLaterPartMovedAsAWhole(const Map& map, const SE3& T_5_22, const std::vector<CorrectedPose>& poses,
+                                  double tolerance) {
+  ASSERT_EQ(poses.size(), 35U);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_LT((poses[i].T_w_kf.Inverse() * map.FindKeyframe(i)->T_w_kf).Log().norm(), tolerance) << i;
+  }
+  const SE3 T_w_22 = map.FindKeyframe(5)->T_w_kf * T_5_22;
+  EXPECT_LT((poses[22].T_w_kf.Inverse() * T_w_22).Log().norm(), tolerance);
+  const SE3 T_22_30 = map.FindKeyframe(22)->T_w_kf.Inverse() * map.FindKeyframe(30)->T_w_kf;
+  EXPECT_LT((poses[30].T_w_kf.Inverse() * T_w_22 * T_22_30).Log().norm(), tolerance);
+}
+
+TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
+  const Lap both = LapAndAnother();
   const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
   // Said either way round.
   for (const LoopEdge& edge : {EdgeBetween(5, 22, T_5_22), EdgeBetween(22, 5, T_5_22.Inverse())}) {
     const auto poses = CloseLoop(both.map, edge, {});
     ASSERT_TRUE(poses.has_value());
-    for (int i = 0; i < 20; ++i) {
-      EXPECT_LT(((*poses)[i].T_w_kf.Inverse() * both.map.FindKeyframe(i)->T_w_kf).Log().norm(), 1e-7);
-    }
-    const SE3 T_w_22 = both.map.FindKeyframe(5)->T_w_kf * T_5_22;
-    EXPECT_LT(((*poses)[22].T_w_kf.Inverse() * T_w_22).Log().norm(), 1e-7);
-    const SE3 T_22_30 = both.map.FindKeyframe(22)->T_w_kf.Inverse() * both.map.FindKeyframe(30)->T_w_kf;
-    EXPECT_LT(((*poses)[30].T_w_kf.Inverse() * T_w_22 * T_22_30).Log().norm(), 1e-7);
+    ExpectLaterPartMovedAsAWhole(both.map, T_5_22, *poses, 1e-7);
+  }
+}
+
+// The tracker was lost before keyframe 20, and went on in the same session.
+TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
+  Lap both = LapAndAnother();
+  MapKeyframe first = *both.map.FindKeyframe(20);
+  first.previous_id = first.parent_id = 19;
+  first.relative_covariance.diagonal() << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
+  both.map.Put(first);
+  const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
+  const auto poses = CloseLoop(both.map, EdgeBetween(5, 22, T_5_22), {});
+  ASSERT_TRUE(poses.has_value());
+  ExpectLaterPartMovedAsAWhole(both.map, T_5_22, *poses, 1e-6);
+}
+
+// Another robot's, say, which goes on meanwhile.
+TEST(CloseLoop, OfAPartThatItDoesNotTouchNothingIsSaid) {
+  const Lap both = LapAndAnother();
+  const auto in_first = CloseLoop(both.map, EdgeBetween(0, 19, both.truth[0].Inverse() * both.truth[19]), {});
+  ASSERT_TRUE(in_first.has_value());
+  ASSERT_EQ(in_first->size(), 20U);
+  EXPECT_EQ(in_first->back().keyframe_id, 19);
+  const SE3 T_20_34 = both.map.FindKeyframe(20)->T_w_kf.Inverse() * both.map.FindKeyframe(34)->T_w_kf;
+  const auto in_second = CloseLoop(both.map, EdgeBetween(20, 34, T_20_34 * SE3::Exp(SmallDrift())), {});
+  ASSERT_TRUE(in_second.has_value());
+  ASSERT_EQ(in_second->size(), 15U);
+  for (const CorrectedPose& pose : *in_second) {
+    EXPECT_GE(pose.keyframe_id, 20);
+    EXPECT_LT((pose.T_w_kf.Inverse() * both.map.FindKeyframe(pose.keyframe_id)->T_w_kf).Log().norm(), 0.01);
   }
 }
 

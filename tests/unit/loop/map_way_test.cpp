@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "loop_process/map_edges.h"
 
@@ -23,7 +24,7 @@ MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {
   keyframe.previous_id = keyframe.parent_id = id - 1;
   keyframe.T_prevkf_kf = T_step;
   keyframe.T_w_kf = map.FindKeyframe(id - 1)->T_w_kf * T_step;
-  keyframe.relative_covariance = 1e-4 * static_cast<double>(id) * Matrix6d::Identity();
+  keyframe.relative_covariance = 1e-5 * static_cast<double>(id) * Matrix6d::Identity();
   return keyframe;
 }
 
@@ -145,6 +146,63 @@ TEST(MapWays, IdsFarApartAndMissingOnes) {
   }
   EXPECT_NEAR(ways.From(29)->length_m, 0.0, 1e-12);
   EXPECT_FALSE(ways.From(far.id - 1).has_value());
+}
+
+// Straight on, a metre each; what odometry knows of one step is not much.
+Map ChainWithStep(int64_t id, double sigma_m, double sigma_rad, double length_m = 1.0) {
+  Map map;
+  for (int64_t i = 0; i < 6; ++i) {
+    const double x_m = i == id ? length_m : 1.0;
+    MapKeyframe keyframe = After(map, i, SE3(Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}));
+    if (i == id) keyframe.relative_covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
+    if (i == id) keyframe.relative_covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+    map.Put(keyframe);
+  }
+  return map;
+}
+
+void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
+  for (int32_t i = 0; i < n; ++i) {
+    MapPoint point;
+    point.id = i;
+    point.sights = {{a, i}, {b, i}};
+    map.Put(point);
+  }
+}
+
+// The tracker was lost there and went on: it says ten metres and a radian, or what its prediction says.
+TEST(MapWays, AStepThatIsNotKnownIsNoWay) {
+  for (const auto& [sigma_m, sigma_rad] : {std::pair(10.0, 1.0), std::pair(1.5, 0.01), std::pair(0.01, 0.4)}) {
+    const Map map = ChainWithStep(3, sigma_m, sigma_rad);
+    EXPECT_FALSE(MapWays(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
+    EXPECT_FALSE(MapWays(map, 0).From(3).has_value());
+    EXPECT_TRUE(MapWays(map, 5).CovarianceFrom(2).isZero());
+    EXPECT_TRUE(MapWays(map, 5).From(3).has_value());
+    EXPECT_TRUE(MapWays(map, 2).From(0).has_value());
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(MapWays(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
+}
+
+// A fast car's, or of a session of which many keyframes never came.
+TEST(MapWays, AStepThatIsLongMayErrByMore) {
+  EXPECT_TRUE(MapWays(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
+  EXPECT_TRUE(MapWays(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
+}
+
+TEST(MapWays, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
+  for (const int64_t parent_id : {2, 1}) {
+    Map map = ChainWithStep(3, 10.0, 1.0);
+    MapKeyframe keyframe = *map.FindKeyframe(3);
+    keyframe.parent_id = parent_id;
+    map.Put(keyframe);
+    ShareLandmarks(map, parent_id, 3, Map::kParent - 1);
+    EXPECT_FALSE(MapWays(map, 5).From(0).has_value()) << "a false landmark or two";
+    ShareLandmarks(map, parent_id, 3, Map::kParent);
+    ASSERT_TRUE(MapWays(map, 5).From(0).has_value());
+    EXPECT_NEAR(MapWays(map, 5).From(0)->length_m, 5.0, 1e-12);
+    EXPECT_LT(MapWays(map, 5).CovarianceFrom(0).norm(), 0.1);
+  }
 }
 
 TEST(InverseCovariance, AsByPerturbing) {

@@ -9,21 +9,33 @@ namespace {
 constexpr double kApart = 0.1;
 constexpr double kApart_rad = 5.0 * std::numbers::pi / 180.0;
 
+// Where the map knows how far it may have drifted, that has been asked: rather one of these.
+bool IsBetter(const LoopEvidence& a, const LoopEvidence& b) {
+  return a.connected == b.connected ? a.place.inliers > b.place.inliers : a.connected;
+}
+
 std::optional<size_t> Strongest(const std::vector<LoopEvidence>& evidence) {
   std::optional<size_t> best;
   for (size_t i = 0; i < evidence.size(); ++i) {
     if (evidence[i].verdict != LoopVerdict::kAccepted) continue;
-    if (!best || evidence[i].place.inliers > evidence[*best].place.inliers) best = i;
+    if (!best || IsBetter(evidence[i], evidence[*best])) best = i;
   }
   return best;
 }
 
-}  // namespace
-
+// Two poses of a camera: farther apart than a tenth of the distance to what it sees, or 5 deg.
 bool AreTwoPlaces(const FoundPlace& a, const FoundPlace& b) {
   const SE3 apart = a.pose.T_w_kf.Inverse() * b.pose.T_w_kf;
   const double distance_m = std::max({kNearestScale_m, a.median_depth_m, b.median_depth_m});
   return apart.translation().norm() > kApart * distance_m || apart.Log().tail<3>().norm() > kApart_rad;
+}
+
+}  // namespace
+
+bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapWays& ways_to_best,
+             const RelocalisationOptions& options) {
+  return other.inliers > options.max_rival_share * best.inliers && AreTwoPlaces(best, other) &&
+         ways_to_best.From(other_keyframe_id).has_value();
 }
 
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
@@ -38,12 +50,13 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   }
   search.best = Strongest(search.evidence);
   if (!search.best) return search;
-  const FoundPlace& best = search.evidence[*search.best].place;
+  const LoopEvidence& best = search.evidence[*search.best];
+  MapWays ways_to_best(map, best.edge.old_keyframe_id);
   for (const LoopEvidence& other : search.evidence) {
     // Where drift tells nothing, another place need not pass all gates to cast doubt.
-    const bool counts = other.verdict == LoopVerdict::kAccepted || !search.evidence[*search.best].connected;
-    const bool rival = counts && AreTwoPlaces(best, other.place) &&
-                       other.place.inliers > options.relocalisation.max_rival_share * best.inliers;
+    const bool counts = other.verdict == LoopVerdict::kAccepted || !best.connected;
+    const bool rival =
+        counts && IsRival(best.place, other.place, other.edge.old_keyframe_id, ways_to_best, options.relocalisation);
     if (rival) search.best.reset();
     if (rival) break;
   }

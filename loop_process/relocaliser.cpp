@@ -7,6 +7,7 @@
 
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_search.h"
+#include "loop_process/map_way.h"
 #include "loop_process/place_search.h"
 
 namespace plslam {
@@ -44,7 +45,7 @@ Relocalisation ToRelocalisation(const Answer& answer) {
 Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
                           const StereoCamera& camera, const LoopOptions& options) {
   std::optional<Answer> best;
-  std::vector<FoundPlace> all;
+  std::vector<Answer> all;
   FeatureNodes nodes;
   const PlaceDescription description = DescribePlace(memory.places(), features, nodes);
   for (const LoopCandidate& candidate :
@@ -58,14 +59,14 @@ Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const St
     const auto place = FindPlace(map, PlaceAround(map, id, options.verification.local_keyframes), guess->T_w_kf,
                                  features, camera, options.localisation);
     if (!place) continue;
-    all.push_back(*place);
+    all.push_back({id, *place});
     if (!IsGood(*place, options)) continue;
-    if (!best || place->inliers > best->place.inliers) best = Answer{candidate.keyframe_id, *place};
+    if (!best || place->inliers > best->place.inliers) best = all.back();
   }
   if (!best) return {};
-  const bool rivalled = std::any_of(all.begin(), all.end(), [&](const FoundPlace& other) {
-    return AreTwoPlaces(best->place, other) &&
-           other.inliers > options.relocalisation.max_rival_share * best->place.inliers;
+  MapWays ways_to_best(map, best->keyframe_id);
+  const bool rivalled = std::any_of(all.begin(), all.end(), [&](const Answer& other) {
+    return IsRival(best->place, other.place, other.keyframe_id, ways_to_best, options.relocalisation);
   });
   return rivalled ? Relocalisation() : ToRelocalisation(*best);
 }

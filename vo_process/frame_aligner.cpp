@@ -44,13 +44,8 @@ std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, co
   const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
   auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, prediction, expected_weight);
-  if (!coarse) {
-    const Search near{options_.tracking.search_radius_px, kRecentFrames};
-    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, near);
-    coarse = Estimate(landmarks, frame, matches, T_odom_predicted, prior, Coarse(options_.motion));
-    if (!coarse) return std::nullopt;
-    coarse->weak = true;
-  }
+  if (!coarse) coarse = FindWeak(landmarks, frame, T_odom_predicted, prior);
+  if (!coarse) return std::nullopt;
   return Refine(landmarks, frame, *coarse, prior, refiner);
 }
 
@@ -71,6 +66,19 @@ std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landm
     if (IsStrong(found, matches.Weight()) && consider(std::move(found))) return best;
   }
   consider(FindByDescriptor(landmarks, frame));
+  return best;
+}
+
+// Few features, in the window where most of them agree with each other and with the prior.
+std::optional<Alignment> FrameAligner::FindWeak(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                const SE3& T_odom_predicted, const MotionPrior& prior) const {
+  std::optional<Alignment> best;
+  for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, prior, Coarse(options_.motion));
+    if (found && (!best || found->matches.Weight() > best->matches.Weight())) best = std::move(found);
+  }
+  if (best) best->weak = true;
   return best;
 }
 

@@ -45,6 +45,8 @@ class FrameAligner {
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                          const SE3& T_odom_predicted, const MotionPrediction& prediction,
                                          int expected_weight) const;
+  std::optional<Alignment> FindWeak(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                    const SE3& T_odom_predicted, const MotionPrior& prior) const;
   bool IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
                 const MotionPrediction& prediction) const;
   FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,

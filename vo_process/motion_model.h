@@ -29,6 +29,9 @@ class MotionModel {
   /// Learns from a measured motion, with the covariance of its right perturbation.
   void Observe(const SE3& T_prev_c, double dt_s, const Matrix6d& covariance);
 
+  /// How fast the camera is is not known any more.
+  void Forget() { *this = MotionModel(options_); }
+
   /// A motion has been measured, so that predictions say more than "anywhere near".
   bool knows_motion() const { return last_dt_s_ > 0.0; }
 

@@ -4,7 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "vo_process/model_error.h"
 
 namespace plslam {
 namespace {
@@ -15,6 +14,8 @@ constexpr double kMinInterval_s = 1e-3;
 constexpr double kRecoveredShare = 0.1;
 constexpr double kRecoveredShareLater = 0.4;
 constexpr int kSoonFrames = 5;
+// Between two sights of the same landmarks, for their motion to say how fast the camera is.
+constexpr double kLongestStep_s = 0.5;
 
 // Landmarks that a frame could found: points with depth, lines with depth twice.
 int FoundingWeight(const StereoFeatures& features) {
@@ -81,7 +82,6 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       keyframe_measurements_(camera) {}
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
-  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   std::vector<double> raw_disparities_px = PointDisparities(features);
   kind_balance_.Apply(features);
   calibration_.Correct(features);
@@ -170,14 +170,18 @@ int Odometry::ExpectedWeight() const {
 
 std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
                                                        const MotionPrediction& prediction) {
-  auto found = aligner_.Align(dormant_->landmarks, frame, dormant_->T_odom_c, prediction, ExpectedWeight(), refiner_);
-  const double share = dormant_->n_lost <= kSoonFrames ? kRecoveredShare : kRecoveredShareLater;
+  // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead.
+  const bool soon = dormant_->n_lost <= kSoonFrames;
+  const SE3& T_odom_last = soon ? T_odom_c_ : dormant_->T_odom_c;
+  auto found = aligner_.Align(dormant_->landmarks, frame, T_odom_last, prediction, ExpectedWeight(), refiner_);
+  const double share = soon ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
+  Tracked tracked{std::move(*found), Reference::kDormant, dormant_->T_odom_c, dormant_->elapsed_s};
   dormant_->landmarks.NumberBehind(landmarks_);
   landmarks_ = std::move(dormant_->landmarks);
   dormant_.reset();
   relocalised_.reset();
-  return Tracked{std::move(*found), Reference::kDormant};
+  return tracked;
 }
 
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
@@ -194,6 +198,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
   // One mediocre frame does not lower what is expected of the next by much.
   tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
+  const Matrix6d covariance_before = alignment_covariance_;
   PropagateCovariance(tracked, result);
   kind_balance_.Observe(alignment);
 
@@ -204,12 +209,24 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
     landmarks_.Found(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
-  // A jump is no motion, and how fast the camera moves is not known. A second image of the same time tells no speed.
   result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
-  if (dt_s > kMinInterval_s) {
-    motion_model_.Observe(result.jumped ? SE3() : result.T_prev_c, dt_s, result.motion_covariance);
-  }
+  LearnMotion(tracked, dt_s, covariance_before, result);
   ChooseKeyframe(tracked, frame, result);
+}
+
+// A jump is no motion: what the camera did while nobody saw it tells how fast it is if that was not long, and else nobody knows. A
+// second image of the same time tells no speed.
+void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
+                           const OdometryResult& result) {
+  if (!result.jumped) {
+    if (dt_s > kMinInterval_s) motion_model_.Observe(result.T_prev_c, dt_s, result.motion_covariance);
+    return;
+  }
+  const double unseen_s = tracked.before_s + dt_s;
+  if (tracked.reference != Reference::kDormant || unseen_s > kLongestStep_s) return motion_model_.Forget();
+  const SE3 T_before_c = tracked.T_odom_before.Inverse() * tracked.alignment.T_odom_c;
+  motion_model_.Observe(T_before_c, unseen_s,
+                        ComposeCovariance(covariance_before, T_before_c, tracked.alignment.covariance));
 }
 
 void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& result) {
@@ -238,6 +255,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   result.state = TrackingState::kLost;
   if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
   ++dormant_->n_lost;
+  dormant_->elapsed_s += dt_s;
   result.T_prev_c = prediction.T_prev_c;
   result.motion_covariance = prediction.covariance;
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);

@@ -112,6 +112,9 @@ class Odometry {
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
+    /// kDormant: where the camera was when it was last seen among these landmarks, and how long before the last frame.
+    SE3 T_odom_before{};
+    double before_s = 0.0;
   };
   /// Landmarks of the map among which the camera should be.
   struct Relocalised {
@@ -127,6 +130,8 @@ class Odometry {
   int ExpectedWeight() const;
   void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
+                   const OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
@@ -159,7 +164,8 @@ class Odometry {
   struct Dormant {
     LocalLandmarks landmarks;
     SE3 T_odom_c;
-    int n_lost = 0;  ///< frames since
+    int n_lost = 0;          ///< frames since
+    double elapsed_s = 0.0;  ///< up to the last of them
   };
   std::optional<Dormant> dormant_;
 

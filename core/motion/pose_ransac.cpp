@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 #include "core/geometry/triangulation.h"
 #include "core/motion/alignment.h"
 #include "core/motion/normal_equations.h"
@@ -15,6 +17,8 @@ constexpr int kMaxHypotheses = 500;
 constexpr int kMinHypotheses = 20;
 constexpr double kConfidence = 0.999;
 constexpr double kMinSineOfLines = 0.15;
+constexpr int kMaxPolishing = 3;
+constexpr double kDamping = 1e-6;
 
 // SplitMix64: the distributions of the standard library differ between its implementations.
 class Random {
@@ -35,14 +39,16 @@ class Random {
   uint64_t state_;
 };
 
-/// What a minimal set is made of: features with a 3D place in both frames.
+/// What a minimal set is made of: features with a 3D place in both frames; `index` is the caller's.
 struct PointPair {
   Eigen::Vector3d ref;
   Eigen::Vector3d cur;
+  int index;
 };
 struct LinePair {
   Segment3 ref;
   Segment3 cur;
+  int index;
 };
 
 class Ransac {
@@ -56,6 +62,8 @@ class Ransac {
   std::optional<SE3> Hypothesis();
   std::optional<SE3> FromPoints();
   std::optional<SE3> FromLines();
+  SE3 Polished(const SE3& T_cur_ref, const std::vector<PointObservation>& points,
+               const std::vector<LineObservation>& lines) const;
   ActiveSet Inliers(const SE3& T_cur_ref) const;
   int NeededHypotheses(int n_inliers) const;
   static int Score(const ActiveSet& set) { return set.CountPoints() + 2 * set.CountLines(); }
@@ -65,6 +73,7 @@ class Ransac {
   const StereoCamera& camera_;
   int min_inliers_;
   MotionOptions options_;
+  RobustExpectations expectations_;
   PreparedObservations observations_;
   std::vector<PointPair> point_pairs_;
   std::vector<LinePair> line_pairs_;
@@ -86,16 +95,18 @@ Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<Li
       camera_(camera),
       min_inliers_(min_inliers),
       options_(PixelGates(inlier_px)),
+      expectations_(ExpectRobust(options_.huber_delta, options_.gate_sigmas)),
       observations_(points, lines, options_),
       random_(seed) {
-  for (const PreparedPoint& o : observations_.points) {
-    if (o.uvd.z() > 0.0) point_pairs_.push_back({o.p_ref, camera.Backproject(o.uvd)});
+  for (const int i : observations_.point_index) {
+    const PointObservation& o = points[i];
+    if (o.uvd.z() > 0.0) point_pairs_.push_back({o.p_ref, camera.Backproject(o.uvd), i});
   }
   for (const int i : observations_.line_index) {
     const LineObservation& o = lines[i];
     if (o.disparity_p_px <= 0.0 || o.disparity_q_px <= 0.0) continue;
     line_pairs_.push_back(
-        {o.segment_ref, BackprojectSegment(camera, o.observed, o.disparity_p_px, o.disparity_q_px)});
+        {o.segment_ref, BackprojectSegment(camera, o.observed, o.disparity_p_px, o.disparity_q_px), i});
   }
 }
 
@@ -112,7 +123,11 @@ std::optional<SE3> Ransac::FromPoints() {
     ref[i] = point_pairs_[chosen[i]].ref;
     cur[i] = point_pairs_[chosen[i]].cur;
   }
-  return AlignPoints(ref, cur);
+  const auto aligned = AlignPoints(ref, cur);
+  if (!aligned) return std::nullopt;
+  std::vector<PointObservation> minimal;
+  for (const int i : chosen) minimal.push_back(points_[point_pairs_[i].index]);
+  return Polished(*aligned, minimal, {});
 }
 
 std::optional<SE3> Ransac::FromLines() {
@@ -122,7 +137,31 @@ std::optional<SE3> Ransac::FromLines() {
   if (first == second) return std::nullopt;
   const LinePair& a = line_pairs_[first];
   const LinePair& b = line_pairs_[second];
-  return AlignLines(a.ref, b.ref, a.cur, b.cur, kMinSineOfLines);
+  const auto aligned = AlignLines(a.ref, b.ref, a.cur, b.cur, kMinSineOfLines);
+  if (!aligned) return std::nullopt;
+  return Polished(*aligned, {}, {lines_[a.index], lines_[b.index]});
+}
+
+/// The pose from where the minimal set is reprojected best. Where disparities are small, places are metres off along the rays,
+/// and so is what aligns them, while the pixels are nearly right.
+SE3 Ransac::Polished(const SE3& T_cur_ref, const std::vector<PointObservation>& points,
+                     const std::vector<LineObservation>& lines) const {
+  const PreparedObservations minimal(points, lines, options_);
+  const ActiveSet all{std::vector<char>(minimal.points.size(), 1), std::vector<char>(minimal.lines.size(), 1)};
+  SE3 best = T_cur_ref;
+  NormalEquations sum = BuildNormalEquations(minimal, all, best, camera_, expectations_, options_);
+  for (int i = 0; i < kMaxPolishing; ++i) {
+    Matrix6d damped = sum.H();
+    damped.diagonal() *= 1.0 + kDamping;
+    const Vector6d x = damped.ldlt().solve(sum.g);
+    if (!x.allFinite()) break;
+    const SE3 trial = SE3::Exp(x) * best;
+    const NormalEquations at_trial = BuildNormalEquations(minimal, all, trial, camera_, expectations_, options_);
+    if (at_trial.cost >= sum.cost) break;
+    best = trial;
+    sum = at_trial;
+  }
+  return best;
 }
 
 std::optional<SE3> Ransac::Hypothesis() {

@@ -87,6 +87,28 @@ TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
   }
 }
 
+// A wide lens with a short baseline in a hall: disparities of 1 to 4 pixels, so that places are metres off along their rays.
+TEST(EstimatePoseRansac, FindsThePoseAmongFarPointsToo) {
+  MotionWorldMaker maker(25);
+  const test::MotionNoise noise{0.5, 0.2, 0.2};
+  int n_found = 0;
+  for (uint64_t trial = 0; trial < 20; ++trial) {
+    MotionWorld world;
+    world.camera = StereoCamera(214.0, 256.0, 256.0, 0.1, 512, 512);
+    world.T_cur_ref = maker.SmallMotion(0.5, 0.3);
+    const auto far_point = [&] { return Eigen::Vector3d(2.5 * maker.PointInView(world.camera)); };
+    while (world.points.size() < 100) {
+      const Eigen::Vector3d p = far_point();
+      if (!world.camera.InImage(world.camera.Project(world.T_cur_ref * p), 0.0)) continue;
+      world.points.push_back(maker.Observe(world, p, noise));
+      if (world.points.size() > 30) world.points.back().uvd = world.camera.ProjectStereo(far_point());
+    }
+    const auto estimate = EstimatePoseRansac(world.points, {}, world.camera, 20, 4.0, trial);
+    if (estimate && ErrorOf(*estimate, world.T_cur_ref).tail<3>().norm() < 0.02) ++n_found;
+  }
+  EXPECT_EQ(n_found, 20);
+}
+
 TEST(EstimatePoseRansac, SameSeedSameBits) {
   MotionWorldMaker maker(22);
   const MotionWorld world = WideWorld(maker, 60, 20);

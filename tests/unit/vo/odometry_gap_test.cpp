@@ -47,12 +47,31 @@ TEST(OdometryGaps, TheEdgeAcrossALossBeforeAnyMotionWasSeenAllowsForAnySpeed) {
   EXPECT_GT(std::sqrt(back.keyframe->covariance(2, 2)), kMotorway_m_s * 2e-9 * kFrame_ns);
 }
 
+// Where a lost camera is expected tells what is known of its motion.
+TEST(OdometryGaps, AfterADarkFrameTheMotionGoesOn) {
+  const FeatureWorld world({300, 60}, 9);
+  const auto at = [](int i) { return SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.08 * i}); };
+  for (const int n_dark : {1, 3, 12}) {
+    Odometry odometry(FeatureWorld::Camera(), VoOptions());
+    for (int i = 0; i < 5; ++i) odometry.Track(i * kFrame_ns, world.Observe(at(i), 0.3, i));
+    for (int i = 5; i < 5 + n_dark; ++i) odometry.Track(i * kFrame_ns, {});
+    const int back = 5 + n_dark;
+    ASSERT_EQ(odometry.Track(back * kFrame_ns, world.Observe(at(back), 0.3, back)).state, TrackingState::kRecovered);
+    const OdometryResult dark = odometry.Track((back + 1) * kFrame_ns, {});
+    if (n_dark < 5) {
+      EXPECT_NEAR(dark.T_prev_c.translation().z(), 0.08, 0.01) << n_dark << " dark frames";
+      EXPECT_LT(std::sqrt(dark.motion_covariance(2, 2)), 0.2);
+    } else {
+      EXPECT_GT(std::sqrt(dark.motion_covariance(2, 2)), 0.2) << "how fast it is is not known any more";
+    }
+  }
+}
+
 // Normalised squared error of the motion between keyframes: 6 where the covariance is right.
 TEST(OdometryCovariance, EdgesBetweenKeyframesAreAsSureAsTheySay) {
   double sum = 0.0;
   int n = 0;
-  VoOptions options;
-  options.landmarks.line_model_sigma_px = 0.0;
+  const VoOptions options;
   for (uint64_t seed = 1; seed <= 10; ++seed) {
     const FeatureWorld world({300, 60}, 7 * seed);
     Odometry odometry(FeatureWorld::Camera(), options);

@@ -171,6 +171,20 @@ TEST(Odometry, FewFeaturesAreWeakNotLost) {
   EXPECT_LT(PositionError(result, 10), 0.05);
 }
 
+// Outside the near window, but not farther than a hand turns a camera.
+TEST(Odometry, FewFeaturesThatMoveFarAreWeakNotLost) {
+  const FeatureWorld world({300, 0}, 9);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 10; ++i) odometry.Track(i * kFrame_ns, SeenAt(world, i));
+  const SE3 turn(Eigen::Quaterniond(Eigen::AngleAxisd(0.06, Eigen::Vector3d::UnitY())), Eigen::Vector3d::Zero());
+  const SE3 T_w_c = PathAt(10) * turn;
+  StereoFeatures few = world.Observe(T_w_c, 0.3, 10);
+  few.points.resize(16);
+  const OdometryResult result = odometry.Track(10 * kFrame_ns, few);
+  EXPECT_EQ(result.state, TrackingState::kWeak);
+  EXPECT_LT((T_w_c.Inverse() * result.T_odom_c).Log().norm(), 0.05);
+}
+
 TEST(Odometry, FewFeaturesAfterALongWhileAreLost) {
   // A picture every second: the motion before allows any place now, so that few may agree on a wrong one.
   constexpr int64_t kSecond_ns = 1'000'000'000;

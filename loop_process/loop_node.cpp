@@ -105,7 +105,7 @@ void LoopNode::DropAdjustment() {
   ++n_dropped_;
 }
 
-void LoopNode::Send(const LoopService::Output& output) {
+void LoopNode::Send(LoopService::Output output) {
   const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
   if (std::any_of(output.closures.begin(), output.closures.end(), is_loop)) DropAdjustment();
   for (const LoopClosure& closure : output.closures) {
@@ -120,7 +120,7 @@ void LoopNode::Send(const LoopService::Output& output) {
   if (!output.adjustment) return;
   {
     const std::lock_guard lock(mutex_);
-    adjustment_ = output.adjustment;
+    adjustment_ = std::move(output.adjustment);
     stop_adjustment_ = true;
   }
   changed_.notify_all();

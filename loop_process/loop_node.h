@@ -47,7 +47,7 @@ class LoopNode {
   void AdjustUntilStopped();
   LoopService::Output Handle(const Arrival& arrival);
   void DropAdjustment();
-  void Send(const LoopService::Output& output);
+  void Send(LoopService::Output output);
   void Count(const LoopClosure& closure);
   void CountFailure(const std::string& failure);
 

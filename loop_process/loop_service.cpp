@@ -13,6 +13,16 @@ int64_t Newest(const std::map<int64_t, int64_t>& by_session, int64_t session) {
   return found == by_session.end() ? kNone : found->second;
 }
 
+// What it is about, without what it says.
+LoopClosure HeadOf(const LoopClosure& closure) {
+  LoopClosure head;
+  head.more = closure.more;
+  head.session = closure.session;
+  head.session_keyframe_id = closure.session_keyframe_id;
+  head.t_ns = closure.t_ns;
+  return head;
+}
+
 }  // namespace
 
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
@@ -39,7 +49,8 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     newest_.clear();
     settled_.clear();
     due_.clear();
-    on_its_way_.reset();
+    told_.reset();
+    on_its_way_since_ms_.reset();
     unadjusted_.reset();
   }
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
@@ -61,14 +72,7 @@ LoopService::Output LoopService::OnQuestion(const Keyframe& frame) {
 /// What an update means for what is to be judged.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
   NoteNewest(update);
-  if (on_its_way_) {
-    const bool arrived = replica_.map().loops().size() > on_its_way_->n_loops;
-    // Settled without it: the map has refused it.
-    if (arrived || update.settled) {
-      if (arrived && on_its_way_->loop.more) Adjust(on_its_way_->loop, output);
-      on_its_way_.reset();
-    }
-  }
+  FollowLoops(update, output);
   if (update.session_keyframe_id < 0) return;
   const bool begins = update.base_version == 0 && !judged_.contains(update.session);
   // What another loop_process has judged, or will never be: of all sessions but for the newest keyframe.
@@ -89,6 +93,27 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
   }
   AddDue(update, judged);
   judged_[update.session] = std::max(judged, update.session_keyframe_id);
+}
+
+/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process tells of loops, and
+/// a map that one has bent refuses those computed before.
+void LoopService::FollowLoops(const MapUpdate& update, Output& output) {
+  const size_t n_loops = replica_.map().loops().size();
+  const bool arrived = n_loops > std::exchange(n_loops_, n_loops);
+  if (!told_) return;
+  if (arrived || IsRefused(update)) on_its_way_since_ms_.reset();
+  if (!arrived) return;
+  if (told_->more) Adjust(*told_, output);
+  told_.reset();
+}
+
+/// A map that refuses a loop settles what it has. But another robot's keyframe may be settled because it has been judged.
+bool LoopService::IsRefused(const MapUpdate& update) const {
+  if (!update.settled) return false;
+  if (update.session == told_->session) return update.session_keyframe_id >= told_->session_keyframe_id;
+  return std::any_of(due_.begin(), due_.end(), [&update](const Due& due) {
+    return due.session == update.session && due.keyframe_id == update.session_keyframe_id;
+  });
 }
 
 /// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means little:
@@ -119,6 +144,7 @@ void LoopService::NoteNewest(const MapUpdate& update) {
 }
 
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
+  closer_.Follow(replica_.map());
   output.adjustment = closer_.WholeMap(replica_.map(), loop);
   output.adjustment->map_source = replica_.source();
   output.adjustment->map_version = replica_.version();
@@ -164,11 +190,12 @@ std::deque<LoopService::Due>::iterator LoopService::NextDue() {
 void LoopService::JudgeWhatIsDue(Output& output) {
   if (!IsComplete()) return;
   if (unadjusted_) {
-    closer_.Follow(replica_.map());
     Adjust(*unadjusted_, output);
     unadjusted_.reset();
   }
-  while (!on_its_way_) {
+  // That it was refused may have looked like something else.
+  if (on_its_way_since_ms_ && now_ms_() - *on_its_way_since_ms_ >= kPatience_ms) on_its_way_since_ms_.reset();
+  while (!on_its_way_since_ms_) {
     const auto next = NextDue();
     if (next == due_.end()) return;
     const auto [session, keyframe_id, since_ms] = *next;
@@ -181,7 +208,10 @@ void LoopService::JudgeWhatIsDue(Output& output) {
     closure.map_version = replica_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
-    if (closure.kind == LoopClosure::Kind::kLoop) on_its_way_ = OnItsWay{closure, replica_.map().loops().size()};
+    if (closure.kind == LoopClosure::Kind::kLoop) {
+      told_ = HeadOf(closure);
+      on_its_way_since_ms_ = now_ms_();
+    }
     output.closures.push_back(std::move(closure));
   }
 }

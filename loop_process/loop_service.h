@@ -21,7 +21,8 @@ namespace plslam {
 /// same arrivals give the same answers, in whichever order keyframes, updates of the map and questions come in between.
 ///
 /// Each keyframe is judged once, on the map right after it came in, and its features are waited for. While a loop is on
-/// its way into the map, nothing else is judged. A question of a lockstep stream is answered on the map that loop_process
+/// its way into the map, nothing else is judged, until it is there or refused, or for a while where that cannot be told; whenever it
+/// arrives, the adjustment of the whole map follows. A question of a lockstep stream is answered on the map that loop_process
 /// has had its say about, as of the tracker's last keyframe.
 ///
 /// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes are there,
@@ -30,7 +31,7 @@ namespace plslam {
 /// is not settled, waits for the adjustment that the loop_process before this one died over.
 class LoopService {
  public:
-  /// How long features that do not come are waited for.
+  /// How long features that do not come are waited for, and loops of which the map says nothing.
   static constexpr double kPatience_ms = 3000.0;
 
   /// What is to be sent, and what is to be adjusted meanwhile.
@@ -54,10 +55,6 @@ class LoopService {
   const MapReplica& replica() const { return replica_; }
 
  private:
-  struct OnItsWay {
-    LoopClosure loop;
-    size_t n_loops = 0;  ///< in the map without it
-  };
   /// A keyframe to be judged, as its session counts, and since when.
   struct Due {
     int64_t session = 0;
@@ -66,6 +63,8 @@ class LoopService {
   };
 
   void Follow(const MapUpdate& update, Output& output);
+  void FollowLoops(const MapUpdate& update, Output& output);
+  bool IsRefused(const MapUpdate& update) const;
   void NoteNewest(const MapUpdate& update);
   void AddDue(const MapUpdate& update, int64_t judged);
   void Adjust(const LoopClosure& loop, Output& output);
@@ -90,7 +89,11 @@ class LoopService {
   double lacking_since_ms_ = 0.0;
   /// The loop whose adjustment another loop_process died over.
   std::optional<LoopClosure> unadjusted_;
-  std::optional<OnItsWay> on_its_way_;
+  /// The last loop told that the map has not taken over, without edges and poses; it may yet come when it seemed refused. And since
+  /// when it is on its way.
+  std::optional<LoopClosure> told_;
+  std::optional<double> on_its_way_since_ms_;
+  size_t n_loops_ = 0;  ///< in the map
   std::deque<Keyframe> questions_;
 };
 

@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "loop_process/loop_service.h"
+#include "tests/unit/loop/ring_world.h"
+
+namespace plslam::test {
+namespace {
+
+constexpr int64_t kOtherRobot = 8;
+
+/// Walks a ring until a loop is told; then all is live, and the map may take its time.
+class ToldLoop : public testing::Test {
+ protected:
+  void SetUp() override {
+    while (loop_.kind != LoopClosure::Kind::kLoop && next_ + 3 < ring_.size()) {
+      const auto output = Show(next_++);
+      if (!output.closures.empty()) loop_ = output.closures.back();
+    }
+    ASSERT_EQ(loop_.kind, LoopClosure::Kind::kLoop);
+  }
+
+  /// The map has one more keyframe of the robot.
+  LoopService::Output Show(int i) {
+    const Keyframe& keyframe = ring_.walk.keyframes[static_cast<size_t>(i)];
+    service_.OnKeyframe(keyframe);
+    EXPECT_TRUE(MapOne(keyframe, mapper_));
+    return Publish(keyframe.session, keyframe.keyframe_id, false);
+  }
+  /// The map, as far as it has changed, with this as its newest keyframe.
+  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool settled) {
+    MapUpdate update = mapper_.TakeUpdate();
+    update.source = 1;
+    update.session = session;
+    update.session_keyframe_id = keyframe_id;
+    update.settled = settled;
+    return service_.OnUpdate(update);
+  }
+  LoopService::Output TakeOver() {
+    std::string reason;
+    EXPECT_TRUE(mapper_.Correct(loop_, &reason)) << reason;
+    return Publish(loop_.session, loop_.session_keyframe_id, false);
+  }
+
+  Ring ring_;
+  int next_ = 0;
+  double now_ms_ = 0.0;
+  Mapper mapper_{FeatureWorld::Camera(), MappingOptions()};
+  LoopService service_{LoopCloser(FeatureWorld::Camera(), PlacesOf(ring_.world), {}), [this] { return now_ms_; }};
+  LoopClosure loop_;
+};
+
+TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
+  const auto output = TakeOver();
+  ASSERT_TRUE(output.adjustment.has_value());
+  EXPECT_EQ(output.adjustment->session, loop_.session);
+  EXPECT_EQ(output.adjustment->session_keyframe_id, loop_.session_keyframe_id);
+  EXPECT_FALSE(Publish(loop_.session, loop_.session_keyframe_id, true).adjustment.has_value()) << "once";
+}
+
+// Another robot's keyframe had no loop, and so is settled.
+TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsSettled) {
+  EXPECT_TRUE(Publish(kOtherRobot, 3, true).closures.empty());
+  EXPECT_TRUE(Show(next_).closures.empty()) << "nothing is judged on a map that is about to bend";
+  const auto output = TakeOver();
+  EXPECT_TRUE(output.adjustment.has_value());
+  EXPECT_EQ(output.closures.size(), 1U);
+}
+
+TEST_F(ToldLoop, IsAdjustedEvenIfItHadBeenTakenForRefused) {
+  Publish(loop_.session, loop_.session_keyframe_id, true);
+  EXPECT_TRUE(TakeOver().adjustment.has_value());
+}
+
+TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
+  Show(next_);
+  Show(next_ + 1);
+  const int64_t newest = mapper_.map().keyframes().rbegin()->first;
+  const auto output = TakeOver();
+  ASSERT_TRUE(output.adjustment.has_value());
+  EXPECT_EQ(output.adjustment->keyframes.back().keyframe_id, newest);
+}
+
+// The map settles its newest keyframe, of whichever robot, which nobody has judged.
+TEST_F(ToldLoop, ThatIsRefusedFreesTheOthersAtOnce) {
+  EXPECT_TRUE(Show(next_).closures.empty());
+  const int64_t newest = ring_.walk.keyframes[static_cast<size_t>(next_)].keyframe_id;
+  EXPECT_EQ(Publish(loop_.session, newest, true).closures.size(), 1U);
+}
+
+TEST_F(ToldLoop, ThatIsRefusedWhenAnotherRobotsKeyframeIsTheNewestFreesTheOthersToo) {
+  EXPECT_TRUE(Show(next_).closures.empty());
+  Publish(kOtherRobot, 3, false);
+  EXPECT_EQ(Publish(kOtherRobot, 3, true).closures.size(), 1U);
+}
+
+TEST_F(ToldLoop, OfWhichTheMapSaysNothingIsWaitedForAWhile) {
+  EXPECT_TRUE(Show(next_).closures.empty());
+  Publish(kOtherRobot, 3, true);
+  now_ms_ += LoopService::kPatience_ms - 1.0;
+  EXPECT_TRUE(service_.OnTick().closures.empty());
+  now_ms_ += 1.0;
+  EXPECT_EQ(service_.OnTick().closures.size(), 1U);
+}
+
+}  // namespace
+}  // namespace plslam::test

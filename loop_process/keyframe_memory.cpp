@@ -1,12 +1,19 @@
 #include "loop_process/keyframe_memory.h"
 
 #include <algorithm>
+#include <iterator>
+#include <limits>
 #include <utility>
 #include <vector>
 
 #include "core/features/descriptors_of.h"
 
 namespace plslam {
+namespace {
+
+constexpr int64_t kLowest = std::numeric_limits<int64_t>::min();
+
+}  // namespace
 
 PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
                                FeatureNodes& point_nodes) {
@@ -20,10 +27,24 @@ bool KeyframeMemory::Add(const Keyframe& keyframe) {
   const Name name{keyframe.session, keyframe.keyframe_id};
   if (!known_.insert(name).second) return false;
   waiting_[name] = keyframe.features;
+  if (has_map_) DropUntaken(name.first);
   return true;
 }
 
+/// The oldest first: a map that does come to know the session begins with what is new.
+void KeyframeMemory::DropUntaken(int64_t session) {
+  if (taken_.contains(session)) return;
+  auto oldest = waiting_.lower_bound({session, kLowest});
+  const auto end = std::find_if_not(oldest, waiting_.end(),
+                                    [session](const auto& waiting) { return waiting.first.first == session; });
+  for (auto n = std::distance(oldest, end); n > kMostUntaken; --n) {
+    known_.erase(oldest->first);
+    oldest = waiting_.erase(oldest);
+  }
+}
+
 void KeyframeMemory::Enter(int64_t id, const Name& name, StereoFeatures features) {
+  taken_.insert(name.first);
   places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
   features_[id] = std::move(features);
   const std::pair entered(id, name);
@@ -70,6 +91,11 @@ void KeyframeMemory::Follow(const Map& map) {
     if (for_good) known_.erase(waiting.first);
     return for_good;
   });
+  has_map_ = has_map_ || !map.keyframes().empty();
+  if (!has_map_) return;
+  std::set<int64_t> sessions;
+  for (const auto& [name, features] : waiting_) sessions.insert(name.first);
+  for (const int64_t session : sessions) DropUntaken(session);
 }
 
 }  // namespace plslam

@@ -21,6 +21,10 @@ PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatur
 /// either may know of a keyframe first; and a map may be replaced by one that starts anew.
 class KeyframeMemory {
  public:
+  /// Of a session that no map has taken anything of so far (of another camera, say) only so many wait, the newest: as many as a map
+  /// that is built anew may be behind.
+  static constexpr int64_t kMostUntaken = 500;
+
   explicit KeyframeMemory(PlaceRecogniser places) : places_(std::move(places)) {}
 
   /// Features of a keyframe, as its session numbers it. False where they are here already.
@@ -30,7 +34,7 @@ class KeyframeMemory {
   bool Knows(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
 
   /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may still
-  /// take them, that is until a later keyframe of their session is in it.
+  /// take them, that is until a later keyframe of their session is in it; see also `kMostUntaken`. Before there is a map all wait.
   void Follow(const Map& map);
 
   /// Those of the map, as of the last `Follow`, that came with features.
@@ -45,10 +49,13 @@ class KeyframeMemory {
 
   void Enter(int64_t id, const Name& name, StereoFeatures features);
   void Leave(int64_t id, const Name& name);
+  void DropUntaken(int64_t session);
 
   PlaceRecogniser places_;
   std::set<Name> known_;  // of all whose features are here, waiting or not
   std::map<Name, StereoFeatures> waiting_;
+  std::set<int64_t> taken_;  // sessions of which a map has ever had a keyframe
+  bool has_map_ = false;
   KeyframeFeatures features_;
   std::map<int64_t, FeatureNodes> point_nodes_;
   // Of those that have entered, ascending by id: every keyframe reads all of them, so they lie together.

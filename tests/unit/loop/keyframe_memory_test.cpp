@@ -75,6 +75,52 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
   EXPECT_FALSE(memory.features().contains(1));
 }
 
+// Another camera's, say.
+TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
+  constexpr int64_t kMost = KeyframeMemory::kMostUntaken;
+  KeyframeMemory memory(SmallPlaces());
+  Map map;
+  const auto add = [&memory](int64_t session, int64_t number) {
+    Keyframe keyframe = Named(session, 0);
+    keyframe.keyframe_id = number;
+    memory.Add(keyframe);
+  };
+  for (int64_t i = 0; i < kMost + 2; ++i) add(2, i);
+  memory.Follow(map);
+  EXPECT_TRUE(memory.Knows(2, 0)) << "there is no map yet";
+  map.Put(InMap(0, 1, 0));
+  memory.Add(Named(1, 0));
+  memory.Follow(map);
+  EXPECT_FALSE(memory.Knows(2, 1));
+  EXPECT_TRUE(memory.Knows(2, 2));
+  add(2, kMost + 2);
+  EXPECT_FALSE(memory.Knows(2, 2)) << "nor do they grow while the map stays as it is";
+  EXPECT_TRUE(memory.Knows(2, kMost + 2));
+  map.Put(InMap(1, 2, kMost + 2));
+  memory.Follow(map);
+  EXPECT_EQ(PointsOf(memory, 1), 1U);
+}
+
+TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
+  constexpr int64_t kMany = KeyframeMemory::kMostUntaken + 10;
+  KeyframeMemory memory(SmallPlaces());
+  Map map;
+  for (int64_t i = 0; i < kMany; ++i) {
+    Keyframe keyframe = Named(1, 0);
+    keyframe.keyframe_id = i;
+    memory.Add(keyframe);
+    map.Put(InMap(i, 1, i));
+  }
+  memory.Follow(map);
+  Map anew;
+  anew.Put(InMap(0, 2, 0));
+  memory.Follow(anew);
+  EXPECT_TRUE(memory.Knows(1, 0));
+  anew.Put(InMap(1, 1, 0));
+  memory.Follow(anew);
+  EXPECT_EQ(PointsOf(memory, 1), 1U);
+}
+
 TEST(KeyframeMemory, MapThatStartsAnewTakesThemAgainUnderOtherIds) {
   KeyframeMemory memory(SmallPlaces());
   Map map;

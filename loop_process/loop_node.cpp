@@ -11,6 +11,7 @@
 #include "core/geometry/rectification.h"
 #include "loop_process/vocabulary_files.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/status_t.hpp"
 
 namespace plslam {
 namespace {
@@ -30,6 +31,7 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
           process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
       map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
+  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
   judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });
   adjuster_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { AdjustUntilStopped(); }); });
@@ -57,6 +59,11 @@ void LoopNode::OnCamera(const camera_t& message) {
     camera_ = Rectify(*rig).camera;
   }
   changed_.notify_all();
+}
+
+void LoopNode::OnStatus(const status_t& message) {
+  // Before there is a camera everything waits.
+  if (!camera_bytes_.empty()) Queue(SignOfLife{message.header.source});
 }
 
 void LoopNode::Queue(Arrival arrival) {
@@ -94,6 +101,10 @@ void LoopNode::JudgeUntilStopped() {
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(*keyframe);
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return service_->OnUpdate(*update);
+  if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
+    service_->OnSignOfLife(sign->source);
+    return service_->OnTick();
+  }
   return service_->OnQuestion(std::get<Question>(arrival).frame);
 }
 

@@ -21,6 +21,7 @@
 
 namespace plslam {
 class camera_t;
+class status_t;
 
 /// loop_process on the bus: keyframes, the map and questions of trackers in; loop closures and answers out.
 ///
@@ -37,9 +38,13 @@ class LoopNode {
   struct Question {
     Keyframe frame;
   };
-  using Arrival = std::variant<Keyframe, MapUpdate, Question>;
+  struct SignOfLife {
+    int64_t source = 0;
+  };
+  using Arrival = std::variant<Keyframe, MapUpdate, Question, SignOfLife>;
 
   void OnCamera(const camera_t& message);
+  void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
 
   // On the workers.

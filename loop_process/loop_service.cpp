@@ -27,6 +27,7 @@ LoopClosure HeadOf(const LoopClosure& closure) {
 
 LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
   Output output;
+  if (keyframe.lockstep) lockstep_[keyframe.session] = {keyframe.source, now_ms_()};
   // Said again in the name of a tracker that has died, or by a mapping_process that has been started again.
   if (!closer_.AddKeyframe(keyframe)) return output;
   if (lacking_.erase({keyframe.session, keyframe.keyframe_id}) > 0) lacking_since_ms_ = now_ms_();
@@ -38,6 +39,12 @@ LoopService::Output LoopService::OnTick() {
   JudgeWhatIsDue(output);
   AnswerWhatIsDue(output);
   return output;
+}
+
+void LoopService::OnSignOfLife(int64_t source) {
+  for (auto& [session, teller] : lockstep_) {
+    if (teller.source == source) teller.heard_ms = now_ms_();
+  }
 }
 
 LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
@@ -175,12 +182,19 @@ bool LoopService::IsComplete() {
   return lacking_.empty();
 }
 
+/// In lockstep the result must not depend on how long a cable was out.
+bool LoopService::HasWaited(const Due& due) const {
+  const double now_ms = now_ms_();
+  const auto teller = lockstep_.find(due.session);
+  if (teller == lockstep_.end()) return now_ms - due.since_ms >= kPatience_ms;
+  return now_ms - std::max(due.since_ms, teller->second.heard_ms) >= kLockstepPatience_ms;
+}
+
 /// In order within a session; a robot whose keyframes are late does not hold up the others.
 std::deque<LoopService::Due>::iterator LoopService::NextDue() {
   std::set<int64_t> late;
-  const double now_ms = now_ms_();
   return std::find_if(due_.begin(), due_.end(), [&](const Due& due) {
-    const bool here = closer_.Knows(due.session, due.keyframe_id) || now_ms - due.since_ms >= kPatience_ms;
+    const bool here = closer_.Knows(due.session, due.keyframe_id) || HasWaited(due);
     if (here && !late.contains(due.session)) return true;
     late.insert(due.session);
     return false;

@@ -33,6 +33,8 @@ class LoopService {
  public:
   /// How long features that do not come are waited for, and loops of which the map says nothing.
   static constexpr double kPatience_ms = 3000.0;
+  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others wait in lockstep.
+  static constexpr double kLockstepPatience_ms = 15000.0;
 
   /// What is to be sent, and what is to be adjusted meanwhile.
   struct Output {
@@ -51,6 +53,8 @@ class LoopService {
   Output OnQuestion(const Keyframe& frame);
   /// Time passes: now and then.
   Output OnTick();
+  /// A process lives; named as in `Keyframe::source`.
+  void OnSignOfLife(int64_t source);
 
   const MapReplica& replica() const { return replica_; }
 
@@ -63,6 +67,13 @@ class LoopService {
   };
 
   void Follow(const MapUpdate& update, Output& output);
+  /// Who tells the keyframes of a lockstep session, and when something was last heard of it.
+  struct Teller {
+    int64_t source = 0;
+    double heard_ms = 0.0;
+  };
+
+  bool HasWaited(const Due& due) const;
   void FollowLoops(const MapUpdate& update, Output& output);
   bool IsRefused(const MapUpdate& update) const;
   void NoteNewest(const MapUpdate& update);
@@ -84,6 +95,7 @@ class LoopService {
   std::map<int64_t, int64_t> newest_;
   std::map<int64_t, int64_t> settled_;
   std::deque<Due> due_;
+  std::map<int64_t, Teller> lockstep_;  // by session
   /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none has come.
   std::set<std::pair<int64_t, int64_t>> lacking_;
   double lacking_since_ms_ = 0.0;

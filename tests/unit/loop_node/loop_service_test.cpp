@@ -120,14 +120,32 @@ TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
 }
 
 TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
-  service_.OnKeyframe(KeyframeOf(0));
+  service_.OnKeyframe(KeyframeOf(0, false));
   EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
-  service_.OnKeyframe(KeyframeOf(2));
+  service_.OnKeyframe(KeyframeOf(2, false));
   EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), Ids{});
   now_ms_ += LoopService::kPatience_ms - 1.0;
   EXPECT_EQ(Judged(service_.OnTick()), Ids{});
   now_ms_ += 1.0;
   EXPECT_EQ(Judged(service_.OnTick()), (Ids{1, 2}));
+}
+
+// A cable that is out for seconds changes nothing in the result.
+TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
+  constexpr int64_t kTracker = 77;
+  Keyframe first = KeyframeOf(0);
+  first.source = kTracker;
+  service_.OnKeyframe(first);
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
+  now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  service_.OnSignOfLife(kTracker);
+  now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
+  service_.OnSignOfLife(kTracker + 1);
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  now_ms_ += 1.0;
+  EXPECT_EQ(Judged(service_.OnTick()), Ids{1}) << "it is dead";
 }
 
 // loop_process was started again, and several tell of the keyframes: the living tracker first.

@@ -11,10 +11,9 @@ constexpr double kMinSine = 0.1;
 
 }  // namespace
 
-void AddLineModelError(double sigma_px, LineDisparities disparities, StereoFeatures& features) {
+void AddLineModelError(double sigma_px, StereoFeatures& features) {
   for (StereoLine& line : features.lines) {
     line.sigma_px = std::hypot(line.sigma_px, sigma_px);
-    if (disparities == LineDisparities::kDepthMap) continue;
     const Segment2& segment = line.left.segment;
     const double sine = std::max(std::abs(segment.q.y() - segment.p.y()) / segment.Length(), kMinSine);
     // Along the row both images' errors count, each divided by the sine of the angle to the row.

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "vo_process/model_error.h"
 
 namespace plslam {
 namespace {
@@ -82,6 +83,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       keyframe_measurements_(camera) {}
 
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
+  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   std::vector<double> raw_disparities_px = PointDisparities(features);
   kind_balance_.Apply(features);
   calibration_.Correct(features);

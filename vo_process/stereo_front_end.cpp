@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "core/features/stereo_matcher.h"
-#include "vo_process/model_error.h"
 
 namespace plslam {
 namespace {
@@ -29,10 +28,7 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
 StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer) {
   left_ = {};
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
-  StereoFeatures features = rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer);
-  AddLineModelError(options_.landmarks.line_model_sigma_px,
-                    rgbd ? LineDisparities::kDepthMap : LineDisparities::kRightLine, features);
-  return features;
+  return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer);
 }
 
 void StereoFrontEnd::KeepLeft(const cv::Mat& left) {

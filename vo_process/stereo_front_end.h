@@ -15,8 +15,7 @@
 namespace plslam {
 
 /// From a recorded stereo pair to stereo features: rectification, points and lines of both images side by side on two
-/// threads, stereo matching (PL-SLAM §IV.A-B), deviations with what fits of lines cannot know. For RGB-D rigs the depth map takes the
-/// right image's place.
+/// threads, stereo matching (PL-SLAM §IV.A-B). For RGB-D rigs the depth map takes the right image's place.
 class StereoFrontEnd {
  public:
   /// Throws std::runtime_error where the rig cannot be rectified.

@@ -19,7 +19,7 @@ StereoFeatures OneLine(const Segment2& segment) {
 
 TEST(AddLineModelError, AddsInSquares) {
   StereoFeatures features = OneLine({{100.0, 100.0}, {100.0, 200.0}});
-  AddLineModelError(0.4, LineDisparities::kRightLine, features);
+  AddLineModelError(0.4, features);
   EXPECT_NEAR(features.lines[0].sigma_px, 0.5, 1e-12);
   EXPECT_NEAR(features.lines[0].sigma_disparity_p_px, std::sqrt(0.25 + 2.0 * 0.16), 1e-12);
 }
@@ -27,23 +27,15 @@ TEST(AddLineModelError, AddsInSquares) {
 TEST(AddLineModelError, CountsMoreAlongTheRowForFlatLines) {
   StereoFeatures steep = OneLine({{100.0, 100.0}, {110.0, 200.0}});
   StereoFeatures flat = OneLine({{100.0, 100.0}, {200.0, 120.0}});
-  AddLineModelError(0.4, LineDisparities::kRightLine, steep);
-  AddLineModelError(0.4, LineDisparities::kRightLine, flat);
+  AddLineModelError(0.4, steep);
+  AddLineModelError(0.4, flat);
   EXPECT_GT(flat.lines[0].sigma_disparity_q_px, 3.0 * steep.lines[0].sigma_disparity_q_px);
 }
 
 TEST(AddLineModelError, HorizontalLineStaysFinite) {
   StereoFeatures features = OneLine({{100.0, 100.0}, {200.0, 100.0}});
-  AddLineModelError(0.4, LineDisparities::kRightLine, features);
+  AddLineModelError(0.4, features);
   EXPECT_TRUE(std::isfinite(features.lines[0].sigma_disparity_p_px));
-}
-
-// Of an RGB-D camera: a table's edge is as far as the depth map says.
-TEST(AddLineModelError, LeavesDisparitiesOfDepthMaps) {
-  StereoFeatures features = OneLine({{100.0, 100.0}, {200.0, 100.0}});
-  AddLineModelError(0.4, LineDisparities::kDepthMap, features);
-  EXPECT_NEAR(features.lines[0].sigma_px, 0.5, 1e-12);
-  EXPECT_EQ(features.lines[0].sigma_disparity_p_px, 0.5);
 }
 
 }  // namespace

@@ -126,6 +126,7 @@ std::optional<SE3> Ransac::FromPoints() {
   const auto aligned = AlignPoints(ref, cur);
   if (!aligned) return std::nullopt;
   std::vector<PointObservation> minimal;
+  minimal.reserve(chosen.size());
   for (const int i : chosen) minimal.push_back(points_[point_pairs_[i].index]);
   return Polished(*aligned, minimal, {});
 }

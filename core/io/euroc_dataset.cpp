@@ -64,7 +64,7 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_
 /// Of the two cameras; one file where it has both.
 std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
   const fs::path left = mav / "cam0" / "sensor.yaml", right = mav / "cam1" / "sensor.yaml";
-  const fs::path both = FolderNames(mav).front().parent_path() / "dso" / "camchain.yaml";
+  const fs::path both = NamesOfFolder(mav).front().parent_path() / "dso" / "camchain.yaml";
   if (!fs::exists(left) && !fs::exists(right) && fs::exists(both)) return {both.string(), both.string()};
   return {left.string(), right.string()};
 }

@@ -2,7 +2,7 @@
 
 namespace plslam {
 
-std::vector<std::filesystem::path> FolderNames(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> NamesOfFolder(const std::filesystem::path& folder) {
   std::filesystem::path given = std::filesystem::absolute(folder).lexically_normal();
   if (!given.has_filename()) given = given.parent_path();
   std::vector<std::filesystem::path> names{given};

@@ -100,7 +100,7 @@ std::string NamePattern(const std::string& folder, size_t n_frames) {
 
 std::string PosesPath(const fs::path& folder) {
   if (fs::exists(folder / "poses.txt")) return (folder / "poses.txt").string();
-  for (const fs::path& sequence : FolderNames(folder)) {
+  for (const fs::path& sequence : NamesOfFolder(folder)) {
     if (sequence.parent_path().filename() != "sequences") continue;
     const fs::path beside = sequence.parent_path().parent_path() / "poses" / (sequence.filename().string() + ".txt");
     if (fs::exists(beside)) return beside.string();

@@ -72,7 +72,7 @@ void PairByTime(const std::string& folder, ImageList* list) {
 }
 
 const KnownCamera& CameraByName(const std::string& folder) {
-  for (const fs::path& path : FolderNames(folder)) {
+  for (const fs::path& path : NamesOfFolder(folder)) {
     const std::string name = path.filename().string();
     for (const KnownCamera& known : kKnownCameras) {
       if (name.find(known.long_name) != std::string::npos) return known;

@@ -25,7 +25,8 @@ std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFo
     poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxTruthGap_ns));
   }
   const std::string name = std::filesystem::path(path).lexically_relative(list->name).string();
-  const auto n = static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
+  const auto n =
+      static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
   if (truth.empty()) {
     list->notes.push_back(name + ": has no poses");
   } else if (2 * n < poses.size()) {

@@ -32,7 +32,8 @@ struct Shots {
 };
 
 /// The table at `path`, one image a row: its time in units of 10^`decimals` ns, which increases, and its file, below
-/// `folder`; names of columns with commas are passed over. Fails where there are none, or where rows do not have these two columns (called `columns` when they fail).
+/// `folder`; names of columns with commas are passed over. Fails where there are none, or where rows do not have these two
+/// columns (called `columns` when they fail).
 Shots ReadShots(const std::string& path, const std::string& folder, int decimals, const char* columns);
 
 /// The file of `row.fields[field]`, which must lie below `folder`: no absolute path, no "..".

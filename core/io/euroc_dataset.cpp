@@ -9,9 +9,9 @@
 
 #include "core/io/asl_sensor.h"
 #include "core/io/dataset_rows.h"
-#include "core/io/folder_names.h"
 #include "core/io/frame_truth.h"
 #include "core/io/image_list.h"
+#include "core/io/names_of_folder.h"
 
 namespace plslam {
 namespace {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "core/io/dataset_rows.h"
-#include "core/io/folder_names.h"
 #include "core/io/image_list.h"
+#include "core/io/names_of_folder.h"
 
 namespace plslam {
 namespace {

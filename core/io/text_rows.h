@@ -29,8 +29,9 @@ struct TextRow {
 };
 
 /// Calls `use` for each line that is neither empty nor begins with #, its fields separated by commas where the line
-/// has one, otherwise by blanks and tabs. Lines may end with CR LF, and the first may begin with a byte order mark. Throws std::runtime_error, with the file and the
-/// line, where the file cannot be read, a line has more than 4096 characters or the file more than ten million.
+/// has one, otherwise by blanks and tabs. Lines may end with CR LF, and the first may begin with a byte order mark.
+/// Throws std::runtime_error, with the file and the line, where the file cannot be read, a line has more than 4096
+/// characters or the file more than ten million lines.
 void ForEachRow(const std::string& path, const std::function<void(const TextRow&)>& use);
 
 }  // namespace plslam

@@ -27,10 +27,9 @@ enum class TrajectoryFormat {
 /// their own and leave `times_path` unread.
 ///
 /// Empty lines, lines that begin with # and the names of columns with commas are passed over, and both ends of line are
-/// understood. Times must
-/// increase from row to row and are exact to the nanosecond (further digits are rounded). Quaternions and rotation
-/// matrices are normalised when they are within 1 % of a rotation. A file without rows is an empty trajectory.
-/// Anything else throws std::runtime_error with file, line and value.
+/// understood. Times must increase from row to row and are exact to the nanosecond (further digits are rounded).
+/// Quaternions and rotation matrices are normalised when they are within 1 % of a rotation. A file without rows is an
+/// empty trajectory. Anything else throws std::runtime_error with file, line and value.
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");
 Trajectory ReadTrajectory(const std::string& path, TrajectoryFormat format, const std::string& times_path = "");
 

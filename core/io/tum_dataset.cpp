@@ -10,9 +10,9 @@
 #include "core/io/associate_times.h"
 #include "core/io/camera_file.h"
 #include "core/io/dataset_rows.h"
-#include "core/io/folder_names.h"
 #include "core/io/frame_truth.h"
 #include "core/io/image_list.h"
+#include "core/io/names_of_folder.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/folder_names.h"
+#include "core/io/names_of_folder.h"
 
 namespace plslam {
 

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/features/descriptors_of.h"
 #include "core/features/hamming.h"
 
 namespace plslam {
@@ -32,12 +31,11 @@ std::vector<PointGrid::Entry> MakeEntries(size_t size, const GetPoint& get) {
   return entries;
 }
 
-/// Best and second best of what was offered.
+/// Best and second best.
 struct BestTwo {
   int best_distance = kTooFar;
   int second_distance = kTooFar;
   int best_index = -1;
-  float angle_rad = 0.0F;
 
   void Offer(int distance, int index) {
     if (distance < best_distance || (distance == best_distance && index < best_index)) {
@@ -59,6 +57,10 @@ struct BestTwo {
 struct Candidate {
   int distance = kTooFar;
   const PointGrid::Entry* entry = nullptr;
+
+  bool operator<(const Candidate& other) const {
+    return distance < other.distance || (distance == other.distance && entry->index < other.entry->index);
+  }
 };
 
 /// Whether two points are one corner, found in neighbouring octaves.
@@ -67,35 +69,24 @@ bool AreOneCorner(const CornerPlace& a, const CornerPlace& b) {
   return (a.px - b.px).squaredNorm() <= apart_px * apart_px;
 }
 
-/// The nearest, and the nearest that is another corner: no rival is the same one in another octave.
-BestTwo BestOf(const std::vector<Candidate>& candidates) {
-  BestTwo two;
-  const Candidate* best = nullptr;
-  for (const Candidate& c : candidates) {
-    if (best != nullptr &&
-        (c.distance > best->distance || (c.distance == best->distance && c.entry->index > best->entry->index)))
-      continue;
-    best = &c;
-  }
-  if (best == nullptr) return two;
-  two.best_distance = best->distance;
-  two.best_index = best->entry->index;
-  two.angle_rad = best->entry->angle_rad;
-  for (const Candidate& c : candidates) {
-    if (c.distance < two.second_distance && !AreOneCorner(c.entry->corner, best->entry->corner))
-      two.second_distance = c.distance;
-  }
-  return two;
-}
-
-/// Least distance of a descriptor whose corner is another than the best's.
-int NearestOfOthers(int best_index, std::span<const CornerPlace> corners, const std::vector<uint16_t>& distances) {
+/// Least distance among `n` points with another corner than the best: the same one in another octave is no rival.
+template <class Distance, class Corner>
+int NearestRival(const CornerPlace& best, size_t n, const Distance& distance, const Corner& corner) {
   int nearest = kTooFar;
-  const CornerPlace& best = corners[static_cast<size_t>(best_index)];
-  for (size_t j = 0; j < corners.size(); ++j) {
-    if (distances[j] < nearest && !AreOneCorner(corners[j], best)) nearest = distances[j];
+  for (size_t i = 0; i < n; ++i) {
+    if (distance(i) < nearest && !AreOneCorner(corner(i), best)) nearest = distance(i);
   }
   return nearest;
+}
+
+/// The match of a query; nullptr where there is none.
+const Candidate* BestOf(const std::vector<Candidate>& candidates, const MatchOptions& options) {
+  const auto best = std::min_element(candidates.begin(), candidates.end());
+  if (best == candidates.end() || best->distance > options.max_distance) return nullptr;
+  const int second_distance = NearestRival(
+      best->entry->corner, candidates.size(), [&](size_t c) { return candidates[c].distance; },
+      [&](size_t c) -> const CornerPlace& { return candidates[c].entry->corner; });
+  return BestTwo{best->distance, second_distance, best->entry->index}.Accepted(options) ? &*best : nullptr;
 }
 
 int TurnBin(float from_rad, float to_rad) {
@@ -143,20 +134,6 @@ void KeepMutual(std::vector<int>& matches, const std::vector<int>& distances, in
 }
 
 }  // namespace
-
-std::vector<CornerPlace> CornerPlacesOf(const std::vector<PointFeature>& points) {
-  std::vector<CornerPlace> corners;
-  corners.reserve(points.size());
-  for (const PointFeature& point : points) corners.push_back({point.px, point.scale});
-  return corners;
-}
-
-std::vector<CornerPlace> CornerPlacesOf(const std::vector<StereoPoint>& points) {
-  std::vector<CornerPlace> corners;
-  corners.reserve(points.size());
-  for (const StereoPoint& point : points) corners.push_back({point.left.px, point.left.scale});
-  return corners;
-}
 
 PointGrid::PointGrid(const std::vector<PointFeature>& points) {
   Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i]; }), points.size());
@@ -229,11 +206,11 @@ std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries,
       if (query.octave >= 0 && std::abs(e.octave - query.octave) > options.octave_window) return;
       candidates.push_back({HammingDistance(query.descriptor, e.descriptor), &e});
     });
-    const BestTwo two = BestOf(candidates);
-    if (!two.Accepted(options)) continue;
-    matches[i] = two.best_index;
-    distances[i] = two.best_distance;
-    angles_rad[two.best_index] = two.angle_rad;
+    const Candidate* best = BestOf(candidates, options);
+    if (best == nullptr) continue;
+    matches[i] = best->entry->index;
+    distances[i] = best->distance;
+    angles_rad[best->entry->index] = best->entry->angle_rad;
   }
   KeepMutual(matches, distances, grid.size());
   if (options.check_rotation) {
@@ -260,7 +237,9 @@ std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::ve
       if (distances[j] < two.second_distance) two.Offer(distances[j], j);
     }
     if (!corners_of_b.empty() && two.best_distance <= options.max_distance && !two.Accepted(options)) {
-      two.second_distance = NearestOfOthers(two.best_index, corners_of_b, distances);
+      two.second_distance = NearestRival(
+          corners_of_b[two.best_index], b.size(), [&](size_t j) { return int{distances[j]}; },
+          [&](size_t j) -> const CornerPlace& { return corners_of_b[j]; });
     }
     if (two.Accepted(options)) matches[i] = two.best_index;
   }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/features/buckets.h"
+#include "core/features/descriptors_of.h"
 #include "core/features/features.h"
 #include "core/features/options.h"
 
@@ -17,8 +18,14 @@ struct CornerPlace {
   double scale = 1.0;
 };
 
-std::vector<CornerPlace> CornerPlacesOf(const std::vector<PointFeature>& points);
-std::vector<CornerPlace> CornerPlacesOf(const std::vector<StereoPoint>& points);
+/// Of points of one image, or of stereo points in the left one, in their order.
+template <class Point>
+std::vector<CornerPlace> CornerPlacesOf(const std::vector<Point>& points) {
+  std::vector<CornerPlace> corners;
+  corners.reserve(points.size());
+  for (const Point& point : points) corners.push_back({InLeftImage(point).px, InLeftImage(point).scale});
+  return corners;
+}
 
 /// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away. Points that
 /// are not finite are left out.
@@ -88,9 +95,9 @@ struct PointQuery {
 /// For each query the index of its match in the vector that the grid was made from, or -1.
 ///
 /// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is at
-/// most `max_distance`, below `ratio` times the second best that is not the same corner in another octave (within 1.5 pixels of
-/// the coarser one), if no other query is nearer to that point (mutual
-/// best; equal distances: the lower query), and, with `check_rotation`, if its turn agrees with most of the others.
+/// most `max_distance`, below `ratio` times the second best that is not the same corner in another octave (within 1.5
+/// pixels of the coarser one), if no other query is nearer to that point (mutual best; equal distances: the lower query),
+/// and, with `check_rotation`, if its turn agrees with most of the others.
 std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
                                          const MatchOptions& options);
 

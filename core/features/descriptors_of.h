@@ -6,18 +6,22 @@
 
 namespace plslam {
 
+/// A feature of one image as it is, of a stereo feature that in the left one.
+template <class Feature>
+const auto& InLeftImage(const Feature& feature) {
+  if constexpr (requires { feature.left; }) {
+    return feature.left;
+  } else {
+    return feature;
+  }
+}
+
 /// Descriptors of points or lines, of one image or of stereo features, in their order.
 template <class Feature>
 std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
   std::vector<Descriptor> descriptors;
   descriptors.reserve(features.size());
-  for (const Feature& feature : features) {
-    if constexpr (requires { feature.left; }) {
-      descriptors.push_back(feature.left.descriptor);
-    } else {
-      descriptors.push_back(feature.descriptor);
-    }
-  }
+  for (const Feature& feature : features) descriptors.push_back(InLeftImage(feature).descriptor);
   return descriptors;
 }
 

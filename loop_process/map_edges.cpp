@@ -74,9 +74,4 @@ std::vector<MapEdge> MapEdges(const Map& map) {
   return edges.All();
 }
 
-Matrix6d InverseCovariance(const SE3& T_a_b, const Matrix6d& covariance) {
-  const Matrix6d adjoint = T_a_b.Adjoint();
-  return adjoint * covariance * adjoint.transpose();
-}
-
 }  // namespace plslam

@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/se3.h"
 #include "core/map/map.h"
 
 namespace plslam {
@@ -33,8 +32,5 @@ bool IsTiedToParent(const MapKeyframe& keyframe, const Map& map);
 /// Odometry, spanning tree, essential graph (Map::kEssential) and loops: what loops are closed in (PL-SLAM §VI.B).
 /// Ascending by a, then b, each pair once.
 std::vector<MapEdge> MapEdges(const Map& map);
-
-/// Covariance of the inverse of a motion, both right perturbations.
-Matrix6d InverseCovariance(const SE3& T_a_b, const Matrix6d& covariance);
 
 }  // namespace plslam

@@ -51,9 +51,8 @@ std::optional<LoopEdge> FromKeyframeOfMap(LoopEdge edge, const LoopClosure& clos
 LoopEdge Reversed(const LoopEdge& edge) {
   LoopEdge reversed = edge;
   std::swap(reversed.old_keyframe_id, reversed.keyframe_id);
-  const Matrix6d adjoint = edge.T_old_kf.Adjoint();
   reversed.T_old_kf = edge.T_old_kf.Inverse();
-  reversed.covariance = adjoint * edge.covariance * adjoint.transpose();
+  reversed.covariance = InverseCovariance(edge.T_old_kf, edge.covariance);
   return reversed;
 }
 

@@ -79,6 +79,11 @@ Eigen::Quaterniond ExpSO3(const Eigen::Vector3d& w) {
   return Eigen::Quaterniond(std::cos(half), scale * w.x(), scale * w.y(), scale * w.z()).normalized();
 }
 
+Matrix6d InverseCovariance(const SE3& T_a_b, const Matrix6d& cov_ab) {
+  const Matrix6d A = T_a_b.Adjoint();
+  return A * cov_ab * A.transpose();
+}
+
 Matrix6d ComposeCovariance(const Matrix6d& cov_ab, const SE3& T_b_c, const Matrix6d& cov_bc) {
   const Matrix6d A = T_b_c.Inverse().Adjoint();
   const Matrix6d sum = A * cov_ab * A.transpose() + cov_bc;

@@ -57,6 +57,9 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v);
 /// Exponential of so(3).
 Eigen::Quaterniond ExpSO3(const Eigen::Vector3d& w);
 
+/// Covariance of the inverse of a motion, both right perturbations: `Ad(T_a_b) cov_ab Ad(T_a_b)^T`.
+Matrix6d InverseCovariance(const SE3& T_a_b, const Matrix6d& cov_ab);
+
 /// Covariance of `T_a_b * T_b_c` from those of its independent factors, to first order (PL-SLAM §IV.D):
 /// `Ad(T_b_c^-1) cov_ab Ad(T_b_c^-1)^T + cov_bc`.
 Matrix6d ComposeCovariance(const Matrix6d& cov_ab, const SE3& T_b_c, const Matrix6d& cov_bc);

@@ -36,6 +36,20 @@ TEST(SE3, InverseUndoes) {
   EXPECT_LT(((T * T.Inverse()).matrix() - Eigen::Matrix4d::Identity()).norm(), 1e-12);
 }
 
+TEST(SE3, CovarianceOfTheInverseAsByPerturbing) {
+  const SE3 T = SE3::Exp(Tangent(0.7));
+  Matrix6d covariance = Matrix6d::Zero();
+  constexpr double kStep = 1e-6;
+  Matrix6d J;
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d x = kStep * Vector6d::Unit(k);
+    J.col(k) = (T * (T * SE3::Exp(x)).Inverse()).Log() / kStep;
+    covariance(k, k) = 0.1 * (k + 1);
+  }
+  const Matrix6d expected = J * covariance * J.transpose();
+  EXPECT_LT((InverseCovariance(T, covariance) - expected).norm(), 1e-4 * expected.norm());
+}
+
 TEST(SE3, ComposedCovarianceMatchesNumericPropagation) {
   const SE3 T_a_b = SE3::Exp(Tangent(0.5));
   const SE3 T_b_c = SE3::Exp(Tangent(-0.9));

@@ -205,20 +205,5 @@ TEST(MapWays, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
   }
 }
 
-TEST(InverseCovariance, AsByPerturbing) {
-  std::mt19937_64 generator(2);
-  const SE3 T = RandomStep(generator);
-  Matrix6d covariance = Matrix6d::Zero();
-  constexpr double kStep = 1e-6;
-  Matrix6d J;
-  for (int k = 0; k < 6; ++k) {
-    const Vector6d x = kStep * Vector6d::Unit(k);
-    J.col(k) = (T * (T * SE3::Exp(x)).Inverse()).Log() / kStep;
-    covariance(k, k) = 0.1 * (k + 1);
-  }
-  const Matrix6d expected = J * covariance * J.transpose();
-  EXPECT_LT((InverseCovariance(T, covariance) - expected).norm(), 1e-4 * expected.norm());
-}
-
 }  // namespace
 }  // namespace plslam::test

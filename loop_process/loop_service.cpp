@@ -102,8 +102,8 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
   judged_[update.session] = std::max(judged, update.session_keyframe_id);
 }
 
-/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process tells of loops, and
-/// a map that one has bent refuses those computed before.
+/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process tells of
+/// loops, and a map that one has bent refuses those computed before.
 void LoopService::FollowLoops(const MapUpdate& update, Output& output) {
   const size_t n_loops = replica_.map().loops().size();
   const bool arrived = n_loops > std::exchange(n_loops_, n_loops);

@@ -21,19 +21,20 @@ namespace plslam {
 /// same arrivals give the same answers, in whichever order keyframes, updates of the map and questions come in between.
 ///
 /// Each keyframe is judged once, on the map right after it came in, and its features are waited for. While a loop is on
-/// its way into the map, nothing else is judged, until it is there or refused, or for a while where that cannot be told; whenever it
-/// arrives, the adjustment of the whole map follows. A question of a lockstep stream is answered on the map that loop_process
-/// has had its say about, as of the tracker's last keyframe.
+/// its way into the map, nothing else is judged, until it is there or refused, or for a while where that cannot be told;
+/// whenever it arrives, the adjustment of the whole map follows. A question of a lockstep stream is answered on the map that
+/// loop_process has had its say about, as of the tracker's last keyframe.
 ///
-/// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes are there,
-/// whoever tells them; features that do not come are waited for a while only. Of its keyframes only the newest is judged, of another
-/// session none. One that has a loop of its newest keyframe, and
-/// is not settled, waits for the adjustment that the loop_process before this one died over.
+/// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes
+/// are there, whoever tells them; features that do not come are waited for a while only. Of its keyframes only the newest is
+/// judged, of another session none. One that has a loop of its newest keyframe, and is not settled, waits for the adjustment
+/// that the loop_process before this one died over.
 class LoopService {
  public:
   /// How long features that do not come are waited for, and loops of which the map says nothing.
   static constexpr double kPatience_ms = 3000.0;
-  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others wait in lockstep.
+  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others wait in
+  /// lockstep (`wait_s` of the other processes by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
 
   /// What is to be sent, and what is to be adjusted meanwhile.
@@ -66,14 +67,13 @@ class LoopService {
     double since_ms = 0.0;
   };
 
-  void Follow(const MapUpdate& update, Output& output);
   /// Who tells the keyframes of a lockstep session, and when something was last heard of it.
   struct Teller {
     int64_t source = 0;
     double heard_ms = 0.0;
   };
 
-  bool HasWaited(const Due& due) const;
+  void Follow(const MapUpdate& update, Output& output);
   void FollowLoops(const MapUpdate& update, Output& output);
   bool IsRefused(const MapUpdate& update) const;
   void NoteNewest(const MapUpdate& update);
@@ -82,6 +82,7 @@ class LoopService {
   bool AwaitsAdjustment(const MapUpdate& update) const;
   void NoteLacking(bool whole);
   bool IsComplete();
+  bool HasWaited(const Due& due) const;
   std::deque<Due>::iterator NextDue();
   void JudgeWhatIsDue(Output& output);
   void AnswerWhatIsDue(Output& output);

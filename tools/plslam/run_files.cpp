@@ -39,15 +39,12 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
   constexpr size_t kLongestName = 80;
   const std::string location = std::filesystem::path(dataset).lexically_normal().string();
   std::string name;
-  bool whole = true;
-  for (size_t i = 0; i < location.size(); ++i) {
-    const char c = location[i];
+  for (const char c : location) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-';
-    const bool marked = plain || (!name.empty() && name.back() != '_');
-    if (marked) name += plain ? c : '_';
-    whole = whole && (marked || (i == 0 && c == '/'));
+    if (plain || (!name.empty() && name.back() != '_')) name += plain ? c : '_';
   }
-  whole = whole && name.size() <= kLongestName;
+  const size_t root = location.starts_with('/') ? 1 : 0;
+  const bool whole = root + name.size() == location.size() && name.size() <= kLongestName;
   if (name.size() > kLongestName) name = name.substr(name.size() - kLongestName);
   if (name.empty()) name = "run";
   return std::filesystem::path("out") / (whole ? name : fmt::format("{}_{:08x}", name, Hash(location)));

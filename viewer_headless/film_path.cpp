@@ -17,10 +17,7 @@ void FilmPath::Add(const FramePose& pose) {
 }
 
 std::vector<Eigen::Vector3d> FilmPath::In(const Map& map) const {
-  std::map<int64_t, Corrections> sessions;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    sessions[keyframe.session].insert_or_assign(keyframe.frame_id, keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
-  }
+  const std::map<int64_t, FrameCorrections> sessions = CorrectionsBySession(map);
   std::vector<Eigen::Vector3d> path;
   path.reserve(steps_.size());
   for (const Step& step : steps_) {
@@ -31,7 +28,7 @@ std::vector<Eigen::Vector3d> FilmPath::In(const Map& map) const {
   return path;
 }
 
-const SE3* FilmPath::CorrectionOf(const Step& step, const Corrections& corrections) const {
+const SE3* FilmPath::CorrectionOf(const Step& step, const FrameCorrections& corrections) const {
   const auto after = corrections.upper_bound(step.frame_id);
   if (after != corrections.begin()) {
     const auto before = std::prev(after);

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <set>
 #include <vector>
 
 #include "core/map/map.h"
+#include "viewer_headless/final_trajectory.h"
 #include "viewer_headless/recorder.h"
 
 namespace plslam {
@@ -17,9 +17,10 @@ class FilmPath {
   /// Frames without an estimated pose (HasPose) are no part of it.
   void Add(const FramePose& pose);
 
-  /// Positions in w, in the map as it is now, in the order they came in. A frame moves as the last keyframe of its session up to
-  /// it has been moved, or else the first one after; not across lost frames, since nobody knows what lies between. Where that
-  /// leaves none the frame stays as published.
+  /// Positions in w, in the map as it is now, in the order they came in. A frame moves as the last keyframe of its session up
+  /// to it has been moved, or else the first one after; not across lost frames, since nobody knows what lies between. Where
+  /// that leaves none the frame stays as published. (FinalPoses, which know what comes next, blend between two keyframes: a
+  /// path in a film would creep with each new one.)
   std::vector<Eigen::Vector3d> In(const Map& map) const;
 
  private:
@@ -29,9 +30,8 @@ class FilmPath {
     Eigen::Vector3d p_odom;
     Eigen::Vector3d p_w;  ///< as published
   };
-  using Corrections = std::map<int64_t, SE3>;  ///< T_w_odom by frame
 
-  const SE3* CorrectionOf(const Step& step, const Corrections& corrections) const;
+  const SE3* CorrectionOf(const Step& step, const FrameCorrections& corrections) const;
   bool IsLostBetween(int64_t from, int64_t to) const;
 
   std::vector<Step> steps_;

@@ -6,20 +6,24 @@
 
 namespace plslam {
 
-FinalPoses::FinalPoses(const Map& map, const Recorder& recorder) {
+std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
+  std::map<int64_t, FrameCorrections> corrections;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    corrections[keyframe.session].insert_or_assign(keyframe.frame_id, keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
+  }
+  return corrections;
+}
+
+FinalPoses::FinalPoses(const Map& map, const Recorder& recorder) : corrections_(CorrectionsBySession(map)) {
   for (const auto& [frame_id, frame] : recorder.frames()) {
     if (frame.state == TrackingState::kLost) lost_frames_.insert(frame_id);
-  }
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    corrections_[keyframe.session].insert_or_assign(keyframe.frame_id,
-                                                    keyframe.T_w_kf * keyframe.T_odom_kf.Inverse());
   }
 }
 
 SE3 FinalPoses::operator()(int64_t frame_id, const FrameRecord& frame) const {
   const auto session = corrections_.find(frame.session);
   if (session == corrections_.end()) return frame.T_w_odom * frame.T_odom_c;
-  const std::map<int64_t, SE3>& corrections = session->second;
+  const FrameCorrections& corrections = session->second;
   const auto after = corrections.lower_bound(frame_id);
   if (after == corrections.begin() || (after != corrections.end() && after->first == frame_id)) {
     return after->second * frame.T_odom_c;

@@ -25,7 +25,7 @@ struct RunFacts {
   int64_t keyframes = 0;
   int64_t points = 0;  ///< landmarks of the map
   int64_t lines = 0;
-  int64_t loops = 0;
+  int64_t loops = 0;        ///< closed in this run
   double duration_s = 0.0;  ///< of the recording
   double length_m = 0.0;    ///< of the estimated path
   /// Root mean square of the errors of position after rigid alignment, of the final and of the published path.

@@ -46,7 +46,7 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   facts.keyframes = totals.keyframes > 0 ? totals.keyframes : recorder.keyframes();
   facts.points = totals.points;
   facts.lines = totals.lines;
-  facts.loops = totals.loops;
+  facts.loops = loops_.closed();
   if (recorder.frames().empty()) return facts;
   const int64_t t_ns = recorder.frames().rbegin()->second.t_ns - recorder.frames().begin()->second.t_ns;
   facts.duration_s = 1e-9 * static_cast<double>(t_ns);

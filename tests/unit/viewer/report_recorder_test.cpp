@@ -281,5 +281,26 @@ TEST_F(ReportRecorderTest, LoopsHaveFramesFiguresAndPictures) {
   EXPECT_EQ(data.corrections.size(), 1U);
 }
 
+TEST_F(ReportRecorderTest, LoopsOfTheRunAreNotThoseTheMapCameWith) {
+  for (int64_t id = 0; id < 4; ++id) owner_.map.Put(Keyframe(id, 1.0 * static_cast<double>(id)));
+  const LoopEdge old{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()};
+  owner_.map.Add(old);
+  report_.Add(owner_.Next(), owner_.map, 0);
+  EXPECT_EQ(Build("").facts.loops, 0);
+  EXPECT_EQ(Build("").loops.size(), 1U) << "the map shows it";
+  LoopClosure closure;
+  closure.kind = LoopClosure::Kind::kLoop;
+  closure.session = 7;
+  closure.session_keyframe_id = 3;
+  closure.edges = {{.old_keyframe_id = 0, .keyframe_id = 3, .T_old_kf = SE3()}};
+  report_.Add(closure);
+  report_.Add(closure);
+  EXPECT_EQ(Build("").facts.loops, 1) << "said again";
+  closure.kind = LoopClosure::Kind::kAdjustment;
+  closure.session_keyframe_id = 4;
+  report_.Add(closure);
+  EXPECT_EQ(Build("").facts.loops, 1) << "an adjustment is no loop";
+}
+
 }  // namespace
 }  // namespace plslam

@@ -34,6 +34,11 @@ class SupervisorTest : public testing::Test {
     return Supervisor({folder_, folder_, max_restarts, milliseconds(1), patience, nullptr, nullptr});
   }
 
+  /// Waits an hour before it starts something again.
+  Supervisor MakePatient(int max_restarts = 3) const {
+    return Supervisor({folder_, folder_, max_restarts, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  }
+
   void Script(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << "#!/bin/sh\n" << text << "\n";
     std::filesystem::permissions(folder_ / name, std::filesystem::perms::owner_all);
@@ -132,7 +137,7 @@ TEST_F(SupervisorTest, TooManyCrashesFail) {
 
 TEST_F(SupervisorTest, PausesGrow) {
   Script("crash", "exit 3");
-  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  Supervisor supervisor = MakePatient();
   supervisor.Start("a", "crash", {}, Ending::kRestart);
   supervisor.SetReady("a", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("a") < 0; }));
@@ -148,7 +153,7 @@ TEST_F(SupervisorTest, PausesGrow) {
 
 TEST_F(SupervisorTest, PausesStayShortWhereTheProcessGetsReadyEachTime) {
   Script("crash", "exit 3");
-  Supervisor supervisor({folder_, folder_, 9, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  Supervisor supervisor = MakePatient(9);
   supervisor.Start("a", "crash", {}, Ending::kRestart);
   auto now = Clock::now();
   for (int i = 0; i < 5; ++i) {
@@ -266,7 +271,7 @@ TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
 
 TEST_F(SupervisorTest, WriterThatHasCrashedAndIsNotBackIsToldAtTheStop) {
   Script("crash", "exit 3");
-  Supervisor supervisor({folder_, folder_, 3, std::chrono::hours(1), milliseconds(5000), nullptr, nullptr});
+  Supervisor supervisor = MakePatient();
   supervisor.Start("viewer", "crash", {}, Ending::kWritesAtTheEnd);
   supervisor.SetReady("viewer", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("viewer") < 0; }));

@@ -112,10 +112,14 @@ SignsOfLife MonitorNode::Signs(int64_t viewer, double now_s) const {
           found == processes_.end() ? -1.0 : found->second.heard_s};
 }
 
+int64_t MonitorNode::unanswered_frames() const {
+  const int64_t sent = stream_ended_ ? total_frames_ : sent_frames_;
+  return std::max<int64_t>(0, sent - statistics_.frames() - statistics_.skipped_frames());
+}
+
 bool MonitorNode::has_all() const {
-  const RunStatistics& s = statistics_;
-  const bool has_frames = stream_ended_ && s.frames() + s.skipped_frames() >= total_frames_;
-  const auto [session, keyframe_id] = s.last_keyframe();
+  const bool has_frames = stream_ended_ && unanswered_frames() == 0;
+  const auto [session, keyframe_id] = statistics_.last_keyframe();
   const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.settled().Has(session, keyframe_id);
   return has_frames && has_map;
 }

@@ -54,6 +54,8 @@ class MonitorNode {
   int64_t total_frames() const { return total_frames_; }
   bool stream_ended() const { return stream_ended_; }
   int64_t bad_frames() const { return bad_frames_; }
+  /// Frames sent of which no pose message told, neither as its own nor as passed over: those behind the last pose, say.
+  int64_t unanswered_frames() const;
   /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it has
   /// sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;

@@ -209,6 +209,7 @@ RunSummary RunSession::Summary() const {
   summary.reason = reason_;
   summary.wall_s = wall_s_;
   summary.bad_frames = monitor_.bad_frames();
+  summary.unanswered_frames = monitor_.unanswered_frames();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();
   summary.loops = &monitor_.loops();

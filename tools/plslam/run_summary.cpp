@@ -130,7 +130,8 @@ std::string AccuracyToText(const json& accuracy) {
 }  // namespace
 
 int64_t AllFrames(const RunSummary& summary) {
-  return summary.statistics->frames() + summary.statistics->skipped_frames() + summary.bad_frames;
+  const RunStatistics& s = *summary.statistics;
+  return s.frames() + s.skipped_frames() + summary.bad_frames + summary.unanswered_frames;
 }
 
 json SummaryToJson(const RunSummary& summary) {
@@ -146,6 +147,8 @@ json SummaryToJson(const RunSummary& summary) {
           {"tracked_frames", s.tracked_frames()},
           {"skipped_frames", s.skipped_frames()},
           {"bad_frames", summary.bad_frames},
+          {"unanswered_frames", summary.unanswered_frames},
+          {"all_frames", AllFrames(summary)},
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},
           {"map", MapToJson(summary)},
@@ -165,7 +168,7 @@ json SummaryToJson(const RunSummary& summary) {
 
 std::string SummaryToText(const json& s) {
   const auto frames = s["frames"].get<int64_t>(), tracked = s["tracked_frames"].get<int64_t>();
-  const int64_t all = frames + s["skipped_frames"].get<int64_t>() + s["bad_frames"].get<int64_t>();
+  const auto all = s["all_frames"].get<int64_t>();
   const double share = all > 0 ? 100.0 * static_cast<double>(tracked) / static_cast<double>(all) : 0.0;
   std::string text = fmt::format("{} {}\n", s["dataset"].get<std::string>(),
                                  s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>());
@@ -173,6 +176,7 @@ std::string SummaryToText(const json& s) {
                       tracked, share);
   if (s["skipped_frames"] > 0) text += fmt::format(", {} skipped", s["skipped_frames"].get<int64_t>());
   if (s["bad_frames"] > 0) text += fmt::format(", {} unreadable", s["bad_frames"].get<int64_t>());
+  if (s["unanswered_frames"] > 0) text += fmt::format(", {} unanswered", s["unanswered_frames"].get<int64_t>());
   text += fmt::format("\n  keyframes  {}, landmarks {} points and {} lines\n", s["keyframes"].get<int64_t>(),
                       s["landmarks"]["points"].get<int64_t>(), s["landmarks"]["lines"].get<int64_t>());
   if (s["map"].is_object()) text += MapToText(s["map"]);

@@ -29,7 +29,8 @@ struct RunSummary {
   bool completed = false;
   std::string reason;
   double wall_s = 0.0;
-  int64_t bad_frames = 0;  ///< unreadable, passed over
+  int64_t bad_frames = 0;         ///< unreadable, passed over
+  int64_t unanswered_frames = 0;  ///< sent, but the tracker ended before it said anything of them
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;
   const LoopStatistics* loops = nullptr;
@@ -45,7 +46,7 @@ struct RunSummary {
 };
 
 /// Every frame of the stream that should have got a pose: those with one, those passed over by a tracker that was too slow,
-/// and those that could not be read, which the tracker never hears of.
+/// those that it never answered, and those that could not be read, which it never hears of.
 int64_t AllFrames(const RunSummary& summary);
 
 nlohmann::json SummaryToJson(const RunSummary& summary);

@@ -126,6 +126,9 @@ TEST(Compare, TrackedIsOfAllFramesAlsoThoseWithoutAPoseMessage) {
   late["skipped_frames"] = 30;
   late["bad_frames"] = 6;
   EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 50.0, 1e-12);
+  late["unanswered_frames"] = 76;
+  late["all_frames"] = 152;
+  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 25.0, 1e-12);
 }
 
 TEST(Compare, SummariesWithNextToNothing) {

@@ -98,6 +98,36 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
   EXPECT_TRUE(Eventually([&] { return !waits(0.0); })) << "it waits for nothing but what it reads";
 }
 
+TEST_F(MonitorNodeTest, FramesThatNoPoseTellsOfAreUnanswered) {
+  const auto unanswered = [&](int64_t n) {
+    return Eventually([&] { return Ask([](const MonitorNode& m) { return m.unanswered_frames(); }) == n; });
+  };
+  status_t status{};
+  status.process = "player";
+  status.counters.resize(1);
+  status.counters[0].name = "frames.sent";
+  status.counters[0].value = 7;
+  status.n_counters = 1;
+  speaker_.Publish(bus::kStatus, status);
+  EXPECT_TRUE(unanswered(7));
+  pose_t pose{};
+  pose.frame_id = 3;
+  pose.n_skipped_frames = 3;
+  speaker_.Publish(bus::kPose, pose);
+  EXPECT_TRUE(unanswered(3)) << "it has passed over three, and not come to three";
+  stream_t end{};
+  end.event = "end";
+  end.n_frames = 9;
+  speaker_.Publish(bus::kStream, end);
+  EXPECT_TRUE(unanswered(5)) << "the stream tells more exactly than a status of a second ago";
+  EXPECT_FALSE(Ask([](const MonitorNode& m) { return m.has_all(); }));
+  pose.frame_id = 8;
+  pose.n_skipped_frames = 4;
+  speaker_.Publish(bus::kPose, pose);
+  EXPECT_TRUE(unanswered(0));
+  EXPECT_TRUE(Ask([](const MonitorNode& m) { return m.has_all(); }));
+}
+
 TEST_F(MonitorNodeTest, ViewerOfAnotherHostIsNoSignOfLife) {
   Say("another-" + bus::HostName(), 7, "running");
   ASSERT_TRUE(Hears(1));

@@ -70,6 +70,17 @@ MapStatistics TwoVersions() {
   return map;
 }
 
+/// Of a map that came with loops, and with nothing else.
+MapStatistics OneVersion(int64_t loops) {
+  MapUpdate head;
+  head.source = 5;
+  head.version = 1;
+  head.totals.loops = loops;
+  MapStatistics map;
+  map.Add(head);
+  return map;
+}
+
 TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
   const RunStatistics statistics = TwoFrames();
   const MapStatistics map = TwoVersions();
@@ -97,12 +108,7 @@ TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
 
 TEST(RunSummary, LoopsOfTheRunAreNotThoseTheMapCameWith) {
   const RunStatistics statistics = TwoFrames();
-  MapStatistics map;
-  MapUpdate head;
-  head.source = 5;
-  head.version = 1;
-  head.totals.loops = 7;
-  map.Add(head);
+  const MapStatistics map = OneVersion(7);
   LoopStatistics loops;
   RunSummary summary;
   summary.statistics = &statistics;
@@ -129,7 +135,12 @@ TEST(RunSummary, ShareOfTrackedFramesIsOfAllFrames) {
   summary.bad_frames = 4;
   EXPECT_EQ(AllFrames(summary), 10);
   EXPECT_THAT(SummaryToText(SummaryToJson(summary)),
-              testing::HasSubstr("frames     3 in 0.0 s, 3 tracked (30.0 %), 3 skipped, 4 unreadable"));
+              testing::HasSubstr("frames     3 in 0.0 s, 3 tracked (30.0 %), 3 skipped, 4 unreadable\n"));
+  summary.unanswered_frames = 2;
+  EXPECT_EQ(AllFrames(summary), 12);
+  EXPECT_EQ(SummaryToJson(summary)["all_frames"], 12);
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)),
+              testing::HasSubstr("3 tracked (25.0 %), 3 skipped, 4 unreadable, 2 unanswered"));
 }
 
 TEST(RunSummary, WithoutAMapItIsNull) {
@@ -198,11 +209,7 @@ TEST(RunSummary, TextTellsTheMainFigures) {
 
 TEST(RunSummary, WhatWasNotMeasuredIsADash) {
   const RunStatistics statistics = TwoFrames();
-  MapStatistics map;
-  MapUpdate head;
-  head.source = 5;
-  head.version = 1;
-  map.Add(head);
+  const MapStatistics map = OneVersion(0);
   RunSummary summary;
   summary.statistics = &statistics;
   summary.map = &map;

@@ -44,8 +44,10 @@ Value KeyframeRmse(const json& s) {
 Value TrackedPercent(const json& s) {
   const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
   if (!frames || !tracked) return std::nullopt;
-  // `frames` are those with a pose message; what was passed over, or could not be read, has none.
-  const double all = *frames + At(s, "skipped_frames").value_or(0.0) + At(s, "bad_frames").value_or(0.0);
+  // `frames` are those with a pose message. Older runs do not tell how many there were in all.
+  const double all =
+      At(s, "all_frames")
+          .value_or(*frames + At(s, "skipped_frames").value_or(0.0) + At(s, "bad_frames").value_or(0.0));
   return all > 0.0 ? Value(100.0 * *tracked / all) : std::nullopt;
 }
 

@@ -42,11 +42,9 @@ FrameReport FromMessage(const pose_t& message) {
 
 ProcessStatus FromMessage(const status_t& message) {
   ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, bus::NowS()};
+  const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
+  status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
   for (const counter_t& counter : message.counters) {
-    const auto value = static_cast<int64_t>(counter.value);
-    if (counter.name == "bus.lost") status.messages.lost = value;
-    if (counter.name == "bus.repaired") status.messages.repaired = value;
-    if (counter.name == "bus.rejected") status.messages.rejected = value;
     if (counter.name.starts_with("queue.")) status.queue = std::max(status.queue, counter.value);
   }
   return status;

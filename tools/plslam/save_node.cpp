@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/bus/process_status.h"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
@@ -13,12 +14,8 @@ SaveNode::SaveNode(bus::Bus& bus) : bus_(bus) {
 
 void SaveNode::OnStatus(const status_t& message) {
   if (message.process != "mapping") return;
-  double saves = 0.0;
-  double failed = 0.0;
-  for (const counter_t& counter : message.counters) {
-    if (counter.name == "map.saves") saves = counter.value;
-    if (counter.name == "map.failed_saves") failed = counter.value;
-  }
+  const double saves = bus::CounterOf(message, "map.saves");
+  const double failed = bus::CounterOf(message, "map.failed_saves");
   // Before the order, and after a restart of the process (which has forgotten it): what there is to begin with.
   if (!sent_ || message.pid != pid_) {
     pid_ = message.pid;

@@ -54,11 +54,11 @@ struct BestTwo {
 };
 
 /// A point within the window of a query.
-struct Candidate {
+struct PointInWindow {
   int distance = kTooFar;
   const PointGrid::Entry* entry = nullptr;
 
-  bool operator<(const Candidate& other) const {
+  bool operator<(const PointInWindow& other) const {
     return distance < other.distance || (distance == other.distance && entry->index < other.entry->index);
   }
 };
@@ -80,7 +80,7 @@ int NearestRival(const CornerPlace& best, size_t n, const Distance& distance, co
 }
 
 /// The match of a query; nullptr where there is none.
-const Candidate* BestOf(const std::vector<Candidate>& candidates, const MatchOptions& options) {
+const PointInWindow* MatchAmong(const std::vector<PointInWindow>& candidates, const MatchOptions& options) {
   const auto best = std::min_element(candidates.begin(), candidates.end());
   if (best == candidates.end() || best->distance > options.max_distance) return nullptr;
   const int second_distance = NearestRival(
@@ -198,7 +198,7 @@ std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries,
   std::vector<int> matches(queries.size(), -1);
   std::vector<int> distances(queries.size(), kTooFar);
   std::vector<float> angles_rad(grid.size(), 0.0F);
-  std::vector<Candidate> candidates;
+  std::vector<PointInWindow> candidates;
   for (size_t i = 0; i < queries.size(); ++i) {
     const PointQuery& query = queries[i];
     candidates.clear();
@@ -206,7 +206,7 @@ std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries,
       if (query.octave >= 0 && std::abs(e.octave - query.octave) > options.octave_window) return;
       candidates.push_back({HammingDistance(query.descriptor, e.descriptor), &e});
     });
-    const Candidate* best = BestOf(candidates, options);
+    const PointInWindow* best = MatchAmong(candidates, options);
     if (best == nullptr) continue;
     matches[i] = best->entry->index;
     distances[i] = best->distance;

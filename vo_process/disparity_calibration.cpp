@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/features/correct_disparities.h"
+
 namespace plslam {
 namespace {
 
@@ -40,18 +42,7 @@ Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) cons
 double DisparityCalibration::Offset_px(double u_px) const { return significant_ ? Row(u_px, 0.0).dot(state_) : 0.0; }
 
 void DisparityCalibration::Correct(StereoFeatures& features) const {
-  const auto correct = [this](double u_px, double& disparity_px) {
-    disparity_px -= Offset_px(u_px);
-    if (disparity_px <= 0.0) disparity_px = -1.0;
-  };
-  for (StereoPoint& point : features.points) {
-    if (point.HasDepth()) correct(point.left.px.x(), point.disparity_px);
-  }
-  for (StereoLine& line : features.lines) {
-    if (!line.HasDepth()) continue;
-    correct(line.left.segment.p.x(), line.disparity_p_px);
-    correct(line.left.segment.q.x(), line.disparity_q_px);
-  }
+  CorrectDisparities(features, [this](const Eigen::Vector2d& left_px, double) { return Offset_px(left_px.x()); });
 }
 
 bool DisparityCalibration::Compare(const Sight& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,

@@ -79,6 +79,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       kind_balance_(options.landmarks.max_point_scale),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
+      row_calibration_(camera, options.row_calibration),
       landmarks_(camera, options),
       keyframe_measurements_(camera) {}
 

@@ -12,6 +12,7 @@
 #include "vo_process/kind_balance.h"
 #include "vo_process/local_landmarks.h"
 #include "vo_process/motion_model.h"
+#include "vo_process/row_calibration.h"
 
 namespace plslam {
 
@@ -64,6 +65,14 @@ class Odometry {
 
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
+  /// How rows of right images differ from those of left ones, as far as is known.
+  RowField rows() const { return row_calibration_.field(); }
+
+  bool has_learned_rows() const { return row_calibration_.has_learned(); }
+
+  /// Learns how they differ from the matches of a pair, before it is tracked. True where that brings to light that they do.
+  bool LearnRows(const StereoFeatures& features) { return row_calibration_.Observe(features); }
+
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
   /// nothing are answered with a state, and the pose goes on by the motion model. With the left image that the features
   /// were found in, tracked points are refined by it; its pixels are not kept.
@@ -97,11 +106,11 @@ class Odometry {
   /// nothing is lost or dormant then, and what was seen since the keyframe before has gone into it.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.landmarks_,
-      self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
-      self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
-      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
-      self.keyframe_point_id_, self.keyframe_line_id_);
+    a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
+      self.landmarks_, self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_,
+      self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_,
+      self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_,
+      self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
   }
 
  private:
@@ -147,6 +156,7 @@ class Odometry {
   KindBalance kind_balance_;
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
+  RowCalibration row_calibration_;
   LocalLandmarks landmarks_;
   KeyframeLog keyframe_log_;
   KeyframeMeasurements keyframe_measurements_;

@@ -25,6 +25,14 @@ struct DisparityCalibrationOptions {
   double min_chi_square = 25.0;
 };
 
+/// Self-calibration of the rows of the right image.
+struct RowCalibrationOptions {
+  bool enabled = true;
+  double prior_sigma_px = 0.5;
+  double min_chi_square = 40.0;
+  double min_offset_px = 0.5;
+};
+
 /// Refinement of tracked points by the patch that their landmark was founded with.
 struct RefinementOptions {
   bool enabled = false;
@@ -84,6 +92,7 @@ struct VoOptions {
   LineMatchOptions line_matching;
   MotionOptions motion;
   DisparityCalibrationOptions disparity_calibration;
+  RowCalibrationOptions row_calibration;
   LandmarkOptions landmarks;
   RefinementOptions refinement;
   TrackingOptions tracking;
@@ -113,6 +122,14 @@ void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
   visit("enabled", o.enabled, "whether offsets of the disparities are estimated and taken away");
   visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large an offset is expected to be");
   visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (3 degrees of freedom) needed to use it");
+}
+
+template <class Visitor>
+void VisitFields(Visitor& visit, RowCalibrationOptions& o) {
+  visit("enabled", o.enabled, "whether rows by which the right image differs from the left are estimated and minded");
+  visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large each term of them is expected to be");
+  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (6 degrees of freedom) needed to use them");
+  visit("min_offset_px", o.min_offset_px, Bounds{0, 10}, "length of the vector of terms above which they matter");
 }
 
 template <class Visitor>
@@ -185,6 +202,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("line_matching", o.line_matching, "matching of lines over time");
   visit("motion", o.motion, "motion estimation");
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
+  visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
   visit("landmarks", o.landmarks, "life of the landmarks");
   visit("refinement", o.refinement, "refinement of tracked points");
   visit("tracking", o.tracking, "search, and what counts as tracked");

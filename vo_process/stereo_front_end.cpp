@@ -1,11 +1,16 @@
 #include "vo_process/stereo_front_end.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/features/stereo_matcher.h"
 
 namespace plslam {
 namespace {
+
+// Of an octave of the points: with eight of them, corners are compared up to 14 pixels away.
+constexpr double kUnknownRowTolerance_px = 4.0;
+constexpr double kUnknownRowSigma_px = 2.0;
 
 ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask,
                             const RunBoth& run_both = RunInTurn) {
@@ -25,10 +30,18 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
       left_extractor_(options.features),
       right_extractor_(options.features) {}
 
-StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer) {
+StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows) {
   left_ = {};
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
-  return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer);
+  return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer, rows, options_.stereo);
+}
+
+StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, StageTimer& timer) {
+  if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
+  StereoOptions options = options_.stereo;
+  options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
+  options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
+  return ProcessStereo(images, timer, RowField(), options);
 }
 
 void StereoFrontEnd::KeepLeft(const cv::Mat& left) {
@@ -40,7 +53,8 @@ RunBoth StereoFrontEnd::OnBothThreads() {
       [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
 }
 
-StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer) {
+StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
+                                             const StereoOptions& options) {
   cv::Mat left;
   cv::Mat right;
   ImageFeatures left_features;
@@ -58,7 +72,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
   });
   return timer.Time("stereo", [&] {
     KeepLeft(left);
-    return MatchStereo(std::move(left_features), right_features, left, right, camera(), options_.stereo,
+    return MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options,
                        OnBothThreads());
   });
 }

@@ -5,6 +5,7 @@
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
 #include "core/features/image_levels.h"
+#include "core/features/row_field.h"
 #include "core/features/run_both.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/stereo_images.h"
@@ -23,8 +24,13 @@ class StereoFrontEnd {
 
   const StereoCamera& camera() const { return rectifier_.camera(); }
 
-  /// Features in rectified left pixels. Throws std::runtime_error where the images do not fit the rig.
-  StereoFeatures Process(const StereoImages& images, StageTimer& timer);
+  /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images. Throws
+  /// std::runtime_error where the images do not fit the rig.
+  StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {});
+
+  /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less sure of
+  /// disparities for it.
+  StereoFeatures LookForRows(const StereoImages& images, StageTimer& timer);
 
   /// The rectified left image of the pair processed last; none where points are not refined. Valid until the next pair.
   const ImageLevels& left() const { return left_; }
@@ -32,7 +38,8 @@ class StereoFrontEnd {
  private:
   void KeepLeft(const cv::Mat& left);
   RunBoth OnBothThreads();
-  StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer);
+  StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
+                               const StereoOptions& options);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer);
 
   RigCalibration rig_;

@@ -15,6 +15,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/keyframe_value.h"
+#include "vo_process/see_pair.h"
 #include "vo_process/vo_messages.h"
 
 namespace plslam {
@@ -74,6 +75,7 @@ void VoNode::OnCamera(const camera_t& message) {
     waiting_.clear();
   }
   rig_ = *rig;
+  told_of_rows_ = false;
   odometry_.reset();
   GoOn();
 }
@@ -193,12 +195,31 @@ void VoNode::Track(const Frame& frame) {
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
+  TellOfRows();
   FinishIfDone();
+}
+
+/// Once for each camera.
+void VoNode::TellOfRows() {
+  const RowField rows = odometry_->rows();
+  if (rows.is_zero() || std::exchange(told_of_rows_, true)) return;
+  const StereoCamera& camera = front_end_->camera();
+  double most_px = 0.0;
+  for (const double u_px : {0.0, camera.width_px - 1.0}) {
+    for (const double v_px : {0.0, camera.height_px - 1.0}) {
+      most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
+    }
+  }
+  spdlog::info(
+      "rows of the right image differ from the left ones by up to {:.1f} px in the corners: they are followed, but "
+      "the "
+      "calibration could be better",
+      most_px);
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
   try {
-    return front_end_->Process(images, timer);
+    return SeePair(*front_end_, *odometry_, images, timer);
   } catch (const std::exception& error) {
     spdlog::warn("frame {}: {}", images.frame_id, error.what());
     Count("frames.bad", 1);

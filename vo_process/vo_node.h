@@ -92,6 +92,7 @@ class VoNode {
   void Count(const std::string& name, double increment);
   void FinishIfDone();
   void SetState(const std::string& state);
+  void TellOfRows();
 
   bus::Process& process_;
   VoOptions options_;
@@ -132,6 +133,7 @@ class VoNode {
   bool restored_ = false;
   bool state_failed_ = false;
   bool was_too_early_ = false;
+  bool told_of_rows_ = false;
   /// Since when frames are wanted again, and the publisher of frames that was heard of last.
   std::optional<double> frames_asked_s_;
   int64_t player_ = 0;

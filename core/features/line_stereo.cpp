@@ -161,19 +161,20 @@ double DisparitySigma(const LineFeature& left, const LineFeature& right, const R
 /// The two images, asked whether they look alike where a match says so. Without images the answer is yes.
 class Appearance {
  public:
-  Appearance(const cv::Mat& left, const cv::Mat& right, double min_similarity)
-      : left_(left), right_(right), min_similarity_(min_similarity) {}
+  Appearance(const cv::Mat& left, const cv::Mat& right, const RowField& rows, double min_similarity)
+      : left_(left), right_(right), rows_(rows), min_similarity_(min_similarity) {}
 
   bool Confirms(const Segment2& s, const RowLine& r) const {
     if (left_.empty() || right_.empty()) return true;
     const double disparity_p = s.p.x() - r.Column(s.p.y());
     const double disparity_q = s.q.x() - r.Column(s.q.y());
-    return StripSimilarity(left_, right_, s, disparity_p, disparity_q) >= min_similarity_;
+    return StripSimilarity(left_, right_, s, disparity_p, disparity_q, rows_) >= min_similarity_;
   }
 
  private:
   const cv::Mat& left_;
   const cv::Mat& right_;
+  const RowField& rows_;
   double min_similarity_;
 };
 
@@ -201,8 +202,8 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
 }
 
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
-                      const cv::Mat& right_image, const StereoCamera&, const StereoOptions& options) {
-  const Appearance appearance(left_image, right_image, options.line_min_similarity);
+                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options) {
+  const Appearance appearance(left_image, right_image, rows, options.line_min_similarity);
   const StereoGates gates(options);
   const std::vector<RowLine> left_rows = MakeRowLines(left);
   const std::vector<RowLine> right_rows = MakeRowLines(right);

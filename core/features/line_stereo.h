@@ -6,6 +6,7 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/features/row_field.h"
 #include "core/geometry/stereo_camera.h"
 
 namespace plslam {
@@ -19,11 +20,11 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);
 /// Candidates must share rows with the left segment, run in nearly the same direction, be of similar length, imply
 /// disparities in range at both ends, and have similar descriptors; the best must be best from both sides and clearly
 /// better than the second, and the images must look alike along it. Without images (both empty) that last test is left
-/// out. Disparities are read where the right infinite line crosses the rows of the left
+/// out; `rows` tells where in the right image the left rows are, while `right` has been brought to them. Disparities are read where the right infinite line crosses the rows of the left
 /// endpoints, since detectors cut the same edge at different places in the two images. Segments nearly parallel to
 /// the baseline, and those without a match, keep negative disparities.
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
-                      const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options);
+                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options);
 
 /// The same from a depth map aligned with the left image (16 bits, 0 = unknown): virtual disparities d = b f / Z of
 /// the endpoints, from a robust straight fit of the inverse depths sampled along the segment. Too few known depths or

@@ -48,15 +48,16 @@ double Correlation(const Strip& a, const Strip& b, size_t count, size_t first, s
 }  // namespace
 
 double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, const Segment2& left,
-                       double disparity_p_px, double disparity_q_px) {
+                       double disparity_p_px, double disparity_q_px, const RowField& rows) {
   Strip a;
   Strip b;
   size_t count = 0;
   for (int i = 0; i < kPlaces; ++i) {
     const double t = (i + 0.5) / kPlaces;
     const Eigen::Vector2d at = left.p + t * (left.q - left.p);
-    const double d = disparity_p_px + t * (disparity_q_px - disparity_p_px);
-    if (SampleRow(left_image, at.x(), at.y(), a[count]) && SampleRow(right_image, at.x() - d, at.y(), b[count])) {
+    const double right_u = at.x() - disparity_p_px - t * (disparity_q_px - disparity_p_px);
+    const double right_v = at.y() + rows.Offset_px({right_u, at.y()});
+    if (SampleRow(left_image, at.x(), at.y(), a[count]) && SampleRow(right_image, right_u, right_v, b[count])) {
       ++count;
     }
   }

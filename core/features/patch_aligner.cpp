@@ -106,7 +106,8 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
 
   const double start = disparity_px / size_px;
   const double row_information = size_px * size_px / (sigma_row_px_ * sigma_row_px_);
-  Eigen::Vector2d shift(-start, 0.0);
+  const double expected_row = rows_.Offset_px(left_px - Eigen::Vector2d(disparity_px, 0.0)) / size_px;
+  Eigen::Vector2d shift(-start, expected_row);
   Patch right;
   for (int iteration = 0; iteration < kMaxAlignIterations; ++iteration) {
     if (!Inside(level.right, u + shift.x(), v + shift.y())) return std::nullopt;
@@ -117,7 +118,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     Eigen::Vector2d gradient = c.gradient;
     const double prior = c.noise * c.noise * row_information;
     hessian(1, 1) += prior;
-    gradient.y() += prior * shift.y();
+    gradient.y() += prior * (shift.y() - expected_row);
     const double determinant = hessian.determinant();
     if (!(determinant > 1e-6 * hessian(0, 0) * hessian(1, 1))) return std::nullopt;
     const Eigen::Vector2d step = hessian.inverse() * gradient;
@@ -126,18 +127,19 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     if (step.cwiseAbs().maxCoeff() > kPatchConverged) continue;
     const double inflation = NoiseInflation(hessian(0, 0), c.noise);
     if (!(inflation < kMaxInflation)) return std::nullopt;
-    PatchAlignment found{-shift.x(),
-                         0.0,
-                         shift.y() * size_px,
-                         c.correlation,
-                         c.gain,
-                         Eigen::Vector2d::Zero(),
-                         Eigen::Vector2d::Zero()};
+    PatchAlignment found;
+    found.disparity_px = -shift.x();
+    found.correlation = c.correlation;
+    found.gain = c.gain;
+    // Without the prior, of which it would be a part: seen = shift + prior / own * (shift - expected).
+    const double own = std::max(patch.hessian.determinant() / patch.hessian(0, 0), 1e-9);
+    found.row_offset_px = (shift.y() + prior / own * (shift.y() - expected_row)) * size_px;
+    found.sigma_row_px = c.noise / std::sqrt(own) * size_px;
     double variance = c.noise * c.noise * hessian(1, 1) / determinant;
     const Eigen::Vector2d off_center = left - Eigen::Vector2d(u, v);
     std::optional<SlantedAlignment> slanted;
     if (found.disparity_px * size_px >= kMinSlantDisparity_px) {
-      slanted = RefineSlanted(level, {u, v}, off_center, shift, row_information);
+      slanted = RefineSlanted(level, {u, v}, off_center, shift, {expected_row, row_information});
     }
     if (slanted) {
       found.disparity_px = -slanted->shift_u_px;

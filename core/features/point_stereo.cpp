@@ -72,10 +72,10 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
 }
 
 void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                      const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
+                      const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                       const StereoOptions& options) {
-  const PatchAligner aligner(pair, options.row_sigma_px);
-  RowSearch search(pair);
+  const PatchAligner aligner(pair, options.row_sigma_px, rows);
+  RowSearch search(pair, rows);
   for (size_t i = first; i < left.size(); i += 2) {
     const PointFeature& feature = left[i].left;
     std::optional<PatchAlignment> found;
@@ -88,6 +88,8 @@ void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::v
     if (!found) continue;
     left[i].disparity_px = found->disparity_px;
     left[i].sigma_disparity_px = found->sigma_disparity_px;
+    left[i].row_offset_px = found->row_offset_px;
+    left[i].sigma_row_px = found->sigma_row_px;
     left[i].disparity_slope = found->disparity_slope;
     left[i].slope_information = found->slope_information;
   }
@@ -139,11 +141,11 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
 }
 
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
+                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                        const StereoOptions& options, const RunBoth& run_both) {
   // Points are matched independently of each other; odd and even ones share near and far, easy and hard alike.
-  run_both([&] { MatchEverySecond(0, left, right, candidates, pair, options); },
-           [&] { MatchEverySecond(1, left, right, candidates, pair, options); });
+  run_both([&] { MatchEverySecond(0, left, right, candidates, pair, rows, options); },
+           [&] { MatchEverySecond(1, left, right, candidates, pair, rows, options); });
 }
 
 }  // namespace plslam

@@ -5,6 +5,7 @@
 #include "core/features/features.h"
 #include "core/features/halved_pair.h"
 #include "core/features/options.h"
+#include "core/features/row_field.h"
 #include "core/features/run_both.h"
 
 namespace plslam {
@@ -19,7 +20,7 @@ struct PointCandidate {
   int second_distance = 0;
 };
 
-/// For each left point its candidate (PL-SLAM §IV.A): on the same row within `point_row_tolerance_px` times the scale of
+/// For each left point its candidate (PL-SLAM §IV.A), rows being those of the left image: on the same row within `point_row_tolerance_px` times the scale of
 /// the octave, at most one octave apart, with a disparity in range; its descriptor must be near enough, clearly nearer
 /// than the second, and mutually best.
 std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
@@ -27,9 +28,9 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
 
 /// Sets the disparities of left points and their standard deviations by aligning patches of the two images
 /// (`PatchAligner`) at the candidates, or where a search along the row finds the patch. Points whose patches do not
-/// correlate keep a negative disparity.
+/// correlate keep a negative disparity. `rows` tells where in the right image their rows are.
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair,
+                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                        const StereoOptions& options, const RunBoth& run_both = RunInTurn);
 
 }  // namespace plslam

@@ -105,8 +105,9 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
   const int columns = level.left.cols;
-  if (u < kWindowHalf || v < kWindowHalf || u >= columns - kWindowHalf || v >= level.left.rows - kWindowHalf)
-    return std::nullopt;
+  const int right_v = v + static_cast<int>(std::lround(rows_.Offset_px(left_px) / level.size_px));
+  const auto is_inside = [&level](int row) { return row >= kWindowHalf && row < level.left.rows - kWindowHalf; };
+  if (u < kWindowHalf || u >= columns - kWindowHalf || !is_inside(v) || !is_inside(right_v)) return std::nullopt;
   const LeftPatch patch = ReadPatch(level.left, u, v);
   if (!(patch.energy > kMinVariance * kWindowPixels)) return std::nullopt;
 
@@ -120,7 +121,7 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   strip_.assign(static_cast<size_t>(kWindowSide) * stride, 0);
   for (int y = 0; y < kWindowSide; ++y) {
     const int start = first - kWindowHalf;
-    Widen(level.right.ptr<uint8_t>(v + y - kWindowHalf) + start, std::min(stride, columns - start),
+    Widen(level.right.ptr<uint8_t>(right_v + y - kWindowHalf) + start, std::min(stride, columns - start),
           strip_.data() + static_cast<size_t>(y) * stride);
   }
   cross_.resize(places);

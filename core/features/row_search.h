@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/features/halved_pair.h"
+#include "core/features/row_field.h"
 
 namespace plslam {
 
@@ -22,8 +23,8 @@ struct RowMatch {
 /// disparities of a range. In integers up to the final comparison.
 class RowSearch {
  public:
-  /// `pair` must outlive the search.
-  explicit RowSearch(const HalvedPair& pair) : pair_(&pair) {}
+  /// `pair` must outlive the search. The row is that of `rows` to the pixel of the level.
+  explicit RowSearch(const HalvedPair& pair, const RowField& rows = {}) : pair_(&pair), rows_(rows) {}
 
   /// nullopt where the patch leaves the left image, has no contrast, or correlates nowhere.
   std::optional<RowMatch> Find(const Eigen::Vector2d& left_px, double scale, double min_disparity_px,
@@ -31,6 +32,7 @@ class RowSearch {
 
  private:
   const HalvedPair* pair_;
+  RowField rows_;
   // Scratch: the rows of the right image as 16 bit, and for each place its product with the left patch, sum, and sum
   // of squares.
   std::vector<int16_t> strip_;

@@ -112,11 +112,12 @@ bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Ve
 
 std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, const Eigen::Vector2i& center,
                                               const Eigen::Vector2d& off_center, const Eigen::Vector2d& shift,
-                                              double row_information) {
+                                              const RowPrior& row) {
   const SlantTemplate t = MakeTemplate(level.left, center);
   Eigen::Vector4d warp(shift.x(), shift.y(), 0.0, 0.0);
   const Eigen::Vector4d place(1.0, 0.0, off_center.x(), off_center.y());
-  const Eigen::Vector4d prior(0.0, row_information, 1.0 / (kSlopeSigma * kSlopeSigma),
+  const Eigen::Vector4d expected(0.0, row.offset_px, 0.0, 0.0);
+  const Eigen::Vector4d prior(0.0, row.information, 1.0 / (kSlopeSigma * kSlopeSigma),
                               1.0 / (kSlopeSigma * kSlopeSigma));
   Patch right;
   for (int iteration = 0; iteration < kMaxSlantIterations; ++iteration) {
@@ -130,7 +131,7 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
     Eigen::Vector4d gradient;
     for (int i = 0; i < 4; ++i) gradient(i) = Dot(t.derivatives[i], right) / gain;
     const Eigen::Vector4d weight = noise * noise * prior;
-    gradient += weight.cwiseProduct(warp);
+    gradient += weight.cwiseProduct(warp - expected);
     const Eigen::Matrix4d hessian = t.hessian + Eigen::Matrix4d(weight.asDiagonal());
     const Eigen::LDLT<Eigen::Matrix4d> solver(hessian);
     const Eigen::Vector4d step = solver.solve(gradient);

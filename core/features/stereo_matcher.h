@@ -4,6 +4,7 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/features/row_field.h"
 #include "core/features/run_both.h"
 #include "core/geometry/stereo_camera.h"
 
@@ -11,9 +12,9 @@ namespace plslam {
 
 /// Stereo matches of both kinds (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, then sub-pixel disparity by
 /// comparing the images, with its standard deviation. All left features are kept; those without a match, and segments
-/// nearly parallel to the baseline, have no depth. `run_both` shares the work between two threads.
-StereoFeatures MatchStereo(ImageFeatures left, const ImageFeatures& right, const cv::Mat& left_image,
-                           const cv::Mat& right_image, const StereoCamera& camera, const StereoOptions& options,
+/// nearly parallel to the baseline, have no depth. `rows` tells how rows of the two differ. `run_both` shares the work between two threads.
+StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
+                           const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                            const RunBoth& run_both = RunInTurn);
 
 /// The same for a depth map aligned with the left image (16 bits, 0 = unknown): virtual right measurements

@@ -94,7 +94,7 @@ void MatchPointsInStereo(benchmark::State& state) {
   for (auto _ : state) {
     std::vector<StereoPoint> points = left;
     MatchPointsStereo(points, right, FindPointCandidates(points, right, options), HalvedPair(pair.left, pair.right),
-                      options);
+                      RowField(), options);
     matched = 0.0;
     for (const StereoPoint& p : points) matched += p.HasDepth() ? 1.0 : 0.0;
   }

@@ -97,11 +97,10 @@ void MatchStereoPair(benchmark::State& state, const Scene& scene) {
   LineExtractor extractor{LineOptions()};
   const std::vector<StereoLine> lines = WithoutDepth(extractor.Extract(left));
   const std::vector<LineFeature> right_lines = extractor.Extract(right);
-  const StereoCamera camera{700.0, 600.0, 180.0, 0.5, left.cols, left.rows};
   int with_depth = 0;
   for (auto _ : state) {
     std::vector<StereoLine> matched = lines;
-    MatchLinesStereo(matched, right_lines, left, right, camera, StereoOptions());
+    MatchLinesStereo(matched, right_lines, left, right, RowField(), StereoOptions());
     with_depth = 0;
     for (const StereoLine& l : matched) with_depth += l.HasDepth() ? 1 : 0;
   }

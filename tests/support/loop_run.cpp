@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "vo_process/keyframe_value.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/see_pair.h"
 
 namespace plslam::test {
 namespace {
@@ -95,7 +95,7 @@ class Run {
 void Run::Frame(const Moment& moment) {
   const StereoImages images = dataset_.Read(moment.index);
   StageTimer timer(NowMs);
-  const OdometryResult result = odometry_.Track(moment.t_ns, front_end_.Process(images, timer));
+  const OdometryResult result = odometry_.Track(moment.t_ns, SeePair(front_end_, odometry_, images, timer));
   OdometryFrame frame;
   frame.t_ns = moment.t_ns;
   frame.state = result.state;

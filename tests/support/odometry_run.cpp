@@ -7,7 +7,7 @@
 
 #include "tests/support/dense_algebra.h"
 #include "tests/support/steady_ms.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/see_pair.h"
 
 namespace plslam::test {
 namespace {
@@ -41,7 +41,7 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     StageTimer timer(SteadyMs);
     OdometryResult result;
     timer.Time("total", [&] {
-      StereoFeatures features = front_end.Process(images, timer);
+      StereoFeatures features = SeePair(front_end, odometry, images, timer);
       result =
           timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features), front_end.left()); });
     });

@@ -9,7 +9,7 @@
 #include "mapping_process/mapper.h"
 #include "vo_process/keyframe_value.h"
 #include "vo_process/odometry.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/see_pair.h"
 
 namespace plslam::test {
 namespace {
@@ -24,9 +24,9 @@ struct Mapped {
   int64_t t_ns = 0;
 };
 
-StereoFeatures See(StereoFrontEnd& front_end, const StereoImages& images) {
+StereoFeatures See(StereoFrontEnd& front_end, const StereoImages& images, Odometry& odometry) {
   StageTimer timer([] { return 0.0; });
-  return front_end.Process(images, timer);
+  return SeePair(front_end, odometry, images, timer);
 }
 
 Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, StereoFrontEnd& front_end, const VoOptions& vo,
@@ -37,7 +37,7 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, StereoFron
   LoopCloser closer(front_end.camera(), places, loops);
   for (int i = 0; i < dataset.size(); ++i) {
     const StereoImages images = dataset.Read(i);
-    const OdometryResult result = odometry.Track(images.t_ns, See(front_end, images));
+    const OdometryResult result = odometry.Track(images.t_ns, See(front_end, images, odometry));
     if (!result.keyframe) continue;
     Keyframe keyframe = ToKeyframe(result);
     keyframe.session = kMapSession;
@@ -86,7 +86,7 @@ void Try(const Dataset& dataset, StereoFrontEnd& front_end, const Mapped& mapped
   for (int i = 0; i < trials.covered_frames; ++i) odometry.Track(t_ns += step_ns, {});
   for (int i = 0; i < trials.seen_frames; ++i) {
     const int frame = trial.to_frame + i;
-    const OdometryResult result = odometry.Track(t_ns += step_ns, See(front_end, dataset.Read(frame)));
+    const OdometryResult result = odometry.Track(t_ns += step_ns, See(front_end, dataset.Read(frame), odometry));
     const bool lost = result.state == TrackingState::kLost;
     const SE3 truth = PlaceInMap(dataset, mapped.map, frame);
     const bool right = !lost && IsRight(odometry.T_w_odom() * result.T_odom_c, truth, trials);

@@ -4,7 +4,7 @@
 
 #include "tests/support/steady_ms.h"
 #include "vo_process/keyframe_value.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/see_pair.h"
 
 namespace plslam::test {
 namespace {
@@ -65,7 +65,7 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
     StageTimer timer(SteadyMs);
-    const OdometryResult result = odometry.Track(images.t_ns, front_end.Process(images, timer));
+    const OdometryResult result = odometry.Track(images.t_ns, SeePair(front_end, odometry, images, timer));
     OdometryFrame frame;
     frame.t_ns = images.t_ns;
     frame.state = result.state;

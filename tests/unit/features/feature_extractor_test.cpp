@@ -46,7 +46,7 @@ TEST(MatchStereo, KeepsEveryLeftFeatureInItsPlace) {
   const cv::Mat right = Scene(10.0);
   FeatureExtractor extractor(Only("both"));
   const ImageFeatures features = extractor.Extract(left);
-  const StereoFeatures stereo = MatchStereo(features, extractor.Extract(right), left, right, kExtractorCamera, {});
+  const StereoFeatures stereo = MatchStereo(features, extractor.Extract(right), left, right, RowField(), {});
   ASSERT_EQ(stereo.points.size(), features.points.size());
   ASSERT_EQ(stereo.lines.size(), features.lines.size());
   int with_depth = 0;
@@ -63,7 +63,7 @@ TEST(MatchStereo, KeepsEveryLeftFeatureInItsPlace) {
 TEST(MatchStereo, ImagesOfOnePixel) {
   const cv::Mat pixel(1, 1, CV_8UC1, cv::Scalar(9));
   FeatureExtractor extractor(Only("both"));
-  const StereoFeatures stereo = MatchStereo(extractor.Extract(pixel), {}, pixel, pixel, kExtractorCamera, {});
+  const StereoFeatures stereo = MatchStereo(extractor.Extract(pixel), {}, pixel, pixel, RowField(), {});
   EXPECT_TRUE(stereo.points.empty());
   EXPECT_TRUE(stereo.lines.empty());
 }

@@ -93,7 +93,8 @@ SlantErrors WithSlant(const DisparityPlane& plane, const Pair& pair) {
   const HalvedPair::Level& level = pair.halved.LevelFor(1.0);
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const Eigen::Vector2i center(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
-    const auto found = RefineSlanted(level, center, px - center.cast<double>(), {-truth + 0.2, 0.0}, kRowInformation);
+    const auto found =
+        RefineSlanted(level, center, px - center.cast<double>(), {-truth + 0.2, 0.0}, {0.0, kRowInformation});
     if (!found || found->correlation < 0.8) return std::nullopt;
     return std::pair(-found->shift_u_px, found->variance);
   });
@@ -180,17 +181,17 @@ TEST(RefineSlanted, OutsideTheImageAndWithoutTextureThereIsNothing) {
   const HalvedPair pair(image, image);
   const HalvedPair::Level& level = pair.LevelFor(1.0);
   const auto refine = [&](const Eigen::Vector2i& center, double disparity) {
-    return RefineSlanted(level, center, {0.0, 0.0}, {-disparity, 0.0}, kRowInformation);
+    return RefineSlanted(level, center, {0.0, 0.0}, {-disparity, 0.0}, {0.0, kRowInformation});
   };
   EXPECT_TRUE(refine({60, 30}, 0.0));
   for (const double disparity : {57.0, 60.0, 200.0, -60.0, 1e6})
     EXPECT_FALSE(refine({60, 30}, disparity)) << disparity;
   const HalvedPair half_flat(image, flat);
-  EXPECT_FALSE(RefineSlanted(half_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, kRowInformation));
+  EXPECT_FALSE(RefineSlanted(half_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, {0.0, kRowInformation}));
   const HalvedPair all_flat(flat, flat);
-  EXPECT_FALSE(RefineSlanted(all_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, kRowInformation));
+  EXPECT_FALSE(RefineSlanted(all_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, {0.0, kRowInformation}));
   const HalvedPair left_flat(flat, image);
-  EXPECT_FALSE(RefineSlanted(left_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, kRowInformation));
+  EXPECT_FALSE(RefineSlanted(left_flat.LevelFor(1.0), {60, 30}, {0.0, 0.0}, {0.0, 0.0}, {0.0, kRowInformation}));
 }
 
 // As the front end calls it: the aligner takes slant into account where the disparity is large.

@@ -40,8 +40,7 @@ TEST(LinesOnRealImages, StereoAndTrackingFindMostLines) {
   ASSERT_FALSE(left.empty() || right.empty());
   LineExtractor extractor{LineOptions()};
   std::vector<StereoLine> lines = WithoutDepth(extractor.Extract(left));
-  const StereoCamera camera{615.0, 319.5, 239.5, 0.1, left.cols, left.rows};
-  MatchLinesStereo(lines, extractor.Extract(right), left, right, camera, StereoOptions());
+  MatchLinesStereo(lines, extractor.Extract(right), left, right, RowField(), StereoOptions());
   int with_depth = 0;
   std::vector<PredictedLine> predicted;
   for (const StereoLine& l : lines) {

@@ -12,7 +12,6 @@ namespace plslam {
 namespace {
 
 const cv::Size kSize(200, 140);
-const StereoCamera kStereoCamera{200.0, 100.0, 70.0, 0.1, 200, 140};
 
 struct Pair {
   cv::Mat left;
@@ -33,7 +32,7 @@ Pair RenderPair(const test::Bar& bar, double disparity_p, double disparity_q, do
 std::vector<StereoLine> Match(const Pair& pair, const StereoOptions& options = StereoOptions()) {
   LineExtractor extractor{LineOptions()};
   std::vector<StereoLine> lines = WithoutDepth(extractor.Extract(pair.left));
-  MatchLinesStereo(lines, extractor.Extract(pair.right), pair.left, pair.right, kStereoCamera, options);
+  MatchLinesStereo(lines, extractor.Extract(pair.right), pair.left, pair.right, RowField(), options);
   return lines;
 }
 
@@ -107,7 +106,7 @@ struct OneToOne {
   LineFeature right;
   bool Matches(const StereoOptions& options = StereoOptions()) const {
     std::vector<StereoLine> lines = {left};
-    MatchLinesStereo(lines, {right}, cv::Mat(), cv::Mat(), kStereoCamera, options);
+    MatchLinesStereo(lines, {right}, cv::Mat(), cv::Mat(), RowField(), options);
     return lines[0].HasDepth();
   }
 };
@@ -158,8 +157,8 @@ TEST(LineStereo, ExtrapolationCostsCertainty) {
   part.right.segment = {{80, 20}, {82.5, 50}};
   std::vector<StereoLine> a = {whole.left};
   std::vector<StereoLine> b = {part.left};
-  MatchLinesStereo(a, {whole.right}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
-  MatchLinesStereo(b, {part.right}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(a, {whole.right}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
+  MatchLinesStereo(b, {part.right}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   ASSERT_TRUE(b[0].HasDepth());
   EXPECT_NEAR(b[0].disparity_q_px, 20.0, 1e-9) << "on the infinite line";
   EXPECT_GT(b[0].sigma_disparity_q_px, 2.0 * a[0].sigma_disparity_q_px);
@@ -173,11 +172,11 @@ TEST(LineStereo, TwoAlikeAtDifferentDisparitiesGiveNone) {
   twin.segment.p.x() -= 12;
   twin.segment.q.x() -= 12;
   std::vector<StereoLine> lines = {pair.left};
-  MatchLinesStereo(lines, {pair.right, twin}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(lines, {pair.right, twin}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   EXPECT_FALSE(lines[0].HasDepth());
   // A piece of the same edge is no rival.
   twin.segment = {{82.5, 50}, {85, 80}};
-  MatchLinesStereo(lines, {pair.right, twin}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(lines, {pair.right, twin}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   EXPECT_TRUE(lines[0].HasDepth());
 }
 
@@ -186,7 +185,7 @@ TEST(LineStereo, UnlikeImagesRefuseTheMatch) {
   LineExtractor extractor{LineOptions()};
   std::vector<StereoLine> lines = WithoutDepth(extractor.Extract(pair.left));
   const cv::Mat other = test::NoiseImage(kSize, 128, 40, 8);
-  MatchLinesStereo(lines, extractor.Extract(pair.right), pair.left, other, kStereoCamera, StereoOptions());
+  MatchLinesStereo(lines, extractor.Extract(pair.right), pair.left, other, RowField(), StereoOptions());
   for (const StereoLine& l : lines) EXPECT_FALSE(l.HasDepth());
 }
 
@@ -198,14 +197,14 @@ TEST(LineStereo, IdenticalImagesHaveNoDepth) {
 
 TEST(LineStereo, NoneOneAndDegenerateLines) {
   std::vector<StereoLine> none;
-  MatchLinesStereo(none, {}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(none, {}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   EXPECT_TRUE(none.empty());
   std::vector<StereoLine> one(1);
-  MatchLinesStereo(one, {}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
-  MatchLinesStereo(one, {LineFeature()}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(one, {}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
+  MatchLinesStereo(one, {LineFeature()}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   EXPECT_FALSE(one[0].HasDepth());
   one[0].left.segment = {{NAN, 0}, {10, 20}};
-  MatchLinesStereo(one, {Agreeing().right}, cv::Mat(), cv::Mat(), kStereoCamera, StereoOptions());
+  MatchLinesStereo(one, {Agreeing().right}, cv::Mat(), cv::Mat(), RowField(), StereoOptions());
   EXPECT_FALSE(one[0].HasDepth());
 }
 

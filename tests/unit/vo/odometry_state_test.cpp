@@ -11,7 +11,7 @@
 #include "player/open_dataset.h"
 #include "tests/support/feature_world.h"
 #include "vo_process/odometry.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/see_pair.h"
 
 namespace plslam {
 namespace {
@@ -46,9 +46,9 @@ void ExpectSameBits(const char* world, int frames, const VoOptions& options) {
   for (int i = 0; i < frames; ++i) {
     StageTimer timer(Zero);
     const StereoImages images = dataset->Read(i);
-    const StereoFeatures features = front_end.Process(images, timer);
+    const StereoFeatures features = SeePair(front_end, undisturbed, images, timer);
     const OdometryResult expected = undisturbed.Track(images.t_ns, features, front_end.left());
-    const StereoFeatures seen_again = other_front_end->Process(images, timer);
+    const StereoFeatures seen_again = SeePair(*other_front_end, *restored, images, timer);
     const OdometryResult result = restored->Track(images.t_ns, seen_again, other_front_end->left());
     ASSERT_EQ(Bits(result), Bits(expected)) << "frame " << i << ", restored " << n_restored << " times";
     ASSERT_EQ(result.keyframe.has_value(), expected.keyframe.has_value());

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/features/features.h"
+
+namespace plslam {
+
+/// Subtracts `error_px(left_px, disparity_px)` from all disparities of both kinds; those that would fall to zero lose their depth.
+template <class Error>
+void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
+  const auto correct = [&error_px](const Eigen::Vector2d& left_px, double& disparity_px) {
+    disparity_px -= error_px(left_px, disparity_px);
+    if (disparity_px <= 0.0) disparity_px = -1.0;
+  };
+  for (StereoPoint& point : features.points) {
+    if (point.HasDepth()) correct(point.left.px, point.disparity_px);
+  }
+  for (StereoLine& line : features.lines) {
+    if (!line.HasDepth()) continue;
+    correct(line.left.segment.p, line.disparity_p_px);
+    correct(line.left.segment.q, line.disparity_q_px);
+  }
+}
+
+}  // namespace plslam

@@ -24,7 +24,7 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 3, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 4, "state of a tracker", Checksum::kPoly1305};
 
 }  // namespace
 

@@ -83,6 +83,12 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       landmarks_(camera, options),
       keyframe_measurements_(camera) {}
 
+bool Odometry::LearnRows(const StereoFeatures& features) {
+  const bool changed = row_calibration_.Observe(features);
+  if (changed) calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
+  return changed;
+}
+
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   std::vector<double> raw_disparities_px = PointDisparities(features);

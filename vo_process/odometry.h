@@ -68,10 +68,12 @@ class Odometry {
   /// How rows of right images differ from those of left ones, as far as is known.
   RowField rows() const { return row_calibration_.field(); }
 
-  bool has_learned_rows() const { return row_calibration_.has_learned(); }
+  /// Nothing is known of them yet: the next pair is to be looked at with that in mind.
+  bool needs_rows() const { return row_calibration_.needs_look(); }
 
-  /// Learns how they differ from the matches of a pair, before it is tracked. True where that brings to light that they do.
-  bool LearnRows(const StereoFeatures& features) { return row_calibration_.Observe(features); }
+  /// Learns how they differ from the matches of a pair, before it is tracked. True where `rows` becomes zero by it, or is not zero
+  /// any more; the disparities of before are then others than those that come.
+  bool LearnRows(const StereoFeatures& features);
 
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
   /// nothing are answered with a state, and the pose goes on by the motion model. With the left image that the features

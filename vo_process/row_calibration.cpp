@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -24,13 +23,21 @@ constexpr double kMaxRowDeviation = 4.0;
 constexpr double kRowHuber = 1.5;
 // Change from frame to frame: of warmth, and of what the model leaves out as the view changes.
 constexpr double kRowDrift_px = 0.005;
+// Matches of a frame that tell something, and that tell whether rows differ.
 constexpr size_t kEnoughToBegin = 20;
+constexpr size_t kEnough = 50;
 // Where rows do differ, most matches are off by less with the field than without it: by this factor to begin with it, and
 // by this to go on.
 constexpr double kMaxResidualShare = 0.5;
 constexpr double kMaxResidualShareOfUsed = 0.8;
+constexpr double kMinShareOfUsed = 0.6;
 // Medians are means over so many frames: rigs do not bend in a second, but walls at an angle come and go.
 constexpr int64_t kMemory_frames = 40;
+
+// What is expected: of a pitch, of rows that are all shifted alike, and of what else bends the field.
+constexpr double kPitchSigma_px = 5.0;
+constexpr double kShiftSigma_px = 0.7;
+constexpr double kBendSigma_px = 0.3;
 
 bool TellsItsRow(const StereoPoint& p) {
   return p.HasDepth() && p.sigma_row_px >= 0.0 && p.sigma_row_px < kMaxSigmaRow_px;
@@ -53,18 +60,18 @@ RowCalibration::RowCalibration(const StereoCamera& camera, const RowCalibrationO
 
 bool RowCalibration::Observe(const StereoFeatures& features) {
   if (!options_.enabled) return false;
-  if (!features.points.empty()) ++n_frames_;
+  ++n_frames_;
   const std::vector<RowSight> sights = SightsOf(features);
+  if (sights.size() < kEnoughToBegin) return false;
+  has_learned_ = has_learned_ || sights.size() >= kEnough;
   // Several pixels, and what agrees would seem to be wrong: so what most agree on comes first.
-  if (!has_learned() && sights.size() >= kEnoughToBegin)
-    state_(0) = MedianOf(sights, [](const RowSight& s) { return s.offset_px; });
-  n_learned_ += static_cast<int64_t>(sights.size());
+  if (n_compared_ == 0) state_(0) = MedianOf(sights, [](const RowSight& s) { return s.offset_px; });
   covariance_.diagonal().array() += kRowDrift_px * kRowDrift_px;
   for (const RowSight& sight : sights) Learn(sight);
-  if (sights.size() >= kEnoughToBegin) Compare(sights);
+  Compare(sights);
   const bool used_before = used_;
   used_ = IsWorthIt();
-  return used_ && !used_before;
+  return used_ != used_before;
 }
 
 std::vector<RowCalibration::RowSight> RowCalibration::SightsOf(const StereoFeatures& features) const {
@@ -108,9 +115,26 @@ void RowCalibration::Compare(const std::vector<RowSight>& sights) {
 }
 
 bool RowCalibration::IsWorthIt() const {
-  const double max_share = used_ ? kMaxResidualShareOfUsed : kMaxResidualShare;
-  return state_.norm() > options_.min_offset_px && median_with_px_ < max_share * median_without_px_ &&
+  // Once used, it is left only where it shows to be wrong, or small: each change disturbs the landmarks.
+  if (used_) {
+    return state_.norm() > kMinShareOfUsed * options_.min_offset_px &&
+           median_with_px_ < kMaxResidualShareOfUsed * median_without_px_;
+  }
+  return state_.norm() > options_.min_offset_px && median_with_px_ < kMaxResidualShare * median_without_px_ &&
          state_.dot(covariance_.ldlt().solve(state_)) > options_.min_chi_square;
+}
+
+// A pitch moves all rows, and those far from the middle more, by the square of their tangent; rows that are all lower by the same
+// may also be cut or counted otherwise. Least squares over the pitch with what is expected of each as a prior.
+RowField::Turn RowCalibration::TurnShown() const {
+  const double tangent = 0.5 * camera_.height_px / camera_.f_px;
+  const double bend = tangent * tangent;
+  const double bend_variance = kBendSigma_px * kBendSigma_px + covariance_(5, 5);
+  const double shift_variance = kShiftSigma_px * kShiftSigma_px + covariance_(0, 0);
+  const double information =
+      1.0 / (kPitchSigma_px * kPitchSigma_px) + 1.0 / shift_variance + bend * bend / bend_variance;
+  const double pitch_px = (state_(0) / shift_variance + bend * state_(5) / bend_variance) / information;
+  return {pitch_px / camera_.f_px, 2.0 * state_(1) / camera_.width_px};
 }
 
 }  // namespace plslam

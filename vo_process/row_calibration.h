@@ -17,31 +17,34 @@ namespace plslam {
 /// Public sequences have pairs whose rows differ by a pixel towards the corners. That costs matches, and where an edge
 /// is slanted each row of it is a disparity of its own: a segment at 20 degrees to the baseline errs by 2.7 px a row. Patches
 /// with corners tell the row of a match without knowing it, so this needs no motion and no depth. A Kalman filter with a
-/// prior around the median of the first pair, believed only where it is significant, large enough to
-/// matter, and most matches are the better for it: a good calibration is left alone.
+/// prior around the median of the first pair, believed only where it is significant, large enough to matter, and most
+/// matches are the better for it: a good calibration is left alone. It follows slow changes, of warmth, not a knock.
 class RowCalibration {
  public:
   RowCalibration(const StereoCamera& camera, const RowCalibrationOptions& options);
 
   /// What is believed; zero until it is significant.
-  RowField field() const { return used_ ? RowField(camera_, state_) : RowField(); }
+  RowField field() const { return used_ ? RowField(camera_, state_, TurnShown()) : RowField(); }
 
-  /// From enough matches to tell whether rows differ; or there was little to see in so many frames that it gives up waiting.
-  bool has_learned() const { return n_learned_ >= kEnough || n_frames_ >= kMaxFrames || !options_.enabled; }
+  /// No frame has had enough matches yet to tell whether rows differ. After some frames it is tried now and then only.
+  bool needs_look() const {
+    const bool now = n_frames_ < kFirstLooks || n_frames_ % kLookEvery == 0;
+    return options_.enabled && !has_learned_ && now;
+  }
 
-  /// Learns from the matches of a frame. True where `field` was zero before and is not any more.
+  /// Learns from the matches of a frame. True where `field` becomes zero by it, or is not zero any more.
   bool Observe(const StereoFeatures& features);
 
   /// All that it goes on with, for `core/io/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.n_frames_, self.n_learned_, self.used_, self.state_, self.covariance_, self.n_compared_,
+    a(self.n_frames_, self.has_learned_, self.used_, self.state_, self.covariance_, self.n_compared_,
       self.median_with_px_, self.median_without_px_);
   }
 
  private:
-  static constexpr int64_t kEnough = 50;
-  static constexpr int64_t kMaxFrames = 10;
+  static constexpr int64_t kFirstLooks = 10;
+  static constexpr int64_t kLookEvery = 30;
 
   /// A match that tells its row.
   struct RowSight {
@@ -56,12 +59,12 @@ class RowCalibration {
   void Learn(const RowSight& sight);
   void Compare(const std::vector<RowSight>& sights);
   bool IsWorthIt() const;
+  RowField::Turn TurnShown() const;
 
   StereoCamera camera_;
   RowCalibrationOptions options_;
-  /// With points in them, and their matches that told their rows.
   int64_t n_frames_ = 0;
-  int64_t n_learned_ = 0;
+  bool has_learned_ = false;
   bool used_ = false;
   RowField::Coefficients state_ = RowField::Coefficients::Zero();
   Eigen::Matrix<double, 6, 6> covariance_;

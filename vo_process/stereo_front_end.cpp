@@ -36,12 +36,14 @@ StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& t
   return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer, rows, options_.stereo);
 }
 
-StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, StageTimer& timer) {
+StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images) {
+  left_ = {};
   if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
-  return ProcessStereo(images, timer, RowField(), options);
+  StageTimer untimed([] { return 0.0; });
+  return ProcessStereo(images, untimed, RowField(), options);
 }
 
 void StereoFrontEnd::KeepLeft(const cv::Mat& left) {

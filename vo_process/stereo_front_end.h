@@ -30,7 +30,7 @@ class StereoFrontEnd {
 
   /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less sure of
   /// disparities for it.
-  StereoFeatures LookForRows(const StereoImages& images, StageTimer& timer);
+  StereoFeatures LookForRows(const StereoImages& images);
 
   /// The rectified left image of the pair processed last; none where points are not refined. Valid until the next pair.
   const ImageLevels& left() const { return left_; }

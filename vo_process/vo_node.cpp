@@ -211,9 +211,9 @@ void VoNode::TellOfRows() {
     }
   }
   spdlog::info(
-      "rows of the right image differ from the left ones by up to {:.1f} px in the corners: they are followed, but "
-      "the "
-      "calibration could be better",
+      "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
+      "but "
+      "the calibration could be better",
       most_px);
 }
 

@@ -23,7 +23,8 @@ struct RowMatch {
 /// disparities of a range. In integers up to the final comparison.
 class RowSearch {
  public:
-  /// `pair` must outlive the search. The row is that of `rows` to the pixel of the level.
+  /// `pair` must outlive the search. The row is that of `rows` where the disparity is small, to the pixel of the
+  /// level.
   explicit RowSearch(const HalvedPair& pair, const RowField& rows = {}) : pair_(&pair), rows_(rows) {}
 
   /// nullopt where the patch leaves the left image, has no contrast, or correlates nowhere.

@@ -13,12 +13,12 @@ namespace {
 const StereoCamera kRowCamera{
     .f_px = 300.0, .cx_px = 160.0, .cy_px = 120.0, .baseline_m = 0.1, .width_px = 320, .height_px = 240};
 
-RowField Constant(double px) { return {kRowCamera, px * RowField::Coefficients::Unit(0)}; }
+RowField Constant(double px) { return {kRowCamera, px * RowField::Coefficients::Unit(0), {}}; }
 
 TEST(RowField, ItsTermsAreThoseOfTheFormula) {
   RowField::Coefficients c;
   c << 1.0, 2.0, 3.0, 4.0, 5.0, 6.0;
-  const RowField field(kRowCamera, c);
+  const RowField field(kRowCamera, c, {});
   EXPECT_DOUBLE_EQ(field.Offset_px({160.0, 120.0}), 1.0);
   EXPECT_DOUBLE_EQ(field.Offset_px({320.0, 120.0}), 1.0 + 2.0 + 4.0);
   EXPECT_DOUBLE_EQ(field.Offset_px({160.0, 240.0}), 1.0 + 3.0 + 6.0);
@@ -27,7 +27,7 @@ TEST(RowField, ItsTermsAreThoseOfTheFormula) {
 
 TEST(RowField, WithoutCoefficientsNothingDiffers) {
   EXPECT_TRUE(RowField().is_zero());
-  EXPECT_TRUE(RowField(kRowCamera, RowField::Coefficients::Zero()).is_zero());
+  EXPECT_TRUE(RowField(kRowCamera, RowField::Coefficients::Zero(), {}).is_zero());
   EXPECT_EQ(RowField().Offset_px({17.0, 3.0}), 0.0);
   EXPECT_EQ(RowField().Disparity_px({17.0, 3.0}), 0.0);
 }
@@ -40,7 +40,7 @@ TEST(RowField, DisparitiesAreThoseOfTheTurnThatTheRowsShow) {
     rows(0) = f * pitch_roll(0);
     rows(1) = pitch_roll(1) * kRowCamera.cx_px;
     rows(5) = f * pitch_roll(0) * kRowCamera.cy_px * kRowCamera.cy_px / (f * f);
-    const RowField field(kRowCamera, rows);
+    const RowField field(kRowCamera, rows, {.pitch_rad = pitch_roll(0), .roll_rad = pitch_roll(1)});
     const Eigen::Matrix3d R = ExpSO3({-pitch_roll(0), 0.0, pitch_roll(1)}).toRotationMatrix();
     for (const Eigen::Vector2d& px : {Eigen::Vector2d(20.0, 30.0), {300.0, 60.0}, {100.0, 200.0}, {160.0, 120.0}}) {
       const Eigen::Vector3d ray((px.x() - kRowCamera.cx_px) / f, (px.y() - kRowCamera.cy_px) / f, 1.0);
@@ -70,20 +70,17 @@ cv::Mat BarsAndTexture(double disparity_px, double row_px) {
   return image;
 }
 
-/// Of a pair whose right image is `row_px` lower: shifted, not turned, so that disparities come out smaller where a turn is seen.
+/// Of a pair whose right image is `row_px` lower.
 DepthsFound MatchWithRows(double row_px, const RowField& rows) {
   FeatureExtractor extractor{FeatureOptions()};
   const cv::Mat left = BarsAndTexture(0.0, 0.0);
   const cv::Mat right = BarsAndTexture(10.0, row_px);
   const StereoFeatures found = MatchStereo(extractor.Extract(left), extractor.Extract(right), left, right, rows, {});
   DepthsFound right_ones;
-  const auto is_right = [&rows](const Eigen::Vector2d& left_px, double disparity_px) {
-    return std::abs(disparity_px + rows.Disparity_px(left_px - Eigen::Vector2d(10.0, 0.0)) - 10.0) < 0.5;
-  };
-  for (const StereoPoint& p : found.points) right_ones.points += is_right(p.left.px, p.disparity_px) ? 1 : 0;
+  const auto is_right = [](double disparity_px) { return std::abs(disparity_px - 10.0) < 0.5; };
+  for (const StereoPoint& p : found.points) right_ones.points += is_right(p.disparity_px) ? 1 : 0;
   for (const StereoLine& l : found.lines) {
-    const Segment2& s = l.left.segment;
-    right_ones.lines += is_right(s.p, l.disparity_p_px) && is_right(s.q, l.disparity_q_px) ? 1 : 0;
+    right_ones.lines += is_right(l.disparity_p_px) && is_right(l.disparity_q_px) ? 1 : 0;
   }
   return right_ones;
 }

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <string>
+
+#include "core/geometry/se3.h"
+#include "core/io/dataset.h"
+
+namespace plslam::test {
+
+/// Somebody has bent the rig after it was calibrated: the right camera is turned.
+class BentRig : public Dataset {
+ public:
+  /// `straight` is kept by reference.
+  BentRig(const Dataset& straight, const Eigen::Vector3d& turn_rad) : straight_(straight) {
+    const CameraCalibration& right = straight.rig().right;
+    Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
+    K(0, 0) = right.fx_px;
+    K(1, 1) = right.fy_px;
+    K(0, 2) = right.cx_px;
+    K(1, 2) = right.cy_px;
+    const Eigen::Matrix3d H = K * ExpSO3(turn_rad).toRotationMatrix() * K.inverse();
+    homography_ = cv::Mat(3, 3, CV_64F);
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) homography_.at<double>(r, c) = H(r, c);
+    }
+  }
+  std::string name() const override { return straight_.name(); }
+  const RigCalibration& rig() const override { return straight_.rig(); }
+  int size() const override { return straight_.size(); }
+  int64_t t_ns(int index) const override { return straight_.t_ns(index); }
+  std::optional<SE3> GroundTruth(int index) const override { return straight_.GroundTruth(index); }
+  StereoImages Read(int index) const override {
+    StereoImages images = straight_.Read(index);
+    const cv::Mat right = images.right;
+    images.right = cv::Mat();
+    cv::warpPerspective(right, images.right, homography_, right.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    return images;
+  }
+
+ private:
+  const Dataset& straight_;
+  cv::Mat homography_;
+};
+
+}  // namespace plslam::test

@@ -31,8 +31,7 @@ std::optional<ResumePoint> Turn::newest() const {
 
 void Turn::OnReader(int64_t source) {
   const std::scoped_lock lock(mutex_);
-  const bool is_first = readers_.empty();
-  if (!readers_.insert(source).second || is_first) return;
+  if (!readers_.insert(source).second) return;
   new_reader_ = true;
   changed_.notify_all();
 }

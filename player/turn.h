@@ -27,7 +27,8 @@ class Turn {
   void Resume();
   /// The frame with the highest number that a pose has come of.
   std::optional<ResumePoint> newest() const;
-  /// A vo_process with this source lives. The first one, and those seen already, are no news.
+  /// A vo_process with this source lives. Those seen already are no news. The first one is: what was sent before it listened, others
+  /// may have taken.
   void OnReader(int64_t source);
   /// `reader` wants the frames behind this one once more. Said again by the same reader it is no news.
   void OnGoBack(int64_t reader, const ResumePoint& frame);

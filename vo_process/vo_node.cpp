@@ -135,7 +135,7 @@ void VoNode::GoOn() {
 void VoNode::OnStatus(const status_t& message) {
   if (message.process == "player") player_ = message.header.source;
   if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
-  if (message.process == "loop") answer_wait_.OnSignOfLife(bus::NowS());
+  if (message.process == "loop") OnLoopProcess(message.header.source);
 }
 
 void VoNode::OnStream(const stream_t& message) {

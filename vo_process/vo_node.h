@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,7 @@ class VoNode {
   void OnStatus(const status_t& message);
   void OnMap();
   void OnRelocalisation(const relocalisation_t& message);
+  void OnLoopProcess(int64_t source);
   bool IsWaiting() const;
   const pose_t* FindRecent(const Frame& frame) const;
   bool IsRepeated(const Frame& frame) const;
@@ -118,6 +120,8 @@ class VoNode {
   bus::PartnerWait answer_wait_;
   bus::KeyframePublisher questions_;
   std::optional<RelocalisationQuestion> question_;
+  /// All that were heard.
+  std::set<int64_t> loop_sources_;
   /// Until then the camera was not adrift, or lost.
   int64_t adrift_since_ns_ = 0;
   /// The frame before became a keyframe, and has not asked.

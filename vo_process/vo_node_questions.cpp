@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <utility>
 
 #include "core/bus/loop_channel.h"
 #include "core/bus/worker.h"
@@ -68,10 +69,17 @@ void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
   asked.features = result.features;
   asked.point_landmark_ids.assign(asked.features.points.size(), -1);
   asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
-  question_ = RelocalisationQuestion{frame.images.frame_id, result.T_odom_c, now_s};
   questions_.Publish(asked);
+  question_ = RelocalisationQuestion{frame.images.frame_id, result.T_odom_c, now_s, std::move(asked)};
   Count("relocalisation.asked", 1);
   if (frame.lockstep) answer_wait_.Begin(frame.images.frame_id, now_s);
+}
+
+/// A loop_process that was not heard before may have been started in the place of one that died with the question.
+void VoNode::OnLoopProcess(int64_t source) {
+  answer_wait_.OnSignOfLife(bus::NowS());
+  const bool is_new = loop_sources_.insert(source).second;
+  if (is_new && loop_sources_.size() > 1 && question_ && answer_wait_.awaited()) questions_.Publish(question_->sent);
 }
 
 void VoNode::OnRelocalisation(const relocalisation_t& message) {

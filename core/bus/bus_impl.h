@@ -102,6 +102,7 @@ struct Bus::Impl {
   void OnDatagram(std::string_view wire_name, ByteView bytes);
   void MayReceive();
   void ReceiveLoop();
+  void EndReaders();
 
   static int64_t Now();
   const std::string& MapPrefix() const { return options.map_prefix.empty() ? options.prefix : options.map_prefix; }

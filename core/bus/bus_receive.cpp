@@ -73,7 +73,15 @@ void Bus::Impl::ReceiveLoop() {
     }
     SendOutgoing();
     const int64_t wait = std::max<int64_t>(0, next - Now());
-    transport.Receive(static_cast<int>((wait + kMs - 1) / kMs));
+    if (!transport.Receive(static_cast<int>((wait + kMs - 1) / kMs))) EndReaders();
+  }
+}
+
+/// What a log does not have by its end never comes.
+void Bus::Impl::EndReaders() {
+  const std::lock_guard lock(mutex);
+  for (auto& [name, inbox] : inboxes) {
+    for (auto& [publisher, reader] : inbox.readers) reader.OnEnd();
   }
 }
 

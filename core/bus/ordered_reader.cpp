@@ -19,7 +19,7 @@ constexpr size_t kOneWayPatience = 256;
 }  // namespace
 
 OrderedReader::OrderedReader(bool two_way, int64_t buffer_bytes, int64_t now, int64_t silent_ns)
-    : two_way_(two_way), buffer_limit_(buffer_bytes), heard_(now), progress_(now) {
+    : two_way_(two_way), buffer_limit_(buffer_bytes), heard_(now), progress_(now), kept_(now - times_.absent_ns) {
   times_.silent_ns = silent_ns;
   retry_pause_ = times_.retry_first_ns;
 }
@@ -73,7 +73,11 @@ void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now,
     known_end_ = next_seq;
     fresh_ = true;
   }
-  if (expected_ < first_seq) SkipTo(first_seq);
+  if (expected_ < first_seq) {
+    SkipTo(first_seq);
+  } else {
+    kept_ = now;
+  }
   if (expected_ >= next_seq) ack_at_ = std::min(ack_at_, last_ack_ + times_.ack_pause_ns);
   // An announcement also ends a batch of messages sent again: the rest may be asked for.
   if (progressed_) ask_now_ = true;
@@ -202,9 +206,8 @@ std::optional<OrderedReader::Request> OrderedReader::Poll(int64_t now) {
 void OrderedReader::GiveUp(int64_t now) {
   if (Front() != nullptr) return;  // the reader's own queue is full: nothing is missing here
   const bool dead = now - heard_ > times_.silent_ns && now - progress_ > times_.silent_ns;
-  const bool hopeless = now - heard_ <= times_.absent_ns && now - progress_ > times_.hopeless_ns;
-  const bool one_way = !two_way_ && buffer_.size() > kOneWayPatience;
-  if (!dead && !hopeless && !one_way) return;
+  const bool hopeless = now - heard_ <= times_.absent_ns && now - progress_ > Patience(now);
+  if (!dead && !hopeless && !IsOneWayGap()) return;
   if (!started_) {
     if (buffer_.empty()) return;
     Start(buffer_.begin()->first, now);
@@ -213,6 +216,19 @@ void OrderedReader::GiveUp(int64_t now) {
   }
   SkipTo(buffer_.empty() ? known_end_ : buffer_.begin()->first);
   if (!dead) progress_ = now;  // the other gaps of a dead publisher need no wait of their own
+}
+
+/// How long a gap of a publisher that is heard is waited for. Where large messages hardly get through, trying on helps as long as
+/// they are there.
+int64_t OrderedReader::Patience(int64_t now) const {
+  return now - kept_ < times_.absent_ns ? times_.kept_ns : times_.hopeless_ns;
+}
+
+bool OrderedReader::IsOneWayGap() const { return !two_way_ && (ended_ || buffer_.size() > kOneWayPatience); }
+
+void OrderedReader::OnEnd() {
+  ended_ = true;
+  Schedule();
 }
 
 /// When `GiveUp` says yes if nothing is heard until then.
@@ -225,7 +241,7 @@ int64_t OrderedReader::GiveUpTime() const {
 void OrderedReader::Schedule() {
   poll_time_ = two_way_ ? ack_at_ : kFar;
   if (!HasGap()) return;
-  const bool at_once = two_way_ ? ask_now_ || fresh_ || retry_at_ == kFar : buffer_.size() > kOneWayPatience;
+  const bool at_once = two_way_ ? ask_now_ || fresh_ || retry_at_ == kFar : IsOneWayGap();
   poll_time_ = at_once ? 0 : std::min({poll_time_, retry_at_, GiveUpTime()});
 }
 

@@ -25,6 +25,7 @@ class OrderedReader {
     int64_t ack_pause_ns = 2'000'000;      ///< small messages are acknowledged together
     int64_t silent_ns = kSilent_ns;        ///< a publisher not heard for longer is dead: its gaps are given up
     int64_t hopeless_ns = 10'000'000'000;  ///< so is a gap that a living publisher does not fill
+    int64_t kept_ns = 60'000'000'000;      ///< the same where it says that it still has what is missing
     int64_t absent_ns = 2'000'000'000;  ///< not heard for longer it is cut off, and its time for a gap stands still
   };
 
@@ -48,6 +49,9 @@ class OrderedReader {
   Bytes Front() const;
   /// It has been delivered.
   void Pop(int64_t now);
+
+  /// The publisher cannot be asked, and nothing more comes: its gaps are given up.
+  void OnEnd();
 
   /// What to send now, if anything; also gives up what is hopeless (look at Front() again).
   std::optional<Request> Poll(int64_t now);
@@ -73,6 +77,8 @@ class OrderedReader {
   std::vector<SeqRange> Missing(int64_t from, int64_t to, int64_t budget) const;
   std::optional<std::vector<SeqRange>> Asking(int64_t now);
   int64_t GiveUpTime() const;
+  int64_t Patience(int64_t now) const;
+  bool IsOneWayGap() const;
   void Schedule();
 
   Times times_;
@@ -85,7 +91,9 @@ class OrderedReader {
   std::map<int64_t, Bytes> buffer_;
   int64_t buffered_bytes_ = 0;
   int64_t heard_ = 0;
-  int64_t progress_ = 0;     // time of the last arrival that filled a gap, or of the gap's begin
+  int64_t progress_ = 0;  // time of the last arrival that filled a gap, or of the gap's begin
+  int64_t kept_ = 0;      // time when the publisher last said that it has what is missing
+  bool ended_ = false;
   bool progressed_ = false;  // since the last request
   int64_t asked_end_ = 0;    // everything missing below has been asked for
   int64_t retry_at_ = kFar;

@@ -55,7 +55,7 @@ bool ChannelPattern::Matches(const std::string& channel) const {
   return valid_ && regexec(&regex_, channel.c_str(), 0, nullptr, 0) == 0;
 }
 
-TcpqClient::TcpqClient(int fd) : fd_(fd), high_(TcpqRelay::kQueueBytes), progress_(Clock::now()) {
+TcpqClient::TcpqClient(int fd) : fd_(fd), high_(TcpqRelay::kQueueBytes) {
   const int on = 1;
   setsockopt(fd_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
 }
@@ -153,7 +153,6 @@ bool TcpqClient::Wants(const std::string& channel) {
 }
 
 int64_t TcpqClient::Queue(const Packet& packet) {
-  if (output_.empty()) progress_ = Clock::now();
   output_.push_back(packet);
   queued_bytes_ += static_cast<int64_t>(packet->size());
   int64_t dropped = 0;
@@ -171,19 +170,23 @@ bool TcpqClient::Write() {
     const Packet& packet = output_.front();
     const ssize_t n = send(fd_, packet->data() + written_, packet->size() - written_, MSG_DONTWAIT | MSG_NOSIGNAL);
     if (n < 0) return errno == EAGAIN || errno == EINTR;
-    progress_ = Clock::now();
     written_ += static_cast<size_t>(n);
     if (written_ < packet->size()) continue;
     queued_bytes_ -= static_cast<int64_t>(packet->size());
     written_ = 0;
     output_.pop_front();
   }
-  if (queued_bytes_ < high_ / 2) stalled_ = false;
+  if (queued_bytes_ < high_ / 2) {
+    stalled_ = false;
+    full_since_ = Clock::time_point::max();
+  }
   return true;
 }
 
 void TcpqClient::CheckPatience(Clock::time_point now) {
-  if (Congests() && now - progress_ > std::chrono::milliseconds(TcpqRelay::kPatience_ms)) stalled_ = true;
+  if (!Congests()) return;
+  full_since_ = std::min(full_since_, now);
+  if (now - full_since_ > std::chrono::milliseconds(TcpqRelay::kPatience_ms)) stalled_ = true;
 }
 
 }  // namespace plslam::bus

@@ -64,7 +64,8 @@ class TcpqClient {
 
   /// Full, and still worth waiting for.
   bool Congests() const { return !stalled_ && queued_bytes_ > high_; }
-  /// Looks at the clock: a full client that took nothing for long is stalled.
+  /// Looks at the clock: a client whose queue has been full for long, and has not been half empty since, is stalled. Taking a
+  /// little now and then does not help it.
   void CheckPatience(Clock::time_point now);
 
  private:
@@ -83,7 +84,8 @@ class TcpqClient {
   std::deque<Packet> output_;
   size_t written_ = 0;  // of the first
   int64_t queued_bytes_ = 0;
-  Clock::time_point progress_;
+  /// Since when the queue is full, or has not been half empty since.
+  Clock::time_point full_since_ = Clock::time_point::max();
   bool stalled_ = false;
 };
 

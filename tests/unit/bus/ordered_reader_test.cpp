@@ -176,11 +176,37 @@ TEST(OrderedReader, GivesUpWhatALivingPublisherDoesNotSend) {
   for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
   Numbers numbers = Drain(reader, 0);
   for (int64_t now = 0; now < 12'000 * kMs; now += 50 * kMs) {
-    reader.OnAnnounce(0, 3, now);
+    reader.OnMessage(0, *MessageOf(0), now);
     reader.Poll(now);
     for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
     EXPECT_EQ(numbers.size(), now > 10'000 * kMs ? 2U : 1U) << now / kMs << " ms";
   }
+}
+
+TEST(OrderedReader, WaitsLongerForWhatThePublisherSaysItHas) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Numbers numbers = Drain(reader, 0);
+  for (int64_t now = 0; now < 62'000 * kMs; now += 50 * kMs) {
+    reader.OnAnnounce(0, 3, now);
+    reader.Poll(now);
+    for (const int64_t n : Drain(reader, now)) numbers.push_back(n);
+    EXPECT_EQ(numbers.size(), now > 60'000 * kMs ? 2U : 1U) << now / kMs << " ms";
+  }
+}
+
+TEST(OrderedReader, OneWayTheEndEndsAllGaps) {
+  OrderedReader reader(false, 1'000'000, 0);
+  for (const int64_t n : {0, 1, 3, 4, 7}) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1}));
+  EXPECT_GT(reader.poll_time(), 0);
+  reader.OnEnd();
+  Numbers numbers;
+  while (reader.poll_time() <= 0) {
+    EXPECT_FALSE(reader.Poll(0));
+    for (const int64_t n : Drain(reader, 0)) numbers.push_back(n);
+  }
+  EXPECT_EQ(numbers, (Numbers{3, 4, 7}));
 }
 
 TEST(OrderedReader, NewcomerBeginsWhereItIsToldTo) {

@@ -71,6 +71,11 @@ class RawClient {
     Word(static_cast<uint32_t>(pattern.size()));
     Bytes(pattern.data(), pattern.size());
   }
+  /// Takes at most n of the bytes that are there.
+  void Sip(size_t n) {
+    std::vector<uint8_t> bytes(n);
+    if (recv(fd_, bytes.data(), n, MSG_DONTWAIT) < 0) return;
+  }
   /// What comes until n bytes are there or the connection ends.
   std::vector<uint8_t> Receive(size_t n) {
     std::vector<uint8_t> bytes(n);
@@ -128,11 +133,10 @@ TEST(TcpqRelay, StockLoggerRecordsThroughIt) {
   EXPECT_GT(poses, 10);
 }
 
-TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
-  RunningRelay relay;
-  RawClient sleeper(relay->port());
-  sleeper.Greet();
-  sleeper.Subscribe(".*");
+/// Publishes 100 MB past `slow`, a client that subscribes to all and does as it likes.
+void ExpectNobodyIsStalledBy(RunningRelay& relay, RawClient& slow) {
+  slow.Greet();
+  slow.Subscribe(".*");
   Transport reader(relay->url());
   Waiter received;
   reader.SetReceiver([&](std::string_view, ByteView) { received.Add(); });
@@ -156,6 +160,27 @@ TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
   EXPECT_GT(relay->counters().dropped, 0);
   stop = true;
   receiving.join();
+}
+
+TEST(TcpqRelay, SleepingReaderDoesNotStallTheOthersForLong) {
+  RunningRelay relay;
+  RawClient sleeper(relay->port());
+  ExpectNobodyIsStalledBy(relay, sleeper);
+}
+
+TEST(TcpqRelay, SlowReaderDoesNotStallTheOthersForLong) {
+  RunningRelay relay;
+  RawClient slow(relay->port());
+  std::atomic<bool> stop = false;
+  std::thread sipping([&] {
+    while (!stop) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      slow.Sip(10'000);
+    }
+  });
+  ExpectNobodyIsStalledBy(relay, slow);
+  stop = true;
+  sipping.join();
 }
 
 TEST(TcpqRelay, CutsOffWhoSpeaksNonsense) {

@@ -23,11 +23,12 @@ TEST(Turn, OnlyThePoseOfTheExpectedFrameCounts) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
 }
 
-TEST(Turn, FirstReaderIsNoNewsButALaterOneIs) {
+TEST(Turn, EveryReaderIsNewsOnce) {
   Turn turn;
   turn.Expect({0, 10 * 0});
   turn.OnReader(11);
   turn.OnReader(11);
+  EXPECT_EQ(turn.WaitForPose(kNow), Event::kNewReader);
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout);
   turn.OnReader(12);
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kNewReader);

@@ -12,6 +12,7 @@
 #include "core/bus/loop_channel.h"
 #include "player/open_dataset.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/status_t.hpp"
 #include "tests/support/slam_run.h"
 #include "tests/unit/bus/bus_fixture.h"
 
@@ -101,6 +102,22 @@ class VoNodeTest : public testing::Test {
     return asked_.has_value();
   }
 
+  void ForgetQuestion() {
+    const std::lock_guard lock(mutex_);
+    asked_.reset();
+  }
+  /// A loop_process says that it lives.
+  std::unique_ptr<RunningBus> StartLoopProcess() {
+    auto loop = std::make_unique<RunningBus>(bus_options_, "loop");
+    (*loop)->Every(std::chrono::milliseconds(50), [loop = &**loop] {
+      status_t status{};
+      status.process = "loop";
+      loop->Publish(bus::kStatus, status);
+    });
+    loop->Start();
+    return loop;
+  }
+
   const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
   std::vector<int> shown_;
 
@@ -145,6 +162,25 @@ TEST_F(VoNodeTest, AClockThatIsPutBackALittleSpoilsAFrameAndMakesNoSession) {
   const SE3 truth = dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(6);
   EXPECT_LT((bus::FromMessage(next.T_odom_c)->translation() - truth.translation()).norm(), 0.02);
   EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
+}
+
+// The first may have died with the question: taken from the bus, not answered.
+TEST_F(VoNodeTest, ALoopProcessThatIsStartedAgainIsAskedAgain) {
+  const Map map = plslam::test::RunSlam(*dataset_, {}, {}, 1, 20).map;
+  VoOptions options;
+  options.map.localise_only = true;
+  Start(options, true);
+  PublishMap(map);
+  auto first = StartLoopProcess();
+  EXPECT_EQ(ShowNext(0).state, kLost);
+  ASSERT_TRUE(bus::test::Eventually([&] { return HasAsked(); }));
+  first->Join();
+  first.reset();
+  ForgetQuestion();
+  const auto second = StartLoopProcess();
+  EXPECT_TRUE(bus::test::Eventually([&] { return HasAsked(); }));
+  Answer(map);
+  EXPECT_NE(ShowNext(1).state, kLost);
 }
 
 TEST_F(VoNodeTest, ACameraThatWentOnElsewhereCountsAsLostUntilALateAnswerPutsItIntoTheMap) {

@@ -201,8 +201,10 @@ void VoNode::Track(const Frame& frame) {
 
 /// Once for each camera.
 void VoNode::TellOfRows() {
+  if (told_of_rows_) return;
   const RowField rows = odometry_->rows();
-  if (rows.is_zero() || std::exchange(told_of_rows_, true)) return;
+  if (rows.is_zero()) return;
+  told_of_rows_ = true;
   const StereoCamera& camera = front_end_->camera();
   double most_px = 0.0;
   for (const double u_px : {0.0, camera.width_px - 1.0}) {
@@ -212,8 +214,7 @@ void VoNode::TellOfRows() {
   }
   spdlog::info(
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
-      "but "
-      "the calibration could be better",
+      "but the calibration could be better",
       most_px);
 }
 

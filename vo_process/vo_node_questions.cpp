@@ -70,7 +70,7 @@ void VoNode::AskWhereIAm(const Frame& frame, const OdometryResult& result) {
   asked.point_landmark_ids.assign(asked.features.points.size(), -1);
   asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
   questions_.Publish(asked);
-  question_ = RelocalisationQuestion{frame.images.frame_id, result.T_odom_c, now_s, std::move(asked)};
+  question_ = RelocalisationQuestion{std::move(asked), result.T_odom_c, now_s};
   Count("relocalisation.asked", 1);
   if (frame.lockstep) answer_wait_.Begin(frame.images.frame_id, now_s);
 }
@@ -85,7 +85,7 @@ void VoNode::OnLoopProcess(int64_t source) {
 void VoNode::OnRelocalisation(const relocalisation_t& message) {
   const std::optional<Relocalisation> answer = bus::FromMessage(message);
   const bool ours =
-      answer && question_ && answer->session == session_ && answer->frame_id == question_->frame_id && odometry_;
+      answer && question_ && answer->session == session_ && answer->frame_id == question_->sent.frame_id && odometry_;
   if (!ours) return;
   const SE3 T_w_odom = answer->T_w_c * question_->T_odom_c.Inverse();
   const Map& map = map_->replica().map();

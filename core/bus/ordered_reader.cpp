@@ -234,7 +234,9 @@ void OrderedReader::OnEnd() {
 /// When `GiveUp` says yes if nothing is heard until then.
 int64_t OrderedReader::GiveUpTime() const {
   const int64_t dead = std::max(heard_, progress_) + times_.silent_ns + 1;
-  const int64_t hopeless = progress_ + times_.hopeless_ns + 1;
+  // The earliest time that exceeds its `Patience`.
+  const int64_t hopeless = std::min(progress_ + times_.kept_ns + 1,
+                                    std::max(progress_ + times_.hopeless_ns + 1, kept_ + times_.absent_ns));
   return hopeless - heard_ <= times_.absent_ns ? std::min(dead, hopeless) : dead;
 }
 

@@ -20,9 +20,9 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);
 /// Candidates must share rows with the left segment, run in nearly the same direction, be of similar length, imply
 /// disparities in range at both ends, and have similar descriptors; the best must be best from both sides and clearly
 /// better than the second, and the images must look alike along it. Without images (both empty) that last test is left
-/// out; `rows` tells where in the right image the left rows are, while `right` has been brought to them. Disparities are read where the right infinite line crosses the rows of the left
-/// endpoints, since detectors cut the same edge at different places in the two images. Segments nearly parallel to
-/// the baseline, and those without a match, keep negative disparities.
+/// out; `rows` tells where in the right image the left rows are, while `right` has been brought to them. Disparities are
+/// read where the right infinite line crosses the rows of the left endpoints, since detectors cut the same edge at different
+/// places in the two images. Segments nearly parallel to the baseline, and those without a match, keep negative disparities.
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
                       const cv::Mat& right_image, const RowField& rows, const StereoOptions& options);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/io/dataset.h"
+#include "tests/support/changed_images.h"
 
 namespace plslam::test {
 
@@ -19,20 +19,13 @@ struct Worsening {
 
 /// A dataset with its images made worse. Noise is seeded by the number of pairs read before: the same at every run, another
 /// where a pair is read again.
-class WorseImages : public Dataset {
+class WorseImages : public ChangedImages {
  public:
-  /// `dataset` is kept by reference.
-  WorseImages(const Dataset& dataset, const Worsening& worsening) : dataset_(dataset), worsening_(worsening) {}
+  WorseImages(const Dataset& dataset, const Worsening& worsening) : ChangedImages(dataset), worsening_(worsening) {}
 
-  std::string name() const override { return dataset_.name(); }
-  const RigCalibration& rig() const override { return dataset_.rig(); }
-  int size() const override { return dataset_.size(); }
-  int64_t t_ns(int index) const override { return dataset_.t_ns(index); }
   StereoImages Read(int index) const override;
-  std::optional<SE3> GroundTruth(int index) const override { return dataset_.GroundTruth(index); }
 
  private:
-  const Dataset& dataset_;
   Worsening worsening_;
   mutable uint64_t n_read_ = 0;
 };

@@ -195,6 +195,23 @@ TEST(OrderedReader, WaitsLongerForWhatThePublisherSaysItHas) {
   }
 }
 
+TEST(OrderedReader, IsPolledSeldomWhileItWaitsForWhatThePublisherSaysItHas) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2}) reader.OnMessage(n, *MessageOf(n), 0);
+  Drain(reader, 0);
+  int polls = 0;
+  int64_t given_up = -1;
+  int64_t announced = 0;
+  for (int64_t now = 0; now < 90'000 * kMs && given_up < 0; now = std::max(now + 1, reader.poll_time())) {
+    if (now - announced > 1'000 * kMs) reader.OnAnnounce(0, 3, announced = now);
+    reader.Poll(now);
+    ++polls;
+    if (!Drain(reader, now).empty()) given_up = now;
+  }
+  EXPECT_NEAR(static_cast<double>(given_up) / kMs, 60'000.0, 250.0);
+  EXPECT_LT(polls, 2 * 60'000 / 200 + 200);
+}
+
 TEST(OrderedReader, OneWayTheEndEndsAllGaps) {
   OrderedReader reader(false, 1'000'000, 0);
   for (const int64_t n : {0, 1, 3, 4, 7}) reader.OnMessage(n, *MessageOf(n), 0);

@@ -33,6 +33,17 @@ class MonitorNodeTest : public testing::Test {
     speaker_.Publish(bus::kStatus, status);
   }
 
+  /// The player has sent so many frames.
+  void SaySent(double frames) {
+    status_t status{};
+    status.process = "player";
+    status.counters.resize(1);
+    status.counters[0].name = "frames.sent";
+    status.counters[0].value = frames;
+    status.n_counters = 1;
+    speaker_.Publish(bus::kStatus, status);
+  }
+
   /// On the monitor's thread.
   template <class Look>
   auto Ask(const Look& look) {
@@ -70,13 +81,7 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
     return Ask([=](const MonitorNode& m) { return m.PlayerWaitsForTime(bus::NowS() + in_s); });
   };
   EXPECT_FALSE(waits(0.0)) << "no player was heard";
-  status_t status{};
-  status.process = "player";
-  status.counters.resize(1);
-  status.counters[0].name = "frames.sent";
-  status.counters[0].value = 2;
-  status.n_counters = 1;
-  speaker_.Publish(bus::kStatus, status);
+  SaySent(2);
   ASSERT_TRUE(Hears(1));
   EXPECT_FALSE(waits(0.0)) << "a frame is out";
   pose_t pose{};
@@ -102,13 +107,7 @@ TEST_F(MonitorNodeTest, FramesThatNoPoseTellsOfAreUnanswered) {
   const auto unanswered = [&](int64_t n) {
     return Eventually([&] { return Ask([](const MonitorNode& m) { return m.unanswered_frames(); }) == n; });
   };
-  status_t status{};
-  status.process = "player";
-  status.counters.resize(1);
-  status.counters[0].name = "frames.sent";
-  status.counters[0].value = 7;
-  status.n_counters = 1;
-  speaker_.Publish(bus::kStatus, status);
+  SaySent(7);
   EXPECT_TRUE(unanswered(7));
   pose_t pose{};
   pose.frame_id = 3;

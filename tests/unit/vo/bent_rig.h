@@ -1,19 +1,16 @@
 #pragma once
 
 #include <opencv2/imgproc.hpp>
-#include <optional>
-#include <string>
 
 #include "core/geometry/se3.h"
-#include "core/io/dataset.h"
+#include "tests/support/changed_images.h"
 
 namespace plslam::test {
 
 /// Somebody has bent the rig after it was calibrated: the right camera is turned.
-class BentRig : public Dataset {
+class BentRig : public ChangedImages {
  public:
-  /// `straight` is kept by reference.
-  BentRig(const Dataset& straight, const Eigen::Vector3d& turn_rad) : straight_(straight) {
+  BentRig(const Dataset& straight, const Eigen::Vector3d& turn_rad) : ChangedImages(straight) {
     const CameraCalibration& right = straight.rig().right;
     Eigen::Matrix3d K = Eigen::Matrix3d::Identity();
     K(0, 0) = right.fx_px;
@@ -26,13 +23,8 @@ class BentRig : public Dataset {
       for (int c = 0; c < 3; ++c) homography_.at<double>(r, c) = H(r, c);
     }
   }
-  std::string name() const override { return straight_.name(); }
-  const RigCalibration& rig() const override { return straight_.rig(); }
-  int size() const override { return straight_.size(); }
-  int64_t t_ns(int index) const override { return straight_.t_ns(index); }
-  std::optional<SE3> GroundTruth(int index) const override { return straight_.GroundTruth(index); }
   StereoImages Read(int index) const override {
-    StereoImages images = straight_.Read(index);
+    StereoImages images = dataset_.Read(index);
     const cv::Mat right = images.right;
     images.right = cv::Mat();
     cv::warpPerspective(right, images.right, homography_, right.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
@@ -40,7 +32,6 @@ class BentRig : public Dataset {
   }
 
  private:
-  const Dataset& straight_;
   cv::Mat homography_;
 };
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <map>
 
-#include "core/features/descriptor_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
 
 namespace plslam {
 namespace {

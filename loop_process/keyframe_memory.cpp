@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/features/descriptors_of.h"
+#include "core/features/matching/descriptors_of.h"
 
 namespace plslam {
 namespace {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/map/connected.h"
-#include "core/optim/pose_graph.h"
+#include "core/optim/pose_graph/pose_graph.h"
 #include "loop_process/map_edges.h"
 
 namespace plslam {

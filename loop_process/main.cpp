@@ -1,4 +1,4 @@
-#include "core/bus/process.h"
-#include "loop_process/loop_node.h"
+#include "core/process/process.h"
+#include "loop_process/node/loop_node.h"
 
 int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::LoopSpec()); }

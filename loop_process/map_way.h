@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/features/buckets.h"
+#include "core/features/matching/buckets.h"
 #include "core/geometry/se3.h"
 #include "core/map/map.h"
 

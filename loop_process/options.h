@@ -5,8 +5,8 @@
 
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
-#include "core/optim/options.h"
-#include "core/optim/pose_graph_options.h"
+#include "core/optim/bundle/options.h"
+#include "core/optim/pose_graph/pose_graph_options.h"
 #include "core/places/options.h"
 
 namespace plslam {

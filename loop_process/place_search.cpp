@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
-#include "core/features/descriptor_matcher.h"
-#include "core/features/descriptors_of.h"
-#include "core/features/line_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
+#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/line_matcher.h"
 #include "core/motion/robust.h"
 #include "loop_process/guided_matching.h"
 

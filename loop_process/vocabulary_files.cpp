@@ -1,6 +1,6 @@
 #include "loop_process/vocabulary_files.h"
 
-#include "core/io/shared_file.h"
+#include "core/io/files/shared_file.h"
 
 namespace plslam {
 

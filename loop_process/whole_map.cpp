@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "core/optim/bundle_sights.h"
+#include "core/optim/bundle/bundle_sights.h"
 
 namespace plslam {
 namespace {

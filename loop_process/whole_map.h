@@ -8,7 +8,7 @@
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 #include "loop_process/options.h"
 
 namespace plslam {

@@ -6,15 +6,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "mapping_process/closure_check.h"
-#include "mapping_process/correction.h"
-#include "mapping_process/duplicates.h"
-#include "mapping_process/line_extent.h"
-#include "mapping_process/line_triangulation.h"
-#include "mapping_process/local_window.h"
-#include "mapping_process/loop_edges.h"
-#include "mapping_process/loop_fusion.h"
-#include "mapping_process/sights.h"
+#include "mapping_process/corrections/closure_check.h"
+#include "mapping_process/corrections/correction.h"
+#include "mapping_process/corrections/loop_edges.h"
+#include "mapping_process/corrections/loop_fusion.h"
+#include "mapping_process/insertion/duplicates.h"
+#include "mapping_process/insertion/line_extent.h"
+#include "mapping_process/insertion/line_triangulation.h"
+#include "mapping_process/insertion/local_window.h"
+#include "mapping_process/insertion/sights.h"
 
 namespace plslam {
 namespace {

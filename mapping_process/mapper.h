@@ -7,17 +7,17 @@
 #include <string>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
-#include "mapping_process/culling.h"
-#include "mapping_process/landmark_creation.h"
-#include "mapping_process/local_window.h"
+#include "mapping_process/insertion/culling.h"
+#include "mapping_process/insertion/landmark_creation.h"
+#include "mapping_process/insertion/local_window.h"
+#include "mapping_process/insertion/tracker_landmarks.h"
 #include "mapping_process/mapper_state.h"
 #include "mapping_process/options.h"
-#include "mapping_process/tracker_landmarks.h"
 
 namespace plslam {
 

@@ -5,10 +5,10 @@
 #include <set>
 
 #include "core/localisation/pose_refinement.h"
-#include "mapping_process/correction.h"
-#include "mapping_process/map_parts.h"
+#include "mapping_process/corrections/correction.h"
+#include "mapping_process/corrections/map_parts.h"
+#include "mapping_process/insertion/sight_error.h"
 #include "mapping_process/mapper.h"
-#include "mapping_process/sight_error.h"
 
 // How a keyframe finds its place in the map.
 

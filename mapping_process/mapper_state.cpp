@@ -1,7 +1,7 @@
 #include "mapping_process/mapper_state.h"
 
-#include "core/io/archive.h"
-#include "core/io/sealed_file.h"
+#include "core/io/files/archive.h"
+#include "core/io/files/sealed_file.h"
 
 namespace plslam {
 namespace {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "core/map/map_update.h"
-#include "mapping_process/culling.h"
-#include "mapping_process/tracker_landmarks.h"
+#include "mapping_process/insertion/culling.h"
+#include "mapping_process/insertion/tracker_landmarks.h"
 
 namespace plslam {
 
@@ -30,7 +30,7 @@ std::vector<uint8_t> EncodeState(const MapperState& state);
 /// counts for nothing.
 MapperState DecodeState(std::span<const uint8_t> bytes);
 
-/// A sealed file (core/io/sealed_file.h), for programs of this version only. Errors name the file.
+/// A sealed file (core/io/files/sealed_file.h), for programs of this version only. Errors name the file.
 void WriteStateFile(const std::string& path, const MapperState& state);
 MapperState ReadStateFile(const std::string& path);
 

@@ -4,7 +4,7 @@
 
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
-#include "core/optim/options.h"
+#include "core/optim/bundle/options.h"
 
 namespace plslam {
 

@@ -1,6 +1,6 @@
-#include "core/bus/process.h"
+#include "core/process/process.h"
 #include "player/command_line.h"
-#include "player/player_node.h"
+#include "player/node/player_node.h"
 
 int main(int argc, char** argv) {
   plslam::PlayerCommandLine command_line;

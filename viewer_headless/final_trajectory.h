@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 

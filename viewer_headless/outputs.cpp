@@ -8,8 +8,8 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
-#include "core/io/map_ply.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/maps/map_ply.h"
 #include "viewer_headless/final_trajectory.h"
 
 namespace plslam {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "core/io/pose_covariance.h"
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/pose_covariance.h"
+#include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "viewer_headless/viewer_node.h"
+#include "viewer_headless/node/viewer_node.h"
 
 namespace plslam {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/bus/process.h"
+#include "core/process/process.h"
 
 namespace plslam {
 

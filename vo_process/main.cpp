@@ -1,4 +1,4 @@
-#include "core/bus/process.h"
-#include "vo_process/vo_node.h"
+#include "core/process/process.h"
+#include "vo_process/node/vo_node.h"
 
 int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::VoSpec()); }

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "core/bus/bus_impl.h"
-#include "core/bus/history.h"
+#include "core/bus/delivery/history.h"
 
 namespace plslam::bus {
 namespace {

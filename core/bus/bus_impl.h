@@ -13,14 +13,14 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/authenticator.h"
 #include "core/bus/bus.h"
-#include "core/bus/live_peers.h"
-#include "core/bus/ordered_reader.h"
-#include "core/bus/ordered_writer.h"
-#include "core/bus/rejections.h"
+#include "core/bus/delivery/ordered_reader.h"
+#include "core/bus/delivery/ordered_writer.h"
 #include "core/bus/run_loop.h"
-#include "core/bus/transport.h"
+#include "core/bus/transport/authenticator.h"
+#include "core/bus/transport/live_peers.h"
+#include "core/bus/transport/rejections.h"
+#include "core/bus/transport/transport.h"
 
 namespace plslam::bus {
 

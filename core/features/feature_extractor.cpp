@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "core/features/line_extractor.h"
-#include "core/features/orb_extractor.h"
+#include "core/features/lines/line_extractor.h"
+#include "core/features/points/orb_extractor.h"
 
 namespace plslam {
 

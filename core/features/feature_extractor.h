@@ -5,8 +5,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
+#include "core/features/image/run_both.h"
 #include "core/features/options.h"
-#include "core/features/run_both.h"
 
 namespace plslam {
 

@@ -1,8 +1,8 @@
 #include "core/localisation/pose_refinement.h"
 
-#include "core/features/descriptor_matcher.h"
-#include "core/features/descriptors_of.h"
-#include "core/features/line_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
+#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/line_matcher.h"
 #include "core/geometry/rotate_covariance.h"
 #include "core/motion/motion_estimator.h"
 #include "core/motion/pose_ransac.h"

@@ -1,9 +1,9 @@
 #include "core/localisation/projection_search.h"
 
-#include "core/features/descriptor_matcher.h"
-#include "core/features/expected_octave.h"
-#include "core/features/line_matcher.h"
-#include "core/features/segment_projection.h"
+#include "core/features/matching/descriptor_matcher.h"
+#include "core/features/matching/expected_octave.h"
+#include "core/features/matching/line_matcher.h"
+#include "core/features/matching/segment_projection.h"
 
 namespace plslam {
 namespace {

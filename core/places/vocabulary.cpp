@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "core/features/cpu_clones.h"
+#include "core/features/image/cpu_clones.h"
 
 namespace plslam {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
+#include "core/io/files/atomic_file.h"
 #include "core/places/vocabulary.h"
 
 // The file: header, number of children of each node (1 byte each), centre of each node but the root, IDF of each word,

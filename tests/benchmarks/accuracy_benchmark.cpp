@@ -14,14 +14,14 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/config/config.h"
-#include "core/places/vocabulary_trainer.h"
+#include "core/datasets/open_dataset.h"
 #include "loop_process/vocabulary_files.h"
-#include "player/open_dataset.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"
 #include "tests/support/worse_images.h"
 #include "tools/command_line/run_command_line.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace {
 

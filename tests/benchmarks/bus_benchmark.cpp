@@ -7,9 +7,9 @@
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 
-#include "core/bus/authenticator.h"
-#include "core/bus/frame_channel.h"
-#include "core/bus/wire.h"
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/transport/authenticator.h"
+#include "core/bus/transport/wire.h"
 #include "plslam/image_strip_t.hpp"
 #include "plslam/pose_t.hpp"
 

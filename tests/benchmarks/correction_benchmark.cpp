@@ -4,7 +4,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "mapping_process/correction.h"
+#include "mapping_process/corrections/correction.h"
 #include "tests/unit/mapping/loop_world.h"
 
 // What a correction costs mapping_process in a map of 500 keyframes and 30,000 points.

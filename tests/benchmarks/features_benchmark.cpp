@@ -8,13 +8,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/features/descriptor_matcher.h"
 #include "core/features/feature_extractor.h"
-#include "core/features/orb_extractor.h"
-#include "core/features/point_stereo.h"
-#include "core/features/stereo_matcher.h"
-#include "core/io/image_file.h"
+#include "core/features/matching/descriptor_matcher.h"
+#include "core/features/points/orb_extractor.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
+#include "vo_process/stereo/point_stereo.h"
+#include "vo_process/stereo/stereo_matcher.h"
 
 namespace plslam {
 namespace {

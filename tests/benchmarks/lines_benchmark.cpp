@@ -7,14 +7,14 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/features/gradients.h"
-#include "core/features/lbd.h"
-#include "core/features/line_detector.h"
-#include "core/features/line_extractor.h"
-#include "core/features/line_matcher.h"
-#include "core/features/line_stereo.h"
-#include "core/io/image_file.h"
+#include "core/features/image/gradients.h"
+#include "core/features/lines/lbd.h"
+#include "core/features/lines/line_detector.h"
+#include "core/features/lines/line_extractor.h"
+#include "core/features/matching/line_matcher.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
+#include "vo_process/stereo/line_stereo.h"
 
 namespace plslam {
 namespace {

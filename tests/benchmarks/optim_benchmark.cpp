@@ -1,6 +1,6 @@
 #include <benchmark/benchmark.h>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {

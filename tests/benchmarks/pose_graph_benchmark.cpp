@@ -4,8 +4,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/io/map_file.h"
-#include "core/optim/pose_graph.h"
+#include "core/io/maps/map_file.h"
+#include "core/optim/pose_graph/pose_graph.h"
 #include "tests/unit/map_file/stored_maps.h"
 #include "tests/unit/optim/pose_graph_world.h"
 

@@ -11,8 +11,8 @@
 #include <CLI/CLI.hpp>
 #include <opencv2/core/utility.hpp>
 
+#include "core/datasets/open_dataset.h"
 #include "loop_process/vocabulary_files.h"
-#include "player/open_dataset.h"
 #include "tests/support/relocalisation_run.h"
 #include "tools/command_line/run_command_line.h"
 

@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "player/synthetic/simulator.h"
+#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam::synthetic {
 namespace {

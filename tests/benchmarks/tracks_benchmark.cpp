@@ -12,12 +12,12 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/config/config.h"
-#include "player/synthetic/options.h"
-#include "player/synthetic/simulator.h"
-#include "player/synthetic/synthetic_dataset.h"
+#include "core/datasets/synthetic/options.h"
+#include "core/datasets/synthetic/simulator.h"
+#include "core/datasets/synthetic/synthetic_dataset.h"
 #include "tests/support/odometry_run.h"
 #include "tools/command_line/run_command_line.h"
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/stereo/stereo_front_end.h"
 
 namespace {
 

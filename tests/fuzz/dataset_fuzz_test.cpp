@@ -15,13 +15,13 @@
 #include <string>
 #include <vector>
 
-#include "core/io/euroc_dataset.h"
-#include "core/io/images_dataset.h"
-#include "core/io/kitti_dataset.h"
-#include "core/io/tum_dataset.h"
+#include "core/datasets/euroc_dataset.h"
+#include "core/datasets/images_dataset.h"
+#include "core/datasets/kitti_dataset.h"
+#include "core/datasets/tum_dataset.h"
 #include "tests/fuzz/dataset_mutator.h"
 #include "tests/support/fuzzing.h"
-#include "tests/unit/io/dataset_folders.h"
+#include "tests/unit/datasets/dataset_folders.h"
 
 namespace plslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "core/bus/process_status.h"
+#include "core/process/process_status.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/data_folder.h"
 #include "tests/support/sanitized.h"

@@ -4,8 +4,8 @@
 #include <opencv2/core.hpp>
 #include <regex>
 
-#include "core/io/image_file.h"
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
+#include "core/io/images/image_file.h"
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"

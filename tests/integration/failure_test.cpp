@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"

@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "core/bus/bus.h"
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 #include "plslam/map_update_t.hpp"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"

@@ -8,7 +8,7 @@
 #include <iostream>
 #include <optional>
 
-#include "core/bus/log_reader.h"
+#include "core/bus/logs/log_reader.h"
 #include "tests/integration/by_hand.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/support/hostile_sender.h"

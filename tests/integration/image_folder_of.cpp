@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "core/io/png_file.h"
+#include "core/io/images/png_file.h"
 
 namespace plslam::test {
 namespace {

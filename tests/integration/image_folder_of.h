@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "core/io/dataset.h"
+#include "core/datasets/dataset.h"
 
 namespace plslam::test {
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/worker.h"
+#include "core/process/worker.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/long_tests.h"

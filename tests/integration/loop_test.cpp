@@ -7,8 +7,8 @@
 #include <map>
 #include <sstream>
 
-#include "core/io/trajectory.h"
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"

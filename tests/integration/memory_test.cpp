@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/process_status.h"
+#include "core/process/process_status.h"
 #include "plslam/status_t.hpp"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"

@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "core/bus/convert.h"
-#include "core/bus/keyframe_channel.h"
-#include "core/bus/worker.h"
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/keyframe_channel.h"
+#include "core/process/worker.h"
 #include "plslam/camera_t.hpp"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"

@@ -1,8 +1,8 @@
 #include "tests/integration/recorded_run.h"
 
-#include "core/bus/encoded.h"
-#include "core/bus/log_reader.h"
-#include "core/bus/map_pages.h"
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/messages/map_pages.h"
+#include "core/bus/transport/encoded.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"

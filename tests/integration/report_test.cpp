@@ -9,7 +9,7 @@
 #include <fstream>
 #include <random>
 
-#include "core/io/atomic_file.h"
+#include "core/io/files/atomic_file.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "viewer_headless/report/report_json.h"

@@ -2,9 +2,9 @@
 
 #include <chrono>
 
-#include "core/bus/encoded.h"
-#include "core/bus/process_status.h"
-#include "core/bus/worker.h"
+#include "core/bus/transport/encoded.h"
+#include "core/process/process_status.h"
+#include "core/process/worker.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/sanitized.h"
 

@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "core/bus/bus.h"
-#include "core/bus/keyframe_channel.h"
-#include "core/bus/map_channel.h"
+#include "core/bus/messages/keyframe_channel.h"
+#include "core/bus/messages/map_channel.h"
 #include "plslam/status_t.hpp"
 #include "tools/plslam/bus_url.h"
 

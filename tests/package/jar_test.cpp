@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "core/bus/process_status.h"
+#include "core/process/process_status.h"
 #include "plslam/pose_t.hpp"
 #include "tests/package/installed_tree.h"
 #include "tests/support/data_folder.h"

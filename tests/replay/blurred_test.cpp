@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
 #include "tests/support/slam_run.h"
 
 namespace plslam::test {

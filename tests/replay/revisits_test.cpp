@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "core/datasets/open_dataset.h"
 #include "loop_process/vocabulary_files.h"
-#include "player/open_dataset.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/loop_run.h"
 

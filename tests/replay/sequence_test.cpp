@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/slam_run.h"
 #include "tests/support/worse_images.h"

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "core/io/dataset.h"
+#include "core/datasets/dataset.h"
 
 namespace plslam::test {
 

@@ -7,7 +7,7 @@
 
 #include "tests/support/dense_algebra.h"
 #include "tests/support/steady_ms.h"
-#include "vo_process/see_pair.h"
+#include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {
 namespace {

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "core/io/dataset.h"
-#include "vo_process/odometry.h"
+#include "core/datasets/dataset.h"
 #include "vo_process/options.h"
-#include "vo_process/stage_timer.h"
+#include "vo_process/stereo/stage_timer.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 

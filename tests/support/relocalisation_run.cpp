@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "mapping_process/mapper.h"
-#include "vo_process/keyframe_value.h"
-#include "vo_process/odometry.h"
-#include "vo_process/see_pair.h"
+#include "vo_process/node/keyframe_value.h"
+#include "vo_process/tracking/odometry.h"
+#include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/io/dataset.h"
+#include "core/datasets/dataset.h"
 #include "loop_process/loop_closer.h"
 #include "mapping_process/options.h"
 #include "vo_process/options.h"

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "tests/support/steady_ms.h"
-#include "vo_process/keyframe_value.h"
-#include "vo_process/see_pair.h"
+#include "vo_process/node/keyframe_value.h"
+#include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 
 namespace plslam {
 namespace {

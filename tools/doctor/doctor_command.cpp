@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "core/bus/channels.h"
-#include "core/bus/history.h"
+#include "core/bus/delivery/history.h"
 #include "core/bus/options.h"
-#include "core/bus/process_arguments.h"
-#include "core/bus/process_usage.h"
+#include "core/process/process_arguments.h"
+#include "core/process/process_usage.h"
 #include "tools/doctor/clock_check.h"
 #include "tools/doctor/files_check.h"
-#include "tools/doctor/listen_node.h"
+#include "tools/doctor/node/listen_node.h"
 #include "tools/doctor/multicast_check.h"
 #include "tools/doctor/socket_check.h"
 

@@ -10,7 +10,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include "core/io/shared_file.h"
+#include "core/io/files/shared_file.h"
 #include "core/places/vocabulary.h"
 
 namespace plslam {

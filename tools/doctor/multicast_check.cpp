@@ -12,7 +12,7 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 
 namespace plslam {
 namespace {

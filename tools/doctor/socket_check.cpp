@@ -16,7 +16,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 
 namespace plslam {
 namespace {

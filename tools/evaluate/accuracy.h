@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/pose_covariance.h"
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/pose_covariance.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/alignment.h"
 #include "tools/evaluate/clock_offset.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/alignment.h"
 
 namespace plslam {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/io/pose_covariance.h"
+#include "core/io/trajectories/pose_covariance.h"
 #include "tools/evaluate/association.h"
 
 namespace plslam {

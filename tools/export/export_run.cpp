@@ -8,13 +8,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
-#include "core/io/colmap_model.h"
-#include "core/io/map_camera.h"
-#include "core/io/map_obj.h"
-#include "core/io/map_ply.h"
-#include "core/io/png_file.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/images/png_file.h"
+#include "core/io/maps/map_camera.h"
+#include "core/io/maps/map_ply.h"
+#include "tools/export/colmap_model.h"
 #include "tools/export/keyframe_images.h"
+#include "tools/export/map_obj.h"
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
 

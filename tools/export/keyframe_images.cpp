@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
 
 namespace plslam {
 namespace {

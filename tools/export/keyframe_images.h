@@ -7,8 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "core/datasets/dataset.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/dataset.h"
 
 namespace plslam {
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "core/io/map_file.h"
-#include "core/io/trajectory.h"
+#include "core/io/maps/map_file.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <thread>
 
-#include "core/bus/tcpq_relay.h"
+#include "tools/plslam/relay/tcpq_relay.h"
 
 namespace plslam {
 

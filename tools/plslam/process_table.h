@@ -46,7 +46,7 @@ std::span<const ProcessRow> ProcessTable();
 /// anew is empty.
 std::filesystem::path RecordingOf(const RunOptions& options, int restart);
 
-/// Configuration, bus and parent, as RunProcess (core/bus/process.h) takes them; then its own, so that an option of
+/// Configuration, bus and parent, as RunProcess (core/process/process.h) takes them; then its own, so that an option of
 /// `plslam run` wins over `--set`.
 std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options);
 

@@ -6,10 +6,10 @@
 #include <mutex>
 #include <optional>
 
-#include "core/bus/log_writer.h"
-#include "core/bus/process_arguments.h"
-#include "core/bus/process_signals.h"
-#include "core/bus/process_status.h"
+#include "core/bus/logs/log_writer.h"
+#include "core/process/process_arguments.h"
+#include "core/process/process_signals.h"
+#include "core/process/process_status.h"
 #include "tools/plslam/commands.h"
 
 namespace plslam {

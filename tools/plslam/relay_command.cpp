@@ -4,9 +4,9 @@
 #include <memory>
 #include <mutex>
 
-#include "core/bus/process_signals.h"
-#include "core/bus/tcpq_relay.h"
+#include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
+#include "tools/plslam/relay/tcpq_relay.h"
 
 namespace plslam {
 namespace {

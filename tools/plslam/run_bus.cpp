@@ -2,7 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 #include "core/config/config.h"
 
 namespace plslam {

@@ -11,7 +11,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/io/atomic_file.h"
+#include "core/io/files/atomic_file.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <mutex>
 
-#include "core/bus/process_signals.h"
-#include "core/io/atomic_file.h"
+#include "core/io/files/atomic_file.h"
+#include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
 #include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_checks.h"

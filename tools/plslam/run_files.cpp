@@ -5,9 +5,9 @@
 #include <cctype>
 #include <utility>
 
-#include "core/io/atomic_file.h"
-#include "core/io/pose_covariance.h"
-#include "core/io/trajectory.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/trajectories/pose_covariance.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/accuracy.h"
 
 namespace plslam {

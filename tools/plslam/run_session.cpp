@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "core/bus/worker.h"
-#include "core/io/shared_file.h"
+#include "core/io/files/shared_file.h"
+#include "core/process/worker.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"
 

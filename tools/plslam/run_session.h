@@ -5,11 +5,11 @@
 #include <memory>
 #include <string>
 
-#include "tools/plslam/history_node.h"
-#include "tools/plslam/monitor_node.h"
+#include "tools/plslam/node/history_node.h"
+#include "tools/plslam/node/monitor_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
-#include "tools/plslam/save_node.h"
+#include "tools/plslam/node/save_node.h"
 #include "tools/plslam/stall_watch.h"
 #include "tools/plslam/supervisor.h"
 

@@ -5,9 +5,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/bus/process_arguments.h"
+#include "core/process/process_arguments.h"
 #include "tools/plslam/commands.h"
-#include "tools/plslam/save_node.h"
+#include "tools/plslam/node/save_node.h"
 
 namespace plslam {
 namespace {

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "core/optim/pose_graph_of_map.h"
+#include "tools/pose_graph/pose_graph_of_map.h"
 
 namespace plslam {
 namespace {

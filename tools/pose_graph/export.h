@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "core/io/g2o.h"
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
+#include "tools/pose_graph/g2o.h"
 
 namespace plslam {
 

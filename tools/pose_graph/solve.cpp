@@ -5,10 +5,10 @@
 #include <cstdlib>
 #include <random>
 
-#include "core/optim/pose_graph_chain.h"
-#include "core/optim/pose_graph_check.h"
-#include "core/optim/pose_graph_chordal.h"
-#include "core/optim/pose_graph_group.h"
+#include "core/optim/pose_graph/pose_graph_check.h"
+#include "core/optim/pose_graph/pose_graph_chordal.h"
+#include "core/optim/pose_graph/pose_graph_group.h"
+#include "tools/pose_graph/pose_graph_chain.h"
 
 namespace plslam {
 namespace {

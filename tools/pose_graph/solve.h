@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/io/g2o.h"
+#include "tools/pose_graph/g2o.h"
 
 namespace plslam {
 

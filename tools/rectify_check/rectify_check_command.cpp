@@ -12,11 +12,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/datasets/open_dataset.h"
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/png_file.h"
-#include "player/open_dataset.h"
+#include "core/io/images/png_file.h"
 #include "tools/rectify_check/rectify_picture.h"
 #include "tools/rectify_check/row_errors.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <Eigen/Dense>
 
-#include "core/features/descriptor_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
 
 namespace plslam {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "core/features/descriptors_of.h"
-#include "core/places/vocabulary_trainer.h"
+#include "core/features/matching/descriptors_of.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/train_vocabulary/left_features.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace plslam {
 namespace {

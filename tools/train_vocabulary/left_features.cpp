@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <vector>
 
+#include "core/datasets/open_dataset.h"
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/image_file.h"
-#include "core/io/image_folder.h"
-#include "player/open_dataset.h"
+#include "core/io/images/image_file.h"
+#include "core/io/images/image_folder.h"
 
 namespace plslam {
 namespace {

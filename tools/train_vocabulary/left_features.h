@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
+#include "core/datasets/dataset.h"
 #include "core/features/features.h"
 #include "core/features/options.h"
-#include "core/io/dataset.h"
 
 namespace plslam {
 

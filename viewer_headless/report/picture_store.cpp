@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "core/io/jpeg_codec.h"
+#include "core/io/images/jpeg_codec.h"
 
 namespace plslam {
 namespace {

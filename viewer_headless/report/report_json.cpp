@@ -4,7 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "core/io/base64.h"
+#include "core/io/files/base64.h"
 
 namespace plslam {
 namespace {

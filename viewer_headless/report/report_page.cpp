@@ -4,7 +4,7 @@
 #include <iterator>
 #include <stdexcept>
 
-#include "core/io/shared_file.h"
+#include "core/io/files/shared_file.h"
 
 namespace plslam {
 namespace {

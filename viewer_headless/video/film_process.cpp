@@ -13,7 +13,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/io/shared_file.h"
+#include "core/io/files/shared_file.h"
 #include "viewer_headless/video/film_stream.h"
 
 namespace plslam {

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/atomic_file.h"
-#include "core/io/png_file.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/images/png_file.h"
 
 namespace plslam {
 namespace {

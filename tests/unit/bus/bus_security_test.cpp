@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/bus/authenticator.h"
 #include "core/bus/bus.h"
-#include "core/bus/transport.h"
+#include "core/bus/transport/authenticator.h"
+#include "core/bus/transport/transport.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/repair_request_t.hpp"

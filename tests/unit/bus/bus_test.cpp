@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/bus/process_usage.h"
+#include "core/process/process_usage.h"
 #include "plslam/command_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"

@@ -1,4 +1,4 @@
-#include "core/bus/convert.h"
+#include "core/bus/messages/convert.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/bus/datagram_filter.h"
+#include "core/bus/transport/datagram_filter.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/transport.h"
-#include "core/bus/udp_receiver.h"
+#include "core/bus/transport/transport.h"
+#include "core/bus/transport/udp_receiver.h"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {

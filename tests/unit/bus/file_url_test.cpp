@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/bus/log_reader.h"
-#include "core/bus/log_writer.h"
-#include "core/bus/transport.h"
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/logs/log_writer.h"
+#include "core/bus/transport/transport.h"
 #include "plslam/pose_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 

@@ -1,4 +1,4 @@
-#include "core/bus/frame_assembler.h"
+#include "core/bus/messages/frame_assembler.h"
 
 #include <cstdint>
 

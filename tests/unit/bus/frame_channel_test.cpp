@@ -1,4 +1,4 @@
-#include "core/bus/frame_channel.h"
+#include "core/bus/messages/frame_channel.h"
 
 #include <atomic>
 

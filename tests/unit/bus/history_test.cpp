@@ -1,4 +1,4 @@
-#include "core/bus/history.h"
+#include "core/bus/delivery/history.h"
 
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-#include "core/bus/keyframe_channel.h"
+#include "core/bus/messages/keyframe_channel.h"
 
 #include <random>
 

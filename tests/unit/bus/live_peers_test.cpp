@@ -1,4 +1,4 @@
-#include "core/bus/live_peers.h"
+#include "core/bus/transport/live_peers.h"
 
 #include <gtest/gtest.h>
 

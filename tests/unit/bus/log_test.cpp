@@ -7,12 +7,12 @@
 #include <sys/stat.h>
 #include <opencv2/core.hpp>
 
-#include "core/bus/convert.h"
-#include "core/bus/encoded.h"
-#include "core/bus/frame_channel.h"
-#include "core/bus/log_dataset.h"
-#include "core/bus/log_reader.h"
-#include "core/bus/log_writer.h"
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/logs/log_writer.h"
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/transport/encoded.h"
+#include "core/datasets/log_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"

@@ -1,4 +1,4 @@
-#include "core/bus/loop_channel.h"
+#include "core/bus/messages/loop_channel.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "core/bus/map_channel.h"
+#include "core/bus/messages/map_channel.h"
 
 #include <atomic>
 #include <memory>

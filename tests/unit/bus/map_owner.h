@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/bus/map_pages.h"
+#include "core/bus/messages/map_pages.h"
 #include "plslam/map_update_t.hpp"
 #include "tests/unit/map/random_map.h"
 

@@ -1,4 +1,4 @@
-#include "core/bus/map_pages.h"
+#include "core/bus/messages/map_pages.h"
 
 #include <functional>
 #include <limits>

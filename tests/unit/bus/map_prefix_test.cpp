@@ -3,8 +3,8 @@
 #include <fstream>
 #include <set>
 
-#include "core/bus/encoded.h"
-#include "core/bus/transport.h"
+#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/transport.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "core/bus/ordered_reader.h"
-#include "core/bus/wire.h"
+#include "core/bus/delivery/ordered_reader.h"
+#include "core/bus/transport/wire.h"
 
 namespace plslam::bus::test {
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/bus/ordered_reader.h"
-#include "core/bus/ordered_writer.h"
+#include "core/bus/delivery/ordered_reader.h"
+#include "core/bus/delivery/ordered_writer.h"
 #include "tests/unit/bus/numbered_messages.h"
 
 namespace plslam::bus {

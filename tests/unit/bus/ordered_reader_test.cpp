@@ -1,4 +1,4 @@
-#include "core/bus/ordered_reader.h"
+#include "core/bus/delivery/ordered_reader.h"
 
 #include <gtest/gtest.h>
 

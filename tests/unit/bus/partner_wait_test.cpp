@@ -1,4 +1,4 @@
-#include "core/bus/partner_wait.h"
+#include "core/process/partner_wait.h"
 
 #include <gtest/gtest.h>
 

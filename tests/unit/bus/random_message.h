@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/wire.h"
+#include "core/bus/transport/wire.h"
 
 namespace plslam::bus::test {
 

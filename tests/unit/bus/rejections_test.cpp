@@ -1,4 +1,4 @@
-#include "core/bus/rejections.h"
+#include "core/bus/transport/rejections.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

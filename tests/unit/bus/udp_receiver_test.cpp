@@ -1,4 +1,4 @@
-#include "core/bus/udp_receiver.h"
+#include "core/bus/transport/udp_receiver.h"
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <random>
 
 #include "core/bus/bus.h"
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 #include "plslam/pose_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 

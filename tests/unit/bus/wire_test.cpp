@@ -1,4 +1,4 @@
-#include "core/bus/wire.h"
+#include "core/bus/transport/wire.h"
 
 #include <algorithm>
 #include <fstream>

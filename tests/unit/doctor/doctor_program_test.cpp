@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "core/bus/process_status.h"
+#include "core/process/process_status.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 

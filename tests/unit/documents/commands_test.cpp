@@ -2,7 +2,7 @@
 
 #include <fstream>
 
-#include "core/bus/transport.h"
+#include "core/bus/transport/transport.h"
 #include "tests/unit/documents/document_commands.h"
 #include "tests/unit/documents/document_world.h"
 

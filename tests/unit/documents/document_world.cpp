@@ -12,7 +12,7 @@
 #include <regex>
 #include <thread>
 
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
 #include "tests/integration/image_folder_of.h"
 #include "tests/support/data_folder.h"
 

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/io/pose_covariance.h"
+#include "core/io/trajectories/pose_covariance.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
 #include "tests/unit/evaluate/pairs.h"

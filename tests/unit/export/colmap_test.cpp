@@ -4,10 +4,10 @@
 #include <regex>
 #include <sstream>
 
-#include "core/io/colmap_model.h"
-#include "core/io/map_camera.h"
+#include "core/io/maps/map_camera.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
+#include "tools/export/colmap_model.h"
 
 namespace plslam {
 namespace {

@@ -2,13 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include "core/io/g2o.h"
-#include "core/io/map_file.h"
-#include "core/io/trajectory.h"
+#include "core/io/maps/map_file.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
 #include "tools/pose_graph/export.h"
+#include "tools/pose_graph/g2o.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/map_ply.h"
+#include "core/io/maps/map_ply.h"
 
 #include <gmock/gmock.h>
 

@@ -2,11 +2,11 @@
 
 #include <opencv2/viz.hpp>
 
-#include "core/io/atomic_file.h"
-#include "core/io/map_obj.h"
-#include "core/io/map_ply.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/maps/map_ply.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
+#include "tools/export/map_obj.h"
 
 namespace plslam {
 namespace {

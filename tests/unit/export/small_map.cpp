@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/io/map_camera.h"
+#include "core/io/maps/map_camera.h"
 
 namespace plslam::test {
 namespace {

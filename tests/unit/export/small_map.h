@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry/stereo_camera.h"
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 
 namespace plslam::test {
 

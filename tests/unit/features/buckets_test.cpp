@@ -1,4 +1,4 @@
-#include "core/features/buckets.h"
+#include "core/features/matching/buckets.h"
 
 #include <gtest/gtest.h>
 

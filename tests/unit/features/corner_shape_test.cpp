@@ -1,4 +1,4 @@
-#include "core/features/corner_shape.h"
+#include "core/features/points/corner_shape.h"
 
 #include <gtest/gtest.h>
 

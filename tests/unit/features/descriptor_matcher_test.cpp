@@ -1,4 +1,4 @@
-#include "core/features/descriptor_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "core/features/fast_score.h"
+#include "core/features/points/fast_score.h"
 
 #include <algorithm>
 #include <array>

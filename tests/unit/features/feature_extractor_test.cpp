@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/stereo_matcher.h"
 #include "tests/unit/features/texture.h"
+#include "vo_process/stereo/stereo_matcher.h"
 
 namespace plslam {
 namespace {

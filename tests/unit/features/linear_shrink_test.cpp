@@ -1,4 +1,4 @@
-#include "core/features/linear_shrink.h"
+#include "core/features/image/linear_shrink.h"
 
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>

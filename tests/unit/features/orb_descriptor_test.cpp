@@ -1,4 +1,4 @@
-#include "core/features/orb_descriptor.h"
+#include "core/features/points/orb_descriptor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "core/features/hamming.h"
+#include "core/features/matching/hamming.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {

@@ -1,4 +1,4 @@
-#include "core/features/orb_detector.h"
+#include "core/features/points/orb_detector.h"
 
 #include <algorithm>
 #include <random>
@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "core/features/fast_score.h"
+#include "core/features/points/fast_score.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {

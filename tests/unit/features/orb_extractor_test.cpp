@@ -1,4 +1,4 @@
-#include "core/features/orb_extractor.h"
+#include "core/features/points/orb_extractor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/descriptor_matcher.h"
+#include "core/features/matching/descriptor_matcher.h"
 #include "tests/unit/features/texture.h"
 
 namespace plslam {

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/orb_extractor.h"
-#include "core/io/image_file.h"
+#include "core/features/points/orb_extractor.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
-#include "tests/unit/features/stereo_points.h"
+#include "tests/unit/stereo/stereo_points.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/features/segment_projection.h"
+#include "core/features/matching/segment_projection.h"
 
 #include <algorithm>
 #include <cmath>

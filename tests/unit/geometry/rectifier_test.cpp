@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/features2d.hpp>
 
-#include "core/io/image_file.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/geometry/test_rigs.h"
 

@@ -8,10 +8,10 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "core/io/image_file.h"
-#include "core/io/image_header.h"
-#include "core/io/jpeg_codec.h"
-#include "core/io/png_codec.h"
+#include "core/io/images/image_file.h"
+#include "core/io/images/image_header.h"
+#include "core/io/images/jpeg_codec.h"
+#include "core/io/images/png_codec.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/long_tests.h"
 #include "tests/support/text_file.h"

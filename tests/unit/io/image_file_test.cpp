@@ -1,4 +1,4 @@
-#include "core/io/image_file.h"
+#include "core/io/images/image_file.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-#include "core/io/jpeg_codec.h"
-#include "core/io/png_codec.h"
-#include "tests/unit/io/dataset_folders.h"
-#include "tests/unit/io/dataset_matchers.h"
+#include "core/io/images/jpeg_codec.h"
+#include "core/io/images/png_codec.h"
+#include "tests/unit/datasets/dataset_folders.h"
+#include "tests/unit/datasets/dataset_matchers.h"
 
 namespace plslam {
 namespace {

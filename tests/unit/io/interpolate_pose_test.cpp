@@ -1,4 +1,4 @@
-#include "core/io/interpolate_pose.h"
+#include "core/io/trajectories/interpolate_pose.h"
 
 #include <gtest/gtest.h>
 

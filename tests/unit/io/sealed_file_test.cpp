@@ -1,4 +1,4 @@
-#include "core/io/sealed_file.h"
+#include "core/io/files/sealed_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/archive.h"
+#include "core/io/files/archive.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/plslam/history_node.h"
+#include "tools/plslam/node/history_node.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/process_usage.h"
+#include "core/process/process_usage.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"

@@ -1,4 +1,4 @@
-#include "tools/plslam/monitor_node.h"
+#include "tools/plslam/node/monitor_node.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "core/bus/process_usage.h"
-#include "core/bus/worker.h"
+#include "core/process/process_usage.h"
+#include "core/process/worker.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"

@@ -1,4 +1,4 @@
-#include "core/features/coarse_lines.h"
+#include "core/features/lines/coarse_lines.h"
 
 #include <cmath>
 
@@ -6,9 +6,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/features/edge_width.h"
-#include "core/features/line_extractor.h"
-#include "core/features/line_sigma.h"
+#include "core/features/lines/edge_width.h"
+#include "core/features/lines/line_extractor.h"
+#include "core/features/lines/line_sigma.h"
 #include "tests/unit/lines/rendered_edges.h"
 
 namespace plslam {

@@ -1,4 +1,4 @@
-#include "core/features/gradients.h"
+#include "core/features/image/gradients.h"
 
 #include <algorithm>
 

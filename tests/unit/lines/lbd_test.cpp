@@ -1,4 +1,4 @@
-#include "core/features/lbd.h"
+#include "core/features/lines/lbd.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "core/features/line_detector.h"
+#include "core/features/lines/line_detector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include "core/features/line_extractor.h"
-#include "core/features/line_sigma.h"
+#include "core/features/lines/line_extractor.h"
+#include "core/features/lines/line_sigma.h"
 #include "tests/unit/lines/rendered_edges.h"
 
 namespace plslam {

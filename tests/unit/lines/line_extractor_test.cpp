@@ -1,4 +1,4 @@
-#include "core/features/line_extractor.h"
+#include "core/features/lines/line_extractor.h"
 
 #include <algorithm>
 #include <cmath>

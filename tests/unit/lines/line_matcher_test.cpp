@@ -1,4 +1,4 @@
-#include "core/features/line_matcher.h"
+#include "core/features/matching/line_matcher.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "core/features/line_extractor.h"
-#include "core/features/line_matcher.h"
-#include "core/features/line_stereo.h"
-#include "core/io/image_file.h"
+#include "core/features/lines/line_extractor.h"
+#include "core/features/matching/line_matcher.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
+#include "vo_process/stereo/line_stereo.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/features/line_select.h"
+#include "core/features/lines/line_select.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/features/descriptor_matcher.h"
-#include "core/places/vocabulary_trainer.h"
+#include "core/features/matching/descriptor_matcher.h"
 #include "tests/unit/mapping/mapping_world.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace plslam::test {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/places/vocabulary_trainer.h"
 #include "tests/unit/mapping/mapping_world.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace plslam::test {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/places/vocabulary_trainer.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace plslam::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 
 #include <unistd.h>
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 
 namespace plslam::test {
 

@@ -1,10 +1,10 @@
-#include "mapping_process/closure_names.h"
+#include "mapping_process/corrections/closure_names.h"
 
 #include <gmock/gmock.h>
 
 #include <vector>
 
-#include "core/map/keyframe_names.h"
+#include "loop_process/keyframe_names.h"
 
 namespace plslam {
 namespace {

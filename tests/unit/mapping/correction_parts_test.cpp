@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping_process/correction.h"
-#include "mapping_process/loop_fusion.h"
-#include "mapping_process/map_parts.h"
-#include "mapping_process/sight_error.h"
+#include "mapping_process/corrections/correction.h"
+#include "mapping_process/corrections/loop_fusion.h"
+#include "mapping_process/corrections/map_parts.h"
+#include "mapping_process/insertion/sight_error.h"
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping_process/correction.h"
+#include "mapping_process/corrections/correction.h"
 #include "mapping_process/mapper_state.h"
 #include "tests/unit/mapping/loop_world.h"
 

@@ -1,4 +1,4 @@
-#include "mapping_process/culling.h"
+#include "mapping_process/insertion/culling.h"
 
 #include <gtest/gtest.h>
 

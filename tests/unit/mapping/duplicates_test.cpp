@@ -1,4 +1,4 @@
-#include "mapping_process/duplicates.h"
+#include "mapping_process/insertion/duplicates.h"
 
 #include <gtest/gtest.h>
 

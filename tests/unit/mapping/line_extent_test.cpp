@@ -1,4 +1,4 @@
-#include "mapping_process/line_extent.h"
+#include "mapping_process/insertion/line_extent.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "mapping_process/line_triangulation.h"
+#include "mapping_process/insertion/line_triangulation.h"
 
 #include <cmath>
 #include <random>

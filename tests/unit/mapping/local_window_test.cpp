@@ -1,4 +1,4 @@
-#include "mapping_process/local_window.h"
+#include "mapping_process/insertion/local_window.h"
 
 #include <gtest/gtest.h>
 

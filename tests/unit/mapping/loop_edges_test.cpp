@@ -1,4 +1,4 @@
-#include "mapping_process/loop_edges.h"
+#include "mapping_process/corrections/loop_edges.h"
 
 #include <algorithm>
 #include <tuple>

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/map/keyframe_names.h"
+#include "loop_process/keyframe_names.h"
 
 namespace plslam::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping_process/map_parts.h"
+#include "mapping_process/corrections/map_parts.h"
 #include "tests/support/dense_algebra.h"
 #include "tests/unit/mapping/loop_world.h"
 

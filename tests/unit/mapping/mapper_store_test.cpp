@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "tests/unit/mapping/loop_world.h"
 
 namespace plslam {

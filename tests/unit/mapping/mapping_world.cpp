@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "core/bus/map_pages.h"
+#include "core/bus/messages/map_pages.h"
 #include "plslam/map_update_t.hpp"
 
 namespace plslam::test {

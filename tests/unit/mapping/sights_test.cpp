@@ -1,4 +1,4 @@
-#include "mapping_process/sights.h"
+#include "mapping_process/insertion/sights.h"
 
 #include <random>
 

@@ -1,4 +1,4 @@
-#include "mapping_process/tracker_landmarks.h"
+#include "mapping_process/insertion/tracker_landmarks.h"
 
 #include <gtest/gtest.h>
 

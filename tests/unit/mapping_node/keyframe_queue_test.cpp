@@ -1,4 +1,4 @@
-#include "mapping_process/keyframe_queue.h"
+#include "mapping_process/node/keyframe_queue.h"
 
 #include <algorithm>
 #include <limits>

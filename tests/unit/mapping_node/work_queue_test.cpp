@@ -1,4 +1,4 @@
-#include "mapping_process/work_queue.h"
+#include "mapping_process/node/work_queue.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/motion/entropy.h"
+#include "vo_process/tracking/entropy.h"
 
 #include <cmath>
 #include <limits>

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {

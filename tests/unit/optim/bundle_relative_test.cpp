@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {

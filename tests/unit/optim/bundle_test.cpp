@@ -1,4 +1,4 @@
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 
 #include <atomic>
 

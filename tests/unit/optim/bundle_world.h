@@ -3,7 +3,7 @@
 #include <random>
 #include <vector>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 
 namespace plslam::test {
 

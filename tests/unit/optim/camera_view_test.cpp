@@ -1,4 +1,4 @@
-#include "core/optim/camera_view.h"
+#include "core/optim/bundle/camera_view.h"
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include <Eigen/LU>
 
 #include "core/motion/robust.h"
-#include "core/optim/line_cost.h"
-#include "core/optim/point_cost.h"
+#include "core/optim/bundle/line_cost.h"
+#include "core/optim/bundle/point_cost.h"
 
 namespace plslam::test {
 namespace {

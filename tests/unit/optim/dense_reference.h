@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 
 namespace plslam::test {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "core/optim/pose_graph.h"
+#include "core/optim/pose_graph/pose_graph.h"
 #include "tests/unit/optim/pose_graph_world.h"
 
 namespace plslam {

@@ -1,4 +1,4 @@
-#include "core/optim/pose_graph.h"
+#include "core/optim/pose_graph/pose_graph.h"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 
 #include <Eigen/LU>
 
-#include "core/optim/pose_graph_check.h"
-#include "core/optim/pose_graph_chordal.h"
-#include "core/optim/pose_graph_group.h"
+#include "core/optim/pose_graph/pose_graph_check.h"
+#include "core/optim/pose_graph/pose_graph_chordal.h"
+#include "core/optim/pose_graph/pose_graph_group.h"
 #include "tests/support/dense_algebra.h"
 #include "tests/unit/optim/pose_graph_world.h"
 

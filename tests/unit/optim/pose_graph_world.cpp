@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "core/optim/pose_graph_group.h"
+#include "core/optim/pose_graph/pose_graph_group.h"
 
 namespace plslam::test {
 namespace {

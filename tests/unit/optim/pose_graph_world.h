@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "core/optim/pose_graph.h"
+#include "core/optim/pose_graph/pose_graph.h"
 
 namespace plslam::test {
 

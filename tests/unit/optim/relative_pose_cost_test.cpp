@@ -1,4 +1,4 @@
-#include "core/optim/relative_pose_cost.h"
+#include "core/optim/bundle/relative_pose_cost.h"
 
 #include <cmath>
 #include <limits>

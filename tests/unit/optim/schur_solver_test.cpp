@@ -1,4 +1,4 @@
-#include "core/optim/schur_solver.h"
+#include "core/optim/bundle/schur_solver.h"
 
 #include <atomic>
 #include <functional>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/optim/bundle.h"
+#include "core/optim/bundle/bundle.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {

@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "core/optim/ceres_sights.h"
-#include "core/optim/line_cost.h"
-#include "core/optim/line_endpoint_cost.h"
-#include "core/optim/point_cost.h"
-#include "core/optim/sight_group.h"
+#include "core/optim/bundle/ceres_sights.h"
+#include "core/optim/bundle/line_cost.h"
+#include "core/optim/bundle/line_endpoint_cost.h"
+#include "core/optim/bundle/point_cost.h"
+#include "core/optim/bundle/sight_group.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {

@@ -1,12 +1,12 @@
-#include "core/places/clustering.h"
+#include "tools/train_vocabulary/clustering.h"
 
 #include <gtest/gtest.h>
 
 #include <numeric>
 #include <set>
 
-#include "core/places/majority_vote.h"
 #include "tests/unit/places/random_places.h"
+#include "tools/train_vocabulary/majority_vote.h"
 
 namespace plslam {
 namespace {

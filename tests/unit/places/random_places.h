@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/features/features.h"
-#include "core/places/vocabulary_trainer.h"
+#include "tools/train_vocabulary/vocabulary_trainer.h"
 
 namespace plslam::test {
 

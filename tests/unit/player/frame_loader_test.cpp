@@ -1,4 +1,4 @@
-#include "player/frame_loader.h"
+#include "player/node/frame_loader.h"
 
 #include <gtest/gtest.h>
 

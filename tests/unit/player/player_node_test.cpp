@@ -1,5 +1,5 @@
 // The player against a stand-in for vo_process, both on real buses over loopback.
-#include "player/player_node.h"
+#include "player/node/player_node.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -15,9 +15,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/encoded.h"
-#include "core/bus/transport.h"
-#include "player/open_dataset.h"
+#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/transport.h"
+#include "core/datasets/open_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -25,7 +25,7 @@
 #include "plslam/repair_request_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
-#include "tests/unit/io/dataset_folders.h"
+#include "tests/unit/datasets/dataset_folders.h"
 
 namespace plslam {
 namespace {

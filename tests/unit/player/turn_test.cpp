@@ -1,4 +1,4 @@
-#include "player/turn.h"
+#include "player/node/turn.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/bus/process_memory.h"
+#include "core/process/process_memory.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/bus/process_usage.h"
+#include "core/process/process_usage.h"
 
 namespace plslam::bus {
 namespace {

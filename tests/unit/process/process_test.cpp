@@ -1,4 +1,4 @@
-#include "core/bus/process.h"
+#include "core/process/process.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/bus/process.h"
+#include "core/process/process.h"
 #include "plslam/command_t.hpp"
 
 namespace {

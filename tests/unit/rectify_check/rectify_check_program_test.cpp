@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "core/io/image_file.h"
+#include "core/io/images/image_file.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 

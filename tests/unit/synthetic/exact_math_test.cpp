@@ -1,4 +1,4 @@
-#include "player/synthetic/exact_math.h"
+#include "core/datasets/synthetic/exact_math.h"
 
 #include <cmath>
 

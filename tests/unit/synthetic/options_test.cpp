@@ -1,12 +1,12 @@
-#include "player/synthetic/options.h"
+#include "core/datasets/synthetic/options.h"
 
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/dataset.h"
-#include "player/synthetic/synthetic_dataset.h"
+#include "core/datasets/dataset.h"
+#include "core/datasets/synthetic/synthetic_dataset.h"
 
 namespace plslam::synthetic {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/synthetic/renderer.h"
+#include "core/datasets/synthetic/renderer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "player/synthetic/simulator.h"
-#include "player/synthetic/worlds.h"
+#include "core/datasets/synthetic/simulator.h"
+#include "core/datasets/synthetic/worlds.h"
 
 namespace plslam::synthetic {
 namespace {

@@ -1,4 +1,4 @@
-#include "player/synthetic/synthetic_dataset.h"
+#include "core/datasets/synthetic/synthetic_dataset.h"
 
 #include <cmath>
 #include <map>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "player/synthetic/simulator.h"
+#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam {
 namespace {

@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/io/dataset.h"
-#include "player/synthetic/simulator.h"
+#include "core/datasets/dataset.h"
+#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam::synthetic {
 namespace {

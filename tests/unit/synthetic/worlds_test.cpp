@@ -1,4 +1,4 @@
-#include "player/synthetic/worlds.h"
+#include "core/datasets/synthetic/worlds.h"
 
 #include <algorithm>
 #include <string>
@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <opencv2/features2d.hpp>
 
-#include "player/synthetic/exact_math.h"
-#include "player/synthetic/simulator.h"
+#include "core/datasets/synthetic/exact_math.h"
+#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam::synthetic {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/pose_covariance.h"
+#include "core/io/trajectories/pose_covariance.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-#include "core/io/text_rows.h"
+#include "core/io/files/text_rows.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "viewer_headless/picture_node.h"
+#include "viewer_headless/node/picture_node.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/io/jpeg_codec.h"
+#include "core/io/images/jpeg_codec.h"
 #include "tests/unit/viewer/frame_poses.h"
 #include "tests/unit/viewer/report_columns.h"
 

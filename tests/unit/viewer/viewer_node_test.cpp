@@ -1,4 +1,4 @@
-#include "viewer_headless/viewer_node.h"
+#include "viewer_headless/node/viewer_node.h"
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -9,9 +9,9 @@
 
 #include <thread>
 
-#include "core/bus/convert.h"
-#include "core/io/image_file.h"
-#include "core/io/trajectory.h"
+#include "core/bus/messages/convert.h"
+#include "core/io/images/image_file.h"
+#include "core/io/trajectories/trajectory.h"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "tests/support/text_file.h"

@@ -1,11 +1,11 @@
-#include "vo_process/disparity_calibration.h"
+#include "vo_process/tracking/disparity_calibration.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
 #include "tests/support/feature_world.h"
-#include "vo_process/odometry.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam {
 namespace {

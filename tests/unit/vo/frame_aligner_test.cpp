@@ -1,4 +1,4 @@
-#include "vo_process/frame_aligner.h"
+#include "vo_process/tracking/frame_aligner.h"
 
 #include <gtest/gtest.h>
 

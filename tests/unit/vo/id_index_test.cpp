@@ -1,4 +1,4 @@
-#include "vo_process/id_index.h"
+#include "vo_process/tracking/id_index.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

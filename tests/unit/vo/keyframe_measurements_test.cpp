@@ -1,4 +1,4 @@
-#include "vo_process/keyframe_measurements.h"
+#include "vo_process/tracking/keyframe_measurements.h"
 
 #include <cmath>
 #include <optional>

@@ -1,4 +1,4 @@
-#include "vo_process/keyframe_policy.h"
+#include "vo_process/tracking/keyframe_policy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vo_process/kind_balance.h"
+#include "vo_process/tracking/kind_balance.h"
 
 #include <gtest/gtest.h>
 

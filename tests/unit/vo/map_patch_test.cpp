@@ -1,4 +1,4 @@
-#include "vo_process/map_patch.h"
+#include "vo_process/tracking/map_patch.h"
 
 #include <utility>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "vo_process/model_error.h"
+#include "vo_process/tracking/model_error.h"
 
 #include <gtest/gtest.h>
 

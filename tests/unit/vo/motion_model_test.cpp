@@ -1,4 +1,4 @@
-#include "vo_process/motion_model.h"
+#include "vo_process/tracking/motion_model.h"
 
 #include <cmath>
 

@@ -5,7 +5,7 @@
 
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/feature_path.h"
-#include "vo_process/odometry.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam {
 namespace {

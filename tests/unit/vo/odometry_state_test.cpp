@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/archive.h"
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
+#include "core/io/files/archive.h"
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/bent_rig.h"
-#include "vo_process/odometry.h"
-#include "vo_process/see_pair.h"
+#include "vo_process/tracking/odometry.h"
+#include "vo_process/tracking/see_pair.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "vo_process/odometry.h"
+#include "vo_process/tracking/odometry.h"
 
 #include <cstring>
 #include <string>

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "tests/support/feature_world.h"
-#include "vo_process/odometry.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 

@@ -1,4 +1,4 @@
-#include "vo_process/point_refiner.h"
+#include "vo_process/tracking/point_refiner.h"
 
 #include <algorithm>
 #include <array>

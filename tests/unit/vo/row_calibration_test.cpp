@@ -1,10 +1,10 @@
-#include "vo_process/row_calibration.h"
+#include "vo_process/tracking/row_calibration.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
 #include "tests/support/odometry_run.h"
 #include "tests/unit/vo/bent_rig.h"
 

@@ -1,4 +1,4 @@
-#include "vo_process/side_worker.h"
+#include "vo_process/stereo/side_worker.h"
 
 #include <algorithm>
 #include <latch>

@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "vo_process/local_landmarks.h"
+#include "vo_process/tracking/local_landmarks.h"
 
 namespace plslam::test {
 

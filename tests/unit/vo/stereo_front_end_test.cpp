@@ -1,4 +1,4 @@
-#include "vo_process/stereo_front_end.h"
+#include "vo_process/stereo/stereo_front_end.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "vo_process/tracker_state.h"
+#include "vo_process/node/tracker_state.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

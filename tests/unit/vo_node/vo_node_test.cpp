@@ -1,5 +1,5 @@
 // vo_process against stand-ins for the others, on real buses over loopback.
-#include "vo_process/vo_node.h"
+#include "vo_process/node/vo_node.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <mutex>
 #include <thread>
 
-#include "core/bus/convert.h"
-#include "core/bus/loop_channel.h"
-#include "player/open_dataset.h"
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/loop_channel.h"
+#include "core/datasets/open_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/support/slam_run.h"

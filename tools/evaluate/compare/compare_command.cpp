@@ -8,8 +8,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
-#include "core/io/trajectory.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"

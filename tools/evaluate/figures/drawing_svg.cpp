@@ -2,8 +2,8 @@
 
 #include <iterator>
 
-#include "core/io/base64.h"
-#include "core/io/png_codec.h"
+#include "core/io/files/base64.h"
+#include "core/io/images/png_codec.h"
 #include "tools/evaluate/figures/drawing.h"
 
 namespace plslam {

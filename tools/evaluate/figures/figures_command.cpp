@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
-#include "core/io/map_camera.h"
-#include "core/io/png_file.h"
-#include "core/io/shared_file.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/shared_file.h"
+#include "core/io/images/png_file.h"
+#include "core/io/maps/map_camera.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "core/places/place_recogniser.h"
 #include "tools/evaluate/places/place_evaluation.h"
 

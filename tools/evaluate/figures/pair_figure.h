@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "tools/evaluate/figures/drawing.h"
 
 namespace plslam {

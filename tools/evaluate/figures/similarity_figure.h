@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/io/map_file.h"
+#include "core/io/maps/map_file.h"
 #include "tools/evaluate/figures/drawing.h"
 
 namespace plslam {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/trajectory.h"
+#include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 #include "tools/evaluate/figures/drawing.h"
 

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "core/io/atomic_file.h"
-#include "core/io/png_file.h"
-#include "core/io/shared_file.h"
-#include "player/open_dataset.h"
+#include "core/datasets/open_dataset.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/shared_file.h"
+#include "core/io/images/png_file.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"

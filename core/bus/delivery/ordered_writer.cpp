@@ -1,0 +1,174 @@
+#include "core/bus/delivery/ordered_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace plslam::bus {
+namespace {
+
+constexpr size_t kCostsKept = 4096;
+constexpr size_t kMaxResentNoted = 4096;
+constexpr int64_t kMinWindow = 64'000;
+constexpr int64_t kMaxWindow = 1'000'000;
+
+}  // namespace
+
+OrderedWriter::OrderedWriter(Retention retention, int64_t memory_bytes, std::string channel, std::string path,
+                             bool keep_file)
+    : history_(retention, memory_bytes, std::move(channel), std::move(path), keep_file) {}
+
+std::optional<int64_t> OrderedWriter::InFlight(int64_t delivered) const {
+  const int64_t oldest = history_.next_seq() - static_cast<int64_t>(cost_before_.size());
+  const int64_t first = delivered + 1;
+  if (first >= history_.next_seq()) return 0;
+  if (first < oldest) return std::nullopt;
+  return total_cost_ - cost_before_[static_cast<size_t>(first - oldest)];
+}
+
+bool OrderedWriter::Blocks(const Reader& reader, int64_t cost, int64_t now) const {
+  if (reader.behind || !Alive(reader, now)) return false;
+  const auto in_flight = InFlight(reader.delivered);
+  return in_flight && *in_flight > 0 && *in_flight + cost > reader.window;
+}
+
+bool OrderedWriter::WindowOpen(size_t bytes, int64_t now) const {
+  return std::none_of(readers_.begin(), readers_.end(),
+                      [&](const auto& entry) { return Blocks(entry.second, WireCost(bytes), now); });
+}
+
+void OrderedWriter::LeaveBehind(size_t bytes, int64_t now) {
+  for (auto& [id, reader] : readers_) {
+    if (Blocks(reader, WireCost(bytes), now)) reader.behind = true;
+  }
+}
+
+void OrderedWriter::Sent(Bytes message, int64_t now) {
+  if (history_.next_seq() == 0) greeted_at_ = now + times_.greeting_ns;
+  cost_before_.push_back(total_cost_);
+  if (cost_before_.size() > kCostsKept) cost_before_.pop_front();
+  total_cost_ += WireCost(message->size());
+  history_.Append(std::move(message));
+  announce_stage_ = 0;
+  const int64_t soon = now + (AliveReaders(now) > 0 ? 1 : 4) * times_.announce_first_ns;
+  next_announce_ = std::min(next_announce_, soon);
+}
+
+OrderedWriter::Reader& OrderedWriter::Heard(int64_t id, int64_t window, int64_t now) {
+  auto found = readers_.find(id);
+  if (found == readers_.end()) {
+    if (readers_.size() >= kMaxReaders) {
+      const auto oldest = std::min_element(readers_.begin(), readers_.end(), [](const auto& a, const auto& b) {
+        return a.second.heard < b.second.heard;
+      });
+      readers_.erase(oldest);
+    }
+    found = readers_.emplace(id, Reader{}).first;
+    const auto in_flight = InFlight(-1);
+    found->second.behind = !in_flight || *in_flight > 0;
+  }
+  found->second.heard = now;
+  found->second.window = std::clamp(window, kMinWindow, kMaxWindow);
+  return found->second;
+}
+
+void OrderedWriter::OnHello(int64_t reader, int64_t window, int64_t now) {
+  const bool is_new = !readers_.contains(reader);
+  Heard(reader, window, now);
+  if (is_new && history_.next_seq() > 0) next_announce_ = std::min(next_announce_, now);
+}
+
+OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, int64_t window,
+                                               const std::vector<SeqRange>& ranges, int64_t now) {
+  Reader& reader = Heard(id, window, now);
+  // Nobody can have what was not sent; an older word that arrives late changes nothing.
+  if (delivered < history_.next_seq() && delivered > reader.delivered) {
+    reader.delivered = delivered;
+    ++acknowledged_;
+  }
+  const auto in_flight = InFlight(reader.delivered);
+  if (in_flight && *in_flight <= reader.window) reader.behind = false;
+  Trim(now);
+
+  Answer answer;
+  answer.announce = !ranges.empty() || delivered < 0;
+  int64_t cost = 0;
+  if (resent_at_.size() > kMaxResentNoted) resent_at_.clear();
+  for (const SeqRange& range : ranges) {
+    const int64_t last = std::min(range.last, history_.next_seq() - 1);
+    for (int64_t seq = std::max(range.first, history_.first_seq()); seq <= last; ++seq) {
+      const auto [noted, is_new] = resent_at_.try_emplace(seq, now);
+      if (!is_new && now - noted->second < times_.resend_pause_ns) continue;
+      Bytes message = history_.Get(seq);
+      if (message == nullptr) continue;
+      cost += WireCost(message->size());
+      if (cost > reader.window && !answer.resend.empty()) {
+        if (is_new) resent_at_.erase(noted);
+        return answer;
+      }
+      noted->second = now;
+      answer.resend.push_back(std::move(message));
+    }
+  }
+  return answer;
+}
+
+/// Forgets what every reader has, and readers long gone. Without any reader, and while readers may not have been heard
+/// yet, the bound of the history alone counts.
+void OrderedWriter::Trim(int64_t now) {
+  std::erase_if(readers_, [&](const auto& entry) { return now - entry.second.heard > times_.reader_kept_ns; });
+  if (readers_.empty() || now < greeted_at_) return;
+  int64_t least = std::numeric_limits<int64_t>::max();
+  for (const auto& [id, reader] : readers_) least = std::min(least, reader.delivered);
+  history_.Forget(least + 1);
+}
+
+/// Readers that are cut off, or dead, are kept messages for; a newcomer need not go through those.
+int64_t OrderedWriter::join_seq(int64_t now) const {
+  if (history_.retention() == Retention::kAll || now < greeted_at_) return history_.first_seq();
+  // Those who have said no more than that they read are newcomers themselves.
+  int64_t since = now - times_.join_heard_ns;
+  int64_t newest_word = std::numeric_limits<int64_t>::min();
+  for (const auto& [id, reader] : readers_) {
+    if (reader.delivered >= 0) newest_word = std::max(newest_word, reader.heard);
+  }
+  since = std::min(since, newest_word);
+  int64_t least = std::numeric_limits<int64_t>::max();
+  for (const auto& [id, reader] : readers_) {
+    if (reader.delivered >= 0 && reader.heard >= since) least = std::min(least, reader.delivered);
+  }
+  return least == std::numeric_limits<int64_t>::max() ? history_.first_seq()
+                                                      : std::max(history_.first_seq(), least + 1);
+}
+
+bool OrderedWriter::AnnounceDue(int64_t now) {
+  if (now < next_announce_) return false;
+  static constexpr std::array<int64_t, 6> kPauses_ns = {5'000'000,  10'000'000, 20'000'000,
+                                                        40'000'000, 80'000'000, 150'000'000};
+  const bool waiting = AliveReaders(now) > 0 && !AllDelivered(now);
+  const bool everybody_has_it = AliveReaders(now) > 0 && !waiting;
+  const bool first = announce_stage_ == 0;
+  const auto pause = kPauses_ns[std::min(static_cast<size_t>(announce_stage_), kPauses_ns.size() - 1)];
+  next_announce_ = now + (waiting ? pause : times_.announce_period_ns);
+  ++announce_stage_;
+  return history_.next_seq() > 0 && !(first && everybody_has_it);
+}
+
+int OrderedWriter::AliveReaders(int64_t now) const {
+  return static_cast<int>(
+      std::count_if(readers_.begin(), readers_.end(), [&](const auto& e) { return Alive(e.second, now); }));
+}
+
+bool OrderedWriter::AllDelivered(int64_t now) const { return AllDelivered(times_.reader_alive_ns, now); }
+bool OrderedWriter::AllDeliveredToSilent(int64_t now) const { return AllDelivered(times_.reader_kept_ns, now); }
+
+/// To those who spoke within `silence_ns`.
+bool OrderedWriter::AllDelivered(int64_t silence_ns, int64_t now) const {
+  return std::all_of(readers_.begin(), readers_.end(), [&](const auto& entry) {
+    const Reader& reader = entry.second;
+    return now - reader.heard > silence_ns || reader.delivered + 1 >= history_.next_seq();
+  });
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "core/bus/bus.h"
+#include "core/bus/transport/wire.h"
+
+namespace plslam::bus {
+
+/// Writes LCM event logs that lcm-logplayer reads. Throws std::runtime_error with one sentence where the file cannot
+/// be written.
+class LogWriter {
+ public:
+  explicit LogWriter(const std::string& path);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  void Write(std::string_view channel, ByteView data, int64_t timestamp_us);
+  void Flush();
+  int64_t events() const { return events_; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::string path_;
+  int64_t events_ = 0;
+};
+
+/// Records everything on the bus into an LCM log (`plslam record`). Unlike lcm-logger it is a full reader of the
+/// ordered channels: what it misses is sent again, and publishers do not outrun it, so that the log has no gaps. MACs
+/// are checked, and not recorded. Messages of channels that are not in the table are recorded as they come.
+class LogRecorder {
+ public:
+  LogRecorder(const BusOptions& options, const std::string& path);
+
+  /// Records until `Stop` (from any thread), and then what it has acknowledged.
+  void Run();
+  void Stop();
+
+  int64_t events() const { return events_; }
+  BusCounters counters() const { return bus_.counters(); }
+  Bus& bus() { return bus_; }
+
+ private:
+  void Record(std::string_view channel, ByteView data);
+
+  LogWriter writer_;
+  std::atomic<int64_t> waiting_bytes_ = 0;
+  std::atomic<int64_t> events_ = 0;
+  Bus bus_;  // last: its thread uses the others
+};
+
+}  // namespace plslam::bus

@@ -1,0 +1,232 @@
+#include "core/bus/messages/convert.h"
+
+#include "core/bus/transport/encoded.h"
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+
+#include "plslam/camera_t.hpp"
+#include "plslam/intrinsics_t.hpp"
+#include "plslam/line_feature_t.hpp"
+#include "plslam/point_feature_t.hpp"
+#include "plslam/pose3_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int kMaxSide_px = 32'768;
+constexpr double kMaxPixel = 1e6;
+
+bool Finite(std::initializer_list<double> values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+bool PixelsOk(std::initializer_list<double> values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::abs(v) <= kMaxPixel; });
+}
+
+bool PositiveFinite(std::initializer_list<double> values) {
+  return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0.0; });
+}
+
+/// Whether a distortion model may have so many coefficients.
+bool ModelOk(std::string_view model, size_t n) {
+  if (model == "pinhole") return n == 0;
+  if (model == "radtan") return n == 4 || n == 5;
+  return model == "equidistant" && n == 4;
+}
+
+float ToFloat(double value) { return static_cast<float>(value); }
+
+intrinsics_t ToIntrinsics(const CameraCalibration& camera) {
+  intrinsics_t message{};
+  message.width_px = camera.width_px;
+  message.height_px = camera.height_px;
+  message.model = camera.model;
+  message.fx_px = camera.fx_px;
+  message.fy_px = camera.fy_px;
+  message.cx_px = camera.cx_px;
+  message.cy_px = camera.cy_px;
+  message.n_distortion = static_cast<int32_t>(camera.distortion.size());
+  message.distortion = camera.distortion;
+  message.T_b_cam = ToMessage(camera.T_b_cam);
+  return message;
+}
+
+std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
+  const auto T_b_cam = FromMessage(message.T_b_cam);
+  const bool size_ok = message.width_px > 0 && message.height_px > 0 && message.width_px <= kMaxSide_px &&
+                       message.height_px <= kMaxSide_px;
+  const bool lens_ok =
+      PositiveFinite({message.fx_px, message.fy_px}) && Finite({message.cx_px, message.cy_px}) &&
+      ModelOk(message.model, message.distortion.size()) &&
+      std::all_of(message.distortion.begin(), message.distortion.end(), [](double k) { return std::isfinite(k); });
+  if (!T_b_cam || !size_ok || !lens_ok) return std::nullopt;
+  CameraCalibration camera;
+  camera.width_px = message.width_px;
+  camera.height_px = message.height_px;
+  camera.model = message.model;
+  camera.fx_px = message.fx_px;
+  camera.fy_px = message.fy_px;
+  camera.cx_px = message.cx_px;
+  camera.cy_px = message.cy_px;
+  camera.distortion = message.distortion;
+  camera.T_b_cam = *T_b_cam;
+  return camera;
+}
+
+}  // namespace
+
+pose3_t ToMessage(const SE3& T_a_b) {
+  pose3_t message{};
+  const Eigen::Quaterniond& q = T_a_b.rotation();
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  const double q_wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+  for (int i = 0; i < 4; ++i) message.q_wxyz[i] = sign * q_wxyz[i];
+  for (int i = 0; i < 3; ++i) message.position_m[i] = T_a_b.translation()[i];
+  return message;
+}
+
+std::optional<SE3> FromMessage(const pose3_t& message) {
+  const Eigen::Quaterniond q(message.q_wxyz[0], message.q_wxyz[1], message.q_wxyz[2], message.q_wxyz[3]);
+  const Eigen::Vector3d t(message.position_m[0], message.position_m[1], message.position_m[2]);
+  const double error = std::abs(q.squaredNorm() - 1.0);
+  if (!t.allFinite() || !(error < 2e-6)) return std::nullopt;  // NaN too
+  // Normalised again, a quaternion may change its last bits, and the copy of a map would not be the map.
+  return error < 1e-12 ? SE3::FromUnit(q, t) : SE3(q, t);
+}
+
+void ToArray(const Matrix6d& covariance, double (&values)[36]) {
+  Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>> rows(&values[0]);
+  rows = covariance;
+}
+
+std::optional<Matrix6d> FromArray(const double (&values)[36]) {
+  const Matrix6d covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(&values[0]);
+  if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0.0) return std::nullopt;
+  const double scale = covariance.cwiseAbs().maxCoeff();
+  const double asymmetry = (covariance - covariance.transpose()).cwiseAbs().maxCoeff();
+  return asymmetry <= 1e-6 * scale ? std::optional(covariance) : std::nullopt;
+}
+
+void ToBytes(const Descriptor& descriptor, uint8_t (&bytes)[32]) {
+  for (size_t i = 0; i < 32; ++i) bytes[i] = static_cast<uint8_t>(descriptor[i / 8] >> (8 * (i % 8)));
+}
+
+Descriptor FromBytes(const uint8_t (&bytes)[32]) {
+  Descriptor descriptor{};
+  for (size_t i = 0; i < 32; ++i) descriptor[i / 8] |= uint64_t{bytes[i]} << (8 * (i % 8));
+  return descriptor;
+}
+
+camera_t ToMessage(const RigCalibration& rig) {
+  camera_t message{};
+  message.rig_name = rig.name;
+  message.kind = rig.kind == RigCalibration::Kind::kRgbd ? "rgbd" : "stereo";
+  message.rate_hz = rig.rate_hz;
+  message.left = ToIntrinsics(rig.left);
+  message.right = ToIntrinsics(rig.right);
+  message.depth_units_per_m = rig.depth_units_per_m;
+  message.baseline_m = rig.baseline_m;
+  return message;
+}
+
+std::optional<RigCalibration> FromMessage(const camera_t& message) {
+  const auto left = FromIntrinsics(message.left);
+  const auto right = FromIntrinsics(message.right);
+  const bool rgbd = message.kind == "rgbd";
+  if (!left || !right || (!rgbd && message.kind != "stereo")) return std::nullopt;
+  const bool numbers_ok = std::isfinite(message.rate_hz) && message.rate_hz >= 0.0 &&
+                          PositiveFinite({message.baseline_m}) && std::isfinite(message.depth_units_per_m) &&
+                          (rgbd ? message.depth_units_per_m > 0.0 : message.depth_units_per_m >= 0.0);
+  if (!numbers_ok) return std::nullopt;
+  RigCalibration rig;
+  rig.name = message.rig_name;
+  rig.kind = rgbd ? RigCalibration::Kind::kRgbd : RigCalibration::Kind::kStereo;
+  rig.rate_hz = message.rate_hz;
+  rig.left = *left;
+  rig.right = *right;
+  rig.depth_units_per_m = message.depth_units_per_m;
+  rig.baseline_m = message.baseline_m;
+  return rig;
+}
+
+point_feature_t ToMessage(const StereoPoint& point, int64_t landmark_id, int64_t map_id) {
+  point_feature_t message{};
+  message.landmark_id = landmark_id;
+  message.map_id = map_id;
+  message.u_px = ToFloat(point.left.px.x());
+  message.v_px = ToFloat(point.left.px.y());
+  message.disparity_px = ToFloat(point.HasDepth() ? point.disparity_px : -1.0);
+  message.sigma_px = ToFloat(point.sigma_px);
+  message.sigma_disparity_px = ToFloat(point.sigma_disparity_px);
+  message.angle_rad = point.left.angle_rad;
+  message.octave = static_cast<int8_t>(point.left.octave);
+  ToBytes(point.left.descriptor, message.descriptor);
+  return message;
+}
+
+std::optional<StereoPoint> FromMessage(const point_feature_t& message) {
+  const bool ok = PixelsOk({message.u_px, message.v_px, message.disparity_px}) && std::isfinite(message.angle_rad) &&
+                  PositiveFinite({message.sigma_px, message.sigma_disparity_px}) && message.octave >= 0 &&
+                  message.octave <= kMaxOctave && message.landmark_id >= -1 && message.map_id >= -1;
+  if (!ok) return std::nullopt;
+  StereoPoint point;
+  point.left.px = {message.u_px, message.v_px};
+  point.left.angle_rad = message.angle_rad;
+  point.left.octave = static_cast<uint8_t>(message.octave);
+  point.left.descriptor = FromBytes(message.descriptor);
+  point.disparity_px = message.disparity_px > 0.0F ? message.disparity_px : -1.0;
+  point.sigma_px = message.sigma_px;
+  point.sigma_disparity_px = message.sigma_disparity_px;
+  return point;
+}
+
+line_feature_t ToMessage(const StereoLine& line, int64_t landmark_id, int64_t map_id) {
+  line_feature_t message{};
+  message.landmark_id = landmark_id;
+  message.map_id = map_id;
+  for (int i = 0; i < 2; ++i) {
+    message.p_px[i] = ToFloat(line.left.segment.p[i]);
+    message.q_px[i] = ToFloat(line.left.segment.q[i]);
+  }
+  message.has_depth = line.HasDepth() ? 1 : 0;
+  message.disparity_p_px = ToFloat(line.HasDepth() ? line.disparity_p_px : -1.0);
+  message.disparity_q_px = ToFloat(line.HasDepth() ? line.disparity_q_px : -1.0);
+  message.sigma_px = ToFloat(line.sigma_px);
+  message.sigma_disparity_p_px = ToFloat(line.sigma_disparity_p_px);
+  message.sigma_disparity_q_px = ToFloat(line.sigma_disparity_q_px);
+  message.octave = static_cast<int8_t>(line.left.octave);
+  ToBytes(line.left.descriptor, message.descriptor);
+  return message;
+}
+
+std::optional<StereoLine> FromMessage(const line_feature_t& message) {
+  const bool pixels_ok = PixelsOk({message.p_px[0], message.p_px[1], message.q_px[0], message.q_px[1],
+                                   message.disparity_p_px, message.disparity_q_px});
+  const bool rest_ok =
+      PositiveFinite({message.sigma_px, message.sigma_disparity_p_px, message.sigma_disparity_q_px}) &&
+      message.octave >= 0 && message.octave <= kMaxOctave && message.landmark_id >= -1 && message.map_id >= -1;
+  if (!pixels_ok || !rest_ok) return std::nullopt;
+  StereoLine line;
+  line.left.segment.p = {message.p_px[0], message.p_px[1]};
+  line.left.segment.q = {message.q_px[0], message.q_px[1]};
+  line.left.octave = static_cast<uint8_t>(message.octave);
+  line.left.descriptor = FromBytes(message.descriptor);
+  const bool has_depth = message.has_depth != 0 && message.disparity_p_px > 0.0F && message.disparity_q_px > 0.0F;
+  line.disparity_p_px = has_depth ? message.disparity_p_px : -1.0;
+  line.disparity_q_px = has_depth ? message.disparity_q_px : -1.0;
+  line.sigma_px = message.sigma_px;
+  line.sigma_disparity_p_px = message.sigma_disparity_p_px;
+  line.sigma_disparity_q_px = message.sigma_disparity_q_px;
+  return line;
+}
+
+std::vector<uint8_t> RigBytes(camera_t message) {
+  message.header = {};
+  return Encoded(message);
+}
+
+}  // namespace plslam::bus

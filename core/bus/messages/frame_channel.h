@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "core/bus/bus.h"
+#include "core/io/images/stereo_images.h"
+
+namespace plslam::bus {
+
+/// Cuts stereo frames into strips and sends them. Images are 8-bit grey; the right one may be a 16-bit depth map.
+/// Others are std::invalid_argument; one that readers would refuse for its size (64 MB) is std::runtime_error, in one sentence,
+/// before anything of the frame is sent.
+class FramePublisher {
+ public:
+  FramePublisher(Bus& bus, bool lockstep);
+  void Publish(const StereoImages& images);
+
+ private:
+  void PublishImage(const StereoImages& frame, const cv::Mat& image, int8_t camera);
+
+  Bus& bus_;
+  bool lockstep_;
+};
+
+/// Puts strips together again, of both the lockstep and the live channel, and delivers whole frames on the thread of
+/// `Bus::Run`. In lockstep every frame in order, and again where it was sent again; live the newest whole one, with the
+/// number passed over before it.
+class FrameSubscriber {
+ public:
+  struct Frame {
+    StereoImages images;
+    int64_t source = 0;
+    bool lockstep = false;
+    int skipped = 0;  ///< frames of this publisher since the last one handled that were not
+  };
+  enum class Mode {
+    kReliable,    ///< repairs and acknowledges (vo_process)
+    kBestEffort,  ///< takes whole frames when it gets them (pictures); `wanted` says which frame ids are worth it
+  };
+
+  /// `wanted` is asked on the receiving thread: it must be quick, and safe there.
+  FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
+                  std::function<bool(int64_t frame_id)> wanted = nullptr);
+  ~FrameSubscriber();
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace plslam::bus

@@ -1,0 +1,158 @@
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "core/bus/messages/frame_assembler.h"
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/transport/wire.h"
+#include "plslam/image_strip_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+/// Whole frames that may wait for the handler; then lockstep publishers wait, and pictures are passed over.
+constexpr int kMaxWaiting = 3;
+
+}  // namespace
+
+/// Strips come on the receiving thread; frames go to the handler on the thread of Run. Kept alive by the
+/// subscriptions of the bus through weak pointers only.
+struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Impl> {
+  Impl(Bus& bus_in, Mode mode_in, std::function<void(const Frame&)> handler_in,
+       std::function<bool(int64_t)> wanted_in)
+      : bus(bus_in), mode(mode_in), handler(std::move(handler_in)), wanted(std::move(wanted_in)) {}
+
+  /// One of the two channels.
+  struct Lane {
+    bool lockstep = false;
+    FrameAssembler assembler;
+    std::map<int64_t, int64_t> completed;  // newest whole frame, by publisher
+    image_strip_t strip;                   // kept for its memory
+  };
+
+  void Subscribe(const Channel& channel, Lane& lane);
+  bool Ready() const { return waiting < kMaxWaiting; }
+  bool InOrder(const Lane& lane) const { return lane.lockstep && mode == Mode::kReliable; }
+  void OnStrip(Lane& lane, ByteView bytes);
+  void OnFrame(Lane& lane, AssembledFrame frame);
+  void Queue(AssembledFrame frame, bool lockstep);
+  void OfferNewest(AssembledFrame frame);
+  void Deliver(AssembledFrame frame, bool lockstep);
+  static int Skipped(const AssembledFrame& last, const AssembledFrame& frame);
+
+  Bus& bus;
+  const Mode mode;
+  const std::function<void(const Frame&)> handler;
+  const std::function<bool(int64_t)> wanted;
+  Lane ordered{true, {}, {}, {}};
+  Lane live{false, {}, {}, {}};
+  std::atomic<int> waiting = 0;
+
+  std::mutex newest_mutex;
+  std::optional<AssembledFrame> newest;    // live frame that waits for the handler
+  std::map<int64_t, AssembledFrame> last;  // last delivered by publisher, without images (thread of Run)
+};
+
+void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
+  using Reading = Bus::Reading;
+  const bool reliable = mode == Mode::kReliable;
+  const Reading reading = !reliable ? Reading::kAsItComes : lane.lockstep ? Reading::kOrdered : Reading::kPaced;
+  const std::weak_ptr<Impl> weak = weak_from_this();
+  bus.SubscribeBytes(
+      channel, reading,
+      [weak] {
+        const auto self = weak.lock();
+        return self == nullptr || self->Ready();
+      },
+      [weak, &lane](ByteView bytes) {
+        if (const auto self = weak.lock()) self->OnStrip(lane, bytes);
+      });
+}
+
+void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
+  const int64_t source = ReadHeader(bytes).source;
+  const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
+  const auto known = lane.completed.find(source);
+  // In order each strip comes once: a frame that comes again was sent again, as by a player that has gone back.
+  if (!InOrder(lane) && known != lane.completed.end() && frame_id <= known->second) return;
+  if (wanted && !wanted(frame_id)) return;
+  if (lane.strip.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  switch (lane.assembler.Add(lane.strip)) {
+    case FrameAssembler::Outcome::kNonsense:
+      bus.CountRejected();
+      break;
+    case FrameAssembler::Outcome::kComplete:
+      OnFrame(lane, lane.assembler.TakeFrame());
+      break;
+    case FrameAssembler::Outcome::kTaken:
+    case FrameAssembler::Outcome::kRepeated:
+      break;
+  }
+}
+
+void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
+  static constexpr size_t kMaxSources = 256;
+  if (lane.completed.size() >= kMaxSources) lane.completed.clear();
+  lane.completed[frame.source] = frame.images.frame_id;
+  // What is older and still unfinished will stay so: its strips are lost, or in lockstep, given up.
+  lane.assembler.Forget(frame.source, frame.images.frame_id);
+  if (InOrder(lane)) return Queue(std::move(frame), true);
+  if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
+  if (Ready()) Queue(std::move(frame), lane.lockstep);
+}
+
+void FrameSubscriber::Impl::Queue(AssembledFrame frame, bool lockstep) {
+  ++waiting;
+  bus.Post([weak = weak_from_this(), lockstep, frame = std::move(frame)]() mutable {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    --self->waiting;
+    self->Deliver(std::move(frame), lockstep);
+  });
+}
+
+void FrameSubscriber::Impl::OfferNewest(AssembledFrame frame) {
+  const std::lock_guard lock(newest_mutex);
+  const bool task_waits = newest.has_value();
+  newest = std::move(frame);
+  if (task_waits) return;
+  bus.Post([weak = weak_from_this()] {
+    const auto self = weak.lock();
+    if (self == nullptr) return;
+    std::unique_lock taking(self->newest_mutex);
+    AssembledFrame taken = std::move(*std::exchange(self->newest, std::nullopt));
+    taking.unlock();
+    self->Deliver(std::move(taken), false);
+  });
+}
+
+/// Frames between two, by the numbers of their strips; ids may have a stride.
+int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFrame& frame) {
+  const int64_t strips = frame.first_seq - last.first_seq;
+  return strips > 0 && last.n_strips > 0 ? static_cast<int>((strips - 1) / last.n_strips) : 0;
+}
+
+void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
+  Frame out{frame.images, frame.source, lockstep, 0};
+  const auto previous = last.find(frame.source);
+  if (previous != last.end()) out.skipped = Skipped(previous->second, frame);
+  if (!lockstep && mode == Mode::kReliable && out.skipped > 0) bus.CountSkipped(out.skipped);
+  frame.images = {};
+  static constexpr size_t kMaxSources = 256;
+  if (last.size() >= kMaxSources) last.clear();
+  last[frame.source] = frame;
+  handler(out);
+}
+
+FrameSubscriber::FrameSubscriber(Bus& bus, Mode mode, std::function<void(const Frame&)> handler,
+                                 std::function<bool(int64_t frame_id)> wanted)
+    : impl_(std::make_shared<Impl>(bus, mode, std::move(handler), std::move(wanted))) {
+  impl_->Subscribe(kStereoFrame, impl_->ordered);
+  impl_->Subscribe(kStereoFrameLive, impl_->live);
+}
+
+FrameSubscriber::~FrameSubscriber() = default;
+
+}  // namespace plslam::bus

@@ -1,0 +1,129 @@
+#include "core/bus/messages/keyframe_channel.h"
+
+#include <stdexcept>
+#include <utility>
+
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/paged_subscription.h"
+#include "core/bus/messages/pager.h"
+#include "plslam/keyframe_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int32_t kMaxKeyframePages = 4096;
+constexpr size_t kMaxFeatures = 200'000;
+constexpr size_t kMaxKeyframePublishers = 64;
+
+keyframe_t HeadPage(const Keyframe& keyframe) {
+  keyframe_t page{};
+  page.header.session = keyframe.session;
+  page.header.t_ns = keyframe.t_ns;
+  page.keyframe_id = keyframe.keyframe_id;
+  page.frame_id = keyframe.frame_id;
+  page.previous_keyframe_id = keyframe.previous_keyframe_id;
+  page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
+  ToArray(keyframe.covariance, page.covariance);
+  page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
+  page.state = static_cast<int8_t>(keyframe.state);
+  page.lockstep = keyframe.lockstep ? 1 : 0;
+  return page;
+}
+
+bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids, size_t n) {
+  return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
+}
+
+int64_t MapId(const std::vector<int64_t>& ids, size_t i) { return ids.empty() ? -1 : ids[i]; }
+
+std::optional<Keyframe> Head(const keyframe_t& page) {
+  const auto T_prevkf_kf = FromMessage(page.T_prevkf_kf);
+  const auto covariance = FromArray(page.covariance);
+  const auto T_odom_kf = FromMessage(page.T_odom_kf);
+  const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
+                      page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
+                      (page.lockstep == 0 || page.lockstep == 1);
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
+  Keyframe keyframe;
+  keyframe.source = page.header.source;
+  keyframe.session = page.header.session;
+  keyframe.t_ns = page.header.t_ns;
+  keyframe.keyframe_id = page.keyframe_id;
+  keyframe.frame_id = page.frame_id;
+  keyframe.previous_keyframe_id = page.previous_keyframe_id;
+  keyframe.T_prevkf_kf = *T_prevkf_kf;
+  keyframe.covariance = *covariance;
+  keyframe.T_odom_kf = *T_odom_kf;
+  keyframe.state = static_cast<uint8_t>(page.state);
+  keyframe.lockstep = page.lockstep != 0;
+  return keyframe;
+}
+
+bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
+  return page.keyframe_id == keyframe.keyframe_id && page.header.session == keyframe.session;
+}
+
+bool Append(const keyframe_t& page, Keyframe& keyframe) {
+  StereoFeatures& features = keyframe.features;
+  if (features.points.size() + page.points.size() > kMaxFeatures) return false;
+  if (features.lines.size() + page.lines.size() > kMaxFeatures) return false;
+  for (const point_feature_t& message : page.points) {
+    auto point = FromMessage(message);
+    if (!point) return false;
+    features.points.push_back(*point);
+    keyframe.point_landmark_ids.push_back(message.landmark_id);
+    keyframe.point_map_ids.push_back(message.map_id);
+  }
+  for (const line_feature_t& message : page.lines) {
+    auto line = FromMessage(message);
+    if (!line) return false;
+    features.lines.push_back(*line);
+    keyframe.line_landmark_ids.push_back(message.landmark_id);
+    keyframe.line_map_ids.push_back(message.map_id);
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_bytes) {
+  const StereoFeatures& features = keyframe.features;
+  if (!AsMany(keyframe.point_landmark_ids, keyframe.point_map_ids, features.points.size()) ||
+      !AsMany(keyframe.line_landmark_ids, keyframe.line_map_ids, features.lines.size())) {
+    throw std::invalid_argument("keyframe " + std::to_string(keyframe.keyframe_id) +
+                                ": landmark ids are not as many as features");
+  }
+  const keyframe_t head = HeadPage(keyframe);
+  Pager<keyframe_t> pager(head, head, page_bytes, "keyframes");
+  for (size_t i = 0; i < features.points.size(); ++i) {
+    const point_feature_t point =
+        ToMessage(features.points[i], keyframe.point_landmark_ids[i], MapId(keyframe.point_map_ids, i));
+    keyframe_t& page = pager.PageFor(point._getEncodedSizeNoHash());
+    page.points.push_back(point);
+    ++page.n_points;
+  }
+  for (size_t i = 0; i < features.lines.size(); ++i) {
+    const line_feature_t line =
+        ToMessage(features.lines[i], keyframe.line_landmark_ids[i], MapId(keyframe.line_map_ids, i));
+    keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
+    page.lines.push_back(line);
+    ++page.n_lines;
+  }
+  return pager.Finish();
+}
+
+KeyframeAssembler::KeyframeAssembler()
+    : PageAssembler({.head = Head,
+                     .same_head = SameHead,
+                     .append = Append,
+                     .max_pages = kMaxKeyframePages,
+                     .max_publishers = kMaxKeyframePublishers}) {}
+
+void KeyframePublisher::Publish(const Keyframe& keyframe) {
+  for (keyframe_t& page : CutIntoPages(keyframe, bus_.page_bytes())) bus_.Publish(channel_, std::move(page));
+}
+
+KeyframeSubscriber::KeyframeSubscriber(Bus& bus, std::function<void(const Keyframe&)> handler, const Channel& channel)
+    : subscription_(SubscribePaged<keyframe_t, KeyframeAssembler, Keyframe>(bus, channel, std::move(handler))) {}
+
+}  // namespace plslam::bus

@@ -1,0 +1,139 @@
+#include "core/bus/messages/map_channel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <utility>
+#include <vector>
+
+#include "plslam/map_request_t.hpp"
+#include "plslam/map_update_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+constexpr std::chrono::milliseconds kAskAgain(500);
+/// Publishers remembered, to tell old ones from new ones.
+constexpr size_t kMaxMapPublishers = 64;
+
+}  // namespace
+
+struct MapUpdatePublisher::State {
+  std::function<void()> asked;
+  int64_t source = 0;
+  std::atomic<int64_t> version = 0;
+};
+
+MapUpdatePublisher::MapUpdatePublisher(Bus& bus, std::function<void()> asked)
+    : bus_(bus), state_(std::make_shared<State>()) {
+  state_->asked = std::move(asked);
+  state_->source = bus.source();
+  bus.Subscribe<map_request_t>(kMapRequest, [weak = std::weak_ptr<State>(state_)](const map_request_t& request) {
+    const auto state = weak.lock();
+    if (state == nullptr || (request.publisher != 0 && request.publisher != state->source)) return;
+    const int64_t known = request.publisher == state->source ? request.version : 0;
+    if (known < state->version) state->asked();
+  });
+}
+
+void MapUpdatePublisher::Publish(const MapUpdate& update) {
+  std::vector<map_update_t> pages = CutIntoPages(update, bus_.page_bytes());
+  const std::lock_guard lock(publishing_);
+  for (map_update_t& page : pages) bus_.Publish(kMapUpdate, std::move(page));
+  state_->version = update.version;
+}
+
+struct MapUpdateSubscriber::State {
+  State(Bus& bus_in, std::function<void(MapUpdate)> handler_in) : bus(bus_in), handler(std::move(handler_in)) {}
+
+  void OnPage(const map_update_t& page);
+  void OnUpdate(MapUpdate update);
+  void OnTick();
+  void Lack();
+  void Ask();
+  bool IsOld(int64_t source);
+
+  Bus& bus;
+  std::function<void(MapUpdate)> handler;
+  MapUpdateAssembler assembler;
+  MapVersion known;
+  /// In the order in which they were heard first.
+  std::vector<int64_t> publishers;
+  bool lacking = true;
+  /// Pages of a whole map have come since the last tick.
+  bool being_served = false;
+};
+
+bool MapUpdateSubscriber::State::IsOld(int64_t source) {
+  const auto place = [this](int64_t publisher) { return std::find(publishers.begin(), publishers.end(), publisher); };
+  if (place(source) == publishers.end()) {
+    if (publishers.size() >= kMaxMapPublishers) publishers.erase(publishers.begin());
+    publishers.push_back(source);
+  }
+  const auto ours = place(known.source());
+  return ours != publishers.end() && place(source) < ours;
+}
+
+void MapUpdateSubscriber::State::OnPage(const map_update_t& page) {
+  if (IsOld(page.header.source)) return;
+  being_served = being_served || page.base_version == 0;
+  const bool is_news = page.header.source != known.source() || page.version > known.number();
+  switch (assembler.Add(page)) {
+    case PageOutcome::kTaken:
+      return;
+    case PageOutcome::kComplete:
+      return OnUpdate(assembler.Take());
+    case PageOutcome::kNonsense:
+      bus.CountRejected();
+      [[fallthrough]];
+    case PageOutcome::kPassedOver:
+      if (is_news) Lack();
+  }
+}
+
+void MapUpdateSubscriber::State::OnUpdate(MapUpdate update) {
+  switch (known.Advance(update)) {
+    case MapVersion::Step::kKnown:
+      return;
+    case MapVersion::Step::kGap:
+      return Lack();
+    case MapVersion::Step::kNext:
+      lacking = false;
+      handler(std::move(update));
+  }
+}
+
+void MapUpdateSubscriber::State::Lack() {
+  if (!std::exchange(lacking, true)) Ask();
+}
+
+void MapUpdateSubscriber::State::OnTick() {
+  if (lacking && !std::exchange(being_served, false)) Ask();
+}
+
+void MapUpdateSubscriber::State::Ask() {
+  map_request_t request{};
+  request.publisher = publishers.empty() ? 0 : publishers.back();
+  request.version = request.publisher == known.source() ? known.number() : 0;
+  bus.Publish(kMapRequest, request);
+}
+
+MapUpdateSubscriber::MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler)
+    : state_(std::make_shared<State>(bus, std::move(handler))) {
+  const std::weak_ptr<State> weak = state_;
+  bus.Subscribe<map_update_t>(kMapUpdate, [weak](const map_update_t& page) {
+    if (const auto state = weak.lock()) state->OnPage(page);
+  });
+  bus.Every(kAskAgain, [weak] {
+    if (const auto state = weak.lock()) state->OnTick();
+  });
+  state_->Ask();
+}
+
+MapSubscriber::MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler)
+    : updates_(bus, [replica = replica_, handler = std::move(handler)](const MapUpdate& update) {
+        replica->Apply(update);
+        handler(update);
+      }) {}
+
+}  // namespace plslam::bus

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+
+#include "core/bus/bus.h"
+#include "core/bus/messages/map_pages.h"
+
+namespace plslam::bus {
+
+/// Sends the map: whoever owns it publishes every version once, in order, beginning with 1, the first on base version 0.
+class MapUpdatePublisher {
+ public:
+  /// `asked`: a listener lacks what has been published. Called on the thread of `Bus::Run`; the owner of the map then
+  /// publishes `WholeMap` under the version it has, in order with its updates. It answers all requests until then.
+  MapUpdatePublisher(Bus& bus, std::function<void()> asked);
+
+  /// Safe from any thread. Throws what CutIntoPages throws.
+  void Publish(const MapUpdate& update);
+
+ private:
+  struct State;
+  Bus& bus_;
+  std::mutex publishing_;  // pages of two updates must not mix
+  std::shared_ptr<State> state_;
+};
+
+/// Hears every update of the map in order, on the thread of `Bus::Run`: asks for the whole map where one is missing, at
+/// the start too, and again every 500 ms until it comes. When mapping_process has been started again its new map takes the
+/// place of the old one; of two publishers the one that was heard first is the old one. Pages that cannot be are counted in
+/// `BusCounters::rejected`.
+class MapUpdateSubscriber {
+ public:
+  MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler);
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+/// Keeps a copy of the map, by all its updates.
+class MapSubscriber {
+ public:
+  /// `handler` gets each update after the copy has taken it over.
+  MapSubscriber(Bus& bus, std::function<void(const MapUpdate&)> handler);
+
+  const MapReplica& replica() const { return *replica_; }
+
+ private:
+  std::shared_ptr<MapReplica> replica_ = std::make_shared<MapReplica>();
+  MapUpdateSubscriber updates_;
+};
+
+}  // namespace plslam::bus

@@ -1,0 +1,240 @@
+#include "core/bus/messages/map_pages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "core/bus/messages/map_convert.h"
+#include "core/bus/messages/pager.h"
+
+namespace plslam::bus {
+namespace {
+
+constexpr int32_t kMaxMapPages = 1'000'000;
+constexpr size_t kMaxMapEntries = 2'000'000;
+constexpr size_t kMaxMapWriters = 8;
+constexpr size_t kMaxStages = 64;
+
+map_update_t HeadPage(const MapUpdate& update) {
+  map_update_t page{};
+  page.header.session = update.session;
+  page.header.t_ns = update.t_ns;
+  page.version = update.version;
+  page.base_version = update.base_version;
+  page.session_keyframe_id = update.session_keyframe_id;
+  page.settled = update.settled ? 1 : 0;
+  page.totals = ToMessage(update.totals);
+  page.adjustment = ToMessage(update.adjustment);
+  return page;
+}
+
+void AddStages(const MapUpdate& update, map_update_t& page) {
+  for (const auto& [name, ms] : update.stage_ms) {
+    stage_t& stage = page.stages.emplace_back();
+    stage.name = name;
+    stage.ms = ms;
+  }
+  page.n_stages = static_cast<int32_t>(page.stages.size());
+}
+
+bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
+  if (to.size() + ids.size() > kMaxMapEntries) return false;
+  for (const int64_t id : ids) {
+    if (id <= (to.empty() ? -1 : to.back())) return false;
+    to.push_back(id);
+  }
+  return true;
+}
+
+bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) {
+  const auto keyframe = FromMessage(message);
+  if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
+  to.push_back(*keyframe);
+  return true;
+}
+
+/// Of a landmark; one with the id of the one before goes on with its sights.
+template <class Message, class Landmark>
+bool AppendOne(const Message& message, std::vector<Landmark>& to) {
+  auto landmark = FromMessage(message);
+  const int64_t last_id = to.empty() ? -1 : to.back().id;
+  if (!landmark || landmark->id < last_id) return false;
+  if (landmark->id > last_id) {
+    to.push_back(std::move(*landmark));
+    return true;
+  }
+  std::vector<Sight>& sights = to.back().sights;
+  const bool goes_on = !landmark->sights.empty() && !sights.empty() &&
+                       landmark->sights.front().keyframe_id > sights.back().keyframe_id;
+  if (!goes_on) return false;
+  sights.insert(sights.end(), landmark->sights.begin(), landmark->sights.end());
+  return true;
+}
+
+bool AppendOne(const loop_edge_t& message, std::vector<LoopEdge>& to) {
+  const auto loop = FromMessage(message);
+  if (!loop) return false;
+  to.push_back(*loop);
+  return true;
+}
+
+template <class Message, class Value>
+bool AppendAll(const std::vector<Message>& messages, std::vector<Value>& to) {
+  if (to.size() + messages.size() > kMaxMapEntries) return false;
+  return std::all_of(messages.begin(), messages.end(),
+                     [&to](const Message& message) { return AppendOne(message, to); });
+}
+
+bool Append(const map_update_t& page, MapUpdate& update) {
+  return AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
+         AppendRemoved(page.removed_points, update.removed_points) &&
+         AppendRemoved(page.removed_lines, update.removed_lines) && AppendAll(page.keyframes, update.keyframes) &&
+         AppendAll(page.points, update.points) && AppendAll(page.lines, update.lines) &&
+         AppendAll(page.loops, update.loops);
+}
+
+using UpdatePager = Pager<map_update_t>;
+
+void CutRemoved(const std::vector<int64_t>& ids, int32_t map_update_t::*count,
+                std::vector<int64_t> map_update_t::*list, UpdatePager& pager) {
+  for (const int64_t id : ids) {
+    map_update_t& page = pager.PageFor(sizeof(id));
+    (page.*list).push_back(id);
+    ++(page.*count);
+  }
+}
+
+template <class Value>
+std::string NameOf(const Value& value) {
+  return std::to_string(value.id);
+}
+std::string NameOf(const LoopEdge& loop) {
+  return fmt::format("from keyframe {} to {}", loop.old_keyframe_id, loop.keyframe_id);
+}
+
+/// Messages of values, one after the other; throws where readers would refuse one, by the very code that they run.
+template <class Value>
+class AcceptedMessages {
+ public:
+  explicit AcceptedMessages(const char* kind) : kind_(kind) {}
+
+  auto Of(const Value& value) {
+    auto message = ToMessage(value);
+    if (!AppendOne(message, taken_)) {
+      throw std::invalid_argument(
+          fmt::format("map update: {} {} cannot be: numbers that are not finite, or ids, keyframes or sights that do "
+                      "not ascend",
+                      kind_, NameOf(value)));
+    }
+    if (taken_.size() > 1) taken_.erase(taken_.begin());
+    return message;
+  }
+
+ private:
+  const char* kind_;
+  std::vector<Value> taken_;  // the last one
+};
+
+template <class Value, class Message>
+void CutValues(const char* kind, const std::vector<Value>& values, int32_t map_update_t::*count,
+               std::vector<Message> map_update_t::*list, UpdatePager& pager) {
+  AcceptedMessages<Value> messages(kind);
+  for (const Value& value : values) {
+    const Message message = messages.Of(value);
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    (page.*list).push_back(message);
+    ++(page.*count);
+  }
+}
+
+template <class Landmark, class Message>
+void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int32_t map_update_t::*count,
+                  std::vector<Message> map_update_t::*list, UpdatePager& pager) {
+  static constexpr int64_t kSightBytes = 12;
+  const auto add = [&](Message message) {
+    map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
+    (page.*list).push_back(std::move(message));
+    ++(page.*count);
+  };
+  AcceptedMessages<Landmark> messages(kind);
+  for (const Landmark& landmark : landmarks) {
+    Message rest = messages.Of(landmark);
+    // More sights than a page holds go into entries of their own before the last.
+    while (rest._getEncodedSizeNoHash() > pager.room()) {
+      Message part = rest;
+      const int64_t excess = rest._getEncodedSizeNoHash() - pager.room();
+      const int64_t n = rest.n_sights - (excess + kSightBytes - 1) / kSightBytes;
+      if (n <= 0) break;  // the pager says what is wrong
+      part.n_sights = static_cast<int32_t>(n);
+      part.sights.resize(static_cast<size_t>(n));
+      rest.sights.erase(rest.sights.begin(), rest.sights.begin() + n);
+      rest.n_sights -= part.n_sights;
+      add(std::move(part));
+    }
+    add(std::move(rest));
+  }
+}
+
+bool SameHead(const map_update_t& page, const MapUpdate& update) {
+  return page.version == update.version && page.base_version == update.base_version &&
+         page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id &&
+         (page.settled != 0) == update.settled;
+}
+
+}  // namespace
+
+std::optional<MapUpdate> HeadOf(const map_update_t& page) {
+  const auto totals = FromMessage(page.totals);
+  const auto adjustment = FromMessage(page.adjustment);
+  const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
+                          page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
+                          (page.settled == 0 || page.settled == 1);
+  if (!totals || !adjustment || !numbers_ok) return std::nullopt;
+  MapUpdate update;
+  update.source = page.header.source;
+  update.version = page.version;
+  update.base_version = page.base_version;
+  update.session = page.header.session;
+  update.session_keyframe_id = page.session_keyframe_id;
+  update.t_ns = page.header.t_ns;
+  update.settled = page.settled != 0;
+  update.totals = *totals;
+  update.adjustment = *adjustment;
+  for (const stage_t& stage : page.stages) {
+    if (!std::isfinite(stage.ms)) return std::nullopt;
+    update.stage_ms.emplace_back(stage.name, stage.ms);
+  }
+  return update;
+}
+
+std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes) {
+  const map_update_t head = HeadPage(update);
+  map_update_t first = head;
+  AddStages(update, first);
+  if (!HeadOf(first)) {
+    throw std::invalid_argument(fmt::format("map update: version {} on {}: its head has numbers that cannot be",
+                                            update.version, update.base_version));
+  }
+  UpdatePager pager(std::move(first), head, page_bytes, "the map");
+  CutRemoved(update.removed_keyframes, &map_update_t::n_removed_keyframes, &map_update_t::removed_keyframes, pager);
+  CutRemoved(update.removed_points, &map_update_t::n_removed_points, &map_update_t::removed_points, pager);
+  CutRemoved(update.removed_lines, &map_update_t::n_removed_lines, &map_update_t::removed_lines, pager);
+  CutValues("keyframe", update.keyframes, &map_update_t::n_keyframes, &map_update_t::keyframes, pager);
+  CutLandmarks("point", update.points, &map_update_t::n_points, &map_update_t::points, pager);
+  CutLandmarks("line", update.lines, &map_update_t::n_lines, &map_update_t::lines, pager);
+  CutValues("loop", update.loops, &map_update_t::n_loops, &map_update_t::loops, pager);
+  return pager.Finish();
+}
+
+MapUpdateAssembler::MapUpdateAssembler()
+    : PageAssembler({.head = HeadOf,
+                     .same_head = SameHead,
+                     .append = Append,
+                     .max_pages = kMaxMapPages,
+                     .max_publishers = kMaxMapWriters}) {}
+
+}  // namespace plslam::bus

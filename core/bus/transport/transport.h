@@ -1,0 +1,98 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <lcm/lcm.h>
+
+#include "core/bus/transport/udp_receiver.h"
+#include "core/bus/transport/wire.h"
+
+namespace plslam::bus {
+
+/// The URL that counts where `url` may be empty: then LCM_DEFAULT_URL, or LCM's default.
+std::string EffectiveUrl(const std::string& url);
+
+/// What a receive buffer is asked for where the system allows more than its default.
+inline constexpr int64_t kWantedReceiveBuffer = 2'000'000;
+
+/// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver). `Send` and `Listen` are safe from any thread; `Receive`
+/// belongs to one.
+class Transport {
+ public:
+  enum class Kind { kUdpMulticast, kTcpRelay, kFileRead, kFileWrite, kMemory };
+  using Receiver = std::function<void(std::string_view channel, ByteView bytes)>;
+
+  /// Empty URL: LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error with one sentence.
+  explicit Transport(const std::string& url);
+  ~Transport();
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+
+  Kind kind() const { return kind_; }
+  /// URL as given to LCM.
+  const std::string& url() const { return url_; }
+  /// Whether messages can go both ways, so that repair makes sense.
+  bool two_way() const { return kind_ != Kind::kFileRead && kind_ != Kind::kFileWrite; }
+  /// Bytes of large datagrams that the receiving socket holds.
+  int64_t receive_window() const { return window_; }
+
+  /// False where it could not be sent (a closed connection, a log that is only read).
+  bool Send(const std::string& channel, ByteView bytes);
+
+  /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
+  void Listen(const std::string& channel);
+  /// All messages of channels whose name ends like this; of multicast, small ones (datagram_filter.h).
+  void ListenToEnding(std::string_view ending);
+  /// All messages of all channels; `Listen` is then not needed any more.
+  void ListenToAll();
+
+  /// Datagrams that held no message of one packet.
+  int64_t junk() const { return junk_; }
+
+  void SetReceiver(Receiver receiver) { receiver_ = std::move(receiver); }
+
+  /// Waits at most until `timeout_ms` for messages or `Wake`, and hands at least one message that is there to the
+  /// receiver. False when there will be no more (end of a log that is read); from then on it waits for `Wake` alone.
+  bool Receive(int timeout_ms);
+  /// Makes `Receive` return soon; from any thread.
+  void Wake();
+
+ private:
+  void Subscribe(const std::string& pattern);
+  bool ReceiveUdp(int timeout_ms);
+  /// With listen_mutex_.
+  bool HasListenedEnding(std::string_view channel) const;
+  bool IsListenedTo(std::string_view channel);
+  bool WaitReadable(int timeout_ms, int fd) const;
+
+  std::string url_;
+  Kind kind_;
+  int64_t window_ = 0;
+  lcm_t* lcm_ = nullptr;
+  int wake_fd_ = -1;
+  std::mutex send_mutex_;  // LCM's tcpq writes a message in pieces, without a lock of its own
+  std::vector<lcm_subscription_t*> subscriptions_;
+  bool listens_to_all_ = false;
+  bool ended_ = false;  // a log that is read
+  std::unique_ptr<UdpReceiver> udp_;
+  std::mutex listen_mutex_;  // what follows, and `listens_to_all_`
+  std::set<std::string, std::less<>> names_;
+  std::vector<std::string> endings_;
+  std::atomic<int64_t> junk_{0};
+  Receiver receiver_;
+};
+
+/// Whether datagrams to the multicast group of `url` (udpm; empty: the default) come back to this machine. `reason`,
+/// if given, gets one sentence where they do not.
+bool MulticastWorks(const std::string& url, std::string* reason = nullptr);
+
+}  // namespace plslam::bus

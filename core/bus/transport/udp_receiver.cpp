@@ -1,0 +1,99 @@
+#include "core/bus/transport/udp_receiver.h"
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <stdexcept>
+
+namespace plslam::bus {
+namespace {
+
+constexpr std::string_view kScheme = "udpm://";
+constexpr size_t kMaxNameBytes = 63;
+constexpr size_t kMaxDatagram = 65'536;
+
+template <class T>
+bool ParseNumber(std::string_view text, T* value) {
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), *value);
+  return result.ec == std::errc() && result.ptr == text.data() + text.size();
+}
+
+bool Join(int fd, const UdpGroup& group) {
+  const int yes = 1, no = 0;
+  sockaddr_in name{};
+  name.sin_family = AF_INET;
+  name.sin_port = htons(group.port);
+  ip_mreq membership{};
+  const int wanted = static_cast<int>(std::min<int64_t>(group.buffer_bytes, INT32_MAX));
+  return inet_pton(AF_INET, group.address.c_str(), &membership.imr_multiaddr) == 1 &&
+         setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
+         // Other groups that processes of this machine have joined at the same port are not for us.
+         setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &no, sizeof no) == 0 &&
+         (wanted <= 0 || setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof wanted) == 0) &&
+         bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0 &&
+         setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
+}
+
+}  // namespace
+
+UdpGroup ParseUdpGroup(const std::string& url) {
+  UdpGroup group;
+  const auto fail = [&] {
+    throw std::runtime_error("bus.url: " + url + " is no URL of the kind udpm://ADDRESS:PORT");
+  };
+  if (!url.starts_with(kScheme)) fail();
+  const std::string_view rest = std::string_view(url).substr(kScheme.size());
+  const std::string_view network = rest.substr(0, rest.find('?'));
+  const size_t colon = network.find(':');
+  if (const std::string_view address = network.substr(0, colon); !address.empty()) group.address = address;
+  if (colon != std::string_view::npos && !ParseNumber(network.substr(colon + 1), &group.port)) fail();
+  static constexpr std::string_view kBuffer = "recv_buf_size=";
+  const size_t at = rest.find(kBuffer);
+  if (at != std::string_view::npos) {
+    const std::string_view value = rest.substr(at + kBuffer.size());
+    if (!ParseNumber(value.substr(0, value.find('&')), &group.buffer_bytes)) fail();
+  }
+  return group;
+}
+
+bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes) {
+  if (packet.size() <= kLcmHeadBytes || static_cast<uint32_t>(ReadInt32(packet.data())) != kLcmMagic) return false;
+  const ByteView rest = packet.subspan(kLcmHeadBytes);
+  const void* end = std::memchr(rest.data(), 0, std::min(rest.size(), kMaxNameBytes + 1));
+  if (end == nullptr) return false;
+  const auto length = static_cast<size_t>(static_cast<const uint8_t*>(end) - rest.data());
+  *channel = {reinterpret_cast<const char*>(rest.data()), length};
+  *bytes = rest.subspan(length + 1);
+  return true;
+}
+
+UdpReceiver::UdpReceiver(const std::string& url)
+    : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)), buffer_(kMaxDatagram) {
+  try {
+    if (fd_ >= 0 && Join(fd_, ParseUdpGroup(url))) return;
+    throw std::runtime_error("bus.url: LCM cannot receive on " + url + ": " + std::strerror(errno));
+  } catch (...) {
+    if (fd_ >= 0) close(fd_);
+    throw;
+  }
+}
+
+UdpReceiver::~UdpReceiver() { close(fd_); }
+
+UdpReceiver::Outcome UdpReceiver::Receive(const Receiver& receiver) {
+  const ssize_t n = recv(fd_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  if (n < 0) return Outcome::kNothing;
+  std::string_view channel;
+  ByteView bytes;
+  if (!ParsePacket(ByteView(buffer_).first(static_cast<size_t>(n)), &channel, &bytes)) return Outcome::kJunk;
+  receiver(channel, bytes);
+  return Outcome::kMessage;
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/bus/transport/wire.h"
+
+namespace plslam::bus {
+
+/// A packet of LCM: magic and number (both 32 bits), name of the channel, 0, message.
+inline constexpr uint32_t kLcmMagic = 0x4c433032;
+inline constexpr size_t kLcmHeadBytes = 8;
+
+/// A multicast group in an LCM URL.
+struct UdpGroup {
+  std::string address = "239.255.76.67";
+  uint16_t port = 7667;
+  /// Receive buffer to ask for; 0: the system's.
+  int64_t buffer_bytes = 0;
+};
+
+/// Group of a `udpm://[ADDRESS][:PORT][?ttl=N&recv_buf_size=N]`; throws std::runtime_error where it is none.
+UdpGroup ParseUdpGroup(const std::string& url);
+
+/// Receives LCM messages of one packet each, which all of ours are. LCM 1.3.1 itself crashes on forged parts of longer
+/// messages (a first part without a channel name wraps its length) and remembers every channel name that it has ever
+/// seen, so what comes from a network does not go through it. For one thread.
+class UdpReceiver {
+ public:
+  using Receiver = std::function<void(std::string_view channel, ByteView bytes)>;
+
+  /// Throws std::runtime_error where the group cannot be joined.
+  explicit UdpReceiver(const std::string& url);
+  ~UdpReceiver();
+  UdpReceiver(const UdpReceiver&) = delete;
+  UdpReceiver& operator=(const UdpReceiver&) = delete;
+
+  /// Readable when there is something.
+  int fd() const { return fd_; }
+
+  enum class Outcome { kMessage, kJunk, kNothing };
+  /// Takes one datagram that is there and hands its message on. kJunk: it holds none.
+  Outcome Receive(const Receiver& receiver);
+
+ private:
+  int fd_ = -1;
+  std::vector<uint8_t> buffer_;
+};
+
+/// The message in a packet: channel and bytes within it. False where there is none.
+bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes);
+
+}  // namespace plslam::bus

@@ -1,0 +1,124 @@
+#include "core/datasets/check_rig.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+constexpr int kMinSize_px = 16;
+constexpr double kMinFocal_px = 1.0;
+constexpr double kMaxFocal_px = 1e5;
+constexpr double kMaxDistortion = 1e4;
+constexpr double kMinBaseline_m = 1e-4;
+constexpr double kMaxBaseline_m = 100.0;
+constexpr double kMaxAngle_rad = 0.785398163397448;
+
+// Comparisons with NaN are false, so that "inside" is asked, never "outside".
+bool Inside(double value, double min, double max) { return value >= min && value <= max; }
+
+std::string OneFocalComplaint(double value, const char* key) {
+  if (Inside(value, kMinFocal_px, kMaxFocal_px)) return "";
+  return fmt::format("focal length {} = {} is not within {} to {} pixels", key, value, kMinFocal_px, kMaxFocal_px);
+}
+
+std::string OneCentreComplaint(double value, int size_px, const char* key) {
+  if (Inside(value, -size_px, 2.0 * size_px)) return "";
+  return fmt::format("principal point {} = {} is not within {} to {} pixels", key, value, -size_px, 2 * size_px);
+}
+
+std::string FirstOf(std::initializer_list<std::string> complaints) {
+  const auto first = std::find_if(complaints.begin(), complaints.end(), [](const auto& s) { return !s.empty(); });
+  return first == complaints.end() ? "" : *first;
+}
+
+}  // namespace
+
+std::string SizeComplaint(const CameraCalibration& camera) {
+  if (Inside(camera.width_px, kMinSize_px, kMaxImageSide_px) &&
+      Inside(camera.height_px, kMinSize_px, kMaxImageSide_px)) {
+    return "";
+  }
+  return fmt::format("image size {} x {} is not within {} to {} pixels", camera.width_px, camera.height_px,
+                     kMinSize_px, kMaxImageSide_px);
+}
+
+std::string FocalComplaint(const CameraCalibration& camera) {
+  return FirstOf({OneFocalComplaint(camera.fx_px, "fx"), OneFocalComplaint(camera.fy_px, "fy")});
+}
+
+std::string CentreComplaint(const CameraCalibration& camera) {
+  return FirstOf({OneCentreComplaint(camera.cx_px, camera.width_px, "cx"),
+                  OneCentreComplaint(camera.cy_px, camera.height_px, "cy")});
+}
+
+std::string ModelComplaint(const CameraCalibration& camera) {
+  const bool known = camera.model == "pinhole" || camera.model == "radtan" || camera.model == "equidistant";
+  if (!known) return fmt::format("model '{}' is none of pinhole, radtan, equidistant", camera.model);
+  return "";
+}
+
+std::string DistortionComplaint(const CameraCalibration& camera) {
+  const size_t n = camera.distortion.size();
+  if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, {} are given", n);
+  if (camera.model == "radtan" && n != 4 && n != 5)
+    return fmt::format("model radtan has 4 or 5 distortions, not {}", n);
+  if (camera.model == "equidistant" && n != 4) return fmt::format("model equidistant has 4 distortions, not {}", n);
+  for (const double k : camera.distortion) {
+    if (!Inside(k, -kMaxDistortion, kMaxDistortion)) {
+      return fmt::format("distortion {} is not within -{} to {}", k, kMaxDistortion, kMaxDistortion);
+    }
+  }
+  return "";
+}
+
+namespace {
+
+std::string CameraComplaint(const CameraCalibration& camera, const char* side) {
+  const std::string complaint =
+      FirstOf({SizeComplaint(camera), FocalComplaint(camera), CentreComplaint(camera), ModelComplaint(camera),
+               DistortionComplaint(camera), camera.T_b_cam.IsFinite() ? "" : "the pose is not finite"});
+  return complaint.empty() ? "" : fmt::format("{} camera: {}", side, complaint);
+}
+
+std::string PlacementComplaint(const RigCalibration& rig) {
+  const SE3 T_l_r = rig.left.T_b_cam.Inverse() * rig.right.T_b_cam;
+  const double distance_m = T_l_r.translation().norm();
+  if (!Inside(rig.baseline_m, kMinBaseline_m, kMaxBaseline_m) ||
+      !(std::abs(rig.baseline_m - distance_m) <= 1e-6 * distance_m + 1e-9)) {
+    return fmt::format("baseline {} m (distance of the cameras {} m) is not within {} to {} m", rig.baseline_m,
+                       distance_m, kMinBaseline_m, kMaxBaseline_m);
+  }
+  if (!(T_l_r.translation().x() > 0.5 * distance_m)) {
+    return fmt::format(
+        "the right camera must stand to the right of the left one, but is at x = {} m, y = {} m, z = {} m",
+        T_l_r.translation().x(), T_l_r.translation().y(), T_l_r.translation().z());
+  }
+  const double angle_rad = T_l_r.Log().tail<3>().norm();
+  if (!(angle_rad <= kMaxAngle_rad)) {
+    return fmt::format("the cameras look {:.3f} rad apart, more than {:.3f} rad", angle_rad, kMaxAngle_rad);
+  }
+  return "";
+}
+
+std::string KindComplaint(const RigCalibration& rig) {
+  if (rig.left.width_px != rig.right.width_px || rig.left.height_px != rig.right.height_px) {
+    return fmt::format("the left camera has {} x {} pixels, the right one {} x {}", rig.left.width_px,
+                       rig.left.height_px, rig.right.width_px, rig.right.height_px);
+  }
+  if (rig.kind == RigCalibration::Kind::kRgbd && !Inside(rig.depth_units_per_m, 1e-3, 1e6)) {
+    return fmt::format("depth units per metre {} are not within 0.001 to 1000000", rig.depth_units_per_m);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string RigComplaint(const RigCalibration& rig) {
+  return FirstOf({CameraComplaint(rig.left, "left"), CameraComplaint(rig.right, "right"), KindComplaint(rig),
+                  PlacementComplaint(rig)});
+}
+
+}  // namespace plslam

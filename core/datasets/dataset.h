@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+#include "core/io/files/dataset_error.h"
+#include "core/io/images/stereo_images.h"
+
+namespace plslam {
+
+/// A sequence of stereo pairs with random access. Reading the list is cheap; images are read on demand.
+class Dataset {
+ public:
+  virtual ~Dataset() = default;
+
+  virtual std::string name() const = 0;
+  virtual const RigCalibration& rig() const = 0;
+  /// Number of pairs.
+  virtual int size() const = 0;
+  /// Strictly increasing.
+  virtual int64_t t_ns(int index) const = 0;
+  /// Throws DatasetError where an image is missing, truncated, of the wrong size, or the two differ in size.
+  /// `frame_id` is the index.
+  virtual StereoImages Read(int index) const = 0;
+  /// True pose at the time of the pair; nullopt where unknown. Dense ground truth of another sensor is interpolated
+  /// and moved to the left camera here.
+  virtual std::optional<SE3> GroundTruth(int index) const = 0;
+  /// What was passed over while opening, in sentences for the user ("3 images of cam0 have no partner in cam1").
+  virtual std::vector<std::string> Notes() const { return {}; }
+};
+
+}  // namespace plslam

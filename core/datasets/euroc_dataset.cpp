@@ -1,0 +1,108 @@
+#include "core/datasets/euroc_dataset.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <tuple>
+#include <utility>
+
+#include "core/datasets/asl_sensor.h"
+#include "core/datasets/dataset_rows.h"
+#include "core/datasets/frame_truth.h"
+#include "core/datasets/image_list.h"
+#include "core/io/files/names_of_folder.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int64_t kMaxStereoPairing_ns = 500'000;
+// The first that is there counts. TUM-VI has but what its cameras of motion capture saw.
+constexpr std::array<const char*, 2> kTruthFolders = {"state_groundtruth_estimate0", "mocap0"};
+
+fs::path Mav(const fs::path& folder) { return fs::exists(folder / "mav0") ? folder / "mav0" : folder; }
+
+Shots CameraShots(const fs::path& camera) {
+  return ReadShots((camera / "data.csv").string(), (camera / "data").string(), 0,
+                   "time in nanoseconds and file name");
+}
+
+// Both lists increase, so that one walk over the two finds all pairs.
+std::vector<ImageList::Entry> Pair(const Shots& left, const Shots& right) {
+  std::vector<ImageList::Entry> entries;
+  size_t r = 0;
+  for (size_t l = 0; l < left.files.size(); ++l) {
+    const int64_t t_ns = left.times_ns[l];
+    while (r < right.files.size() && right.times_ns[r] < t_ns && t_ns - right.times_ns[r] > kMaxStereoPairing_ns) ++r;
+    if (r == right.files.size()) break;
+    if (right.times_ns[r] > t_ns && right.times_ns[r] - t_ns > kMaxStereoPairing_ns) continue;
+    entries.push_back({t_ns, left.files[l], right.files[r], ""});
+    ++r;
+  }
+  return entries;
+}
+
+void NoteUnpairedImages(const char* camera, size_t n, std::vector<std::string>* notes) {
+  if (n > 0) notes->push_back(fmt::format("{} images of {} have no partner in time and are passed over", n, camera));
+}
+
+std::vector<std::optional<SE3>> GroundTruth(const fs::path& mav, const SE3& T_b_l, ImageList* list) {
+  for (const char* folder : kTruthFolders) {
+    const fs::path path = mav / folder / "data.csv";
+    if (!fs::exists(path)) continue;
+    std::vector<std::optional<SE3>> poses = FrameTruth(path.string(), TrajectoryFormat::kEuroc, list);
+    for (std::optional<SE3>& pose : poses) {
+      if (pose) pose = *pose * T_b_l;
+    }
+    return poses;
+  }
+  return {};
+}
+
+/// Of the two cameras; one file where it has both.
+std::array<std::string, 2> CalibrationPaths(const fs::path& mav) {
+  const fs::path left = mav / "cam0" / "sensor.yaml", right = mav / "cam1" / "sensor.yaml";
+  const fs::path both = NamesOfFolder(mav).front().parent_path() / "dso" / "camchain.yaml";
+  if (!fs::exists(left) && !fs::exists(right) && fs::exists(both)) return {both.string(), both.string()};
+  return {left.string(), right.string()};
+}
+
+RigCalibration ReadRig(const std::array<std::string, 2>& paths) {
+  RigCalibration rig;
+  rig.name = "euroc";
+  if (paths[0] == paths[1]) {
+    std::tie(rig.left, rig.right) = ReadCamchain(paths[0]);
+  } else {
+    rig.left = ReadAslCamera(paths[0]);
+    rig.right = ReadAslCamera(paths[1]);
+  }
+  rig.baseline_m = (rig.left.T_b_cam.Inverse() * rig.right.T_b_cam).translation().norm();
+  return rig;
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
+  const fs::path mav = Mav(folder);
+  ImageList list;
+  list.name = folder;
+  const std::array<std::string, 2> calibrations = CalibrationPaths(mav);
+  list.rig = ReadRig(calibrations);
+  const Shots left = CameraShots(mav / "cam0");
+  const Shots right = CameraShots(mav / "cam1");
+  list.entries = Pair(left, right);
+  if (list.entries.empty()) {
+    throw DatasetError((mav / "cam1" / "data.csv").string() + ": no image has the time of one of cam0");
+  }
+  NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
+  NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);
+  list.image_size = LearnImageSize(list.entries);
+  list.ground_truth = GroundTruth(mav, list.rig.left.T_b_cam, &list);
+  return MakeImageListDataset(std::move(list), calibrations[1]);
+}
+
+bool LooksLikeEuroc(const std::string& folder) { return fs::exists(Mav(folder) / "cam0" / "data.csv"); }
+
+}  // namespace plslam

@@ -1,0 +1,94 @@
+#include "core/datasets/image_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/datasets/check_rig.h"
+
+namespace plslam {
+namespace {
+
+class ImageListDataset : public Dataset {
+ public:
+  explicit ImageListDataset(ImageList list) : list_(std::move(list)) {}
+
+  std::string name() const override { return list_.name; }
+  const RigCalibration& rig() const override { return list_.rig; }
+  int size() const override { return static_cast<int>(list_.entries.size()); }
+  int64_t t_ns(int index) const override { return Entry(index).t_ns; }
+  std::vector<std::string> Notes() const override { return list_.notes; }
+
+  StereoImages Read(int index) const override {
+    const ImageList::Entry& entry = Entry(index);
+    if (!entry.missing.empty()) throw DatasetError(entry.missing);
+    const ImageSize size{list_.rig.left.width_px, list_.rig.left.height_px};
+    const bool rgbd = list_.rig.kind == RigCalibration::Kind::kRgbd;
+    return {index, entry.t_ns, ReadGreyImage(entry.left, size),
+            rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size)};
+  }
+
+  std::optional<SE3> GroundTruth(int index) const override {
+    if (list_.ground_truth.empty()) return std::nullopt;
+    return list_.ground_truth.at(static_cast<size_t>(index));
+  }
+
+ private:
+  const ImageList::Entry& Entry(int index) const { return list_.entries.at(static_cast<size_t>(index)); }
+
+  ImageList list_;
+};
+
+double MedianRate_hz(const std::vector<ImageList::Entry>& entries, double fallback_hz) {
+  if (entries.size() < 2) return fallback_hz;
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < entries.size(); ++i) steps_ns.push_back(entries[i].t_ns - entries[i - 1].t_ns);
+  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  return 1e9 / static_cast<double>(*middle);
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string& calibration_path) {
+  if (list.entries.empty()) throw DatasetError(list.name + ": the sequence has no frames");
+  for (size_t i = 1; i < list.entries.size(); ++i) {
+    if (list.entries[i].t_ns <= list.entries[i - 1].t_ns) {
+      throw DatasetError(fmt::format("{}: time {} ns of frame {} is not after the {} ns of the one before", list.name,
+                                     list.entries[i].t_ns, i, list.entries[i - 1].t_ns));
+    }
+  }
+  list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
+  const std::string complaint = RigComplaint(list.rig);
+  if (!complaint.empty()) throw DatasetError(calibration_path + ": " + complaint);
+  if (ImageSize{list.rig.left.width_px, list.rig.left.height_px} != list.image_size) {
+    throw DatasetError(fmt::format("{}: the cameras have {} x {} pixels, but the images {} x {} ({})",
+                                   calibration_path, list.rig.left.width_px, list.rig.left.height_px,
+                                   list.image_size.width_px, list.image_size.height_px, list.entries.front().left));
+  }
+  return std::make_unique<ImageListDataset>(std::move(list));
+}
+
+ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries) {
+  std::string first_error = "the sequence has no frames";
+  bool is_first = true;
+  for (const ImageList::Entry& entry : entries) {
+    std::string error = entry.missing;
+    try {
+      if (error.empty()) {
+        const ImageSize left = ReadImageSize(entry.left);
+        const ImageSize right = ReadImageSize(entry.right);
+        if (left == right) return left;
+        error = fmt::format("{}: has {} x {} pixels, but the left image {} x {}", entry.right, right.width_px,
+                            right.height_px, left.width_px, left.height_px);
+      }
+    } catch (const DatasetError& bad) {
+      error = bad.what();
+    }
+    if (std::exchange(is_first, false)) first_error = error;
+  }
+  throw DatasetError(first_error);
+}
+
+}  // namespace plslam

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/datasets/dataset.h"
+#include "core/io/images/image_file.h"
+
+namespace plslam {
+
+/// A stereo sequence as a list of image files: what every reader of a folder comes down to.
+struct ImageList {
+  struct Entry {
+    int64_t t_ns = 0;
+    std::string left;
+    std::string right;  ///< depth map for RGB-D rigs
+    /// Why there is no such pair, as a whole sentence; `Read` throws it. Empty: there is one.
+    std::string missing;
+  };
+  std::string name;
+  RigCalibration rig;
+  ImageSize image_size;  ///< of the images themselves, by LearnImageSize
+  std::vector<Entry> entries;
+  /// Empty, or one for each entry.
+  std::vector<std::optional<SE3>> ground_truth;
+  std::vector<std::string> notes;
+};
+
+/// Sets the rate from the median distance in time. Throws DatasetError where the list is empty, the times do not
+/// increase (readers check that earlier, with the line), the rig is not valid (RigComplaint) or of another size than the
+/// images; `calibration_path` is named then.
+std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string& calibration_path);
+
+/// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError where
+/// no pair has one.
+ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries);
+
+}  // namespace plslam

@@ -1,0 +1,108 @@
+#include "core/datasets/images_dataset.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "core/datasets/camera_file.h"
+#include "core/datasets/dataset_rows.h"
+#include "core/datasets/frame_truth.h"
+#include "core/datasets/image_list.h"
+#include "core/io/images/image_folder.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FolderNames {
+  const char* left;
+  const char* right;
+};
+constexpr std::array<FolderNames, 6> kFolderNames = {{{"left", "right"},
+                                                      {"image_left", "image_right"},
+                                                      {"image_0", "image_1"},
+                                                      {"cam0", "cam1"},
+                                                      {"cam0/data", "cam1/data"},
+                                                      {"rgb", "depth"}}};
+
+std::pair<fs::path, fs::path> FindFolders(const fs::path& folder) {
+  std::string known;
+  for (const FolderNames& names : kFolderNames) {
+    // cam0 with a data folder in it holds no images itself.
+    const bool nested = fs::is_directory(folder / names.left / "data");
+    if (!nested && fs::is_directory(folder / names.left) && fs::is_directory(folder / names.right)) {
+      return {folder / names.left, folder / names.right};
+    }
+    known += fmt::format("{}{} and {}", known.empty() ? "" : ", ", names.left, names.right);
+  }
+  throw DatasetError(fmt::format("{}: has none of the pairs of image folders {}", folder.string(), known));
+}
+
+std::vector<ImageList::Entry> Pair(const fs::path& left_folder, const fs::path& right_folder) {
+  std::map<ImageKey, ImageList::Entry> pairs;
+  for (const auto& [key, path] : ListImages(left_folder.string())) pairs[key].left = path;
+  for (const auto& [key, path] : ListImages(right_folder.string())) pairs[key].right = path;
+  std::vector<ImageList::Entry> entries;
+  for (auto& [key, entry] : pairs) {
+    if (entry.left.empty())
+      entry.missing = fmt::format("{}: has no partner in {}", entry.right, left_folder.string());
+    if (entry.right.empty())
+      entry.missing = fmt::format("{}: has no partner in {}", entry.left, right_folder.string());
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::vector<int64_t> Times(const fs::path& folder, const std::string& camera_path, size_t n, double rate_hz) {
+  const std::string path = (folder / "times.txt").string();
+  if (fs::exists(path)) {
+    std::vector<int64_t> times_ns = ReadTimes(path);
+    if (times_ns.size() == n) return times_ns;
+    throw DatasetError(fmt::format("{}: has {} times for {} frames", path, times_ns.size(), n));
+  }
+  if (!(rate_hz > 0.0)) throw DatasetError(camera_path + ": rate_hz is missing, and there is no times.txt");
+  std::vector<int64_t> times_ns(n);
+  for (size_t i = 0; i < n; ++i) times_ns[i] = std::llround(static_cast<double>(i) * 1e9 / rate_hz);
+  return times_ns;
+}
+
+std::vector<std::optional<SE3>> OneForEach(const std::string& path, size_t n) {
+  std::vector<std::optional<SE3>> poses;
+  for (const TrajectoryPose& pose : ReadDatasetTrajectory(path, TrajectoryFormat::kKitti)) {
+    poses.emplace_back(pose.T_a_b);
+  }
+  if (poses.size() != n) throw DatasetError(fmt::format("{}: has {} poses for {} frames", path, poses.size(), n));
+  return poses;
+}
+
+std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* list) {
+  const fs::path timed = folder / "groundtruth.txt", untimed = folder / "poses.txt";
+  if (fs::exists(timed)) return FrameTruth(timed.string(), TrajectoryFormat::kTum, list);
+  if (fs::exists(untimed)) return OneForEach(untimed.string(), list->entries.size());
+  return {};
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
+  const std::string camera_path = (fs::path(folder) / "camera.yaml").string();
+  if (!fs::exists(camera_path)) throw DatasetError(camera_path + ": the calibration is missing");
+  const auto [left, right] = FindFolders(folder);
+  ImageList list;
+  list.name = folder;
+  list.entries = Pair(left, right);
+  list.image_size = LearnImageSize(list.entries);
+  list.rig = ReadCameraFile(camera_path, list.image_size);
+  const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
+  for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
+  list.ground_truth = GroundTruth(folder, &list);
+  return MakeImageListDataset(std::move(list), camera_path);
+}
+
+bool LooksLikeImages(const std::string& folder) { return fs::exists(fs::path(folder) / "camera.yaml"); }
+
+}  // namespace plslam

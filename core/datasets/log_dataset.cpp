@@ -1,0 +1,268 @@
+#include "core/datasets/log_dataset.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/bus/channels.h"
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/messages/convert.h"
+#include "core/bus/messages/frame_assembler.h"
+#include "core/bus/transport/wire.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/image_strip_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+/// Of a strip: header, `frame_id`, `camera`, `strip` and `n_strips`.
+constexpr size_t kStripHeadBytes = kWireHeaderBytes + 8 + 1 + 4 + 4;
+
+struct Place {
+  int64_t offset = 0;
+  int64_t bytes = 0;
+};
+
+/// Prefix of `name` where it is `channel` behind a prefix.
+std::optional<std::string> PrefixOf(const std::string& name, const Channel& channel) {
+  if (!name.ends_with(channel.name)) return std::nullopt;
+  return name.substr(0, name.size() - channel.name.size());
+}
+
+struct LogStrip {
+  Place place;
+  int8_t camera = 0;
+  int32_t number = 0;
+  int32_t n_strips = 0;  // that its image has, as it says
+};
+
+struct LogFrame {
+  int64_t id = 0;
+  int64_t t_ns = 0;
+  std::vector<LogStrip> strips;
+
+  bool Whole() const { return Whole(0) && Whole(1); }
+  bool Whole(int8_t camera) const;
+};
+
+/// As far as the heads of its strips tell. One whose count is damaged does not hide the others.
+bool LogFrame::Whole(int8_t camera) const {
+  std::set<int32_t> numbers;
+  int32_t least = std::numeric_limits<int32_t>::max();
+  for (const LogStrip& strip : strips) {
+    if (strip.camera != camera) continue;
+    numbers.insert(strip.number);
+    least = std::min(least, strip.n_strips);
+  }
+  return !numbers.empty() && static_cast<int64_t>(numbers.size()) >= least;
+}
+
+/// Places of the most values that increase: one that is far too large does not cost all that come after it.
+std::vector<size_t> MostIncreasing(const std::vector<int64_t>& values) {
+  std::vector<size_t> ends;  // ends[n]: place of the last of n + 1 increasing values, the smallest there is
+  std::vector<size_t> before(values.size());
+  for (size_t i = 0; i < values.size(); ++i) {
+    const auto end = std::lower_bound(ends.begin(), ends.end(), values[i],
+                                      [&](size_t place, int64_t value) { return values[place] < value; });
+    if (end != ends.begin()) before[i] = *(end - 1);
+    if (end == ends.end()) {
+      ends.push_back(i);
+    } else {
+      *end = i;
+    }
+  }
+  std::vector<size_t> most(ends.size());
+  size_t place = ends.empty() ? 0 : ends.back();
+  for (size_t n = ends.size(); n-- > 0; place = before[place]) most[n] = place;
+  return most;
+}
+
+/// One publisher's frames on one channel.
+using StreamKey = std::tuple<std::string, std::string, int64_t>;  // prefix, channel, source
+struct LogStream {
+  std::map<int64_t, LogFrame> frames;
+  int64_t n_strips = 0;
+};
+
+/// Decoded message at a place of the log; nullopt where it is malformed.
+template <class T>
+std::optional<T> Decode(const LogReader& log, const Place& place) {
+  const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));
+  const MessageLayout* layout = FindMessageLayout(T::getTypeName());
+  T message;
+  if (!data || !MessageLength(*layout, *data)) return std::nullopt;
+  if (message.decode(data->data(), 0, static_cast<int>(data->size())) < 0) return std::nullopt;
+  return message;
+}
+
+class LogDataset : public Dataset {
+ public:
+  explicit LogDataset(const std::string& path) : path_(path), log_(path) {
+    std::map<StreamKey, LogStream> streams;
+    Index(streams);
+    ChooseStream(streams);
+    ReadRig();
+    ReadGroundTruth();
+    DropFramesWithHoles();
+    DropFramesOutOfTime();
+    if (frames_.empty()) Fail("has no frame with all strips of both images");
+  }
+
+  std::string name() const override { return path_; }
+  const RigCalibration& rig() const override { return rig_; }
+  int size() const override { return static_cast<int>(frames_.size()); }
+  int64_t t_ns(int index) const override { return frames_.at(static_cast<size_t>(index)).t_ns; }
+  StereoImages Read(int index) const override;
+  std::optional<SE3> GroundTruth(int index) const override {
+    const auto found = truth_.find(frames_.at(static_cast<size_t>(index)).id);
+    return found == truth_.end() ? std::nullopt : std::optional(found->second);
+  }
+  std::vector<std::string> Notes() const override { return notes_; }
+
+ private:
+  [[noreturn]] void Fail(const std::string& why) const { throw DatasetError(path_ + ": " + why); }
+
+  void Index(std::map<StreamKey, LogStream>& streams);
+  void IndexStrip(const LogReader::Event& event, LogStream& stream) const;
+  void ChooseStream(std::map<StreamKey, LogStream>& streams);
+  void ReadRig();
+  void ReadGroundTruth();
+  void DropFramesWithHoles();
+  void DropFramesOutOfTime();
+  void KeepFrames(const std::vector<size_t>& places, const std::string& why_others_go);
+
+  std::string path_;
+  LogReader log_;
+  std::vector<std::pair<std::string, Place>> cameras_;  // with their prefixes
+  std::vector<std::pair<std::string, Place>> truths_;
+  std::string prefix_;
+  int64_t source_ = 0;
+  RigCalibration rig_;
+  std::vector<LogFrame> frames_;
+  std::map<int64_t, SE3> truth_;  // by frame id
+  std::vector<std::string> notes_;
+};
+
+void LogDataset::IndexStrip(const LogReader::Event& event, LogStream& stream) const {
+  const int64_t id = ReadInt64(event.head.data() + kWireHeaderBytes);
+  LogFrame& frame = stream.frames[id];
+  frame.id = id;
+  if (frame.strips.empty()) frame.t_ns = ReadHeader(event.head).t_ns;
+  const uint8_t* rest = event.head.data() + kWireHeaderBytes + 8;
+  frame.strips.push_back({{event.data_offset, event.data_bytes},
+                          static_cast<int8_t>(rest[0]),
+                          ReadInt32(rest + 1),
+                          ReadInt32(rest + 5)});
+  ++stream.n_strips;
+}
+
+void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
+  while (const auto event = log_.Next()) {
+    const Place place{event->data_offset, event->data_bytes};
+    if (const auto prefix = PrefixOf(event->channel, kCamera)) cameras_.emplace_back(*prefix, place);
+    if (const auto prefix = PrefixOf(event->channel, kGroundTruth)) truths_.emplace_back(*prefix, place);
+    for (const Channel& channel : {kStereoFrame, kStereoFrameLive}) {
+      const auto prefix = PrefixOf(event->channel, channel);
+      const bool is_strip = prefix && event->head.size() >= kStripHeadBytes &&
+                            ReadInt64(event->head.data()) == image_strip_t::getHash();
+      if (!is_strip) continue;
+      IndexStrip(*event, streams[{*prefix, std::string(channel.name), ReadHeader(event->head).source}]);
+    }
+  }
+}
+
+void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
+  const auto most = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
+    return a.second.n_strips < b.second.n_strips;
+  });
+  if (most == streams.end()) Fail("is no LCM log with stereo frames (channel STEREO_FRAME or STEREO_FRAME_LIVE)");
+  prefix_ = std::get<0>(most->first);
+  source_ = std::get<2>(most->first);
+  for (auto& [id, frame] : most->second.frames) frames_.push_back(std::move(frame));
+}
+
+void LogDataset::ReadRig() {
+  for (const auto& [prefix, place] : cameras_) {
+    if (prefix != prefix_) continue;
+    const auto message = Decode<camera_t>(log_, place);
+    if (!message || message->header.source != source_) continue;
+    const auto rig = FromMessage(*message);
+    if (!rig) continue;
+    rig_ = *rig;
+    return;
+  }
+  Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
+}
+
+void LogDataset::ReadGroundTruth() {
+  for (const auto& [prefix, place] : truths_) {
+    if (prefix != prefix_) continue;
+    const auto message = Decode<ground_truth_t>(log_, place);
+    if (!message || message->header.source != source_) continue;
+    if (const auto T_w_l = FromMessage(message->T_w_l)) truth_.emplace(message->frame_id, *T_w_l);
+  }
+}
+
+void LogDataset::DropFramesWithHoles() {
+  std::vector<size_t> whole;
+  for (size_t i = 0; i < frames_.size(); ++i) {
+    if (frames_[i].Whole()) whole.push_back(i);
+  }
+  KeepFrames(whole, "since strips are missing");
+}
+
+void LogDataset::DropFramesOutOfTime() {
+  std::vector<int64_t> times_ns;
+  for (const LogFrame& frame : frames_) times_ns.push_back(frame.t_ns);
+  KeepFrames(MostIncreasing(times_ns), "since times would not increase with them");
+}
+
+/// `places` in increasing order.
+void LogDataset::KeepFrames(const std::vector<size_t>& places, const std::string& why_others_go) {
+  if (places.size() == frames_.size()) return;
+  size_t first_gone = 0;
+  while (first_gone < places.size() && places[first_gone] == first_gone) ++first_gone;
+  notes_.push_back("frames passed over, " + why_others_go + ": " + std::to_string(frames_.size() - places.size()) +
+                   " (the first is frame " + std::to_string(frames_[first_gone].id) + ")");
+  std::vector<LogFrame> kept;
+  kept.reserve(places.size());
+  for (const size_t place : places) kept.push_back(std::move(frames_[place]));
+  frames_ = std::move(kept);
+}
+
+StereoImages LogDataset::Read(int index) const {
+  const LogFrame& frame = frames_.at(static_cast<size_t>(index));
+  FrameAssembler assembler;
+  for (const LogStrip& in_log : frame.strips) {
+    const auto strip = Decode<image_strip_t>(log_, in_log.place);
+    if (!strip || assembler.Add(*strip) != FrameAssembler::Outcome::kComplete) continue;
+    StereoImages images = assembler.TakeFrame().images;
+    const auto size_of = [](const CameraCalibration& c) { return cv::Size(c.width_px, c.height_px); };
+    if (images.left.size() != size_of(rig_.left) || images.right.size() != size_of(rig_.right)) {
+      Fail("frame " + std::to_string(frame.id) + " does not have the size that the rig says");
+    }
+    images.frame_id = index;
+    return images;
+  }
+  Fail("frame " + std::to_string(frame.id) + " is not whole: strips are malformed (" +
+       std::to_string(frame.strips.size()) + " are there)");
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenLogDataset(const std::string& path) {
+  try {
+    return std::make_unique<LogDataset>(path);
+  } catch (const DatasetError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw DatasetError(error.what());
+  }
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,81 @@
+#include "core/datasets/open_dataset.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "core/datasets/euroc_dataset.h"
+#include "core/datasets/images_dataset.h"
+#include "core/datasets/kitti_dataset.h"
+#include "core/datasets/log_dataset.h"
+#include "core/datasets/synthetic/synthetic_dataset.h"
+#include "core/datasets/tum_dataset.h"
+
+namespace plslam {
+namespace {
+
+constexpr std::string_view kSyntheticPrefix = "synthetic:";
+
+bool LooksLikeSynthetic(const std::string& location) { return location.starts_with(kSyntheticPrefix); }
+
+bool LooksLikeLog(const std::string& location) { return std::filesystem::is_regular_file(location); }
+
+std::unique_ptr<Dataset> OpenSynthetic(const std::string& location) {
+  return OpenSyntheticDataset(LooksLikeSynthetic(location) ? location.substr(kSyntheticPrefix.size()) : location);
+}
+
+/// A format of datasets.
+struct Kind {
+  std::string_view name;
+  std::string_view sign;  ///< by which it is found
+  bool (*looks_like)(const std::string& location);
+  std::unique_ptr<Dataset> (*open)(const std::string& location);
+};
+
+// In this order: a folder with the lists of a format is taken for that format even if it has a camera.yaml too.
+constexpr auto kKinds = std::to_array<Kind>({
+    {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
+    {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
+    {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
+    {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
+    {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},
+    {"images", "camera.yaml", LooksLikeImages, OpenImagesDataset},
+});
+
+std::string Join(std::string (*describe)(const Kind&)) {
+  std::string text;
+  for (const Kind& kind : kKinds) text += (text.empty() ? "" : ", ") + describe(kind);
+  return text;
+}
+
+const Kind& KindByName(const std::string& name) {
+  for (const Kind& kind : kKinds) {
+    if (kind.name == name) return kind;
+  }
+  throw DatasetError(fmt::format("no kind of dataset '{}' ({})", name,
+                                 Join([](const Kind& kind) { return std::string(kind.name); })));
+}
+
+const Kind& KindByLooking(const std::string& location) {
+  for (const Kind& kind : kKinds) {
+    if (kind.looks_like(location)) return kind;
+  }
+  if (!std::filesystem::exists(location)) throw DatasetError(location + ": there is no such dataset");
+  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({})", location,
+                                 Join([](const Kind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); })));
+}
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
+  const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
+  try {
+    return chosen.open(location);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DatasetError(fmt::format("{}: {}", location, error.code().message()));
+  }
+}
+
+}  // namespace plslam

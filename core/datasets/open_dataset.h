@@ -1,0 +1,15 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/datasets/dataset.h"
+
+namespace plslam {
+
+/// Opens a folder (KITTI odometry, EuRoC ASL, TUM RGB-D, left/right images with a camera file), an LCM log, or a
+/// built-in world ("synthetic:room?seed=3"). `kind` names the format ("kitti", "euroc", "tum", "images", "log",
+/// "synthetic"), or is empty to find it by looking. Throws DatasetError.
+std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind);
+
+}  // namespace plslam

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/datasets/synthetic/closed_spline.h"
+#include "core/geometry/se3.h"
+
+namespace plslam::synthetic {
+
+/// Where the left camera is at each frame, in the world's frame w. Frames between whole numbers exist for motion blur.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+  /// T_w_c; `frame` in [0, size() - 1].
+  virtual SE3 At(double frame) const = 0;
+};
+
+/// How a built-in world is walked through.
+struct Walk {
+  std::vector<Eigen::Vector2d> control_points;  ///< of a closed spline
+  double height_m = 0.0;
+  double speed = 0.0;       ///< m/s, default
+  double sway = 1.0;        ///< scale of the sideways and vertical motion
+  double turn = 1.0;        ///< scale of the rotations
+  double yaw_offset = 0.0;  ///< rad; positive looks to the left of the path
+};
+
+/// Walks a closed path for ever: frame i and i + frames_per_lap() have the same pose, bit for bit. Along the path at
+/// constant speed, looking ahead; about it sums of sinusoids move all six degrees of freedom.
+class WalkMotion : public Motion {
+ public:
+  WalkMotion(const Walk& walk, double speed, double rate_hz, uint64_t seed);
+
+  SE3 At(double frame) const override;
+  int frames_per_lap() const { return frames_per_lap_; }
+  double lap_m() const { return spline_.length(); }
+
+ private:
+  /// One sinusoid with a whole number of periods in a lap.
+  struct Wave {
+    double amplitude = 0.0;
+    int periods = 1;
+    double phase = 0.0;
+  };
+  using Waves = std::vector<Wave>;
+  static double Value(const Waves& waves, double lap_share);
+
+  ClosedSpline spline_;
+  double height_m_;
+  double yaw_offset_;
+  int frames_per_lap_;
+  Waves sideways_, vertical_, yaw_, pitch_, roll_;
+};
+
+/// Poses of a file, as they are.
+class ListedMotion : public Motion {
+ public:
+  explicit ListedMotion(std::vector<SE3> poses) : poses_(std::move(poses)) {}
+  SE3 At(double frame) const override;
+
+ private:
+  std::vector<SE3> poses_;
+};
+
+/// A trajectory file in TUM (`t x y z qx qy qz qw`, seconds) or KITTI format (12 numbers, the rows of [R t]), told apart by
+/// the first line. Throws DatasetError with file, line and reason.
+struct FilePoses {
+  std::vector<SE3> T_w_c;
+  /// Strictly increasing; empty for KITTI files, which carry no times.
+  std::vector<int64_t> t_ns;
+};
+FilePoses ReadPoses(const std::string& path);
+
+}  // namespace plslam::synthetic

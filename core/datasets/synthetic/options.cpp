@@ -1,0 +1,165 @@
+#include "core/datasets/synthetic/options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <numeric>
+
+#include "core/datasets/dataset.h"
+
+namespace plslam::synthetic {
+namespace {
+
+struct Bounds {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// One row for each numeric option: name, bounds, whether whole numbers only, and where it goes.
+struct NumericOption {
+  const char* name;
+  Bounds bounds;
+  bool whole;
+  std::function<void(Options&, double)> set;
+};
+
+const std::vector<NumericOption>& NumericOptions() {
+  static const std::vector<NumericOption> options = {
+      {"seed", {0, 4294967295.0}, true, [](Options& o, double v) { o.seed = static_cast<uint64_t>(v); }},
+      {"frames", {1, 1000000}, true, [](Options& o, double v) { o.frames = static_cast<int>(v); }},
+      {"loops", {1, 1000}, true, [](Options& o, double v) { o.loops = static_cast<int>(v); }},
+      {"noise", {0, 50}, false, [](Options& o, double v) { o.noise = v; }},
+      {"blur", {0, 1}, false, [](Options& o, double v) { o.blur = v; }},
+      {"exposure", {0, 3}, false, [](Options& o, double v) { o.exposure = v; }},
+      {"baseline", {0.01, 5}, false, [](Options& o, double v) { o.baseline_m = v; }},
+      {"fov", {20, 140}, false, [](Options& o, double v) { o.fov_deg = v; }},
+      {"rate", {1, 1000}, false, [](Options& o, double v) { o.rate_hz = v; }},
+      {"speed", {0.01, 50}, false, [](Options& o, double v) { o.speed = v; }},
+      {"distorted", {0, 1}, true, [](Options& o, double v) { o.distorted = v > 0.5; }},
+  };
+  return options;
+}
+
+int EditDistance(const std::string& a, const std::string& b) {
+  std::vector<int> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0);
+  for (size_t i = 1; i <= a.size(); ++i) {
+    int diagonal = row[0];
+    row[0] = static_cast<int>(i);
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const int above = row[j];
+      const int change = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({change, above + 1, row[j - 1] + 1});
+      diagonal = above;
+    }
+  }
+  return row[b.size()];
+}
+
+std::string Nearest(const std::string& name, const std::vector<std::string>& known) {
+  return *std::min_element(known.begin(), known.end(), [&name](const std::string& a, const std::string& b) {
+    return EditDistance(name, a) < EditDistance(name, b);
+  });
+}
+
+std::string Joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) {
+    text += (text.empty() ? "" : ", ") + name;
+  }
+  return text;
+}
+
+std::string Shown(double value) {
+  std::string text = std::to_string(value);
+  text.erase(text.find_last_not_of('0') + 1);
+  return text.back() == '.' ? text.substr(0, text.size() - 1) : text;
+}
+
+[[noreturn]] void FailUnknown(const std::string& kind, const std::string& name,
+                              const std::vector<std::string>& known) {
+  throw DatasetError("synthetic: unknown " + kind + " '" + name.substr(0, 40) + "'; the nearest is '" +
+                     Nearest(name.substr(0, 40), known) + "', known are " + Joined(known));
+}
+
+double ParseNumber(const NumericOption& option, const std::string& value) {
+  double number = 0.0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
+  const bool whole = error == std::errc() && end == value.data() + value.size();
+  const bool inside = whole && number >= option.bounds.low && number <= option.bounds.high;  // false for NaN
+  if (!inside || (option.whole && static_cast<double>(static_cast<int64_t>(number)) != number)) {
+    throw DatasetError("synthetic: option " + std::string(option.name) + "='" + value.substr(0, 40) + "' must be a " +
+                       (option.whole ? "whole number" : "number") + " from " + Shown(option.bounds.low) + " to " +
+                       Shown(option.bounds.high));
+  }
+  return number;
+}
+
+void ParseSize(const std::string& value, Options& options) {
+  const char* end = value.data() + value.size();
+  const auto width = std::from_chars(value.data(), end, options.width_px);
+  const bool has_cross = width.ec == std::errc() && width.ptr != end && *width.ptr == 'x';
+  const auto height = std::from_chars(has_cross ? width.ptr + 1 : end, end, options.height_px);
+  const bool bounded =
+      options.width_px >= 32 && options.width_px <= 4096 && options.height_px >= 32 && options.height_px <= 4096;
+  if (!has_cross || height.ec != std::errc() || height.ptr != end || !bounded) {
+    throw DatasetError("synthetic: option size='" + value.substr(0, 40) +
+                       "' must be WIDTHxHEIGHT in pixels, each from 32 to 4096, such as 752x480");
+  }
+}
+
+void ParseOption(const std::string& text, Options& options) {
+  const size_t equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  const std::vector<std::string> known = OptionNames();
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    FailUnknown("option", name, known);
+  }
+  if (equals == std::string::npos || equals + 1 == text.size()) {
+    throw DatasetError("synthetic: option '" + name + "' has no value; write " + name + "=VALUE");
+  }
+  const std::string value = text.substr(equals + 1);
+  if (name == "size") {
+    ParseSize(value, options);
+  } else if (name == "trajectory") {
+    options.trajectory = value;
+  } else {
+    const std::vector<NumericOption>& rows = NumericOptions();
+    const auto row = std::find_if(rows.begin(), rows.end(), [&name](const auto& o) { return o.name == name; });
+    row->set(options, ParseNumber(*row, value));
+  }
+}
+
+}  // namespace
+
+const std::vector<std::string>& WorldNames() {
+  static const std::vector<std::string> names = {"room", "corridor", "street", "whitewall"};
+  return names;
+}
+
+std::vector<std::string> OptionNames() {
+  std::vector<std::string> names = {"size", "trajectory"};
+  for (const NumericOption& option : NumericOptions()) {
+    names.emplace_back(option.name);
+  }
+  return names;
+}
+
+Options ParseOptions(const std::string& description) {
+  Options options;
+  const size_t question = description.find('?');
+  options.world = description.substr(0, question);
+  const std::vector<std::string>& worlds = WorldNames();
+  if (std::find(worlds.begin(), worlds.end(), options.world) == worlds.end()) {
+    FailUnknown("world", options.world, worlds);
+  }
+  size_t start = question == std::string::npos ? description.size() : question + 1;
+  while (start < description.size()) {
+    const size_t end = std::min(description.find('&', start), description.size());
+    ParseOption(description.substr(start, end - start), options);
+    start = end + 1;
+  }
+  return options;
+}
+
+}  // namespace plslam::synthetic

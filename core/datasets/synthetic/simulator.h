@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/datasets/synthetic/distortion.h"
+#include "core/datasets/synthetic/motion.h"
+#include "core/datasets/synthetic/options.h"
+#include "core/datasets/synthetic/renderer.h"
+#include "core/datasets/synthetic/sensor.h"
+#include "core/datasets/synthetic/world.h"
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+#include "core/io/images/stereo_images.h"
+
+namespace plslam::synthetic {
+
+/// A stereo camera moved through a synthetic world. Every frame is a function of the options and its index alone, and
+/// all functions may be called from several threads.
+class Simulator {
+ public:
+  /// Throws DatasetError where the trajectory file cannot be used.
+  explicit Simulator(const Options& options);
+
+  const World& world() const { return world_; }
+  const RigCalibration& rig() const { return rig_; }
+  int size() const { return static_cast<int>(t_ns_.size()); }
+  /// Frames after which the world's own walk repeats; 0 for a trajectory from a file.
+  int frames_per_lap() const { return frames_per_lap_; }
+  int64_t t_ns(int index) const { return t_ns_[index]; }
+  SE3 T_w_c(int index) const { return motion_->At(index); }
+
+  /// The pair as the cameras record it; left and right are rendered in two threads.
+  StereoImages Render(int index) const;
+  /// The gain of the slow changes of exposure, 1 in the mean.
+  double Gain(int index) const;
+  /// The left camera's view without distortion, for tests.
+  View LeftView(int index) const;
+  /// True depth (z, metres) of the left view at the pixel centres, 0 for the sky.
+  std::vector<float> RenderDepth(int index) const { return RenderDepthMap(world_, LeftView(index)); }
+
+ private:
+  /// One camera of the rig: where it sits on the left camera, and its lens.
+  struct Eye {
+    Eigen::Matrix3d R_l_cam = Eigen::Matrix3d::Identity();
+    Eigen::Vector3d t_l_cam = Eigen::Vector3d::Zero();
+    Lens lens;
+  };
+
+  void MakeMotion();
+  void MakeEyes();
+  CameraCalibration Calibration(const Eye& eye) const;
+  View ViewOf(const Eye& eye, const SE3& T_w_c) const;
+  int BlurSteps(const Eye& eye, int index) const;
+  std::vector<float> Radiance(const Eye& eye, int index) const;
+  cv::Mat RenderEye(const Eye& eye, int index, int camera) const;
+
+  Options options_;
+  int frames_per_lap_ = 0;
+  std::unique_ptr<Motion> motion_;
+  std::vector<int64_t> t_ns_;
+  World world_;
+  Eye left_;
+  Eye right_;
+  RigCalibration rig_;
+  Sensor sensor_;
+};
+
+}  // namespace plslam::synthetic

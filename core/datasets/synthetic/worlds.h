@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/datasets/synthetic/motion.h"
+#include "core/datasets/synthetic/world.h"
+
+namespace plslam::synthetic {
+
+/// What a world is built around.
+struct WorldRequest {
+  uint64_t seed = 1;
+  /// Positions of the camera, z upwards, metres; nothing solid comes near them.
+  std::vector<Eigen::Vector3d> path;
+  /// The path is from a file, so the world takes its size from it. Otherwise it is the world's own walk.
+  bool from_file = false;
+};
+
+/// One row for each built-in world. All are built with z upwards.
+struct WorldKind {
+  const char* name;
+  double baseline_m;
+  double fov_deg;
+  Walk (*walk)();
+  World (*build)(const WorldRequest&);
+};
+
+/// Precondition: `name` is in the table.
+const WorldKind& FindWorldKind(const std::string& name);
+const std::vector<WorldKind>& WorldKinds();
+
+/// A furnished room of 8 x 6 x 3 m: posters, shelves, a door, windows, boxes.
+Walk RoomWalk();
+World BuildRoom(const WorldRequest& request);
+
+/// A rectangle of corridors, 2.4 m wide, with identical doors and hardly any texture.
+Walk CorridorWalk();
+World BuildCorridor(const WorldRequest& request);
+
+/// Houses, kerbs, lamp posts and parked cars on both sides of the path.
+Walk StreetWalk();
+World BuildStreet(const WorldRequest& request);
+
+/// A white room of long soft edges and almost no corners.
+Walk WhitewallWalk();
+World BuildWhitewall(const WorldRequest& request);
+
+}  // namespace plslam::synthetic

@@ -1,0 +1,185 @@
+#include "core/datasets/yaml_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <utility>
+
+#include "core/datasets/dataset.h"
+
+namespace plslam {
+namespace {
+
+constexpr size_t kMaxBytes = 65536;
+constexpr size_t kMaxShown = 40;
+// Calibration files give six digits and more.
+constexpr double kOrthogonalityTolerance = 1e-3;
+
+// Untrusted text in a message: short, and printable.
+std::string Shown(std::string text) {
+  if (text.size() > kMaxShown) text.replace(kMaxShown, std::string::npos, "...");
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
+}
+
+std::string ReadText(const std::string& path) {
+  if (std::filesystem::is_directory(path)) throw DatasetError(path + ": is a folder, not a file");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw DatasetError(path + ": the calibration is missing or cannot be opened");
+  std::string text(kMaxBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(file.gcount()));
+  if (text.size() > kMaxBytes) throw DatasetError(fmt::format("{}: has more than {} bytes", path, kMaxBytes));
+  if (text.starts_with("%YAML:")) text.replace(0, 1, "#");
+  return text;
+}
+
+void RequireDistinctKeys(const std::string& path, const YAML::Node& node) {
+  std::set<std::string> keys;
+  for (const auto& entry : node) {
+    const int line = entry.first.Mark().line + 1;
+    if (!entry.first.IsScalar()) throw DatasetError(fmt::format("{}:{}: a key must be a word", path, line));
+    if (!keys.insert(entry.first.Scalar()).second) {
+      throw DatasetError(fmt::format("{}:{}: key '{}' stands here twice", path, line, Shown(entry.first.Scalar())));
+    }
+  }
+}
+
+}  // namespace
+
+YamlMap::YamlMap(std::string path, const YAML::Node& node) : path_(std::move(path)), node_(node) {
+  if (!node_.IsMap()) {
+    throw DatasetError(fmt::format("{}:{}: expected `key: value` lines", path_, node_.Mark().line + 1));
+  }
+  RequireDistinctKeys(path_, node_);
+}
+
+YamlMap YamlMap::FromFile(const std::string& path) {
+  const std::string text = ReadText(path);
+  YAML::Node node;
+  try {
+    node = YAML::Load(text);
+  } catch (const YAML::Exception& error) {
+    throw DatasetError(fmt::format("{}:{}: {}", path, error.mark.line + 1, Shown(error.msg)));
+  }
+  if (!node.IsDefined() || node.IsNull()) throw DatasetError(path + ": the calibration is empty");
+  return {path, node};
+}
+
+bool YamlMap::Has(std::string_view key) const {
+  return std::any_of(node_.begin(), node_.end(), [&](const auto& entry) { return entry.first.Scalar() == key; });
+}
+
+// By hand, since operator[] of a missing key gives a node that throws at each touch.
+YAML::Node YamlMap::Get(std::string_view key) const {
+  for (const auto& entry : node_) {
+    if (entry.first.Scalar() == key) return entry.second;
+  }
+  Fail(key, "is missing");
+}
+
+std::string YamlMap::Text(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsScalar()) Fail(key, "must be a single value");
+  return Shown(node.Scalar());
+}
+
+double YamlMap::ToNumber(std::string_view key, const YAML::Node& node) const {
+  if (!node.IsScalar()) Fail(key, "must consist of numbers");
+  std::string_view text = node.Scalar();
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || text.empty() || !std::isfinite(value)) {
+    Fail(key, fmt::format("= '{}' is not a finite number", Shown(node.Scalar())));
+  }
+  return value;
+}
+
+double YamlMap::Number(std::string_view key) const { return ToNumber(key, Get(key)); }
+
+std::vector<double> YamlMap::Numbers(std::string_view key, size_t min_count, size_t max_count) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsSequence()) Fail(key, "must be a list of numbers [a, b, ...]");
+  if (node.size() < min_count || node.size() > max_count) {
+    Fail(key, fmt::format("has {} numbers, not {}", node.size(),
+                          min_count == max_count ? fmt::format("{}", min_count)
+                                                 : fmt::format("{} to {}", min_count, max_count)));
+  }
+  std::vector<double> numbers;
+  for (const YAML::Node& element : node) numbers.push_back(ToNumber(key, element));
+  return numbers;
+}
+
+YamlMap YamlMap::Map(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsMap()) Fail(key, "must hold `key: value` lines");
+  return {path_, node};
+}
+
+std::vector<double> YamlMap::Rows(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (node.IsMap()) return Map(key).Numbers("data", 12, 16);
+  if (!node.IsSequence() || node.size() == 0 || !node.begin()->IsSequence()) return Numbers(key, 12, 16);
+  std::vector<double> numbers;
+  for (const YAML::Node& row : node) {
+    if (!row.IsSequence() || row.size() != 4) Fail(key, "must have rows of 4 numbers");
+    for (const YAML::Node& element : row) numbers.push_back(ToNumber(key, element));
+  }
+  return numbers;
+}
+
+SE3 YamlMap::Transform(std::string_view key) const {
+  const std::vector<double> rows = Rows(key);
+  SE3 T;
+  const std::string complaint = TransformFrom(rows, &T);
+  if (!complaint.empty()) Fail(key, complaint);
+  return T;
+}
+
+void YamlMap::AllowOnly(const std::vector<std::string>& known) const {
+  for (const auto& entry : node_) {
+    const std::string& key = entry.first.Scalar();
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    Fail(key, fmt::format("is not a known key ({})", fmt::join(known, ", ")));
+  }
+}
+
+void YamlMap::Fail(std::string_view key, const std::string& what) const {
+  int line = node_.Mark().line;
+  for (const auto& entry : node_) {
+    if (entry.first.Scalar() == key) line = entry.first.Mark().line;
+  }
+  throw DatasetError(fmt::format("{}:{}: {} {}", path_, line + 1, Shown(std::string(key)), what));
+}
+
+void YamlMap::Require(std::string_view key, const std::string& complaint) const {
+  if (!complaint.empty()) Fail(key, "is not usable: " + complaint);
+}
+
+std::string TransformFrom(const std::vector<double>& rows, SE3* T) {
+  if (rows.size() != 12 && rows.size() != 16) return fmt::format("has {} numbers, not 12 or 16", rows.size());
+  Eigen::Matrix<double, 3, 4> m;
+  for (int i = 0; i < 12; ++i) m(i / 4, i % 4) = rows[static_cast<size_t>(i)];
+  const Eigen::Matrix3d R = m.leftCols<3>();
+  const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(error <= kOrthogonalityTolerance) || !(R.determinant() > 0.0)) {
+    return fmt::format("is no rotation (determinant {:.6g}, off by {:.3g}, at most {})", R.determinant(), error,
+                       kOrthogonalityTolerance);
+  }
+  if (!m.col(3).allFinite()) return "is not finite";
+  if (rows.size() == 16 && (rows[12] != 0.0 || rows[13] != 0.0 || rows[14] != 0.0 || rows[15] != 1.0)) {
+    return fmt::format("has a last row {} {} {} {}, not 0 0 0 1", rows[12], rows[13], rows[14], rows[15]);
+  }
+  *T = SE3(R, Eigen::Vector3d(m.col(3)));
+  return "";
+}
+
+}  // namespace plslam

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/image/linear_shrink.h"
+
+namespace plslam {
+
+/// An image at sizes that shrink by a constant factor. Level 0 is the image itself (shared, not copied).
+///
+/// Levels end where an image would be smaller than `kMinSide_px`. Buffers are reused for images of equal size.
+class ImagePyramid {
+ public:
+  static constexpr int kMinSide_px = 8;
+
+  /// `image` is CV_8UC1 and must outlive the use of level 0.
+  void Build(const cv::Mat& image, int levels, double scale_factor);
+
+  int levels() const { return static_cast<int>(images_.size()); }
+  const cv::Mat& image(int level) const { return images_[level]; }
+
+  /// Size of a pixel of the level in pixels of the image, per axis (sizes are rounded, so not exactly powers).
+  const Eigen::Vector2d& scale(int level) const { return scales_[level]; }
+
+  /// Place in the image of a place in a level. Pixel centres are integer in both: x0 = (x + 1/2) s - 1/2.
+  Eigen::Vector2d ToImage(const Eigen::Vector2d& level_px, int level) const {
+    return ((level_px.array() + 0.5) * scales_[level].array() - 0.5).matrix();
+  }
+
+ private:
+  void Shrink(const cv::Mat& image, cv::Size size, int level, cv::Mat& out);
+
+  std::vector<cv::Mat> images_;
+  std::vector<Eigen::Vector2d> scales_;
+  // By level, of the sizes of the last image.
+  std::vector<std::optional<LinearShrink>> shrinks_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,70 @@
+#include "core/features/points/orb_extractor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+
+#include "core/features/points/corner_shape.h"
+#include "core/features/points/orb_detector.h"
+
+namespace plslam {
+namespace {
+
+/// The disc of the orientation, and one more column that its vector code reads.
+constexpr int kDescriptorMargin_px = kOrbPatchRadius_px + 1;
+
+/// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep enough).
+std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
+  std::vector<double> sides(levels, 1.0);
+  for (int level = 1; level < levels; ++level) sides[level] = sides[level - 1] / options.scale_factor;
+  const double sum = std::accumulate(sides.begin(), sides.end(), 0.0);
+  std::vector<int> quotas;
+  quotas.reserve(levels);
+  for (const double side : sides) quotas.push_back(static_cast<int>(std::lround(options.max_points * side / sum)));
+  return quotas;
+}
+
+}  // namespace
+
+std::vector<Corner> OrbExtractor::FindCorners(const cv::Mat& image, int quota) {
+  std::vector<Corner> corners =
+      detector_.Detect(image, options_.fast_threshold, options_.min_fast_threshold, kDescriptorMargin_px);
+  // Shapes are looked at after a first choice, with some to spare: there may be ten times as many corners as wanted.
+  corners = SpreadCorners(corners, quota + quota / 4, image.cols, image.rows);
+  std::erase_if(corners, [&](const Corner& c) { return CornerRatio(image, c.x, c.y) < options_.min_corner_ratio; });
+  return SpreadCorners(corners, quota, image.cols, image.rows);
+}
+
+std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
+  if (image.empty()) return {};
+  if (image.type() != CV_8UC1) throw std::invalid_argument("OrbExtractor: the image must be 8 bit grey");
+  pyramid_.Build(image, options_.levels, options_.scale_factor);
+  const std::vector<int> quotas = LevelQuotas(options_, pyramid_.levels());
+  descriptors_.resize(std::max(descriptors_.size(), static_cast<size_t>(pyramid_.levels())));
+  std::vector<PointFeature> points;
+  int unused = 0;
+  for (int level = 0; level < pyramid_.levels(); ++level) {
+    const cv::Mat& level_image = pyramid_.image(level);
+    // What a level could not give, the coarser ones may; the total never exceeds the maximum.
+    const int room = options_.max_points - static_cast<int>(points.size());
+    const int quota = std::min(quotas[level] + unused, room);
+    const std::vector<Corner> corners = FindCorners(level_image, quota);
+    unused = quota - static_cast<int>(corners.size());
+    if (corners.empty()) continue;
+    BlurForBrief(level_image, blurred_);
+    for (const Corner& c : corners) {
+      PointFeature point;
+      point.px = pyramid_.ToImage(detector_.SubPixel(c), level);
+      point.response = static_cast<float>(c.response);
+      point.octave = level;
+      point.scale = pyramid_.scale(level).x();
+      point.angle_rad = IntensityCentroidAngle(level_image, c.x, c.y);
+      point.descriptor = descriptors_[level].Compute(blurred_, c.x, c.y, AngleBin(point.angle_rad));
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+}  // namespace plslam

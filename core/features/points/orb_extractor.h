@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/features.h"
+#include "core/features/image/image_pyramid.h"
+#include "core/features/options.h"
+#include "core/features/points/orb_descriptor.h"
+#include "core/features/points/orb_detector.h"
+
+namespace plslam {
+
+/// ORB points of an image (Rublee 2011; PL-SLAM §IV.A): FAST corners on a pyramid, spread over the image, turned by the
+/// intensity centroid, steered BRIEF.
+///
+/// Keeps buffers between images, never results. At most `max_points`; order: by octave, then as spread.
+class OrbExtractor {
+ public:
+  explicit OrbExtractor(const OrbOptions& options) : options_(options) {}
+
+  /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave.
+  std::vector<PointFeature> Extract(const cv::Mat& image);
+
+ private:
+  /// Corners of one level, at most `quota`, spread over it and firm in both directions.
+  std::vector<Corner> FindCorners(const cv::Mat& image, int quota);
+
+  OrbOptions options_;
+  ImagePyramid pyramid_;
+  CornerDetector detector_;
+  cv::Mat blurred_;
+  std::vector<OrbDescriptor> descriptors_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,112 @@
+#include "core/io/files/sealed_file.h"
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/io/files/atomic_file.h"
+
+namespace plslam {
+namespace {
+
+constexpr size_t kSummed = 24;
+
+using Sum = decltype(Seal::checksum);
+using Bytes = std::span<const uint8_t>;
+
+Sum Blake2b(Bytes fields, Bytes content) {
+  crypto_generichash_state state;
+  Sum sum;
+  crypto_generichash_init(&state, nullptr, 0, sum.size());
+  crypto_generichash_update(&state, fields.data(), fields.size());
+  crypto_generichash_update(&state, content.data(), content.size());
+  crypto_generichash_final(&state, sum.data(), sum.size());
+  return sum;
+}
+
+Sum Poly1305(Bytes fields, Bytes content) {
+  static constexpr std::array<uint8_t, crypto_onetimeauth_KEYBYTES> kKey = {'n', 'o', ' ', 's', 'e',
+                                                                            'c', 'r', 'e', 't'};
+  crypto_onetimeauth_state state;
+  Sum sum{};
+  static_assert(crypto_onetimeauth_BYTES <= sizeof(Sum));
+  crypto_onetimeauth_init(&state, kKey.data());
+  crypto_onetimeauth_update(&state, fields.data(), fields.size());
+  crypto_onetimeauth_update(&state, content.data(), content.size());
+  crypto_onetimeauth_final(&state, sum.data());
+  return sum;
+}
+
+Sum SumOf(const FileKind& kind, const Seal& seal, Bytes content) {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  const Bytes fields(reinterpret_cast<const uint8_t*>(&seal), kSummed);
+  return kind.checksum == Checksum::kBlake2b ? Blake2b(fields, content) : Poly1305(fields, content);
+}
+
+std::string_view Text(const void* bytes, size_t n) { return {static_cast<const char*>(bytes), n}; }
+
+std::vector<uint8_t> ReadAll(const std::string& path) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw std::runtime_error("is no regular file");
+  }
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) throw std::runtime_error(fmt::format("cannot be opened: {}", std::strerror(errno)));
+  std::vector<uint8_t> bytes(static_cast<size_t>(file.tellg()));
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file) throw std::runtime_error("cannot be read to its end");
+  return bytes;
+}
+
+}  // namespace
+
+Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content) {
+  Seal seal{kind.magic, kind.format, content.size(), {}};
+  seal.checksum = SumOf(kind, seal, content);
+  return seal;
+}
+
+Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length) {
+  Seal seal;
+  if (bytes.size() < sizeof(Seal)) throw std::runtime_error(fmt::format("is no {} (too short)", kind.name));
+  std::memcpy(&seal, bytes.data(), sizeof(Seal));
+  if (seal.magic != kind.magic) throw std::runtime_error(fmt::format("is no {}", kind.name));
+  if (seal.format != kind.format) {
+    throw std::runtime_error(fmt::format("is a {0} of format {1}, and this program knows format {2}", kind.name,
+                                         seal.format, kind.format));
+  }
+  if (seal.length != file_length - sizeof(Seal)) {
+    throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",
+                                         file_length - sizeof(Seal), seal.length));
+  }
+  return seal;
+}
+
+void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content) {
+  if (SumOf(kind, seal, content) != seal.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
+}
+
+void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content) {
+  const Seal seal = MakeSeal(kind, content);
+  WriteFileAtomically(path, {Text(&seal, sizeof(seal)), Text(content.data(), content.size())});
+}
+
+std::vector<uint8_t> ReadSealedFile(const std::string& path, const FileKind& kind) {
+  return NamingFile(path, [&] {
+    std::vector<uint8_t> bytes = ReadAll(path);
+    const Seal seal = ReadSeal(kind, bytes, bytes.size());
+    bytes.erase(bytes.begin(), bytes.begin() + sizeof(Seal));
+    CheckSeal(kind, seal, bytes);
+    return bytes;
+  });
+}
+
+}  // namespace plslam

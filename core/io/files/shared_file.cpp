@@ -1,0 +1,26 @@
+#include "core/io/files/shared_file.h"
+
+#include <system_error>
+
+namespace plslam {
+
+namespace fs = std::filesystem;
+
+fs::path ProgramFolder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+fs::path SharedFile(const std::string& name) {
+  const fs::path folder = ProgramFolder();
+  return folder.empty() ? fs::path() : folder.parent_path() / "share" / "plslam" / name;
+}
+
+std::string FindSharedFile(const std::string& name) {
+  std::error_code error;
+  if (fs::exists(name, error)) return name;
+  const fs::path shared = SharedFile(name);
+  return fs::exists(shared, error) ? shared.string() : name;
+}
+
+}  // namespace plslam

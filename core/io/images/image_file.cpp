@@ -1,0 +1,153 @@
+#include "core/io/images/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <opencv2/imgproc.hpp>
+#include <span>
+#include <vector>
+
+#include "core/io/files/dataset_error.h"
+#include "core/io/images/image_header.h"
+#include "core/io/images/jpeg_codec.h"
+#include "core/io/images/png_codec.h"
+
+namespace plslam {
+namespace {
+
+constexpr int64_t kMaxFileBytes = 512LL * 1024 * 1024;
+// Enough for a JPEG whose frame header comes after colour profiles and thumbnails.
+constexpr int64_t kMaxHeaderBytes = 1024LL * 1024;
+
+[[noreturn]] void Fail(const std::string& path, const std::string& what) { throw DatasetError(path + ": " + what); }
+
+std::vector<uint8_t> ReadBytes(const std::string& path, int64_t limit) {
+  std::error_code error;
+  const auto status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) Fail(path, "the image is missing");
+  if (!std::filesystem::is_regular_file(status)) Fail(path, "is not a file");
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  if (!file) Fail(path, "the image cannot be opened");
+  const auto size = static_cast<int64_t>(file.tellg());
+  if (size > kMaxFileBytes) Fail(path, fmt::format("has {} bytes, more than {}", size, kMaxFileBytes));
+  std::vector<uint8_t> bytes(static_cast<size_t>(std::clamp<int64_t>(size, 0, limit)));
+  file.seekg(0);
+  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  if (!file) Fail(path, "the image cannot be read");
+  if (bytes.empty()) Fail(path, "the image is empty (0 bytes)");
+  return bytes;
+}
+
+ImageHeader CheckedHeader(const std::string& path, std::span<const uint8_t> bytes) {
+  const std::optional<ImageHeader> header = ParseImageHeader(bytes);
+  if (!header) Fail(path, "is not a PNG, JPEG or binary PGM image, or its header is damaged");
+  if (header->width_px < 1 || header->height_px < 1 || header->width_px > kMaxImagePixels ||
+      header->height_px > kMaxImagePixels || header->width_px * header->height_px > kMaxImagePixels) {
+    Fail(path, fmt::format("has {} x {} pixels by its header, more than {} or none", header->width_px,
+                           header->height_px, kMaxImagePixels));
+  }
+  return *header;
+}
+
+cv::Mat DecodePgm(const ImageHeader& header, std::span<const uint8_t> bytes) {
+  const bool wide = header.max_value > 255;
+  cv::Mat image(static_cast<int>(header.height_px), static_cast<int>(header.width_px), wide ? CV_16UC1 : CV_8UC1);
+  const uint8_t* in = bytes.data() + header.data_offset;
+  for (int y = 0; y < image.rows; ++y) {
+    for (int x = 0; x < image.cols; ++x) {
+      if (wide) {
+        image.at<uint16_t>(y, x) = static_cast<uint16_t>(in[0] << 8 | in[1]);
+      } else {
+        image.at<uint8_t>(y, x) = in[0];
+      }
+      in += wide ? 2 : 1;
+    }
+  }
+  return image;
+}
+
+cv::Mat DecodeImage(const std::string& path, const ImageHeader& header, std::span<const uint8_t> bytes) {
+  const cv::Size size(static_cast<int>(header.width_px), static_cast<int>(header.height_px));
+  try {
+    switch (header.format) {
+      case ImageFormat::kPng:
+        return DecodePng(bytes, size);
+      case ImageFormat::kJpeg:
+        return DecodeJpeg(bytes, size);
+      case ImageFormat::kPgm:
+        return DecodePgm(header, bytes);
+    }
+  } catch (const std::exception& e) {
+    Fail(path, fmt::format("the image is damaged and cannot be decoded: {}", e.what()));
+  }
+  Fail(path, "is of no known format");
+}
+
+// Grey values of a PGM may end at any number; black to white is the whole range of the pixels here.
+void StretchToWhite(int max_value, cv::Mat& image) {
+  const int white = image.depth() == CV_16U ? 65535 : 255;
+  if (max_value < white) image.convertTo(image, -1, static_cast<double>(white) / max_value);
+}
+
+/// With the header it was decoded by.
+struct DecodedImage {
+  ImageHeader header;
+  cv::Mat pixels;
+};
+
+DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
+  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+  const ImageHeader header = CheckedHeader(path, bytes);
+  if (header.width_px != expected.width_px || header.height_px != expected.height_px) {
+    Fail(path, fmt::format("has {} x {} pixels where {} x {} are expected", header.width_px, header.height_px,
+                           expected.width_px, expected.height_px));
+  }
+  if (!IsComplete(header, bytes)) Fail(path, fmt::format("the image is truncated after {} bytes", bytes.size()));
+  return {header, DecodeImage(path, header, bytes)};
+}
+
+// round(v / 257) in integers: 65535 / 255 = 257.
+cv::Mat To8Bit(const cv::Mat& wide) {
+  cv::Mat narrow(wide.size(), CV_8UC1);
+  for (int y = 0; y < wide.rows; ++y) {
+    const auto* in = wide.ptr<uint16_t>(y);
+    auto* out = narrow.ptr<uint8_t>(y);
+    for (int x = 0; x < wide.cols; ++x) out[x] = static_cast<uint8_t>((in[x] * 255U + 32895U) >> 16);
+  }
+  return narrow;
+}
+
+}  // namespace
+
+ImageSize ReadImageSize(const std::string& path) {
+  const ImageHeader header = CheckedHeader(path, ReadBytes(path, kMaxHeaderBytes));
+  return {static_cast<int>(header.width_px), static_cast<int>(header.height_px)};
+}
+
+cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
+  auto [header, image] = ReadImage(path, expected);
+  if (header.format == ImageFormat::kPgm) StretchToWhite(header.max_value, image);
+  if (image.depth() != CV_8U && image.depth() != CV_16U) Fail(path, "has neither 8-bit nor 16-bit pixels");
+  cv::Mat grey = image;
+  if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
+  if (grey.channels() != 1) Fail(path, fmt::format("has {} channels", image.channels()));
+  return grey.depth() == CV_16U ? To8Bit(grey) : grey;
+}
+
+cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }
+
+cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected) {
+  cv::Mat image = ReadImage(path, expected).pixels;
+  if (image.type() != CV_16UC1) {
+    Fail(path, fmt::format("a depth map has one channel of 16 bits, this image {} of {}", image.channels(),
+                           8 * image.elemSize1()));
+  }
+  return image;
+}
+
+}  // namespace plslam

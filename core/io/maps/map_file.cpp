@@ -1,0 +1,187 @@
+#include "core/io/maps/map_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <stdexcept>
+
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/sealed_file.h"
+#include "core/io/maps/map_file_check.h"
+#include "core/io/maps/map_file_fields.h"
+
+namespace plslam {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+constexpr FileKind kMapFile{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 1, "map file"};
+
+/// Reads landmarks of one kind into the map; returns how many sights they have.
+template <class Landmark>
+int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
+  int64_t last_id = -1;
+  int64_t n_sights = 0;
+  for (uint64_t n = read.ReadCount(archive::MinBytes<Landmark>()); n > 0; --n) {
+    Landmark landmark;
+    read(landmark);
+    map_file::Check(landmark, stored.features);
+    if (landmark.id <= last_id) throw std::runtime_error("landmarks do not ascend");
+    last_id = landmark.id;
+    n_sights += static_cast<int64_t>(landmark.sights.size());
+    stored.map.Put(landmark);
+  }
+  return n_sights;
+}
+
+void ReadKeyframes(archive::Reader& read, StoredMap& stored) {
+  int64_t last_id = -1;
+  for (uint64_t n = read.ReadCount(archive::MinBytes<MapKeyframe>()); n > 0; --n) {
+    MapKeyframe keyframe;
+    read(keyframe);
+    map_file::Check(keyframe);
+    if (keyframe.id <= last_id) throw std::runtime_error("keyframes do not ascend");
+    last_id = keyframe.id;
+    stored.map.Put(keyframe);
+  }
+}
+
+/// Values by number, ascending.
+template <class Value>
+void ReadMap(archive::Reader& read, std::map<int64_t, Value>& values) {
+  for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
+    int64_t id = 0;
+    read(id);
+    if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
+    read(values.try_emplace(values.end(), id)->second);
+  }
+}
+
+StoredMap ReadContent(Bytes content) {
+  StoredMap stored;
+  archive::Reader read(content);
+  read(stored);
+  ReadMap(read, stored.sessions);
+  ReadKeyframes(read, stored);
+  ReadMap(read, stored.features);
+  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
+  const int64_t point_sights = ReadLandmarks<MapPoint>(read, stored);
+  const int64_t line_sights = ReadLandmarks<MapLine>(read, stored);
+  std::vector<LoopEdge> loops;
+  read(loops);
+  for (const LoopEdge& loop : loops) {
+    map_file::Check(loop);
+    stored.map.Add(loop);
+  }
+  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  map_file::CheckWhole(stored, point_sights, line_sights);
+  stored.map.TakeChanges();
+  return stored;
+}
+
+/// The content is read while another thread sums it up, which takes as long.
+StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
+  auto check = std::async(std::launch::async, [&] { CheckSeal(kMapFile, seal, content); });
+  StoredMap stored;
+  try {
+    stored = ReadContent(content);
+  } catch (const std::runtime_error&) {
+    check.get();
+    throw;
+  }
+  check.get();
+  return stored;
+}
+
+template <class Value>
+void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
+  write(static_cast<uint64_t>(values.size()));
+  for (const auto& [id, value] : values) write(value);
+}
+
+void CheckAll(const StoredMap& stored) {
+  for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
+  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
+  for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
+  for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
+  for (const LoopEdge& loop : stored.map.loops()) map_file::Check(loop);
+  const MapTotals totals = stored.map.Totals();
+  map_file::CheckWhole(stored, totals.point_sights, totals.line_sights);
+}
+
+/// A little more than it will be.
+size_t RoughLength(const StoredMap& stored) {
+  using archive::MinBytes;
+  const MapTotals totals = stored.map.Totals();
+  size_t n = stored.rig.size() + stored.map.loops().size() * MinBytes<LoopEdge>() +
+             static_cast<size_t>(totals.keyframes) * (MinBytes<MapKeyframe>() + 64) +
+             static_cast<size_t>(totals.points) * MinBytes<MapPoint>() +
+             static_cast<size_t>(totals.lines) * MinBytes<MapLine>() +
+             static_cast<size_t>(totals.point_sights + totals.line_sights) * MinBytes<Sight>();
+  for (const auto& [id, features] : stored.features) {
+    n += features.points.size() * MinBytes<StereoPoint>() + features.lines.size() * MinBytes<StereoLine>();
+  }
+  return n + 4096;
+}
+
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+
+void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
+  if (std::fread(bytes, 1, n, file) != n) throw std::runtime_error("cannot be read to its end");
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
+  CheckAll(stored);
+  archive::Writer write(RoughLength(stored));
+  // The seal's place; what it says is known at the end.
+  write(std::vector<uint8_t>(sizeof(Seal) - sizeof(uint64_t)), stored);
+  write(stored.sessions);
+  WriteValues(write, stored.map.keyframes());
+  write(stored.features);
+  WriteValues(write, stored.map.points());
+  WriteValues(write, stored.map.lines());
+  write(stored.map.loops());
+  std::vector<uint8_t> bytes = std::move(write).Take();
+  const Seal seal = MakeSeal(kMapFile, Bytes(bytes).subspan(sizeof(Seal)));
+  std::memcpy(bytes.data(), &seal, sizeof(Seal));
+  return bytes;
+}
+
+StoredMap DecodeMap(std::span<const uint8_t> bytes) {
+  const Seal seal = ReadSeal(kMapFile, bytes, bytes.size());
+  return ReadAndCheck(seal, bytes.subspan(sizeof(Seal)));
+}
+
+void WriteMapFile(const std::string& path, const StoredMap& stored) {
+  const std::vector<uint8_t> bytes = NamingFile(path, [&] { return EncodeMap(stored); });
+  WriteFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+}
+
+StoredMap ReadMapFile(const std::string& path) {
+  return NamingFile(path, [&] {
+    std::error_code error;
+    const uint64_t length = std::filesystem::file_size(path, error);
+    const File file(error ? nullptr : std::fopen(path.c_str(), "rb"), &std::fclose);
+    if (file == nullptr) {
+      throw std::runtime_error(fmt::format("cannot be opened: {}", error ? error.message() : std::strerror(errno)));
+    }
+    std::array<uint8_t, sizeof(Seal)> head{};
+    const size_t n = std::min<uint64_t>(length, sizeof(Seal));
+    ReadExactly(file.get(), head.data(), n);
+    const Seal seal = ReadSeal(kMapFile, Bytes(head).first(n), length);
+    // Not a vector: its bytes would be set to zero first.
+    const std::unique_ptr<uint8_t[]> content(new uint8_t[seal.length]);
+    ReadExactly(file.get(), content.get(), seal.length);
+    return ReadAndCheck(seal, {content.get(), seal.length});
+  });
+}
+
+}  // namespace plslam

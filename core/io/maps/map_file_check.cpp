@@ -1,0 +1,132 @@
+#include "core/io/maps/map_file_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace plslam::map_file {
+namespace {
+
+constexpr double kMaxUnitError = 1e-6;
+constexpr int kMaxOctave = 31;
+constexpr double kMaxPixel = 1e6;
+
+template <class... T>
+void Demand(bool condition, fmt::format_string<T...> what, T&&... values) {
+  if (!condition) throw std::runtime_error(fmt::format(what, std::forward<T>(values)...));
+}
+
+bool IsPose(const SE3& pose) { return pose.IsFinite() && std::abs(pose.rotation().norm() - 1.0) <= kMaxUnitError; }
+
+template <int N>
+bool IsCovariance(const Eigen::Matrix<double, N, N>& covariance) {
+  return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0;
+}
+
+bool IsDeviation(double sigma) { return std::isfinite(sigma) && sigma > 0.0; }
+
+bool IsPixel(const Eigen::Vector2d& px) { return px.allFinite() && px.cwiseAbs().maxCoeff() <= kMaxPixel; }
+
+bool IsFeature(const StereoPoint& p) {
+  const PointFeature& left = p.left;
+  return IsPixel(left.px) && std::isfinite(left.response) && std::isfinite(left.angle_rad) && left.octave >= 0 &&
+         left.octave <= kMaxOctave && std::isfinite(left.scale) && std::isfinite(p.disparity_px) &&
+         IsDeviation(p.sigma_px) && IsDeviation(p.sigma_disparity_px);
+}
+
+bool IsFeature(const StereoLine& l) {
+  const LineFeature& left = l.left;
+  return IsPixel(left.segment.p) && IsPixel(left.segment.q) && std::isfinite(left.response) && left.octave >= 0 &&
+         left.octave <= kMaxOctave && std::isfinite(l.disparity_p_px) && std::isfinite(l.disparity_q_px) &&
+         IsDeviation(l.sigma_px) && IsDeviation(l.sigma_disparity_p_px) && IsDeviation(l.sigma_disparity_q_px);
+}
+
+template <class Feature>
+void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights,
+                 const std::map<int64_t, StereoFeatures>& features, std::vector<Feature> StereoFeatures::*of) {
+  int64_t last = -1;
+  for (const Sight& sight : sights) {
+    Demand(sight.keyframe_id > last, "{} {} has sights that do not ascend by keyframe ({} after {})", kind, id,
+           sight.keyframe_id, last);
+    last = sight.keyframe_id;
+    const auto found = features.find(sight.keyframe_id);
+    const auto n = found == features.end() ? 0 : static_cast<int64_t>((found->second.*of).size());
+    Demand(sight.feature >= 0 && sight.feature < n, "{} {} is seen as feature {} of keyframe {}, which has {}", kind,
+           id, sight.feature, sight.keyframe_id, n);
+  }
+}
+
+template <class Landmark>
+int64_t LastId(const IdMap<Landmark>& landmarks) {
+  return landmarks.empty() ? -1 : landmarks.rbegin()->first;
+}
+
+}  // namespace
+
+void Check(const MapKeyframe& k) {
+  Demand(k.id >= 0 && k.session_keyframe_id >= 0 && k.frame_id >= 0, "keyframe {} has a negative number", k.id);
+  Demand(k.previous_id >= -1 && k.previous_id < k.id && k.parent_id >= -1 && k.parent_id < k.id,
+         "keyframe {} comes after keyframe {} and hangs on {}, which must be older", k.id, k.previous_id,
+         k.parent_id);
+  Demand(IsPose(k.T_w_kf) && IsPose(k.T_odom_kf) && IsPose(k.T_prevkf_kf),
+         "keyframe {} has a pose that is not finite or whose rotation is not unit", k.id);
+  Demand(IsCovariance<6>(k.covariance) && IsCovariance<6>(k.relative_covariance),
+         "keyframe {} has a covariance that cannot be", k.id);
+}
+
+void Check(int64_t keyframe_id, const StereoFeatures& features) {
+  const auto is_feature = [](const auto& feature) { return IsFeature(feature); };
+  Demand(std::all_of(features.points.begin(), features.points.end(), is_feature) &&
+             std::all_of(features.lines.begin(), features.lines.end(), is_feature),
+         "keyframe {} has a feature whose values cannot be", keyframe_id);
+}
+
+void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features) {
+  const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
+                  p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;
+  Demand(ok, "point {} has values that cannot be", p.id);
+  CheckSights("point", p.id, p.sights, features, &StereoFeatures::points);
+}
+
+void Check(const MapLine& l, const std::map<int64_t, StereoFeatures>& features) {
+  const bool ok = l.id >= 0 && l.segment_w.p.allFinite() && l.segment_w.q.allFinite() &&
+                  IsCovariance<3>(l.covariance_p) && IsCovariance<3>(l.covariance_q);
+  Demand(ok, "line {} has values that cannot be", l.id);
+  CheckSights("line", l.id, l.sights, features, &StereoFeatures::lines);
+}
+
+void Check(const LoopEdge& loop) {
+  const bool ok = loop.old_keyframe_id >= 0 && loop.keyframe_id > loop.old_keyframe_id && loop.n_points >= 0 &&
+                  loop.n_lines >= 0 && IsPose(loop.T_old_kf) && IsCovariance<6>(loop.covariance);
+  Demand(ok, "the loop from keyframe {} to {} has values that cannot be", loop.old_keyframe_id, loop.keyframe_id);
+}
+
+void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sights) {
+  const Map& map = stored.map;
+  Demand(stored.next_keyframe_id > LastId(map.keyframes()), "the next keyframe would be {}, and there is a {}",
+         stored.next_keyframe_id, LastId(map.keyframes()));
+  Demand(stored.next_point_id > LastId(map.points()), "the next point would be {}, and there is a {}",
+         stored.next_point_id, LastId(map.points()));
+  Demand(stored.next_line_id > LastId(map.lines()), "the next line would be {}, and there is a {}",
+         stored.next_line_id, LastId(map.lines()));
+  Demand(stored.version >= 0, "the map's version is {}", stored.version);
+  const MapTotals totals = map.Totals();
+  Demand(totals.point_sights == point_sights && totals.line_sights == line_sights,
+         "a feature belongs to several landmarks");
+  for (const auto& [id, features] : stored.features) {
+    Demand(map.FindKeyframe(id) != nullptr, "features are of keyframe {}, which the map does not have", id);
+  }
+  for (const auto& [session, newest] : stored.sessions) {
+    const MapKeyframe* keyframe = map.FindKeyframe(newest.keyframe_id);
+    Demand(keyframe != nullptr && keyframe->session == session,
+           "session {} ends with keyframe {}, which the map does not have of it", session, newest.keyframe_id);
+  }
+  for (const LoopEdge& loop : map.loops()) {
+    Demand(std::max(loop.old_keyframe_id, loop.keyframe_id) < stored.next_keyframe_id,
+           "a loop joins keyframe {} to {}, which never was", loop.old_keyframe_id, loop.keyframe_id);
+  }
+}
+
+}  // namespace plslam::map_file

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <map>
+
+#include "core/io/maps/map_file.h"
+
+namespace plslam::map_file {
+
+// What values of a map file must be. Each throws std::runtime_error that names the culprit.
+
+void Check(const MapKeyframe& keyframe);
+void Check(int64_t keyframe_id, const StereoFeatures& features);
+/// Sights ascend and are of features that there are.
+void Check(const MapPoint& point, const std::map<int64_t, StereoFeatures>& features);
+void Check(const MapLine& line, const std::map<int64_t, StereoFeatures>& features);
+void Check(const LoopEdge& loop);
+/// Next numbers are greater than all that are in use, sessions and features name keyframes of the map, and each feature
+/// belongs to one landmark (there are as many sights in the map as `sights` were put).
+void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sights);
+
+}  // namespace plslam::map_file

@@ -1,0 +1,253 @@
+#include "core/optim/bundle/bundle.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/optim/bundle/bundle_covariance.h"
+#include "core/optim/bundle/ceres_solver.h"
+#include "core/optim/bundle/line_cost.h"
+#include "core/optim/bundle/line_endpoint_cost.h"
+#include "core/optim/bundle/point_cost.h"
+#include "core/optim/bundle/relative_poses.h"
+#include "core/optim/bundle/schur_solver.h"
+#include "core/optim/bundle/sight_group.h"
+
+namespace plslam {
+namespace {
+
+// Share of sights below which a change of outliers is not worth another pass.
+constexpr double kFewChanges = 0.005;
+
+template <class Sight>
+std::string IndexFault(const char* kind, const std::vector<Sight>& sights, size_t poses, size_t landmarks) {
+  const auto is_place = [](int i, size_t size) { return i >= 0 && static_cast<size_t>(i) < size; };
+  for (size_t i = 0; i < sights.size(); ++i) {
+    if (is_place(sights[i].pose, poses) && is_place(LandmarkOf(sights[i]), landmarks)) continue;
+    return std::string(kind) + " sight " + std::to_string(i) + " is of pose " + std::to_string(sights[i].pose) +
+           " of " + std::to_string(poses) + " and " + kind + " " + std::to_string(LandmarkOf(sights[i])) + " of " +
+           std::to_string(landmarks);
+  }
+  return {};
+}
+
+// Why the problem as a whole cannot be worked on; empty where it can.
+std::string Fault(const BundleProblem& problem) {
+  const StereoCamera& camera = problem.camera;
+  const bool finite = std::isfinite(camera.f_px + camera.cx_px + camera.cy_px + camera.baseline_m);
+  if (!finite || !(camera.f_px > 0.0) || !(camera.baseline_m > 0.0)) {
+    return "camera has focal length " + std::to_string(camera.f_px) + " px and baseline " +
+           std::to_string(camera.baseline_m) + " m";
+  }
+  for (size_t i = 0; i < problem.poses.size(); ++i) {
+    if (!problem.poses[i].T_w_c.IsFinite()) return "pose " + std::to_string(i) + " is not finite";
+  }
+  const auto is_pose = [&problem](int i) { return i >= 0 && static_cast<size_t>(i) < problem.poses.size(); };
+  for (const RelativePose& relative : problem.relative_poses) {
+    if (is_pose(relative.a) && is_pose(relative.b)) continue;
+    return "a relative pose is between poses " + std::to_string(relative.a) + " and " + std::to_string(relative.b) +
+           " of " + std::to_string(problem.poses.size());
+  }
+  std::string fault = IndexFault("point", problem.point_sights, problem.poses.size(), problem.points.size());
+  if (!fault.empty()) return fault;
+  return IndexFault("line", problem.line_sights, problem.poses.size(), problem.lines.size());
+}
+
+// Where nothing is fixed, the first pose is held, so that the whole cannot float.
+std::vector<AdjustedPose> MakePoses(const BundleProblem& problem) {
+  const auto is_fixed = [](const auto& item) { return item.fixed; };
+  bool hold_next = std::none_of(problem.poses.begin(), problem.poses.end(), is_fixed) &&
+                   std::none_of(problem.points.begin(), problem.points.end(), is_fixed) &&
+                   std::none_of(problem.lines.begin(), problem.lines.end(), is_fixed);
+  std::vector<AdjustedPose> poses;
+  poses.reserve(problem.poses.size());
+  int columns = 0;
+  for (const BundlePose& pose : problem.poses) {
+    poses.emplace_back(pose.T_w_c, pose.fixed || std::exchange(hold_next, false) ? -1 : columns++);
+  }
+  return poses;
+}
+
+Gates MakeGates(double gate_sigmas) {
+  Gates gates{};
+  for (int rows = 1; rows < static_cast<int>(gates.size()); ++rows)
+    gates[rows] = ChiSquareQuantile(rows, gate_sigmas);
+  return gates;
+}
+
+BundleResult AsGiven(const BundleProblem& problem) {
+  BundleResult result;
+  for (const BundlePose& pose : problem.poses) result.T_w_c.push_back(pose.T_w_c);
+  for (const BundlePoint& point : problem.points) result.points.push_back(point.p_w);
+  for (const BundleLine& line : problem.lines) result.lines.push_back(line.segment_w);
+  result.point_inliers.assign(problem.point_sights.size(), false);
+  result.line_inliers.assign(problem.line_sights.size(), false);
+  return result;
+}
+
+// Points and lines of one adjustment; `Line` is how lines are parameterised and compared.
+template <class Line>
+class Adjustment {
+ public:
+  Adjustment(const BundleProblem& problem, const BundleOptions& options)
+      : given_(problem),
+        options_(options),
+        gates_(MakeGates(options.gate_sigmas)),
+        poses_(MakePoses(problem)),
+        points_(problem.points, problem.point_sights, options.huber_delta, poses_, problem.camera),
+        lines_(problem.lines, problem.line_sights, options.huber_delta, poses_, problem.camera),
+        relative_poses_(problem.relative_poses, poses_) {}
+
+  BundleResult Run(const std::atomic<bool>* stop, BundleCovariances covariances) {
+    BundleResult result = AsGiven(given_);
+    const bool free_pose =
+        std::any_of(poses_.begin(), poses_.end(), [](const auto& pose) { return pose.IsAdjusted(); });
+    if (!free_pose && !points_.HasFree() && !lines_.HasFree()) {
+      result.reason = "no free pose or landmark is seen";
+      return result;
+    }
+    if (!Solve(stop, result)) return result;
+    Fill(result);
+    if (covariances == BundleCovariances::kAll) FillCovariances(result);
+    return result;
+  }
+
+ private:
+  bool Solve(const std::atomic<bool>* stop, BundleResult& result) {
+    // A later pass lets them in again.
+    if (options_.max_refinements > 0) {
+      points_.TrimGross();
+      lines_.TrimGross();
+    }
+    points_.HoldUndetermined();
+    lines_.HoldUndetermined();
+    StepJudge judge(Actions(), options_, stop);
+    const bool dense = CountFree(poses_) <= options_.max_dense_poses;
+    const bool solved = dense ? SolveDensely(judge, result) : SolveSparsely(judge, result);
+    RestoreLost();
+    if (!solved) result.reason = "the solver failed";
+    return solved;
+  }
+
+  // What nothing agrees with in the end stays where it was, not where outliers brought it.
+  void RestoreLost() {
+    points_.RestoreLost();
+    lines_.RestoreLost();
+    points_.HoldPoses();
+    lines_.HoldPoses();
+    relative_poses_.HoldPoses();
+    for (AdjustedPose& pose : poses_) {
+      if (!pose.held) pose.Restore();
+    }
+  }
+
+  SightActions Actions() {
+    SightActions actions;
+    actions.loss = [this] {
+      const LossSum points = points_.Loss();
+      const LossSum lines = lines_.Loss();
+      return LossSum{points.loss + lines.loss, points.rows + lines.rows};
+    };
+    actions.other_loss = [this] { return points_.PriorLoss() + lines_.PriorLoss() + relative_poses_.Loss(); };
+    actions.trim = [this] {
+      points_.Trim(gates_);
+      lines_.Trim(gates_);
+    };
+    return actions;
+  }
+
+  bool SolveDensely(StepJudge& judge, BundleResult& result) {
+    LandmarkElimination<PointCost> points(points_);
+    LandmarkElimination<Line> lines(lines_);
+    SchurSolver solver(poses_, relative_poses_, {&points, &lines}, options_);
+    return RunPasses(solver, judge, result);
+  }
+
+  bool SolveSparsely(StepJudge& judge, BundleResult& result) {
+    CeresSolver solver(poses_, relative_poses_, points_.ParameterCount() + lines_.ParameterCount(), options_);
+    solver.Add(points_);
+    solver.Add(lines_);
+    return RunPasses(solver, judge, result);
+  }
+
+  template <class Solver>
+  bool RunPasses(Solver& solver, StepJudge& judge, BundleResult& result) {
+    for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
+      const BundlePass pass = solver.Run(judge, refinement == 0 && options_.max_refinements > 0);
+      result.stopped = pass.stopped;
+      result.settled |= !pass.stopped;
+      result.iterations += pass.iterations;
+      if (!pass.ok || !IsFinite()) return false;
+      const int changed = points_.Gate(gates_) + lines_.Gate(gates_);
+      if (changed <= kFewChanges * (points_.sight_count() + lines_.sight_count())) break;
+    }
+    return true;
+  }
+
+  bool IsFinite() const {
+    const auto finite = [](const AdjustedPose& pose) { return pose.x.allFinite(); };
+    return std::all_of(poses_.begin(), poses_.end(), finite) && points_.IsFinite() && lines_.IsFinite();
+  }
+
+  void Fill(BundleResult& result) const {
+    result.ok = true;
+    for (size_t i = 0; i < poses_.size(); ++i) result.T_w_c[i] = poses_[i].T_w_c();
+    for (size_t i = 0; i < result.points.size(); ++i) result.points[i] = points_.landmarks()[i].x;
+    for (size_t i = 0; i < result.lines.size(); ++i) result.lines[i] = lines_.landmarks()[i].Segment();
+    result.point_inliers = points_.Inliers();
+    result.line_inliers = lines_.Inliers();
+    result.before = Rms(State::kStart);
+    result.after = Rms(State::kNow);
+  }
+
+  void FillCovariances(BundleResult& result) const {
+    BundleCovariance covariance(CountFree(poses_), options_.huber_delta, options_.gate_sigmas);
+    const auto of_points = covariance.Eliminate(points_);
+    const auto of_lines = covariance.Eliminate(lines_);
+    const double excess = covariance.Excess();
+    result.pose_covariances = covariance.OfPoses(poses_);
+    for (const Eigen::Matrix3d& of_point : of_points) result.point_covariances.push_back(excess * of_point);
+    for (size_t i = 0; i < of_lines.size(); ++i) {
+      // Those that nobody saw may have no direction.
+      std::array<Eigen::Matrix3d, 2> ends{Eigen::Matrix3d::Zero(), Eigen::Matrix3d::Zero()};
+      if (!of_lines[i].isZero(0.0)) ends = lines_.landmarks()[i].EndCovariances(excess * of_lines[i]);
+      result.line_p_covariances.push_back(ends[0]);
+      result.line_q_covariances.push_back(ends[1]);
+    }
+  }
+
+  BundleRms Rms(State state) const {
+    const SightSums points = points_.Sum(state);
+    const SightSums lines = lines_.Sum(state);
+    BundleRms rms;
+    rms.normalised = std::sqrt((points.squares + lines.squares) / std::max(1.0, points.rows + lines.rows));
+    rms.point_px = std::sqrt(points.squares_px / std::max(1.0, points.sights));
+    rms.line_px = std::sqrt(lines.squares_px / std::max(1.0, lines.sights));
+    return rms;
+  }
+
+  const BundleProblem& given_;
+  const BundleOptions& options_;
+  Gates gates_;
+  std::vector<AdjustedPose> poses_;
+  SightGroup<PointCost> points_;
+  SightGroup<Line> lines_;
+  RelativePoses relative_poses_;
+};
+
+}  // namespace
+
+BundleResult AdjustBundle(const BundleProblem& problem, const BundleOptions& options, const std::atomic<bool>* stop,
+                          BundleCovariances covariances) {
+  const std::string fault = Fault(problem);
+  if (!fault.empty()) {
+    BundleResult result = AsGiven(problem);
+    result.reason = fault;
+    return result;
+  }
+  if (options.lines == "endpoints") return Adjustment<LineEndpointCost>(problem, options).Run(stop, covariances);
+  return Adjustment<LineCost>(problem, options).Run(stop, covariances);
+}
+
+}  // namespace plslam

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Cholesky>
+
+#include "core/optim/bundle/reduced_information.h"
+#include "core/optim/bundle/sight_group.h"
+
+namespace plslam {
+
+/// Covariances of an adjustment's result, from the inliers' information at the end: landmarks are eliminated one by one
+/// (Schur complement), and what is left is inverted.
+///
+/// Each sight counts with its robust weight, times what turns the inverse of the weighted information into an honest
+/// covariance (see RobustExpectation). Residuals larger than the sigmas promise enlarge all of them.
+class BundleCovariance {
+ public:
+  BundleCovariance(int free_poses, double huber_delta, double gate_sigmas)
+      : delta_(huber_delta),
+        expectations_(ExpectRobust(huber_delta, gate_sigmas)),
+        reduced_(free_poses),
+        free_poses_(free_poses) {}
+
+  /// Eliminates the landmarks of one kind. Returns the covariances of their parameters given all poses, before `Excess`;
+  /// zero for those that are fixed, without inliers, or cannot be inverted.
+  template <class Cost>
+  std::vector<typename SightGroup<Cost>::Information> Eliminate(const SightGroup<Cost>& group);
+
+  /// Factor by which all covariances grow: weighted squares over those expected, at least 1.
+  double Excess() const;
+
+  /// Of the free poses' right perturbations; zero for fixed ones.
+  std::vector<Matrix6d> OfPoses(const std::vector<AdjustedPose>& poses) const;
+
+ private:
+  template <class Cost>
+  using Coupling = Eigen::Matrix<double, 6, Cost::Landmark::kSize>;
+
+  double delta_;
+  RobustExpectations expectations_;
+  ReducedInformation reduced_;
+  int free_poses_;
+  double weighted_squares_ = 0.0;
+  double expected_squares_ = 0.0;
+  double rows_ = 0.0;
+  double landmark_parameters_ = 0.0;
+};
+
+template <class Cost>
+std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(const SightGroup<Cost>& group) {
+  using Information = typename SightGroup<Cost>::Information;
+  constexpr int kSize = SightGroup<Cost>::kSize;
+  constexpr int kRows = Cost::kMaxRows;
+  std::vector<Information> covariances(group.landmarks().size(), Information::Zero());
+  std::vector<std::pair<int, Coupling<Cost>>> couplings;
+  Eigen::Matrix<double, kRows, 1> r;
+  Eigen::Matrix<double, kRows, 6, Eigen::RowMajor> by_pose;
+  Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor> by_landmark;
+  group.ForEachLandmark([&](size_t i, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
+    const auto& landmark = group.landmarks()[i];
+    Information H = group.PriorInformation(i);
+    couplings.clear();
+    bool seen = false;
+    for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
+      if (!sight->active) continue;
+      r.setZero();
+      by_pose.setZero();
+      by_landmark.setZero();
+      const CameraView& view = sight->pose->view;
+      if (!sight->cost.Evaluate(view, landmark.x.data(), r.data(), by_pose.data(), by_landmark.data())) continue;
+      seen = true;
+      const int rows = sight->cost.rows();
+      const RobustExpectation& expected = expectations_[rows];
+      const double squared = r.squaredNorm();
+      const double weight = PseudoHuberWeight(squared, delta_);
+      weighted_squares_ += weight * squared;
+      expected_squares_ += expected.A * rows / expected.probability;
+      rows_ += rows;
+      const double information = weight * expected.A * expected.A / (expected.B * expected.weight);
+      if (landmark.free) H.noalias() += information * by_landmark.transpose() * by_landmark;
+      const int column = sight->pose->column;
+      if (column < 0) continue;
+      reduced_.Add(column, column, information * by_pose.transpose() * by_pose);
+      if (landmark.free) couplings.emplace_back(column, information * by_pose.transpose() * by_landmark);
+    }
+    if (!landmark.free || !seen) return;
+    landmark_parameters_ += kSize;
+    const Eigen::LLT<Information> root(H);
+    if (root.info() != Eigen::Success || !H.allFinite()) return;
+    covariances[i] = root.solve(Information::Identity());
+    for (size_t a = 0; a < couplings.size(); ++a) {
+      const Coupling<Cost> half = couplings[a].second * covariances[i];
+      for (size_t b = 0; b < couplings.size(); ++b) {
+        if (couplings[a].first > couplings[b].first) continue;
+        reduced_.Add(couplings[a].first, couplings[b].first, -half * couplings[b].second.transpose());
+      }
+    }
+  });
+  return covariances;
+}
+
+}  // namespace plslam

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include <ceres/ceres.h>
+
+#include "core/optim/bundle/camera_view.h"
+#include "core/optim/bundle/ceres_sights.h"
+#include "core/optim/bundle/relative_poses.h"
+#include "core/optim/bundle/sight_group.h"
+#include "core/optim/bundle/step_judge.h"
+
+namespace plslam {
+
+/// Levenberg-Marquardt by Ceres: for many poses, whose reduced system is mostly zeros (sparse Schur complement, SuiteSparse).
+///
+/// It keeps poses and landmarks at the parameters under evaluation, and ends a pass when a step has gained little: Ceres'
+/// own test throws that step away, or evaluates Jacobians that nobody uses.
+class CeresSolver : private ceres::EvaluationCallback, private ceres::IterationCallback {
+ public:
+  /// All must outlive it. `landmark_numbers`: parameters of all landmarks that will be added.
+  CeresSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative, size_t landmark_numbers,
+              const BundleOptions& options);
+
+  /// Landmarks of one kind: eliminated first (group 0).
+  template <class Cost>
+  void Add(SightGroup<Cost>& group);
+
+  /// As `SchurSolver::Run`.
+  BundlePass Run(StepJudge& judge, bool trim);
+
+ private:
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override;
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override;
+
+  ceres::Solver::Options SolverOptions();
+  void Follow();
+
+  std::vector<AdjustedPose>& poses_;
+  const BundleOptions& options_;
+  ceres::SoftLOneLoss sight_loss_;
+  ceres::SoftLOneLoss relative_loss_;
+  ceres::Problem problem_;
+  ceres::ParameterBlockOrdering order_;
+  /// Ceres orders parameters by their addresses, so those of all landmarks are in one piece for equal input to give equal
+  /// output.
+  std::vector<double> parameters_;
+  size_t parameters_used_ = 0;
+  std::vector<std::function<void()>> follow_;
+  StepJudge* judge_ = nullptr;
+  BundlePass pass_;
+  bool trim_ = false;
+  bool finished_ = false;
+};
+
+template <class Cost>
+void CeresSolver::Add(SightGroup<Cost>& group) {
+  constexpr int kSize = SightGroup<Cost>::kSize;
+  double* const first = parameters_.data() + parameters_used_;
+  parameters_used_ += kSize * group.landmarks().size();
+  follow_.push_back([first, &group] {
+    const double* from = first;
+    for (auto& landmark : group.landmarks()) {
+      std::copy_n(from, kSize, landmark.x.data());
+      from += kSize;
+    }
+  });
+  group.ForEachLandmark([&](size_t i, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
+    const auto& landmark = group.landmarks()[i];
+    double* const x = first + kSize * i;
+    std::copy_n(landmark.x.data(), kSize, x);
+    const bool adjusted = landmark.free && begin != end;
+    for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
+      std::vector<double*> blocks;
+      if (adjusted) blocks.push_back(x);
+      if (sight->pose->IsFree()) blocks.push_back(sight->pose->x.data());
+      if (!blocks.empty()) problem_.AddResidualBlock(new CeresSight<Cost>(*sight, finished_), &sight_loss_, blocks);
+    }
+    if (!adjusted) return;
+    order_.AddElementToGroup(x, 0);
+    if (!group.HasPrior(i)) return;
+    using Landmark = typename Cost::Landmark;
+    problem_.AddResidualBlock(new CeresPrior<Landmark>(landmark, group.PriorWeight(i), finished_), nullptr, x);
+  });
+}
+
+}  // namespace plslam

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+
+#include "core/optim/bundle/bundle.h"
+#include "core/optim/bundle/camera_view.h"
+#include "core/optim/bundle/line_cost.h"
+
+namespace plslam {
+
+/// A line by its two endpoints, as in the paper. What they do along the line is not measured.
+struct AdjustedEndpoints {
+  static constexpr int kSize = 6;
+  /// Along the line there seems to be information, but it is noise.
+  static constexpr bool kAlwaysPrior = true;
+  using Parameters = Vector6d;
+
+  explicit AdjustedEndpoints(const BundleLine& line);
+
+  bool IsUsable() const;
+  Segment3 Segment() const { return {x.head<3>(), x.tail<3>()}; }
+  /// Covariances of the endpoints across the line, from that of the parameters.
+  std::array<Eigen::Matrix3d, 2> EndCovariances(const Matrix6d& covariance) const;
+  Eigen::Vector3d Middle() const { return 0.5 * (x.head<3>() + x.tail<3>()); }
+  /// Root of the information of a weak prior, which is firm along the line: what residuals say about it is noise, and
+  /// endpoints that follow it wander.
+  Matrix6d PriorWeight(double distance_m) const;
+
+  Parameters x;
+  Parameters start;
+  bool free;
+};
+
+/// One view of a line as in the paper (PL-SLAM §V.B): whitened distances of the projected endpoints to the infinite lines
+/// through the observed segment, in the left and the right image. Rows: left p, left q, right p, right q; without
+/// disparities the left ones.
+///
+/// The observed line is known at its ends, so the distances are correlated and less certain beyond them (see
+/// core/motion/line_residual.h). Where the endpoints are along it is found between passes.
+class LineEndpointCost {
+ public:
+  using Landmark = AdjustedEndpoints;
+  static constexpr int kMaxRows = 4;
+  static constexpr bool kShiftsAgainstCamera = false;
+
+  LineEndpointCost() = default;
+  LineEndpointCost(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view,
+                   const StereoCamera& camera);
+
+  /// As `LineCost::IsUsable`.
+  static bool IsUsable(const LineSight& sight);
+
+  /// Weighs by where the endpoints are.
+  void Anchor(const CameraView& view, const AdjustedEndpoints& line);
+
+  int rows() const { return rows_; }
+
+  /// As `PointCost::Evaluate`, with `rows()` x 6 for the landmark. False where an endpoint is behind the camera.
+  bool Evaluate(const CameraView& view, const double* x, double* residuals, double* by_pose,
+                double* by_landmark) const;
+
+  /// As `LineCost::SquaredPixels`, of the projected endpoints.
+  double SquaredPixels(const double* residuals) const {
+    const double p = residuals[0] / whitening_(0, 0);
+    const double q = (residuals[1] - whitening_(1, 0) * p) / whitening_(1, 1);
+    return 0.5 * (p * p + q * q);
+  }
+
+ private:
+  ObservedImage left_;
+  ObservedImage right_;
+  Eigen::Matrix4d whitening_ = Eigen::Matrix4d::Identity();
+  /// Relative to the principal point.
+  Eigen::Vector2d start_px_;
+  double length_px_;
+  double sigma_px_;
+  double sigma_disparity_p_px_;
+  double sigma_disparity_q_px_;
+  double min_depth_m_;
+  int rows_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,126 @@
+#include "core/optim/bundle/schur_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+namespace plslam {
+namespace {
+
+// Limits as those of Ceres.
+constexpr double kMinQuality = 1e-3;
+constexpr double kFlat = 1e-10;
+constexpr int kMaxWithoutStep = 5;
+
+}  // namespace
+
+void TrustRegion::Accepted(double quality) {
+  radius_ = std::min(1e16, radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * quality - 1.0, 3)));
+  shrink_ = 2.0;
+}
+
+void TrustRegion::Rejected() {
+  radius_ /= shrink_;
+  shrink_ *= 2.0;
+}
+
+SchurSolver::SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
+                         const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options)
+    : poses_(poses),
+      relative_(relative),
+      kinds_(kinds),
+      options_(options),
+      before_(poses.size()),
+      system_(CountFree(poses)),
+      reduced_(system_) {}
+
+BundlePass SchurSolver::Run(StepJudge& judge, bool trim) {
+  BundlePass pass{true, judge.IsStopped(), 0};
+  if (pass.stopped) return pass;
+  TrustRegion region;
+  double loss = Linearise();
+  judge.Start(trim);
+  int without_step = 0;
+  while (pass.iterations < options_.max_iterations && !IsFlat() && !pass.stopped) {
+    ++pass.iterations;
+    const std::optional<double> foretold = Step(region.damping());
+    pass.stopped = judge.IsStopped();
+    if (!foretold || *foretold <= 0.0) {
+      if (++without_step == kMaxWithoutStep) {
+        pass.ok = foretold.has_value();
+        break;
+      }
+      region.Rejected();
+      continue;
+    }
+    without_step = 0;
+    const double gain = loss - Loss();
+    if (gain > kMinQuality * *foretold) {
+      region.Accepted(gain / *foretold);
+      if (!judge.GoesOn()) break;
+      if (pass.iterations < options_.max_iterations && !pass.stopped) loss = Linearise();
+    } else {
+      TakeBack();
+      region.Rejected();
+      if (gain == 0.0) break;
+    }
+  }
+  return pass;
+}
+
+double SchurSolver::Linearise() {
+  system_.SetZero();
+  double loss = relative_.Linearise(system_);
+  for (EliminatedLandmarks* kind : kinds_) loss += kind->Linearise(system_);
+  return loss;
+}
+
+double SchurSolver::Loss() const {
+  double loss = relative_.Loss();
+  for (const EliminatedLandmarks* kind : kinds_) loss += kind->Loss();
+  return loss;
+}
+
+bool SchurSolver::IsFlat() const {
+  double steepest = system_.g.size() == 0 ? 0.0 : system_.g.cwiseAbs().maxCoeff();
+  for (const EliminatedLandmarks* kind : kinds_) steepest = std::max(steepest, kind->Steepest());
+  return steepest <= kFlat;
+}
+
+std::optional<double> SchurSolver::Step(const Damping& damping) {
+  reduced_ = system_;
+  const Eigen::VectorXd of_poses = damping.Of(system_.H.diagonal());
+  reduced_.H.diagonal() += of_poses;
+  for (EliminatedLandmarks* kind : kinds_) {
+    if (!kind->Eliminate(damping, reduced_)) return std::nullopt;
+  }
+  Eigen::VectorXd step(reduced_.g.size());
+  if (step.size() > 0) {
+    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(reduced_.H);
+    if (root.info() != Eigen::Success) return std::nullopt;
+    step = -root.solve(reduced_.g);
+  }
+  double foretold = step.dot(of_poses.cwiseProduct(step) - system_.g);
+  for (EliminatedLandmarks* kind : kinds_) foretold += kind->Step(step);
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    if (!poses_[i].IsFree()) continue;
+    before_[i] = poses_[i].x;
+    poses_[i].x += step.segment<6>(6 * poses_[i].column);
+    poses_[i].Update();
+  }
+  if (foretold > 0.0) return foretold;
+  TakeBack();
+  return std::isfinite(foretold) ? std::optional(foretold) : std::nullopt;
+}
+
+void SchurSolver::TakeBack() {
+  for (size_t i = 0; i < poses_.size(); ++i) {
+    if (!poses_[i].IsFree()) continue;
+    poses_[i].x = before_[i];
+    poses_[i].Update();
+  }
+  for (EliminatedLandmarks* kind : kinds_) kind->TakeBack();
+}
+
+}  // namespace plslam

@@ -1,0 +1,36 @@
+#include "core/optim/bundle/step_judge.h"
+
+#include <utility>
+
+namespace plslam {
+namespace {
+
+// Outliers can be told once a step gains less than this share of the cost, or what is left is less than this for a
+// row; inliers alone leave 0.6.
+constexpr double kNearGain = 0.5;
+constexpr double kNearLoss = 1.5;
+
+}  // namespace
+
+void StepJudge::Start(bool trim) {
+  trim_ = trim;
+  loss_ = sights_.loss().loss;
+  other_loss_ = sights_.other_loss();
+}
+
+bool StepJudge::GoesOn() {
+  const LossSum now = sights_.loss();
+  const double before = std::exchange(loss_, now.loss);
+  const double gain = before - now.loss;
+  const double other = sights_.other_loss();
+  const double other_before = std::exchange(other_loss_, other);
+  if (trim_ && (gain <= kNearGain * before || now.loss <= kNearLoss * now.rows)) {
+    trim_ = false;
+    sights_.trim();
+    loss_ = sights_.loss().loss;
+    return true;
+  }
+  return gain + other_before - other > options_.function_tolerance * (before + other_before);
+}
+
+}  // namespace plslam

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <utility>
+
+#include "core/optim/bundle/options.h"
+
+namespace plslam {
+
+struct LossSum {
+  double loss = 0.0;
+  double rows = 0.0;
+};
+
+/// What is asked of the sights after a step, as they were evaluated last.
+struct SightActions {
+  std::function<LossSum()> loss;
+  /// Loss of all that is no sight: weak priors and relative poses, at the state as it is.
+  std::function<double()> other_loss;
+  /// Takes outliers away.
+  std::function<void()> trim;
+};
+
+struct BundlePass {
+  /// False where the solver failed; the state is then undefined.
+  bool ok = false;
+  bool stopped = false;
+  int iterations = 0;
+};
+
+/// Ends a pass when a step has gained little of the whole loss.
+///
+/// Outliers are trimmed once within a pass, as soon as the sights are near enough to tell them and before the next
+/// derivatives are evaluated: a pass of its own would cost as much as a step. Sights can only be taken away there: the next
+/// cost is compared with the one before.
+class StepJudge {
+ public:
+  StepJudge(SightActions sights, const BundleOptions& options, const std::atomic<bool>* stop)
+      : sights_(std::move(sights)), options_(options), stop_(stop) {}
+
+  /// At the state that a pass starts from.
+  void Start(bool trim);
+
+  /// A step was accepted. True where another one is worth it.
+  bool GoesOn();
+
+  bool IsStopped() const { return stop_ && *stop_; }
+
+ private:
+  SightActions sights_;
+  const BundleOptions& options_;
+  const std::atomic<bool>* stop_;
+  double loss_ = 0.0;
+  double other_loss_ = 0.0;
+  bool trim_ = false;
+};
+
+}  // namespace plslam

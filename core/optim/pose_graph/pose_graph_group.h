@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "core/optim/pose_graph/pose_graph.h"
+
+namespace plslam {
+
+/// All that differs between pose graphs in space and in the plane. Parameters are a pose as numbers; perturbations stand
+/// on the right, to first order [translation; rotation].
+template <class Pose>
+struct PoseGroup;
+
+/// Error of an edge and its derivatives by the right perturbations of the poses.
+template <class Pose>
+struct PoseEdgeError {
+  Eigen::Matrix<double, kPoseFreedom<Pose>, 1> e;
+  PoseMatrix<Pose> by_a;
+  PoseMatrix<Pose> by_b;
+};
+
+template <>
+struct PoseGroup<SE3> {
+  static constexpr int kDimension = 3;
+  /// [t; q_xyzw].
+  static constexpr int kParameters = 7;
+
+  static SE3 Load(const double* x);
+  static void Store(const SE3& pose, double* x);
+  static SE3 Plus(const SE3& pose, const double* step);
+  static Vector6d Minus(const SE3& to, const SE3& from);
+  static SE3 FromRotation(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) { return SE3(R, t); }
+  static PoseEdgeError<SE3> Error(const SE3& T_a_b, const SE3& a, const SE3& b);
+};
+
+template <>
+struct PoseGroup<SE2> {
+  static constexpr int kDimension = 2;
+  /// [t; angle].
+  static constexpr int kParameters = 3;
+
+  static SE2 Load(const double* x) { return SE2(x[2], Eigen::Vector2d(x[0], x[1])); }
+  static void Store(const SE2& pose, double* x);
+  static SE2 Plus(const SE2& pose, const double* step);
+  static Eigen::Vector3d Minus(const SE2& to, const SE2& from);
+  static SE2 FromRotation(const Eigen::Matrix2d& R, const Eigen::Vector2d& t) {
+    return SE2(std::atan2(R(1, 0), R(0, 0)), t);
+  }
+  static PoseEdgeError<SE2> Error(const SE2& T_a_b, const SE2& a, const SE2& b);
+};
+
+/// e^T information e.
+template <class Pose>
+double EdgeChi2(const PoseGraphMotion<Pose>& edge, const std::vector<Pose>& T_w_kf) {
+  const auto e = PoseGroup<Pose>::Error(edge.T_a_b, T_w_kf[edge.a], T_w_kf[edge.b]).e;
+  return e.dot(edge.information * e);
+}
+
+}  // namespace plslam

@@ -1,0 +1,125 @@
+#include "core/process/process_status.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "core/config/config.h"
+#include "core/process/process_usage.h"
+#include "plslam/status_t.hpp"
+
+namespace plslam::bus {
+namespace {
+
+/// `yaml`, or as many whole lines of it as fit.
+std::string CutToFit(const std::string& yaml, size_t max_bytes) {
+  static const std::string kCut = "# cut to fit into a message\n";
+  if (yaml.size() <= max_bytes) return yaml;
+  if (max_bytes < kCut.size()) return "";
+  const size_t end = yaml.rfind('\n', max_bytes - kCut.size());
+  return (end == std::string::npos ? "" : yaml.substr(0, end + 1)) + kCut;
+}
+
+void AddBusCounters(const BusCounters& c, std::map<std::string, double>* counters) {
+  const std::pair<const char*, int64_t> rows[] = {
+      {"bus.sent", c.sent},         {"bus.received", c.received},     {"bus.lost", c.lost},
+      {"bus.repaired", c.repaired}, {"bus.resent", c.resent},         {"bus.rejected", c.rejected},
+      {"bus.skipped", c.skipped},   {"bus.duplicates", c.duplicates}, {"bus.unproven", c.unproven}};
+  for (const auto& [name, value] : rows) (*counters)[name] = static_cast<double>(value);
+}
+
+/// What a status may take up beside its configuration, with room for two dozen counters and a reason.
+constexpr size_t kStatusBytes = 900;
+constexpr size_t kReasonBytes = 300;
+
+}  // namespace
+
+StatusPublisher::StatusPublisher(const std::string& process, const BusOptions& options, Bus& bus)
+    : process_(process), bus_(bus) {
+  BusOptions shown = options;
+  bus_configuration_ = ToYaml("bus", shown);
+  const auto limit = static_cast<size_t>(options.max_message_bytes);
+  max_configuration_bytes_ = limit > kStatusBytes ? limit - kStatusBytes : 0;
+  bus_.Every(std::chrono::milliseconds(1000), [this] { Publish(); });
+  bus_.Subscribe<status_t>(kStatus, [this](const status_t& m) { OnStatus(m); });
+}
+
+// One that we replace may have said a last word; twice with time between means that it lives.
+void StatusPublisher::OnStatus(const status_t& other) {
+  static constexpr std::chrono::milliseconds kApart{1500};
+  static constexpr size_t kMaxNamesakes = 64;
+  if (told_of_namesake_ || other.process != process_ || other.header.source == bus_.source()) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (namesakes_.size() >= kMaxNamesakes) namesakes_.clear();
+  const auto first = namesakes_.try_emplace(other.header.source, now).first->second;
+  if (now - first < kApart || other.state == "stopping") return;
+  told_of_namesake_ = true;
+  const std::string told =
+      fmt::format("another {} runs on this bus: process {} on {}", process_, other.pid, other.host);
+  spdlog::warn("{}", told);
+  const std::scoped_lock lock(mutex_);
+  if (reason_.empty()) reason_ = told;
+}
+
+void StatusPublisher::Publish() {
+  const Usage usage = CurrentUsage();
+  status_t status;
+  status.header = {};
+  status.process = process_;
+  status.host = HostName();
+  status.pid = getpid();
+  status.version = PLSLAM_VERSION;
+  status.cpu_s = usage.cpu_s;
+  status.memory_mb = usage.memory_mb;
+  status.uptime_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+  std::map<std::string, double> all;
+  AddBusCounters(bus_.counters(), &all);
+  // For `plslam doctor`, which compares the clocks of hosts.
+  all["clock.utc_s"] = std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  const std::string complaints = bus_.Complaints();
+  const std::scoped_lock lock(mutex_);
+  all.insert(counters_.begin(), counters_.end());
+  for (const auto& [name, value] : all) status.counters.push_back({name, value});
+  status.n_counters = static_cast<int32_t>(status.counters.size());
+  status.state = state_;
+  status.reason = reason_ + (reason_.empty() || complaints.empty() ? "" : "; ") + complaints;
+  status.reason.resize(std::min(status.reason.size(), kReasonBytes));
+  status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
+  bus_.Publish(kStatus, std::move(status));
+}
+
+void StatusPublisher::SetState(const std::string& state, const std::string& reason) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (state_ == state && reason_ == reason) return;
+    state_ = state;
+    reason_ = reason;
+  }
+  Publish();
+}
+
+std::string StatusPublisher::state() const {
+  const std::scoped_lock lock(mutex_);
+  return state_;
+}
+
+void StatusPublisher::SetConfiguration(const std::string& yaml) {
+  const std::scoped_lock lock(mutex_);
+  configuration_ = yaml;
+}
+
+void StatusPublisher::SetCounter(const std::string& name, double value) {
+  const std::scoped_lock lock(mutex_);
+  counters_[name] = value;
+}
+
+double CounterOf(const status_t& status, const std::string& name) {
+  for (const counter_t& counter : status.counters) {
+    if (counter.name == name) return counter.value;
+  }
+  return 0.0;
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,197 @@
+#include "loop_process/node/loop_node.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "core/bus/messages/convert.h"
+#include "core/geometry/rectification.h"
+#include "core/process/worker.h"
+#include "loop_process/vocabulary_files.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam {
+namespace {
+
+// How often it is looked whether what is missing has been waited for long enough.
+constexpr std::chrono::milliseconds kTick(200);
+
+}  // namespace
+
+LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
+    : process_(process),
+      options_(options),
+      places_(LoadPlaces(options.vocabularies, options.places)),
+      publisher_(process.bus()),
+      keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
+      questions_(
+          process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
+      map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
+  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
+  process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
+  process_.SetConfiguration(ToYaml("loop", options_));
+  judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });
+  adjuster_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { AdjustUntilStopped(); }); });
+}
+
+LoopNode::~LoopNode() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_adjustment_ = true;
+  changed_.notify_all();
+  judge_.join();
+  adjuster_.join();
+}
+
+// The map is of the first camera (mapping_process says so of another).
+void LoopNode::OnCamera(const camera_t& message) {
+  if (!camera_bytes_.empty()) return;
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) return;
+  camera_bytes_ = bus::RigBytes(message);
+  {
+    const std::lock_guard lock(mutex_);
+    camera_ = Rectify(*rig).camera;
+  }
+  changed_.notify_all();
+}
+
+void LoopNode::OnStatus(const status_t& message) {
+  // Before there is a camera everything waits.
+  if (!camera_bytes_.empty()) Queue(SignOfLife{message.header.source});
+}
+
+void LoopNode::Queue(Arrival arrival) {
+  {
+    const std::lock_guard lock(mutex_);
+    arrivals_.push_back(std::move(arrival));
+    process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+  }
+  changed_.notify_all();
+}
+
+void LoopNode::JudgeUntilStopped() {
+  for (;;) {
+    std::optional<Arrival> arrival;
+    {
+      std::unique_lock lock(mutex_);
+      const bool has_come =
+          changed_.wait_for(lock, kTick, [this] { return stopping_ || (camera_ && !arrivals_.empty()); });
+      if (stopping_) return;
+      if (has_come) {
+        arrival = std::move(arrivals_.front());
+        arrivals_.pop_front();
+        process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
+        if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
+      }
+    }
+    if (arrival) {
+      Send(Handle(*arrival));
+    } else if (service_) {
+      Send(service_->OnTick());
+    }
+  }
+}
+
+LoopService::Output LoopNode::Handle(const Arrival& arrival) {
+  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(*keyframe);
+  if (const auto* update = std::get_if<MapUpdate>(&arrival)) return service_->OnUpdate(*update);
+  if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
+    service_->OnSignOfLife(sign->source);
+    return service_->OnTick();
+  }
+  return service_->OnQuestion(std::get<Question>(arrival).frame);
+}
+
+/// What runs would undo the loop that is being told.
+void LoopNode::DropAdjustment() {
+  const std::lock_guard lock(mutex_);
+  adjustment_.reset();
+  stop_adjustment_ = true;
+  ++n_dropped_;
+}
+
+void LoopNode::Send(LoopService::Output output) {
+  const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
+  if (std::any_of(output.closures.begin(), output.closures.end(), is_loop)) DropAdjustment();
+  for (const LoopClosure& closure : output.closures) {
+    publisher_.Publish(closure);
+    Count(closure);
+  }
+  for (const Relocalisation& answer : output.answers) {
+    process_.bus().Publish(bus::kRelocalisation, bus::ToMessage(answer));
+    process_.SetCounter("relocalisation.asked", static_cast<double>(++n_answers_));
+    if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
+  }
+  if (!output.adjustment) return;
+  {
+    const std::lock_guard lock(mutex_);
+    adjustment_ = std::move(output.adjustment);
+    stop_adjustment_ = true;
+  }
+  changed_.notify_all();
+}
+
+void LoopNode::Count(const LoopClosure& closure) {
+  if (closure.session_keyframe_id == 0) process_.SetState("running");
+  process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
+  process_.SetCounter("loop.detect_ms", closure.detect_ms);
+  if (closure.kind != LoopClosure::Kind::kLoop) return;
+  process_.SetCounter("loops", static_cast<double>(++n_loops_));
+  const LoopEdge& edge = closure.edges.front();
+  spdlog::info("loop: keyframe {} shows the place of keyframe {} ({} points, {} lines)", edge.keyframe_id,
+               edge.old_keyframe_id, edge.n_points, edge.n_lines);
+}
+
+void LoopNode::AdjustUntilStopped() {
+  for (;;) {
+    std::optional<WholeMapProblem> problem;
+    int64_t n_dropped = 0;
+    {
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [this] { return stopping_ || adjustment_; });
+      if (stopping_) return;
+      problem = std::exchange(adjustment_, std::nullopt);
+      stop_adjustment_ = false;
+      n_dropped = n_dropped_;
+    }
+    const double began_ms = bus::NowMs();
+    std::string failure;
+    LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_, &failure);
+    closure.correct_ms = bus::NowMs() - began_ms;
+    if (!failure.empty()) CountFailure(failure);
+    {
+      const std::lock_guard lock(mutex_);
+      if (stopping_) return;
+      if (adjustment_ || n_dropped_ != n_dropped) continue;  // out of date
+    }
+    publisher_.Publish(closure);
+  }
+}
+
+void LoopNode::CountFailure(const std::string& failure) {
+  process_.SetCounter("adjustments.failed", static_cast<double>(++n_failed_));
+  if (n_failed_ == 1) spdlog::warn("an adjustment of the whole map failed (the first of those counted): {}", failure);
+}
+
+bus::ProcessSpec LoopSpec() {
+  bus::ProcessSpec spec;
+  spec.name = "loop";
+  spec.description = "Recognises places with points and lines, corrects the map, and finds lost trackers again.";
+  spec.examples =
+      "  loop_process\n"
+      "  loop_process --config config/euroc.yaml --set loop.vocabularies.points=my.vocabulary";
+  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
+    LoopOptions options;
+    config.Read("loop", options);
+    return std::make_shared<LoopNode>(process, options);
+  };
+  return spec;
+}
+
+}  // namespace plslam

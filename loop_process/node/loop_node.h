@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <variant>
+#include <vector>
+
+#include "core/bus/messages/keyframe_channel.h"
+#include "core/bus/messages/loop_channel.h"
+#include "core/bus/messages/map_channel.h"
+#include "core/process/process.h"
+#include "loop_process/loop_service.h"
+#include "loop_process/options.h"
+
+namespace plslam {
+class camera_t;
+class status_t;
+
+/// loop_process on the bus: keyframes, the map and questions of trackers in; loop closures and answers out.
+///
+/// One worker judges, in the order in which things came; another adjusts the whole map after a loop, so that judging
+/// goes on. A loop found meanwhile ends that adjustment: another follows. Work waits for the camera.
+class LoopNode {
+ public:
+  LoopNode(bus::Process& process, const LoopOptions& options);
+  ~LoopNode();
+  LoopNode(const LoopNode&) = delete;
+  LoopNode& operator=(const LoopNode&) = delete;
+
+ private:
+  struct Question {
+    Keyframe frame;
+  };
+  struct SignOfLife {
+    int64_t source = 0;
+  };
+  using Arrival = std::variant<Keyframe, MapUpdate, Question, SignOfLife>;
+
+  void OnCamera(const camera_t& message);
+  void OnStatus(const status_t& message);
+  void Queue(Arrival arrival);
+
+  // On the workers.
+  void JudgeUntilStopped();
+  void AdjustUntilStopped();
+  LoopService::Output Handle(const Arrival& arrival);
+  void DropAdjustment();
+  void Send(LoopService::Output output);
+  void Count(const LoopClosure& closure);
+  void CountFailure(const std::string& failure);
+
+  bus::Process& process_;
+  LoopOptions options_;
+  PlaceRecogniser places_;
+  bus::LoopClosurePublisher publisher_;
+  std::vector<uint8_t> camera_bytes_;  // on the thread of the bus
+
+  // Shared with the workers.
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Arrival> arrivals_;
+  std::optional<StereoCamera> camera_;
+  std::optional<WholeMapProblem> adjustment_;
+  bool stopping_ = false;
+  std::atomic<bool> stop_adjustment_{false};
+  int64_t n_dropped_ = 0;  ///< adjustments, under way or not, for loops found meanwhile
+
+  std::optional<LoopService> service_;  // the judging worker's
+  int64_t n_loops_ = 0;
+  int64_t n_answers_ = 0;
+  int64_t n_found_ = 0;
+  int64_t n_failed_ = 0;  // the adjusting worker's
+  std::thread judge_;
+  std::thread adjuster_;
+  bus::KeyframeSubscriber keyframes_;
+  bus::KeyframeSubscriber questions_;
+  bus::MapUpdateSubscriber map_;
+};
+
+bus::ProcessSpec LoopSpec();
+
+}  // namespace plslam

@@ -1,0 +1,92 @@
+#include "mapping_process/corrections/closure_check.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+// Beyond this sums of squares of coordinates lose metres.
+constexpr double kFarthest_m = 1e7;
+// What is left of a unit quaternion after a message.
+constexpr double kUnit = 1e-6;
+
+bool IsPose(const SE3& T) {
+  return T.IsFinite() && T.translation().cwiseAbs().maxCoeff() < kFarthest_m &&
+         std::abs(T.rotation().norm() - 1.0) < kUnit;
+}
+
+bool IsGiven(int64_t id, int64_t next) { return id >= 0 && id < next; }
+
+std::string WrongPoses(const std::vector<CorrectedPose>& poses, int64_t next_keyframe) {
+  int64_t last = -1;
+  for (const CorrectedPose& pose : poses) {
+    if (!IsGiven(pose.keyframe_id, next_keyframe)) {
+      return fmt::format("it moves keyframe {}, and this map has given numbers up to {}", pose.keyframe_id,
+                         next_keyframe - 1);
+    }
+    if (pose.keyframe_id <= last) return fmt::format("its poses do not ascend at keyframe {}", pose.keyframe_id);
+    if (!IsPose(pose.T_w_kf)) return fmt::format("where it moves keyframe {} is no pose", pose.keyframe_id);
+    last = pose.keyframe_id;
+  }
+  return {};
+}
+
+std::string WrongEdges(const std::vector<LoopEdge>& edges, int64_t next_keyframe) {
+  for (const LoopEdge& edge : edges) {
+    const int64_t a = edge.old_keyframe_id;
+    const int64_t b = edge.keyframe_id;
+    if (!IsGiven(a, next_keyframe) || !IsGiven(b, next_keyframe) || a == b) {
+      return fmt::format("its loop is between keyframes {} and {}, and this map has given numbers up to {}", a, b,
+                         next_keyframe - 1);
+    }
+    if (!IsPose(edge.T_old_kf)) return fmt::format("how keyframes {} and {} lie to each other is no pose", a, b);
+    if (!edge.covariance.allFinite() || edge.covariance.llt().info() != Eigen::Success) {
+      return fmt::format("the covariance of its loop between keyframes {} and {} is none", a, b);
+    }
+  }
+  return {};
+}
+
+std::string WrongPairs(const char* kind, const std::vector<SameLandmarks>& pairs, int64_t next) {
+  for (const SameLandmarks& pair : pairs) {
+    if (IsGiven(pair.a, next) && IsGiven(pair.b, next)) continue;
+    return fmt::format("it joins {} {} and {}, and this map has given numbers up to {}", kind, pair.a, pair.b,
+                       next - 1);
+  }
+  return {};
+}
+
+bool SaysSomething(const LoopClosure& closure, const Map& map) {
+  const auto is_there = [&map](const CorrectedPose& pose) { return map.FindKeyframe(pose.keyframe_id) != nullptr; };
+  const auto are_there = [&map](const LoopEdge& edge) {
+    return map.FindKeyframe(edge.old_keyframe_id) != nullptr && map.FindKeyframe(edge.keyframe_id) != nullptr;
+  };
+  return std::any_of(closure.poses.begin(), closure.poses.end(), is_there) ||
+         std::any_of(closure.edges.begin(), closure.edges.end(), are_there);
+}
+
+}  // namespace
+
+std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, const Map& map) {
+  if (closure.map_version > given.version) {
+    return fmt::format("it was computed on version {} of the map, which is at {}", closure.map_version,
+                       given.version);
+  }
+  if (closure.map_version > 0 && closure.map_version < given.bent_version) {
+    return fmt::format("it corrects version {} of the map, which was bent in version {}", closure.map_version,
+                       given.bent_version);
+  }
+  if (closure.kind == LoopClosure::Kind::kLoop && closure.edges.empty()) return "it is of a loop without edges";
+  std::string wrong = WrongPoses(closure.poses, given.next_keyframe);
+  if (wrong.empty()) wrong = WrongEdges(closure.edges, given.next_keyframe);
+  if (wrong.empty()) wrong = WrongPairs("points", closure.points, given.next_landmark.next_point);
+  if (wrong.empty()) wrong = WrongPairs("lines", closure.lines, given.next_landmark.next_line);
+  if (wrong.empty() && !SaysSomething(closure, map)) wrong = "none of its keyframes is in the map any more";
+  return wrong;
+}
+
+}  // namespace plslam

@@ -1,0 +1,72 @@
+#include "mapping_process/corrections/loop_edges.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <optional>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+/// A keyframe of the map in the place of one that was culled, and how the two lie to each other.
+struct Substitute {
+  int64_t keyframe_id = -1;
+  SE3 T_substitute_culled;
+};
+
+/// The next keyframe of its session, on the way from one to the other: nearer ones may belong to the other end.
+const MapKeyframe* NextInSession(const KeyframeName& culled, const Map& map) {
+  const MapKeyframe* next = nullptr;
+  const auto steps = [&](const MapKeyframe& keyframe) {
+    return std::abs(keyframe.session_keyframe_id - culled.session_keyframe_id);
+  };
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (keyframe.session == culled.session && (next == nullptr || steps(keyframe) < steps(*next))) next = &keyframe;
+  }
+  return next;
+}
+
+std::optional<Substitute> SubstituteOf(int64_t culled_id, const LoopClosure& closure, const Map& map) {
+  const auto is_it = [culled_id](const auto& of) { return of.keyframe_id == culled_id; };
+  const auto pose = std::find_if(closure.poses.begin(), closure.poses.end(), is_it);
+  const auto name = std::find_if(closure.names.begin(), closure.names.end(), is_it);
+  if (pose == closure.poses.end() || name == closure.names.end()) return std::nullopt;
+  const MapKeyframe* next = NextInSession(*name, map);
+  if (next == nullptr) return std::nullopt;
+  return Substitute{next->id, next->T_w_kf.Inverse() * pose->T_w_kf};
+}
+
+/// With its old end, should that have been culled, on another keyframe. (The covariance is of the other end.)
+std::optional<LoopEdge> FromKeyframeOfMap(LoopEdge edge, const LoopClosure& closure, const Map& map) {
+  if (map.FindKeyframe(edge.old_keyframe_id) != nullptr) return edge;
+  const auto substitute = SubstituteOf(edge.old_keyframe_id, closure, map);
+  if (!substitute) return std::nullopt;
+  edge.old_keyframe_id = substitute->keyframe_id;
+  edge.T_old_kf = substitute->T_substitute_culled * edge.T_old_kf;
+  return edge;
+}
+
+}  // namespace
+
+LoopEdge Reversed(const LoopEdge& edge) {
+  LoopEdge reversed = edge;
+  std::swap(reversed.old_keyframe_id, reversed.keyframe_id);
+  reversed.T_old_kf = edge.T_old_kf.Inverse();
+  reversed.covariance = InverseCovariance(edge.T_old_kf, edge.covariance);
+  return reversed;
+}
+
+std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map) {
+  std::vector<LoopEdge> edges;
+  for (const LoopEdge& told : closure.edges) {
+    std::optional<LoopEdge> edge = FromKeyframeOfMap(told, closure, map);
+    if (edge && map.FindKeyframe(edge->keyframe_id) == nullptr) {
+      edge = FromKeyframeOfMap(Reversed(*edge), closure, map);
+    }
+    if (!edge || edge->keyframe_id == edge->old_keyframe_id) continue;
+    edges.push_back(edge->old_keyframe_id < edge->keyframe_id ? *edge : Reversed(*edge));
+  }
+  return edges;
+}
+
+}  // namespace plslam

@@ -1,0 +1,91 @@
+#include "mapping_process/corrections/loop_fusion.h"
+
+#include <algorithm>
+#include <map>
+
+#include "mapping_process/insertion/duplicates.h"
+#include "mapping_process/insertion/sights.h"
+
+namespace plslam {
+namespace {
+
+// Keyframes of each side: what the loop's own two do not see, their best neighbours do.
+constexpr size_t kSide = 10;
+// The sides fit less well than neighbours do: the pose graph knows only the keyframes.
+constexpr double kRadius = 2.0;  // of the one for neighbours
+
+// Neighbour by neighbour, the best of each first.
+std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map) {
+  std::vector<int64_t> ids{keyframe_id};
+  for (size_t i = 0; i < ids.size(); ++i) {
+    for (const Map::Neighbour& neighbour : map.Neighbours(ids[i], min_shared)) {
+      if (ids.size() == kSide) return ids;
+      if (std::find(ids.begin(), ids.end(), neighbour.keyframe_id) == ids.end()) ids.push_back(neighbour.keyframe_id);
+    }
+  }
+  return ids;
+}
+
+template <class Kind>
+void FuseKind(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& features, Map& map) {
+  std::map<int64_t, int64_t> became;
+  const auto now = [&became](int64_t id) {
+    for (auto next = became.find(id); next != became.end(); next = became.find(id)) id = next->second;
+    return id;
+  };
+  for (const SameLandmarks& pair : pairs) {
+    const int64_t a = now(pair.a);
+    const int64_t b = now(pair.b);
+    if (Fuse<Kind>(a, b, features, map)) became[std::max(a, b)] = std::min(a, b);
+  }
+}
+
+void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& from, const KeyframeFeatures& features,
+                 const StereoCamera& camera, const MappingOptions& options, Map& map) {
+  const double radius_px = kRadius * options.insertion.fuse_radius_px;
+  for (const int64_t keyframe_id : to) {
+    LocalMap landmarks{SeenBy<PointKind>(from, map), SeenBy<LineKind>(from, map)};
+    LeaveOutSeen<PointKind>(keyframe_id, map, landmarks.points);
+    LeaveOutSeen<LineKind>(keyframe_id, map, landmarks.lines);
+    MergeInto(keyframe_id, landmarks, {radius_px, radius_px}, features, camera, options.localisation, map);
+  }
+}
+
+// An older parent keeps the tree a tree.
+void HangOn(int64_t keyframe_id, Map& map) {
+  MapKeyframe keyframe = *map.FindKeyframe(keyframe_id);
+  if (keyframe.parent_id >= 0) return;
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, Map::kParent)) {
+    if (neighbour.keyframe_id >= keyframe_id) continue;
+    keyframe.parent_id = neighbour.keyframe_id;
+    return map.Put(keyframe);
+  }
+}
+
+}  // namespace
+
+LoopSides SidesOf(const LoopEdge& edge, int min_shared, const Map& map) {
+  if (map.FindKeyframe(edge.old_keyframe_id) == nullptr || map.FindKeyframe(edge.keyframe_id) == nullptr) return {};
+  LoopSides sides{Around(edge.old_keyframe_id, min_shared, map), Around(edge.keyframe_id, min_shared, map)};
+  std::erase_if(sides.new_side, [&sides](int64_t id) {
+    return std::find(sides.old_side.begin(), sides.old_side.end(), id) != sides.old_side.end();
+  });
+  return sides;
+}
+
+void FusePairs(const std::vector<SameLandmarks>& points, const std::vector<SameLandmarks>& lines,
+               const KeyframeFeatures& features, Map& map) {
+  FuseKind<PointKind>(points, features, map);
+  FuseKind<LineKind>(lines, features, map);
+}
+
+void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const StereoCamera& camera,
+                const MappingOptions& options, Map& map) {
+  MergeOneWay(sides.new_side, sides.old_side, features, camera, options, map);
+  MergeOneWay(sides.old_side, sides.new_side, features, camera, options, map);
+  for (const std::vector<int64_t>* side : {&sides.new_side, &sides.old_side}) {
+    for (const int64_t id : *side) HangOn(id, map);
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,93 @@
+#include "mapping_process/insertion/culling.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+template <class Kind>
+void JudgeKind(const std::vector<int64_t>& ids, int min_sights, Map& map) {
+  for (const int64_t id : ids) {
+    const auto* landmark = Kind::Find(map, id);
+    if (landmark != nullptr && static_cast<int>(landmark->sights.size()) < min_sights) Kind::Remove(id, map);
+  }
+}
+
+struct Share {
+  int landmarks = 0;
+  int redundant = 0;
+};
+
+template <class Kind>
+void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& share) {
+  for (const int64_t id : Kind::Of(map, keyframe_id)) {
+    if (id < 0) continue;
+    ++share.landmarks;
+    if (static_cast<int>(Kind::Find(map, id)->sights.size()) > min_others) ++share.redundant;
+  }
+}
+
+// Without it the loop would be lost: nothing else may tie the places that it joined.
+bool IsEndOfLoop(int64_t id, const Map& map) {
+  return std::any_of(map.loops().begin(), map.loops().end(),
+                     [id](const LoopEdge& loop) { return loop.old_keyframe_id == id || loop.keyframe_id == id; });
+}
+
+bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, const Map& map) {
+  if (keyframe.previous_id < 0 || keyframe.id == map.keyframes().begin()->first) return false;
+  if (IsEndOfLoop(keyframe.id, map)) return false;
+  Share share;
+  CountRedundant<PointKind>(keyframe.id, options.redundant_sights, map, share);
+  CountRedundant<LineKind>(keyframe.id, options.redundant_sights, map, share);
+  return share.landmarks > 0 && share.redundant >= options.redundant_share * share.landmarks;
+}
+
+// The keyframe after one that goes is tied to the one before it.
+void BridgeOver(int64_t id, Map& map) {
+  const MapKeyframe gone = *map.FindKeyframe(id);
+  for (const auto& [next_id, keyframe] : map.keyframes()) {
+    if (keyframe.previous_id != id) continue;
+    MapKeyframe next = keyframe;
+    next.previous_id = gone.previous_id;
+    next.relative_covariance =
+        ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
+    next.T_prevkf_kf = gone.T_prevkf_kf * next.T_prevkf_kf;
+    return map.Put(next);
+  }
+}
+
+}  // namespace
+
+void Trial::Begin(const NewLandmarks& landmarks, int64_t session) {
+  Session& of = sessions_[session];
+  of.by_keyframe[++of.begun] = landmarks;
+}
+
+void Trial::Judge(const CullingOptions& options, Map& map) {
+  for (auto& [id, session] : sessions_) {
+    auto& by_keyframe = session.by_keyframe;
+    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.trial_keyframes <= session.begun) {
+      const NewLandmarks due = std::exchange(by_keyframe.begin()->second, {});
+      by_keyframe.erase(by_keyframe.begin());
+      JudgeKind<PointKind>(due.points, options.min_sights, map);
+      JudgeKind<LineKind>(due.lines, options.min_sights, map);
+    }
+  }
+}
+
+std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
+                                              KeyframeFeatures& features, Map& map) {
+  std::vector<int64_t> removed;
+  for (const int64_t id : candidates) {
+    const MapKeyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr || !IsRedundant(*keyframe, options, map)) continue;
+    BridgeOver(id, map);
+    map.RemoveKeyframe(id);
+    features.erase(id);
+    removed.push_back(id);
+  }
+  return removed;
+}
+
+}  // namespace plslam

@@ -1,0 +1,94 @@
+#include "mapping_process/insertion/duplicates.h"
+
+#include "core/localisation/projection_search.h"
+#include "mapping_process/insertion/sights.h"
+
+namespace plslam {
+namespace {
+
+// Two landmarks are one where their distance is within so many standard deviations of either measurement.
+constexpr double kSamePlaceSigmas2 = 16.0;
+
+bool Within(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance) {
+  const Eigen::Vector3d solved = covariance.ldlt().solve(difference);
+  return solved.allFinite() && difference.dot(solved) <= kSamePlaceSigmas2;
+}
+
+// `slack` is a variance on top.
+bool SamePlace(const MapPoint& a, const MapPoint& b, double slack) {
+  return Within(a.p_w - b.p_w, a.covariance + b.covariance + slack * Eigen::Matrix3d::Identity());
+}
+
+// Across the line only: segments of one edge are cut differently.
+bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
+  const Eigen::Vector3d along = (a.segment_w.q - a.segment_w.p).normalized();
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
+  const double length2 = (b.segment_w.q - b.segment_w.p).squaredNorm();
+  const Eigen::Matrix3d free = length2 * along * along.transpose() + slack * Eigen::Matrix3d::Identity();
+  return Within(across * (b.segment_w.p - a.segment_w.p), a.covariance_p + b.covariance_p + free) &&
+         Within(across * (b.segment_w.q - a.segment_w.p), a.covariance_p + b.covariance_q + free);
+}
+
+Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
+Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
+
+// Landmarks of one keyframe that another does not see.
+template <class Kind>
+std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {
+  std::vector<int64_t> ids = Kind::Of(map, keyframe_id);
+  LeaveOutSeen<Kind>(other_id, map, ids);
+  return ids;
+}
+
+// `spread_m` is the standard deviation of one metre's depth.
+template <class Kind>
+void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, double spread_m,
+           const KeyframeFeatures& features, Map& map) {
+  const Eigen::Vector3d centre_w = map.FindKeyframe(keyframe_id)->T_w_kf.translation();
+  for (const LandmarkFeature& pair : found) {
+    const Sight sight{keyframe_id, pair.feature};
+    const int64_t shown = LandmarkAt<Kind>(map, sight);
+    if (shown < 0) {
+      AddSight<Kind>(pair.landmark_id, sight, features, map);
+      continue;
+    }
+    const auto* a = Kind::Find(map, shown);
+    const auto* b = Kind::Find(map, pair.landmark_id);
+    if (a == nullptr || b == nullptr) continue;
+    const double slack = spread_m * spread_m * (Middle(*a) - centre_w).squaredNorm();
+    if (SamePlace(*a, *b, slack)) Fuse<Kind>(shown, pair.landmark_id, features, map);
+  }
+}
+
+}  // namespace
+
+void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
+               const KeyframeFeatures& features, const StereoCamera& camera, const LocalisationOptions& options,
+               Map& map) {
+  const StereoFeatures& seen = features.at(keyframe_id);
+  const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
+  const double spread_m = window.sigma_px / camera.f_px;
+  Merge<PointKind>(SearchPoints(map, landmarks.points, T_w_kf, seen.points, std::vector<char>(seen.points.size(), 1),
+                                window.radius_px, camera, options),
+                   keyframe_id, spread_m, features, map);
+  Merge<LineKind>(SearchLines(map, landmarks.lines, T_w_kf, seen.lines, std::vector<char>(seen.lines.size(), 1),
+                              window.radius_px, camera, options),
+                  keyframe_id, spread_m, features, map);
+}
+
+void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
+                         const MappingOptions& options, Map& map) {
+  const MergeWindow window{options.insertion.fuse_radius_px, 0.0};
+  const auto merge = [&](int64_t to, int64_t from) {
+    const LocalMap unseen{UnseenBy<PointKind>(to, from, map), UnseenBy<LineKind>(to, from, map)};
+    MergeInto(to, unseen, window, features, camera, options.localisation, map);
+  };
+  int left = options.insertion.fuse_keyframes;
+  for (const Map::Neighbour& neighbour : map.Neighbours(keyframe_id, options.window.min_shared)) {
+    if (left-- == 0) break;
+    merge(neighbour.keyframe_id, keyframe_id);
+    merge(keyframe_id, neighbour.keyframe_id);
+  }
+}
+
+}  // namespace plslam

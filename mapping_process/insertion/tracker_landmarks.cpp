@@ -1,0 +1,88 @@
+#include "mapping_process/insertion/tracker_landmarks.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/localisation/landmark_kinds.h"
+
+namespace plslam {
+namespace {
+
+// Keyframes after which a landmark of the tracker that no longer comes is forgotten; it drops them much sooner.
+constexpr int64_t kRememberedKeyframes = 60;
+// Sessions, of which those that went on last are remembered.
+constexpr size_t kRememberedSessions = 16;
+
+template <class Kind, class Table>
+std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const std::vector<int64_t>& tracker_ids,
+                              const Table& table, const Map& map) {
+  std::vector<int64_t> claims(n, -1);
+  std::set<int64_t> taken;
+  const auto claim = [&](size_t i, int64_t id) {
+    if (claims[i] < 0 && Kind::Find(map, id) != nullptr && taken.insert(id).second) claims[i] = id;
+  };
+  for (size_t i = 0; i < tracker_ids.size(); ++i) {
+    claim(i, table.Find(tracker_ids[i]));
+  }
+  for (size_t i = 0; i < given.size(); ++i) claim(i, given[i]);
+  return claims;
+}
+
+}  // namespace
+
+Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
+  static const Session kNone;
+  const auto known = sessions_.find(keyframe.session);
+  const Session& session = known == sessions_.end() ? kNone : known->second;
+  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, keyframe.point_landmark_ids,
+                              session.points, map),
+          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,
+                             session.lines, map)};
+}
+
+Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
+  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, {}, Table(), map),
+          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, {}, Table(), map)};
+}
+
+void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {
+  Session& session = sessions_[keyframe.session];
+  session.learned = ++n_learned_;
+  session.points.Learn(keyframe.point_landmark_ids, shown.points, keyframe.keyframe_id);
+  session.lines.Learn(keyframe.line_landmark_ids, shown.lines, keyframe.keyframe_id);
+  ForgetSessions();
+}
+
+void TrackerLandmarks::ForgetSessions() {
+  if (sessions_.size() <= kRememberedSessions) return;
+  sessions_.erase(std::min_element(sessions_.begin(), sessions_.end(),
+                                   [](const auto& a, const auto& b) { return a.second.learned < b.second.learned; }));
+}
+
+int64_t TrackerLandmarks::Table::Find(int64_t tracker_id) const {
+  const auto known = entries_.find(tracker_id);
+  return known == entries_.end() ? -1 : known->second.map_id;
+}
+
+void TrackerLandmarks::Table::Learn(const std::vector<int64_t>& tracker_ids, const std::vector<int64_t>& shown,
+                                    int64_t keyframe_id) {
+  std::vector<int64_t>& shown_now = shown_in_[keyframe_id];
+  for (size_t i = 0; i < std::min(tracker_ids.size(), shown.size()); ++i) {
+    if (tracker_ids[i] < 0 || shown[i] < 0) continue;
+    entries_[tracker_ids[i]] = {shown[i], keyframe_id};
+    shown_now.push_back(tracker_ids[i]);
+  }
+  ForgetBefore(keyframe_id - kRememberedKeyframes);
+}
+
+void TrackerLandmarks::Table::ForgetBefore(int64_t keyframe_id) {
+  while (!shown_in_.empty() && shown_in_.begin()->first < keyframe_id) {
+    for (const int64_t id : shown_in_.begin()->second) {
+      const auto entry = entries_.find(id);
+      if (entry != entries_.end() && entry->second.keyframe_id < keyframe_id) entries_.erase(entry);
+    }
+    shown_in_.erase(shown_in_.begin());
+  }
+}
+
+}  // namespace plslam

@@ -1,0 +1,83 @@
+#include "mapping_process/node/keyframe_queue.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <utility>
+
+namespace plslam {
+
+void KeyframeQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session) {
+  for (const auto& [session, newest] : newest_by_session) sessions_[session].next = newest + 1;
+}
+
+bool KeyframeQueue::Add(const Keyframe& keyframe, double now_ms) {
+  if (keyframe.keyframe_id > kLast) return false;
+  Session& session = sessions_[keyframe.session];
+  if (keyframe.keyframe_id < session.next) return false;
+  if (!session.waiting.try_emplace(keyframe.keyframe_id, Arrived{keyframe, now_ms}).second) return false;
+  std::vector<int64_t>& told = told_[keyframe.source];
+  if (std::find(told.begin(), told.end(), keyframe.session) == told.end()) told.push_back(keyframe.session);
+  return true;
+}
+
+bool KeyframeQueue::IsReady(const Session& session, double now_ms) {
+  const auto& [number, front] = *session.waiting.begin();
+  return number == session.next || now_ms - std::max(front.received_ms, session.taken_ms) >= kPatience_ms;
+}
+
+/// Sessions that stand behind another one of the same publisher; ascending.
+std::vector<int64_t> KeyframeQueue::Held() const {
+  std::vector<int64_t> held;
+  for (const auto& [publisher, told] : told_) {
+    const auto waits = [this](int64_t session) { return !sessions_.at(session).waiting.empty(); };
+    const auto first = std::find_if(told.begin(), told.end(), waits);
+    if (first != told.end()) held.insert(held.end(), first + 1, told.end());
+  }
+  std::sort(held.begin(), held.end());
+  return held;
+}
+
+std::optional<int64_t> KeyframeQueue::NextSession(double now_ms) const {
+  const std::vector<int64_t> held = Held();
+  std::optional<int64_t> next;
+  std::optional<int64_t> next_of_held;
+  bool all_held = true;
+  const auto is_older = [this](int64_t session, const std::optional<int64_t>& other) {
+    const auto t_ns = [this](int64_t of) { return sessions_.at(of).waiting.begin()->second.keyframe.t_ns; };
+    return !other || t_ns(session) < t_ns(*other);
+  };
+  for (const auto& [id, session] : sessions_) {
+    if (session.waiting.empty()) continue;
+    const bool is_held = std::binary_search(held.begin(), held.end(), id);
+    all_held = all_held && is_held;
+    std::optional<int64_t>& candidate = is_held ? next_of_held : next;
+    if (IsReady(session, now_ms) && is_older(id, candidate)) candidate = id;
+  }
+  // Publishers that contradict each other must not hold each other up for ever.
+  return all_held ? next_of_held : next;
+}
+
+const Keyframe* KeyframeQueue::Next(double now_ms) const {
+  const auto session = NextSession(now_ms);
+  return session ? &sessions_.at(*session).waiting.begin()->second.keyframe : nullptr;
+}
+
+std::optional<KeyframeQueue::Arrived> KeyframeQueue::Take(double now_ms) {
+  const auto id = NextSession(now_ms);
+  if (!id) return std::nullopt;
+  Session& session = sessions_.at(*id);
+  auto front = session.waiting.extract(session.waiting.begin());
+  Arrived taken = std::move(front.mapped());
+  taken.missing = front.key() - session.next;
+  session.next = front.key() + 1;
+  session.taken_ms = now_ms;
+  return taken;
+}
+
+size_t KeyframeQueue::size() const {
+  return std::transform_reduce(sessions_.begin(), sessions_.end(), size_t{0}, std::plus<>(),
+                               [](const auto& session) { return session.second.waiting.size(); });
+}
+
+}  // namespace plslam

@@ -1,0 +1,394 @@
+#include "mapping_process/node/mapping_node.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <filesystem>
+#include <map>
+#include <utility>
+
+#include "core/bus/messages/convert.h"
+#include "core/geometry/rectification.h"
+#include "core/io/maps/map_camera.h"
+#include "core/process/process_memory.h"
+#include "core/process/worker.h"
+#include "mapping_process/corrections/closure_names.h"
+#include "mapping_process/node/stored_keyframes.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam {
+namespace {
+
+constexpr std::chrono::milliseconds kTick(200);
+// After a restart, until nobody is taken to have more to tell of what was before.
+constexpr double kHistoryQuiet_ms = 400.0;
+constexpr double kLongestHistory_ms = 5000.0;
+
+}  // namespace
+
+MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
+    : process_(process),
+      options_(options),
+      publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
+      queue_(options.loops, options.state_file.empty() ? 0 : options.state_every),
+      arrived_ms_(bus::NowMs()),
+      keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
+  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
+  process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
+  if (options_.loops.enabled) {
+    closures_ = std::make_unique<bus::LoopClosureSubscriber>(
+        process.bus(), [this](const LoopClosure& closure) { OnClosure(closure); });
+    process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
+  }
+  process_.bus().Every(kTick, [this] { OnTick(); });
+  process_.SetConfiguration(ToYaml("mapping", options_));
+  ReadState();
+  if (!restored_ && !options_.map_file.empty()) {
+    stored_ = ReadMapFile(options_.map_file);
+    Know(*stored_);
+  }
+  worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
+}
+
+MappingNode::~MappingNode() {
+  Queue([this] { stopping_ = true; });
+  stop_solve_ = true;
+  worker_.join();
+  // Of one that was killed alone.
+  std::error_code ignored;
+  if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
+}
+
+/// Changes what the worker looks at, and wakes it.
+template <class Change>
+void MappingNode::Queue(const Change& change) {
+  {
+    const std::lock_guard lock(mutex_);
+    change();
+  }
+  changed_.notify_one();
+}
+
+void MappingNode::OnCamera(const camera_t& message) {
+  std::vector<uint8_t> bytes = bus::RigBytes(message);
+  if (bytes == camera_bytes_) return;
+  const bool first = camera_bytes_.empty();
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) {
+    spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
+    return;
+  }
+  if (!first) {
+    if (!std::exchange(other_camera_, true)) {
+      spdlog::error("another camera '{}': its keyframes do not go into this map", message.rig_name);
+    }
+    return;
+  }
+  camera_bytes_ = std::move(bytes);
+  const StereoCamera camera = Rectify(*rig).camera;
+  if (!restored_) return Queue([this, camera] { camera_ = camera; });
+  // That of the state is in use already.
+  other_camera_ = CameraBytes(camera) != CameraBytes(*camera_);
+  if (other_camera_) {
+    spdlog::error("'{}' is another camera than before the restart: its keyframes do not go into this map", rig->name);
+  }
+}
+
+void MappingNode::OnKeyframe(const Keyframe& keyframe) {
+  if (keyframe.source == process_.bus().source()) return;  // of the map that was loaded
+  if (other_camera_ && !known_sessions_.contains(keyframe.session)) {
+    process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
+    return;
+  }
+  known_sessions_.insert(keyframe.session);
+  Queue([&] {
+    const double now_ms = bus::NowMs();
+    if (!queue_.Add(keyframe, now_ms)) return;
+    arrived_ms_ = now_ms;
+    process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
+    // Under the lock: later it would end the solve for this very keyframe.
+    if (!keyframe.lockstep) stop_solve_ = true;
+  });
+}
+
+void MappingNode::OnClosure(const LoopClosure& closure) {
+  Queue([&] {
+    queue_.OnSignOfLife(bus::NowS());
+    queue_.Add(closure);
+    arrived_ms_ = bus::NowMs();
+  });
+}
+
+void MappingNode::OnStatus(const status_t& message) {
+  if (message.process != "loop") return;
+  const std::lock_guard lock(mutex_);
+  queue_.OnSignOfLife(bus::NowS());
+}
+
+/// The worker looks again, too, whether it has waited long enough for what is missing.
+void MappingNode::OnTick() {
+  bool given_up = false;
+  Queue([&] { given_up = queue_.GiveUp(bus::NowS()); });
+  if (given_up) spdlog::warn("no loop_process is heard of: the map goes on without loops");
+}
+
+void MappingNode::OnCommand(const command_t& message) {
+  const bool ours = message.target == process_.name() || message.target == "*";
+  if (ours && message.verb == "save") Queue([&] { queue_.Save(message.argument); });
+}
+
+void MappingNode::WorkUntilStopped() {
+  {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return stopping_ || camera_; });
+    if (stopping_) return;
+  }
+  BeginMap();
+  AwaitHistories();
+  while (const std::optional<Work> work = NextWork()) Do(*work);
+}
+
+/// Once the camera is known, which stays.
+void MappingNode::BeginMap() {
+  if (restored_) return GoOnFromState();
+  if (!stored_) {
+    mapper_.emplace(*camera_, options_);
+    return;
+  }
+  CheckCamera(*stored_, *camera_, options_.map_file);
+  PublishStored(KeyframesOf(*stored_));
+  mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
+  mapper_->Settle();
+  publisher_.Publish(mapper_->Whole());
+  process_.SetState("running");
+  TellOfMap(options_.map_file);
+}
+
+/// The map first: trackers wait for it, and most of the others have the features.
+void MappingNode::GoOnFromState() {
+  const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored);
+  mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
+  publisher_.Publish(mapper_->Whole());
+  process_.SetState("running");
+  PublishStored(keyframes);
+  TellOfMap(options_.state_file);
+}
+
+void MappingNode::PublishStored(const std::vector<Keyframe>& keyframes) {
+  bus::KeyframePublisher publisher(process_.bus());
+  for (const Keyframe& keyframe : keyframes) publisher.Publish(keyframe);
+}
+
+void MappingNode::TellOfMap(const std::string& file) {
+  spdlog::info("{}: {} keyframes, {} points, {} lines", file, mapper_->map().keyframes().size(),
+               mapper_->map().points().size(), mapper_->map().lines().size());
+  CountMap();
+}
+
+/// After a restart. Of several publishers some answer sooner: work begins when nothing more has come for a while, or much later. What
+/// the dead have said of a keyframe is then here before anybody judges it anew.
+void MappingNode::AwaitHistories() {
+  std::unique_lock lock(mutex_);
+  if (!restored_ && queue_.n_waiting() == 0) return;
+  const double until_ms = bus::NowMs() + kLongestHistory_ms;
+  const auto quiet_at_ms = [&] { return std::min(arrived_ms_ + kHistoryQuiet_ms, until_ms); };
+  for (double now_ms = bus::NowMs(); !stopping_ && now_ms < quiet_at_ms(); now_ms = bus::NowMs()) {
+    changed_.wait_for(lock, std::chrono::duration<double, std::milli>(quiet_at_ms() - now_ms));
+  }
+}
+
+std::optional<WorkQueue::Work> MappingNode::NextWork() {
+  std::unique_lock lock(mutex_);
+  std::optional<Work> work;
+  changed_.wait(lock, [&] {
+    if (!stopping_) work = queue_.Take(bus::NowS());
+    return stopping_ || work;
+  });
+  if (stopping_) return std::nullopt;
+  stop_solve_ = false;
+  process_.SetCounter("queue.keyframes", static_cast<double>(queue_.n_keyframes()));
+  return work;
+}
+
+void MappingNode::Do(const Work& work) {
+  switch (work.kind) {
+    case Work::Kind::kInsert:
+      return Insert(work.keyframes);
+    case Work::Kind::kCorrect:
+      return Correct(work);
+    case Work::Kind::kSettle:
+      mapper_->Settle();
+      return Publish({});
+    case Work::Kind::kPublishWhole:
+      // Where nothing is there yet, the first update will be all there is.
+      if (mapper_->version() > 0) publisher_.Publish(mapper_->Whole());
+      return;
+    case Work::Kind::kSave:
+      return Save(work.path);
+    case Work::Kind::kKeepState:
+      return KeepState();
+  }
+}
+
+void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
+  const double began_ms = bus::NowMs();
+  const Keyframe* newest = nullptr;
+  int count = 0;
+  for (const WorkQueue::Arrived& arrived : batch) {
+    WarnOfMissing(arrived);
+    std::string reason;
+    if (mapper_->Insert(arrived.keyframe, &reason)) {
+      newest = &arrived.keyframe;
+      ++count;
+      continue;
+    }
+    if (!options_.localise_only) spdlog::warn("left out: {}", reason);
+    process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
+  }
+  if (newest == nullptr) return;
+  const double inserted_ms = bus::NowMs();
+  mapper_->Adjust(&stop_solve_);
+  const double adjusted_ms = bus::NowMs();
+  mapper_->Cull();
+  {
+    const std::lock_guard lock(mutex_);
+    queue_.Inserted(*newest, count, bus::NowS());
+  }
+  const double done_ms = bus::NowMs();
+  Publish({{"insert", inserted_ms - began_ms},
+           {"adjust", adjusted_ms - inserted_ms},
+           {"cull", done_ms - adjusted_ms},
+           {"update", done_ms - batch.front().received_ms}});
+}
+
+void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
+  if (arrived.missing == 0) return;
+  spdlog::warn("session {}: {} keyframes before number {} have not come; the map goes on without them",
+               arrived.keyframe.session, arrived.missing, arrived.keyframe.keyframe_id);
+  process_.SetCounter("keyframes.missing", static_cast<double>(n_missing_ += arrived.missing));
+}
+
+void MappingNode::Correct(const Work& work) {
+  const double began_ms = bus::NowMs();
+  std::string reason;
+  const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
+  const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
+  bool settles = work.settles;
+  if (corrects && !corrected) {
+    spdlog::warn("a correction of the map is left: {}", reason);
+    const std::lock_guard lock(mutex_);
+    if (work.closure.kind == LoopClosure::Kind::kLoop) settles |= queue_.Refused();
+  }
+  if (settles) mapper_->Settle();
+  Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
+}
+
+/// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep gives the same
+/// ids; a live one, where chance says what is inserted together, others to its landmarks.
+LoopClosure MappingNode::OfThisMap(const Work& work) const {
+  if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
+  LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
+  closure.map_version = 0;
+  return closure;
+}
+
+void MappingNode::Publish(Stages stage_ms) {
+  MapUpdate update = mapper_->TakeUpdate();
+  update.stage_ms = std::move(stage_ms);
+  publisher_.Publish(update);
+  if (update.version == 1) process_.SetState("running");
+  CountMap();
+}
+
+void MappingNode::CountMap() {
+  process_.SetCounter("map.version", static_cast<double>(mapper_->version()));
+  process_.SetCounter("map.keyframes", static_cast<double>(mapper_->map().keyframes().size()));
+  process_.SetCounter("map.points", static_cast<double>(mapper_->map().points().size()));
+  process_.SetCounter("map.lines", static_cast<double>(mapper_->map().lines().size()));
+  CountFailures();
+  process_.SetCounter("map.loops", static_cast<double>(mapper_->map().loops().size()));
+}
+
+void MappingNode::CountFailures() {
+  const Mapper::Failures& failures = mapper_->failures();
+  if (failures.count == n_failed_) return;
+  if (n_failed_ == 0) spdlog::warn("an adjustment failed (the first of those counted): {}", failures.last);
+  process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
+}
+
+/// A map that cannot be written is told, and the process goes on.
+void MappingNode::Save(const std::string& path) {
+  try {
+    StoredMap stored = mapper_->Store();
+    stored.rig = CameraBytes(*camera_);
+    WriteMapFile(path, stored);
+    spdlog::info("the map is in {}", path);
+    process_.SetCounter("map.saves", static_cast<double>(++n_saves_));
+  } catch (const std::exception& error) {
+    spdlog::error("the map cannot be saved: {}", error.what());
+    process_.SetCounter("map.failed_saves", static_cast<double>(++n_failed_saves_));
+  }
+}
+
+/// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.
+void MappingNode::ReadState() {
+  if (options_.state_file.empty() || !std::filesystem::exists(options_.state_file)) return;
+  try {
+    state_ = ReadStateFile(options_.state_file);
+    // It comes once a second, which would be the longest part of a restart.
+    camera_ = MapCamera(state_->stored, options_.state_file);
+  } catch (const std::exception& error) {
+    spdlog::warn("all is built anew from the history: {}", error.what());
+    state_.reset();
+    return;
+  }
+  restored_ = true;
+  Know(state_->stored);
+}
+
+/// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was culled.
+void MappingNode::Know(const StoredMap& stored) {
+  std::map<int64_t, int64_t> newest;
+  for (const auto& [id, session] : stored.sessions) {
+    newest[id] = session.session_keyframe_id;
+    known_sessions_.insert(id);
+  }
+  const std::lock_guard lock(mutex_);
+  queue_.Restore(newest, stored.newest_session);
+}
+
+/// Where it cannot be written the process goes on; what a crash would cost is then more.
+void MappingNode::KeepState() {
+  try {
+    MapperState state = mapper_->State();
+    state.stored.rig = CameraBytes(*camera_);
+    WriteStateFile(options_.state_file, state);
+    process_.SetCounter("state.written", static_cast<double>(++n_states_));
+  } catch (const std::exception& error) {
+    if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
+  }
+  // Copies of the whole map, needed now and then only: twice the memory of the process, if it kept that.
+  bus::GiveBackFreedMemory();
+}
+
+bus::ProcessSpec MappingSpec() {
+  bus::ProcessSpec spec;
+  spec.name = "mapping";
+  spec.description = "The map of points and lines: keyframes in, updates of the map out.";
+  spec.examples =
+      "  mapping_process\n"
+      "  mapping_process --config config/euroc.yaml --set mapping.map_file=house.plmap\n"
+      "  mapping_process --prefix team/";
+  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
+    MappingOptions options;
+    config.Read("mapping", options);
+    return std::make_shared<MappingNode>(process, options);
+  };
+  return spec;
+}
+
+}  // namespace plslam

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/bus/messages/keyframe_channel.h"
+#include "core/bus/messages/loop_channel.h"
+#include "core/bus/messages/map_channel.h"
+#include "core/process/process.h"
+#include "mapping_process/mapper.h"
+#include "mapping_process/node/work_queue.h"
+#include "mapping_process/options.h"
+
+namespace plslam {
+class camera_t;
+class command_t;
+class status_t;
+
+/// mapping_process on the bus: keyframes and what loop_process says of them in, updates of the map out.
+///
+/// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
+/// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
+/// map is of one camera: keyframes of sessions that began with another are counted and left.
+///
+/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on
+/// exactly from there, takes from the histories of the others what came after, and so comes to the same map, of a lockstep
+/// stream bit for bit.
+///
+/// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their features.
+class MappingNode {
+ public:
+  MappingNode(bus::Process& process, const MappingOptions& options);
+  ~MappingNode();
+  MappingNode(const MappingNode&) = delete;
+  MappingNode& operator=(const MappingNode&) = delete;
+
+ private:
+  using Work = WorkQueue::Work;
+  using Stages = std::vector<std::pair<std::string, double>>;
+
+  void ReadState();
+  void Know(const StoredMap& stored);
+  void OnCamera(const camera_t& message);
+  void OnKeyframe(const Keyframe& keyframe);
+  void OnClosure(const LoopClosure& closure);
+  void OnStatus(const status_t& message);
+  void OnCommand(const command_t& message);
+  void OnTick();
+  template <class Change>
+  void Queue(const Change& change);
+
+  // On the worker.
+  void WorkUntilStopped();
+  std::optional<Work> NextWork();
+  void BeginMap();
+  void GoOnFromState();
+  void PublishStored(const std::vector<Keyframe>& keyframes);
+  void TellOfMap(const std::string& file);
+  void AwaitHistories();
+  void Do(const Work& work);
+  void Insert(const std::vector<WorkQueue::Arrived>& batch);
+  void WarnOfMissing(const WorkQueue::Arrived& arrived);
+  void Correct(const Work& work);
+  LoopClosure OfThisMap(const Work& work) const;
+  void Save(const std::string& path);
+  void KeepState();
+  void Publish(Stages stage_ms);
+  void CountMap();
+  void CountFailures();
+
+  bus::Process& process_;
+  MappingOptions options_;
+  bus::MapUpdatePublisher publisher_;
+
+  // On the thread of the bus.
+  std::vector<uint8_t> camera_bytes_;
+  bool other_camera_ = false;
+  std::set<int64_t> known_sessions_;
+  int64_t n_other_camera_ = 0;
+
+  // Shared with the worker.
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  WorkQueue queue_;
+  std::optional<StereoCamera> camera_;
+  bool stopping_ = false;
+  /// When the last keyframe or closure came; the start, before that.
+  double arrived_ms_;
+  std::atomic<bool> stop_solve_{false};
+
+  // The worker's.
+  std::optional<StoredMap> stored_;
+  std::optional<MapperState> state_;  ///< of one that has crashed
+  bool restored_ = false;             ///< there was one
+  std::optional<Mapper> mapper_;
+  int64_t n_ignored_ = 0;
+  int64_t n_missing_ = 0;
+  int64_t n_failed_ = 0;
+  int64_t n_saves_ = 0;
+  int64_t n_failed_saves_ = 0;
+  int64_t n_states_ = 0;
+  bool state_failed_ = false;
+  std::thread worker_;
+  bus::KeyframeSubscriber keyframes_;
+  std::unique_ptr<bus::LoopClosureSubscriber> closures_;
+};
+
+bus::ProcessSpec MappingSpec();
+
+}  // namespace plslam

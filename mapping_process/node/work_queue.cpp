@@ -1,0 +1,159 @@
+#include "mapping_process/node/work_queue.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+constexpr double kMsPerS = 1000.0;
+
+size_t PartsOf(const LoopClosure& closure) {
+  return 1 + closure.edges.size() + closure.points.size() + closure.lines.size() + closure.poses.size() +
+         closure.names.size();
+}
+
+}  // namespace
+
+void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+  restored_ = inserted_ = newest_by_session;
+  keyframes_.Restore(newest_by_session);
+  const auto newest = inserted_.find(newest_session);
+  if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
+}
+
+void WorkQueue::Add(const LoopClosure& closure) {
+  if (!options_.enabled) return;
+  const auto restored = restored_.find(closure.session);
+  if (restored != restored_.end() && closure.session_keyframe_id <= restored->second) return;
+  // Said again in the name of a loop_process that has died: one keyframe may have several answers, each of one map.
+  if (!answers_.insert(AnswerOf(closure)).second) return;
+  closures_.push_back(closure);
+  n_parts_ += PartsOf(closure);
+  while (n_parts_ > kMostParts) DropOldest();
+}
+
+WorkQueue::Answer WorkQueue::AnswerOf(const LoopClosure& closure) {
+  return {closure.session, closure.session_keyframe_id, closure.map_source, closure.map_version,
+          static_cast<int>(closure.kind)};
+}
+
+/// Of those whose keyframe has not come; it may be said again.
+void WorkQueue::DropOldest() {
+  auto oldest = std::find_if(closures_.begin(), closures_.end(),
+                             [this](const LoopClosure& closure) { return !IsInserted(closure); });
+  if (oldest == closures_.end()) oldest = closures_.begin();
+  n_parts_ -= PartsOf(*oldest);
+  answers_.erase(AnswerOf(*oldest));
+  closures_.erase(oldest);
+}
+
+std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
+  Work work;
+  caught_up_ = caught_up_ || keyframes_.size() == 0;
+  if (!saves_.empty() && newest_.settled && caught_up_) {
+    work.kind = Work::Kind::kSave;
+    work.path = std::move(saves_.front());
+    saves_.pop_front();
+    // A saved map acquits landmarks on trial: a state from before would not know.
+    inserted_since_state_ = std::max(inserted_since_state_, state_every_);
+    return work;
+  }
+  if (std::exchange(asked_, false)) {
+    work.kind = Work::Kind::kPublishWhole;
+    return work;
+  }
+  if (auto closure = TakeClosure(now_s)) return closure;
+  if (!newest_.settled && !wait_.awaited()) {
+    newest_.settled = true;
+    work.kind = Work::Kind::kSettle;
+    return work;
+  }
+  if (IsStateDue(now_s)) {
+    inserted_since_state_ = 0;
+    work.kind = Work::Kind::kKeepState;
+    return work;
+  }
+  if (newest_.lockstep && !newest_.settled) return std::nullopt;
+  work.keyframes = TakeKeyframes(now_s);
+  if (work.keyframes.empty()) return std::nullopt;
+  return work;
+}
+
+// Where all has been said about what is in the map: then what is said again after a crash can be told from what is new. A new
+// session, or another publisher of a known one, may mean that a tracker has died, and nobody else has its keyframes.
+bool WorkQueue::IsStateDue(double now_s) const {
+  if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.settled) return false;
+  if (inserted_since_state_ >= state_every_) return true;
+  const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
+  if (next == nullptr) return false;
+  const auto publisher = publishers_.find(next->session);
+  return !inserted_.contains(next->session) || (publisher != publishers_.end() && publisher->second != next->source);
+}
+
+void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
+  inserted_since_state_ += count;
+  inserted_[keyframe.session] = keyframe.keyframe_id;
+  publishers_[keyframe.session] = keyframe.source;
+  newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false, {}};
+  wait_.End();
+  if (options_.enabled) wait_.Begin(keyframe.keyframe_id, now_s);
+}
+
+bool WorkQueue::Refused() {
+  wait_.End();
+  return !std::exchange(newest_.settled, true);
+}
+
+bool WorkQueue::IsInserted(const LoopClosure& closure) const {
+  const auto session = inserted_.find(closure.session);
+  return session != inserted_.end() && session->second >= closure.session_keyframe_id;
+}
+
+bool WorkQueue::IsAboutNewest(const LoopClosure& closure) const {
+  return closure.session == newest_.session && closure.session_keyframe_id == newest_.keyframe_id;
+}
+
+std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
+  for (;;) {
+    const auto found = std::find_if(closures_.begin(), closures_.end(),
+                                    [this](const LoopClosure& closure) { return IsInserted(closure); });
+    if (found == closures_.end()) return std::nullopt;
+    Work work;
+    work.kind = Work::Kind::kCorrect;
+    n_parts_ -= PartsOf(*found);
+    work.closure = std::move(*found);
+    work.lockstep = newest_.lockstep;
+    closures_.erase(found);
+    const bool settles = IsAboutNewest(work.closure) && !newest_.settled && !work.closure.more;
+    // Of lockstep there is one of each kind about a keyframe, until it is settled. More come where loop_process was started
+    // again, or was asked again by a mapping_process that was.
+    const bool again = newest_.lockstep && (newest_.settled || !IsAboutNewest(work.closure) ||
+                                            !newest_.taken.insert(work.closure.kind).second);
+    if (again || (work.closure.kind == LoopClosure::Kind::kNone && !settles)) continue;
+    work.settles = settles;
+    if (settles) {
+      newest_.settled = true;
+      wait_.End();
+    } else if (IsAboutNewest(work.closure)) {
+      wait_.Begin(newest_.keyframe_id, now_s);
+    }
+    return work;
+  }
+}
+
+std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes(double now_s) {
+  const double now_ms = kMsPerS * now_s;
+  std::vector<Arrived> taken;
+  while (const Keyframe* next = keyframes_.Next(now_ms)) {
+    const bool lockstep = next->lockstep;
+    // An update names the newest keyframe of one session, whose tracker takes it over.
+    const bool same = taken.empty() || next->session == taken.front().keyframe.session;
+    if (!same || (lockstep && !taken.empty())) break;
+    taken.push_back(*keyframes_.Take(now_ms));
+    if (lockstep) break;
+  }
+  return taken;
+}
+
+}  // namespace plslam

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/datasets/dataset.h"
+#include "player/pacing.h"
+
+namespace plslam {
+
+/// A frame ready to be sent; or why it cannot be.
+struct LoadedFrame {
+  StereoImages images;
+  std::optional<SE3> T_w_l;
+  std::string error;
+};
+
+/// Reads and decodes frames ahead, on a thread of its own, so that this overlaps with the work of those who get them. The
+/// order is that of `order`, always.
+class FrameLoader {
+ public:
+  /// Keeps at most `depth` frames ready.
+  FrameLoader(const Dataset& dataset, PlayOrder order, size_t depth);
+  ~FrameLoader();
+  FrameLoader(const FrameLoader&) = delete;
+  FrameLoader& operator=(const FrameLoader&) = delete;
+
+  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Errors other than DatasetError leave here.
+  std::optional<LoadedFrame> Next();
+
+  /// Ends `Next`, from any thread.
+  void Stop();
+
+ private:
+  void Work();
+  bool Push(LoadedFrame frame);
+
+  const Dataset& dataset_;
+  PlayOrder order_;
+  const size_t depth_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<LoadedFrame> ready_;
+  std::exception_ptr failure_;
+  bool finished_ = false;
+  bool stopped_ = false;
+  std::thread worker_;
+};
+
+}  // namespace plslam

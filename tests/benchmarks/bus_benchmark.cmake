@@ -1,1 +1,0 @@
-plslam_benchmark(bus_benchmark SOURCES bus_benchmark.cpp LINK plslam_bus)

@@ -1,1 +1,0 @@
-plslam_benchmark(correction_benchmark SOURCES correction_benchmark.cpp LINK plslam_mapping_world)

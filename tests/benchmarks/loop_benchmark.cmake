@@ -1,1 +1,0 @@
-plslam_benchmark(loop_benchmark SOURCES loop_benchmark.cpp LINK plslam_loop_node plslam_feature_world)

@@ -1,3 +1,0 @@
-plslam_benchmark(motion_benchmark
-  SOURCES motion_benchmark.cpp ../unit/motion/motion_world.cpp
-  LINK plslam_motion)

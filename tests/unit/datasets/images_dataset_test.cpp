@@ -1,0 +1,184 @@
+#include "core/datasets/images_dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "core/io/images/image_folder.h"
+#include "tests/unit/datasets/dataset_folders.h"
+#include "tests/unit/datasets/dataset_matchers.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using test::ErrorOf;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class ImagesDataset : public testing::Test {
+ protected:
+  ImagesDataset() { test::MakeImagesFolder(folder_); }
+  std::string OpenError() const {
+    return ErrorOf([this] { OpenImagesDataset(folder_.string()); });
+  }
+  std::string At(const std::string& name) const { return (folder_ / name).string(); }
+
+  test::TemporaryFolder temporary_;
+  const fs::path folder_ = temporary_.path() / "own";
+  const fs::path camera_ = folder_ / "camera.yaml";
+};
+
+TEST_F(ImagesDataset, HandMadeFolder) {
+  ASSERT_TRUE(LooksLikeImages(folder_.string()));
+  const auto dataset = OpenImagesDataset(folder_.string());
+  ASSERT_EQ(dataset->size(), 3);
+  EXPECT_EQ(dataset->t_ns(2), 750'000'000);
+  EXPECT_EQ(dataset->rig().name, "tiny");
+  EXPECT_EQ(dataset->rig().right.model, "radtan") << "the right camera is like the left one where nothing is said";
+  EXPECT_DOUBLE_EQ(dataset->rig().baseline_m, 0.25);
+  // left_9, left_10, left_11 in that order, with right_0009.pgm and so on.
+  for (int i = 0; i < 3; ++i) {
+    const StereoImages images = dataset->Read(i);
+    EXPECT_EQ(images.left.at<uint8_t>(2, 1), test::TinyPixel(i, 0, 1, 2)) << i;
+    EXPECT_EQ(images.right.at<uint8_t>(2, 1), test::TinyPixel(i, 1, 1, 2)) << i;
+  }
+  EXPECT_DOUBLE_EQ(dataset->GroundTruth(1)->translation().x(), 1.0);
+  EXPECT_FALSE(dataset->GroundTruth(2)) << "0.75 s is after the last pose";
+}
+
+TEST_F(ImagesDataset, TimesFromTheRate) {
+  fs::remove(folder_ / "times.txt");
+  EXPECT_EQ(OpenImagesDataset(folder_.string())->t_ns(2), 200'000'000);
+  test::ReplaceText(camera_, "rate_hz: 10\n", "");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml")), HasSubstr("rate_hz is missing")));
+}
+
+TEST_F(ImagesDataset, SparseTruthOfTheVeryFramesCounts) {
+  test::WriteText(folder_ / "times.txt", "0.5004\n0.7\n0.9\n");
+  test::WriteText(folder_ / "groundtruth.txt", "0.5 0 0 0 0 0 0 1\n0.7004 1 0 0 0 0 0 1\n0.8996 2 0 0 0 0 0 1\n");
+  const auto dataset = OpenImagesDataset(folder_.string());
+  for (int i = 0; i < 3; ++i) {
+    ASSERT_TRUE(dataset->GroundTruth(i)) << i;
+    EXPECT_DOUBLE_EQ(dataset->GroundTruth(i)->translation().x(), i);
+  }
+  EXPECT_TRUE(dataset->Notes().empty());
+}
+
+TEST_F(ImagesDataset, TruthThatFitsFewFramesIsSaid) {
+  test::WriteText(folder_ / "groundtruth.txt", "1700000000.5 0 0 0 0 0 0 1\n1700000000.6 1 0 0 0 0 0 1\n");
+  EXPECT_THAT(
+      OpenImagesDataset(folder_.string())->Notes(),
+      testing::ElementsAre("groundtruth.txt: 2 poses (1700000000.500000000 s to 1700000000.600000000 s), 0 of 3 "
+                           "frames (0.500000000 s to 0.750000000 s) have one"));
+  test::WriteText(folder_ / "groundtruth.txt", "# nothing yet\n");
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(), testing::ElementsAre("groundtruth.txt: has no poses"));
+}
+
+TEST_F(ImagesDataset, PosesOfKittiFormat) {
+  fs::rename(folder_ / "groundtruth.txt", folder_ / "other.txt");
+  test::WriteText(folder_ / "poses.txt",
+                  "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n1 0 0 0 0 1 0 0 0 0 1 2\n");
+  EXPECT_DOUBLE_EQ(OpenImagesDataset(folder_.string())->GroundTruth(2)->translation().z(), 2.0);
+}
+
+TEST_F(ImagesDataset, TwoFullCameras) {
+  test::WriteText(camera_, R"(rate_hz: 20
+left:
+  resolution_px: [48, 32]
+  model: equidistant
+  focal_length_px: [40, 40]
+  principal_point_px: [24, 16]
+  distortion: [0.1, 0, 0, 0]
+  T_b_cam: [1, 0, 0, 1,  0, 1, 0, 2,  0, 0, 1, 3]
+right:
+  focal_length_px: [41, 41]
+  principal_point_px: [24, 16]
+  T_b_cam: [1, 0, 0, 1.5,  0, 1, 0, 2,  0, 0, 1, 3,  0, 0, 0, 1]
+)");
+  const auto dataset = OpenImagesDataset(folder_.string());
+  EXPECT_DOUBLE_EQ(dataset->rig().baseline_m, 0.5);
+  EXPECT_EQ(dataset->rig().left.model, "equidistant");
+  EXPECT_EQ(dataset->rig().right.model, "pinhole");
+}
+
+TEST_F(ImagesDataset, UnpairedImageIsABadFrame) {
+  fs::remove(folder_ / "right" / "right_0010.pgm");
+  const auto dataset = OpenImagesDataset(folder_.string());
+  ASSERT_EQ(dataset->size(), 3) << "the times stay those of the frames";
+  EXPECT_THAT(ErrorOf([&] { dataset->Read(1); }), AllOf(HasSubstr(At("left/left_10.png")), HasSubstr("no partner")));
+  EXPECT_EQ(dataset->Read(2).right.at<uint8_t>(0, 0), test::TinyPixel(2, 1, 0, 0));
+}
+
+TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
+  const std::string good = test::ReadText(camera_);
+  struct Row {
+    const char* from;
+    const char* to;
+    const char* line;
+    const char* what;
+  };
+  for (const Row& row :
+       {Row{"[40.0, 41.0]", "[0, 41.0]", ":6: focal_length_px", "focal length fx = 0"},
+        Row{"[40.0, 41.0]", "[40.0, -1]", ":6: focal_length_px", "fy = -1"},
+        Row{"[40.0, 41.0]", "40.0", ":6: focal_length_px", "list of numbers"},
+        Row{"[24.0, 16.0]", "[1e9, 16.0]", ":7: principal_point_px", "cx = 1000000000"},
+        Row{"-0.1, 0.01,", "", ":8: distortion", "4 or 5 distortions, not 2"},
+        Row{"-0.1, 0.01,", "nan, 0,", ":8: distortion", "'nan'"},
+        Row{"model: radtan", "model: fisheye", ":5: model", "'fisheye' is none of pinhole, radtan, equidistant"},
+        Row{"baseline_m: 0.25", "baseline_m: -0.25", "", "to the right of the left one"},
+        Row{"baseline_m: 0.25", "baseline_m: 0", "", "baseline 0 m"},
+        Row{"baseline_m: 0.25\n", "", ":1: baseline_m", "is missing"},
+        Row{"rate_hz: 10", "rate_hz: 0", ":2: rate_hz", "above 0"},
+        Row{"rate_hz: 10", "rate: 10", ":2: rate", "is not a known key"},
+        Row{"name: tiny", "kind: rgbd", ":1: depth_units_per_m", "is missing"},
+        Row{"name: tiny", "kind: mono", ":1: kind", "'mono'"}, Row{"left:", "right:", ": left", "is missing"},
+        Row{"name: tiny", "name: [", "", ""}}) {
+    test::WriteText(camera_, good);
+    test::ReplaceText(camera_, row.from, row.to);
+    const std::string error = OpenError();
+    EXPECT_THAT(error, AllOf(HasSubstr(At("camera.yaml")), HasSubstr(row.line), HasSubstr(row.what))) << row.to;
+  }
+}
+
+TEST_F(ImagesDataset, HostileCameraFiles) {
+  test::WriteText(camera_, std::string(30000, '['));
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml")));
+  test::WriteText(camera_, "a: &a [x, x]\nb: &b [*a, *a]\nleft: *b\n");
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml")));
+  test::WriteText(camera_, "- 1\n- 2\n");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml") + ":1"), HasSubstr("key: value")));
+  test::WriteText(camera_, "? [a]\n: 1\n");
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml")));
+  test::WriteText(camera_, "name: \x01\x02\xff\n");
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml")));
+}
+
+TEST_F(ImagesDataset, FoldersAndCounts) {
+  test::WriteText(folder_ / "times.txt", "0.1\n0.2\n");
+  EXPECT_THAT(OpenError(), HasSubstr(At("times.txt") + ": has 2 times for 3 frames"));
+  test::WriteText(folder_ / "left" / "again_0009.png", "");
+  EXPECT_THAT(OpenError(), HasSubstr("has the same number as"));
+  fs::remove_all(folder_ / "left");
+  EXPECT_THAT(OpenError(), HasSubstr("none of the pairs of image folders left and right"));
+  fs::create_directories(folder_ / "left");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("left")), HasSubstr("no images")));
+  fs::remove(camera_);
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml")), HasSubstr("missing")));
+}
+
+TEST(KeyOfImage, NumbersDecideTheOrder) {
+  EXPECT_LT(KeyOfImage("img9.png"), KeyOfImage("img10.png"));
+  EXPECT_LT(KeyOfImage("img10.png"), KeyOfImage("img0011.png"));
+  EXPECT_LT(KeyOfImage("1305031102.2.png"), KeyOfImage("1305031102.275.png"));
+  EXPECT_LT(KeyOfImage("1305031102.275.png"), KeyOfImage("1305031103.1.png"));
+  EXPECT_LT(KeyOfImage("99.png"), KeyOfImage("last.png"));
+  EXPECT_EQ(KeyOfImage("left_0012.png").whole, "12");
+  EXPECT_EQ(KeyOfImage("left_0012_rect.png").whole, "12");
+  EXPECT_EQ(KeyOfImage("cam0_000.png").whole, "0");
+  EXPECT_EQ(KeyOfImage("v1.2.3.png").whole, "3");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,27 @@
+#include "tests/unit/stereo/stereo_points.h"
+
+#include <algorithm>
+
+#include "core/features/points/orb_extractor.h"
+
+namespace plslam::test {
+
+void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
+           const cv::Mat& right, const StereoOptions& options) {
+  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, options), HalvedPair(left, right),
+                    RowField(), options);
+}
+
+std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options) {
+  OrbExtractor extractor{OrbOptions{}};
+  std::vector<StereoPoint> points = WithoutDepth(extractor.Extract(left), options);
+  Match(points, extractor.Extract(right), left, right, options);
+  return points;
+}
+
+double ShareWithDepth(const std::vector<StereoPoint>& points) {
+  const auto n = std::count_if(points.begin(), points.end(), [](const StereoPoint& p) { return p.HasDepth(); });
+  return static_cast<double>(n) / std::max<double>(1.0, static_cast<double>(points.size()));
+}
+
+}  // namespace plslam::test

@@ -1,0 +1,223 @@
+#include "tools/plslam/node/history_node.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/bus/delivery/history.h"
+#include "core/bus/transport/wire.h"
+#include "core/process/process_usage.h"
+#include "core/process/worker.h"
+#include "plslam/ground_truth_t.hpp"
+#include "plslam/keyframe_t.hpp"
+#include "plslam/loop_closure_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam {
+namespace {
+
+struct KeptChannel {
+  const bus::Channel& channel;
+  /// False where the bytes are no such message.
+  bool (*publish)(bus::Bus& bus, const bus::Channel& channel, const std::vector<uint8_t>& bytes);
+};
+
+template <class Message>
+bool Publish(bus::Bus& bus, const bus::Channel& channel, const std::vector<uint8_t>& bytes) {
+  Message message;
+  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
+  bus.Publish(channel, std::move(message));
+  return true;
+}
+
+constexpr std::array<KeptChannel, 4> kKept{{{bus::kPose, Publish<pose_t>},
+                                            {bus::kKeyframe, Publish<keyframe_t>},
+                                            {bus::kLoopClosure, Publish<loop_closure_t>},
+                                            {bus::kGroundTruth, Publish<ground_truth_t>}}};
+
+// What the bus remembers, too: more are invented.
+constexpr size_t kMaxPublishers = 256;
+constexpr size_t kMaxRecordedProcesses = 4096;
+
+int UnnamedFile(const std::string& folder) {
+  std::string path = folder + "/.history_XXXXXX";
+  const int file = mkostemp(path.data(), O_CLOEXEC);
+  if (file >= 0) unlink(path.c_str());
+  return file;
+}
+
+bool WriteAll(int file, std::span<const uint8_t> bytes, int64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t written = pwrite(file, bytes.data(), bytes.size(), offset);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(written));
+    offset += written;
+  }
+  return true;
+}
+
+bool ReadAll(int file, std::span<uint8_t> bytes, int64_t offset) {
+  while (!bytes.empty()) {
+    const ssize_t read = pread(file, bytes.data(), bytes.size(), offset);
+    if (read < 0 && errno == EINTR) continue;
+    if (read <= 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(read));
+    offset += read;
+  }
+  return true;
+}
+
+}  // namespace
+
+struct HistoryKeeper::Store {
+  Store(const std::string& folder_in, int64_t own_in) : folder(folder_in), own(own_in), file(UnnamedFile(folder)) {
+    if (file < 0) Fail(std::strerror(errno));
+  }
+  ~Store() {
+    if (file >= 0) close(file);
+  }
+  Store(const Store&) = delete;
+  Store& operator=(const Store&) = delete;
+
+  void Keep(size_t channel, std::span<const uint8_t> message);
+  void Bury(int64_t source);
+  void Fail(const std::string& why);
+
+  const std::string folder;
+  const int64_t own;  // what we say ourselves is not kept
+  const int file;
+
+  mutable std::mutex mutex;  // of all that follows
+  std::condition_variable changed;
+  std::map<int64_t, std::vector<Entry>> entries;  // by publisher
+  std::set<int64_t> gone;                         // publishers that have died
+  std::deque<int64_t> due;                        // of these, what is to be said in their place
+  int64_t end = 0;                                // of the file
+  int64_t kept = 0;
+  std::string problem;
+  bool stopping = false;
+};
+
+/// On the receiving thread.
+void HistoryKeeper::Store::Keep(size_t channel, std::span<const uint8_t> message) {
+  const int64_t source = bus::ReadHeader(message).source;
+  if (source == own) return;
+  int64_t offset = 0;
+  {
+    const std::scoped_lock lock(mutex);
+    if (!problem.empty() || (entries.size() >= kMaxPublishers && !entries.contains(source))) return;
+    offset = end;
+    end += static_cast<int64_t>(message.size());
+  }
+  if (!WriteAll(file, message, offset)) return Fail(std::strerror(errno));
+  const std::scoped_lock lock(mutex);
+  entries[source].push_back({channel, offset, message.size()});
+  ++kept;
+  if (!gone.contains(source)) return;
+  // It was on its way when its publisher died.
+  due.push_back(source);
+  changed.notify_all();
+}
+
+void HistoryKeeper::Store::Bury(int64_t source) {
+  const std::scoped_lock lock(mutex);
+  gone.insert(source);
+  due.push_back(source);
+  changed.notify_all();
+}
+
+void HistoryKeeper::Store::Fail(const std::string& why) {
+  const std::scoped_lock lock(mutex);
+  if (!problem.empty()) return;
+  problem = fmt::format("{}: {}", folder, why);
+  // The room is for those who need it more.
+  entries.clear();
+  if (file >= 0 && ftruncate(file, 0) != 0) spdlog::warn("{}: {}", folder, std::strerror(errno));
+  spdlog::warn("what the processes say is kept no further, for one that starts after another has died: {}", problem);
+}
+
+HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
+    : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
+  bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
+    if (m.host != host) return;  // ids of its processes mean nothing here
+    if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
+  });
+  for (size_t i = 0; i < kKept.size(); ++i) {
+    bus_.SubscribeBytes(
+        kKept[i].channel, bus::Bus::Reading::kOrdered, [] { return true; },
+        [store = store_, i](std::span<const uint8_t> message) { store->Keep(i, message); });
+  }
+  worker_ = std::thread([this] { bus::RunGuarded(bus_, [this] { Work(); }); });
+}
+
+HistoryKeeper::~HistoryKeeper() {
+  Stop();
+  worker_.join();
+}
+
+void HistoryKeeper::Stop() {
+  {
+    const std::scoped_lock lock(store_->mutex);
+    store_->stopping = true;
+  }
+  store_->changed.notify_all();
+}
+
+void HistoryKeeper::OnExit(pid_t pid) {
+  const auto found = sources_.find(pid);
+  if (found == sources_.end()) return;
+  store_->Bury(found->second);
+  // What its own bus had put on disk, and can remove no more.
+  std::error_code ignored;
+  std::filesystem::remove_all(bus::TemporaryFolder(found->second), ignored);
+  sources_.erase(found);
+}
+
+int64_t HistoryKeeper::kept() const {
+  const std::scoped_lock lock(store_->mutex);
+  return store_->kept;
+}
+
+std::string HistoryKeeper::problem() const {
+  const std::scoped_lock lock(store_->mutex);
+  return store_->problem;
+}
+
+void HistoryKeeper::Work() {
+  Store& store = *store_;
+  std::unique_lock lock(store.mutex);
+  for (;;) {
+    store.changed.wait(lock, [&store] { return store.stopping || !store.due.empty(); });
+    if (store.stopping) return;
+    const std::vector<Entry> entries = std::exchange(store.entries[store.due.front()], {});
+    store.due.pop_front();
+    for (const Entry& entry : entries) {
+      lock.unlock();
+      if (SayAgain(entry)) ++said_again_;
+      lock.lock();
+      if (store.stopping) return;
+    }
+  }
+}
+
+bool HistoryKeeper::SayAgain(const Entry& entry) {
+  std::vector<uint8_t> bytes(entry.bytes);
+  const KeptChannel& kept = kKept[entry.channel];
+  return ReadAll(store_->file, bytes, entry.offset) && kept.publish(bus_, kept.channel, bytes);
+}
+
+}  // namespace plslam

@@ -1,0 +1,156 @@
+#include "tools/plslam/node/monitor_node.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/bus/messages/map_pages.h"
+#include "core/process/process_status.h"
+#include "core/process/process_usage.h"
+#include "core/process/worker.h"
+#include "plslam/keyframe_t.hpp"
+#include "plslam/loop_closure_t.hpp"
+#include "plslam/map_update_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/relocalisation_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam {
+namespace {
+
+// A queue that is worth telling; status comes every second.
+constexpr double kWorthSaying = 5.0;
+constexpr double kSilent_s = 2.5;
+constexpr double kDead_s = 10.0;
+// More are invented.
+constexpr size_t kMaxShownProcesses = 4096;
+
+FrameReport FromMessage(const pose_t& message) {
+  FrameReport report;
+  report.session = message.header.session;
+  report.frame_id = message.frame_id;
+  report.t_ns = message.header.t_ns;
+  report.state = int{message.state};
+  report.keyframe_id = message.keyframe_id;
+  report.tracked_points = message.n_tracked_points;
+  report.tracked_lines = message.n_tracked_lines;
+  report.skipped_frames = message.n_skipped_frames;
+  for (const stage_t& stage : message.stages) report.stage_ms.emplace_back(stage.name, stage.ms);
+  return report;
+}
+
+ProcessStatus FromMessage(const status_t& message) {
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, bus::NowS()};
+  const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
+  status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
+  for (const counter_t& counter : message.counters) {
+    if (counter.name.starts_with("queue.")) status.queue = std::max(status.queue, counter.value);
+  }
+  return status;
+}
+
+}  // namespace
+
+MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
+  const int64_t own = bus.source();
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  bus.Subscribe<pose_t>(bus::kPose, [this, own](const pose_t& m) {
+    if (m.header.source == own) return;
+    statistics_.AddFrame(FromMessage(m));
+    ++poses_heard_;
+  });
+  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
+    total_frames_ = m.n_frames;
+    bad_frames_ = m.n_bad;
+    stream_ended_ = m.event == "end";
+    lockstep_ = m.pace == "lockstep";
+  });
+  bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
+    for (const auto& point : m.points) statistics_.AddLandmark(m.header.session, point.landmark_id, false);
+    for (const auto& line : m.lines) statistics_.AddLandmark(m.header.session, line.landmark_id, true);
+  });
+  bus.Subscribe<map_update_t>(bus::kMapUpdate, [this](const map_update_t& m) {
+    const auto head = m.page == 0 ? bus::HeadOf(m) : std::nullopt;
+    if (head) map_.Add(*head);
+  });
+  bus.Subscribe<loop_closure_t>(bus::kLoopClosure, [this, own](const loop_closure_t& m) {
+    if (m.page == 0 && m.header.source != own) {
+      loops_.Add(static_cast<LoopClosure::Kind>(m.kind), m.detect_ms, m.correct_ms);
+    }
+  });
+  bus.Subscribe<relocalisation_t>(bus::kRelocalisation,
+                                  [this](const relocalisation_t& m) { loops_.AddAnswer(m.found != 0); });
+}
+
+void MonitorNode::OnStatus(const status_t& message) {
+  if (message.process == "player") {
+    player_heard_s_ = bus::NowS();
+    sent_frames_ = static_cast<int64_t>(bus::CounterOf(message, "frames.sent"));
+    // A run that is interrupted hears of no end of the stream.
+    bad_frames_ = std::max(bad_frames_, static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+  }
+  const std::pair process(message.host, message.pid);
+  if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
+  const ProcessStatus& status = processes_[process] = FromMessage(message);
+  if (longest_queue_.size() >= kMaxShownProcesses && !longest_queue_.contains(message.process)) return;
+  double& longest = longest_queue_[message.process];
+  longest = std::max(longest, status.queue);
+}
+
+bool MonitorNode::PlayerWaitsForTime(double now_s) const {
+  if (stream_ended_ || lockstep_) return false;
+  const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
+  return heard && sent_frames_ > 0 && statistics_.newest_frame().first + 1 >= sent_frames_;
+}
+
+SignsOfLife MonitorNode::Signs(int64_t viewer, double now_s) const {
+  const auto found = processes_.find({host_, viewer});
+  return {poses_heard_, map_.version(), PlayerWaitsForTime(now_s), stream_ended_,
+          found == processes_.end() ? -1.0 : found->second.heard_s};
+}
+
+int64_t MonitorNode::unanswered_frames() const {
+  const int64_t sent = stream_ended_ ? total_frames_ : sent_frames_;
+  return std::max<int64_t>(0, sent - statistics_.frames() - statistics_.skipped_frames());
+}
+
+bool MonitorNode::has_all() const {
+  const bool has_frames = stream_ended_ && unanswered_frames() == 0;
+  const auto [session, keyframe_id] = statistics_.last_keyframe();
+  const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.settled().Has(session, keyframe_id);
+  return has_frames && has_map;
+}
+
+std::string MonitorNode::StateOf(int64_t pid) const {
+  const auto found = processes_.find({host_, pid});
+  return found == processes_.end() ? "" : found->second.state;
+}
+
+Lag MonitorNode::LagAt(double now_s) const {
+  Lag lag{"", longest_queue_};
+  double furthest = kWorthSaying;
+  for (const auto& [process, status] : processes_) {
+    const double silent_s = now_s - status.heard_s;
+    // One that has died has said nothing for long; the one in its place speaks for it.
+    if (silent_s > kDead_s || status.state == "stopping") continue;
+    if (silent_s > kSilent_s)
+      return {fmt::format("{}: silent for {:.0f} s", status.process, silent_s), longest_queue_};
+    if (status.queue < furthest) continue;
+    furthest = status.queue;
+    lag.text = fmt::format("{}: {:.0f} waiting", status.process, status.queue);
+  }
+  return lag;
+}
+
+MessageCounts MonitorNode::messages() const {
+  MessageCounts sum;
+  for (const auto& [process, status] : processes_) {
+    sum.lost += status.messages.lost;
+    sum.repaired += status.messages.repaired;
+    sum.rejected += status.messages.rejected;
+  }
+  return sum;
+}
+
+}  // namespace plslam

@@ -1,0 +1,41 @@
+#include "tools/plslam/node/save_node.h"
+
+#include <utility>
+
+#include "core/process/process_status.h"
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
+
+namespace plslam {
+
+SaveNode::SaveNode(bus::Bus& bus) : bus_(bus) {
+  bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
+}
+
+void SaveNode::OnStatus(const status_t& message) {
+  if (message.process != "mapping") return;
+  const double saves = bus::CounterOf(message, "map.saves");
+  const double failed = bus::CounterOf(message, "map.failed_saves");
+  // Before the order, and after a restart of the process (which has forgotten it): what there is to begin with.
+  if (!sent_ || message.pid != pid_) {
+    pid_ = message.pid;
+    saves_ = saves;
+    failed_ = failed;
+    heard_ = true;
+    sent_ = false;
+    return;
+  }
+  if (saves > saves_) result_ = Result::kSaved;
+  if (failed > failed_) result_ = Result::kFailed;
+}
+
+void SaveNode::Send(const std::filesystem::path& path) {
+  if (std::exchange(sent_, true)) return;
+  command_t command{};
+  command.target = "mapping";
+  command.verb = "save";
+  command.argument = path.string();
+  bus_.Publish(bus::kCommand, command);
+}
+
+}  // namespace plslam

@@ -1,0 +1,157 @@
+#include "tools/pose_graph/g2o.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include "core/io/files/atomic_file.h"
+#include "tools/pose_graph/g2o_rows.h"
+
+namespace plslam {
+namespace {
+
+void ExpectFields(const TextRow& row, size_t n) {
+  if (row.fields.size() == n) return;
+  row.Fail(fmt::format("{} has {} fields after it, and must have {}", row.fields[0], row.fields.size() - 1, n - 1));
+}
+
+/// What a file says of poses of one kind.
+template <class Pose>
+class Reader {
+ public:
+  using Rows = G2oRows<Pose>;
+  static constexpr size_t kInformation = kPoseFreedom<Pose> * (kPoseFreedom<Pose> + 1) / 2;
+
+  bool empty() const { return poses_.empty() && edges_.empty(); }
+  bool has_edges() const { return !edges_.empty(); }
+  bool Knows(int64_t id) const { return poses_.contains(id); }
+
+  /// False where the tag is not of this kind.
+  bool Take(const TextRow& row) {
+    if (row.fields[0] == Rows::kVertex) {
+      TakeVertex(row);
+    } else if (row.fields[0] == Rows::kEdge) {
+      TakeEdge(row);
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  G2oGraph<Pose> Graph(const std::set<int64_t>& fixed) && {
+    G2oGraph<Pose> result;
+    std::map<int64_t, int> places;
+    for (const auto& [id, pose] : poses_) {
+      places[id] = static_cast<int>(result.ids.size());
+      result.ids.push_back(id);
+      result.given.push_back(pose.has_value());
+      result.graph.poses.push_back({pose.value_or(Pose()), fixed.contains(id)});
+    }
+    for (Edge& edge : edges_) {
+      edge.motion.a = places.at(edge.a);
+      edge.motion.b = places.at(edge.b);
+      result.graph.edges.push_back(edge.motion);
+    }
+    return result;
+  }
+
+ private:
+  struct Edge {
+    int64_t a;
+    int64_t b;
+    PoseGraphMotion<Pose> motion;
+  };
+
+  void TakeVertex(const TextRow& row) {
+    ExpectFields(row, 2 + Rows::kNumbers);
+    const int64_t id = ReadG2oId(row, 1);
+    std::optional<Pose>& pose = poses_[id];
+    if (pose) row.Fail(fmt::format("vertex {} is there twice", id));
+    pose = Rows::Read(row, 2);
+  }
+
+  void TakeEdge(const TextRow& row) {
+    ExpectFields(row, 3 + Rows::kNumbers + kInformation);
+    Edge edge{ReadG2oId(row, 1), ReadG2oId(row, 2), {}};
+    if (edge.a == edge.b) row.Fail(fmt::format("the edge joins vertex {} to itself", edge.a));
+    edge.motion.T_a_b = Rows::Read(row, 3);
+    edge.motion.information = ReadG2oInformation<Pose>(row, 3 + Rows::kNumbers);
+    poses_.try_emplace(edge.a);
+    poses_.try_emplace(edge.b);
+    edges_.push_back(edge);
+  }
+
+  std::map<int64_t, std::optional<Pose>> poses_;
+  std::vector<Edge> edges_;
+};
+
+class FileReader {
+ public:
+  void Take(const TextRow& row) {
+    const std::string tag(row.fields[0]);
+    if (tag == "FIX") {
+      TakeFix(row);
+    } else if (tag.starts_with("PARAMS_")) {
+      ++skipped_[tag];
+    } else if (!space_.Take(row) && !plane_.Take(row)) {
+      row.Fail(fmt::format("'{}' is not known (VERTEX_SE3:QUAT, EDGE_SE3:QUAT, VERTEX_SE2, EDGE_SE2, FIX are)",
+                           tag.substr(0, 40)));
+    }
+    if (!space_.empty() && !plane_.empty()) row.Fail("poses in space and in the plane do not go together");
+  }
+
+  G2oFile File(const std::string& path) && {
+    if (!space_.has_edges() && !plane_.has_edges()) throw std::runtime_error(path + ": has no edge");
+    for (const auto& [id, line] : fixed_lines_) {
+      if (space_.Knows(id) || plane_.Knows(id)) continue;
+      throw std::runtime_error(fmt::format("{}:{}: FIX names vertex {}, which no other line has", path, line, id));
+    }
+    std::set<int64_t> fixed;
+    for (const auto& [id, line] : fixed_lines_) fixed.insert(id);
+    if (space_.has_edges()) return {std::move(space_).Graph(fixed), skipped_};
+    return {std::move(plane_).Graph(fixed), skipped_};
+  }
+
+ private:
+  void TakeFix(const TextRow& row) {
+    for (size_t i = 1; i < row.fields.size(); ++i) fixed_lines_.try_emplace(ReadG2oId(row, i), row.line);
+  }
+
+  Reader<SE3> space_;
+  Reader<SE2> plane_;
+  std::map<int64_t, int> fixed_lines_;
+  std::map<std::string, int> skipped_;
+};
+
+template <class Pose>
+void Write(const std::string& path, const G2oGraph<Pose>& graph) {
+  using Rows = G2oRows<Pose>;
+  std::string text;
+  std::string fixes;
+  for (size_t i = 0; i < graph.ids.size(); ++i) {
+    const PoseGraphNode<Pose>& node = graph.graph.poses[i];
+    if (graph.given[i]) text += fmt::format("{} {} {}\n", Rows::kVertex, graph.ids[i], Rows::Text(node.T_w_kf));
+    if (node.fixed) fixes += fmt::format("FIX {}\n", graph.ids[i]);
+  }
+  text += fixes;
+  for (const PoseGraphMotion<Pose>& edge : graph.graph.edges) {
+    text += fmt::format("{} {} {} {}{}\n", Rows::kEdge, graph.ids[edge.a], graph.ids[edge.b], Rows::Text(edge.T_a_b),
+                        G2oInformationText<Pose>(edge.information));
+  }
+  WriteFileAtomically(path, text);
+}
+
+}  // namespace
+
+G2oFile ReadG2o(const std::string& path) {
+  FileReader reader;
+  ForEachRow(path, [&](const TextRow& row) { reader.Take(row); });
+  return std::move(reader).File(path);
+}
+
+void WriteG2o(const std::string& path, const G2oGraph<SE3>& graph) { Write(path, graph); }
+void WriteG2o(const std::string& path, const G2oGraph<SE2>& graph) { Write(path, graph); }
+
+}  // namespace plslam

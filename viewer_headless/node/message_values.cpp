@@ -1,0 +1,45 @@
+#include "viewer_headless/node/message_values.h"
+
+#include "core/bus/messages/convert.h"
+
+namespace plslam {
+
+std::optional<FramePose> ToFramePose(const pose_t& message) {
+  const std::optional<SE3> T_odom_c = bus::FromMessage(message.T_odom_c);
+  const std::optional<SE3> T_w_odom = bus::FromMessage(message.T_w_odom);
+  const std::optional<Matrix6d> covariance = bus::FromArray(message.covariance);
+  const std::optional<Matrix6d> motion_covariance = bus::FromArray(message.motion_covariance);
+  if (!T_odom_c || !T_w_odom || !covariance || !motion_covariance) return std::nullopt;
+  FramePose pose{.frame_id = message.frame_id,
+                 .t_ns = message.header.t_ns,
+                 .session = message.header.session,
+                 .state = static_cast<TrackingState>(message.state),
+                 .T_odom_c = *T_odom_c,
+                 .T_w_odom = *T_w_odom,
+                 .covariance = *covariance,
+                 .motion_covariance = *motion_covariance,
+                 .keyframe_id = message.keyframe_id,
+                 .entropy_ratio = message.entropy_ratio,
+                 .counts = {message.n_points, message.n_lines, message.n_tracked_points, message.n_tracked_lines,
+                            message.n_skipped_frames},
+                 .stages_ms = {}};
+  for (const stage_t& stage : message.stages) pose.stages_ms.emplace_back(stage.name, stage.ms);
+  return pose;
+}
+
+OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
+  OverlayFeatures features;
+  for (const track_point_t& p : message.points) features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age});
+  for (const track_line_t& l : message.lines) {
+    features.segments.push_back({{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age});
+  }
+  return features;
+}
+
+ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id) {
+  ProcessSample sample{message.process, message.state, t_s, frame_id, message.cpu_s, message.memory_mb, {}};
+  for (const counter_t& counter : message.counters) sample.counters.emplace_back(counter.name, counter.value);
+  return sample;
+}
+
+}  // namespace plslam

@@ -1,0 +1,81 @@
+#include "viewer_headless/node/report_node.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include "core/io/files/atomic_file.h"
+#include "core/process/worker.h"
+#include "viewer_headless/node/message_values.h"
+#include "viewer_headless/report/report_json.h"
+#include "viewer_headless/report/report_page.h"
+
+namespace plslam {
+namespace {
+
+constexpr std::chrono::milliseconds kLiveTick(50);
+
+}  // namespace
+
+ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sources)
+    : options_(options), sources_(std::move(sources)), wanted_(options.report || options.serve > 0) {
+  if (wanted_) page_ = ReadReportTemplate();
+  if (options_.serve > 0 && !page_) {
+    throw std::runtime_error("the live page cannot be served: this was built without node and npm (docs/viewer.md)");
+  }
+  if (wanted_ && !page_) spdlog::warn("no report.html is made: this was built without node and npm (docs/viewer.md)");
+  wanted_ = wanted_ && page_;
+  report_ = std::make_unique<ReportRecorder>(options_.report_pictures);
+  if (!wanted_) return;
+  loops_ = std::make_unique<bus::LoopClosureSubscriber>(bus, [this](const LoopClosure& c) { report_->Add(c); });
+  if (options_.serve == 0) return;
+  live_ = std::make_unique<LiveView>(static_cast<int>(options_.serve), FillTemplate(*page_, "null"));
+  spdlog::info("live page: http://127.0.0.1:{}/", live_->port());
+  bus.Every(kLiveTick, [this] { live_->Answer([this](const ReportSince& since) { return Json(since); }); });
+}
+
+void ReportNode::OnStream(const stream_t& message) {
+  if (message.event != "begin") return;
+  // That of an earlier run must not be taken for one of this.
+  std::error_code ignored;
+  std::filesystem::remove(options_.out + "/report.html", ignored);
+  report_->Begin({message.dataset, message.pace, message.n_frames});
+}
+
+void ReportNode::OnStatus(const status_t& message) {
+  if (wanted_) report_->Add(ToProcessSample(message, bus::NowS(), NewestFrame()));
+}
+
+void ReportNode::OnMap(const MapUpdate& update) {
+  if (wanted_) report_->Add(update, *sources_.map, NewestFrame());
+}
+
+void ReportNode::SetCamera(const StereoCamera& camera) {
+  camera_ = camera;
+  report_->SetCamera(camera);
+}
+
+void ReportNode::BeginAgain() {
+  report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
+  if (camera_) report_->SetCamera(*camera_);
+}
+
+int64_t ReportNode::NewestFrame() const {
+  return sources_.recorder->frames().empty() ? -1 : sources_.recorder->frames().rbegin()->first;
+}
+
+std::string ReportNode::Json(const ReportSince& since) const {
+  return ReportJson(report_->Build(*sources_.recorder, *sources_.map, sources_.q_l_c(), since));
+}
+
+void ReportNode::Write() {
+  if (!wanted_) return;
+  report_->Finish();
+  if (!options_.report) return;
+  WriteFileAtomically(options_.out + "/report.html", FillTemplate(*page_, Json(ReportSince())));
+}
+
+}  // namespace plslam

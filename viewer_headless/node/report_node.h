@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/bus/messages/loop_channel.h"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+#include "viewer_headless/live/live_view.h"
+#include "viewer_headless/options.h"
+#include "viewer_headless/report/report_recorder.h"
+
+namespace plslam {
+
+/// Collects what the report needs beside poses and map, writes `report.html`, and serves the live page.
+class ReportNode {
+ public:
+  /// The state of the run that a report is made of; it stays and changes as the run goes on.
+  struct Sources {
+    const Recorder* recorder = nullptr;
+    const Map* map = nullptr;
+    std::function<Eigen::Quaterniond()> q_l_c;
+  };
+
+  /// Throws std::runtime_error where the live page is asked for and cannot be served.
+  ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sources);
+
+  void OnStream(const stream_t& message);
+  void OnStatus(const status_t& message);
+  void OnMap(const MapUpdate& update);
+  void SetCamera(const StereoCamera& camera);
+  /// A new stream begins.
+  void BeginAgain();
+  /// Throws std::runtime_error.
+  void Write();
+
+  /// nullptr where no report is made.
+  PictureStore* pictures() { return wanted_ ? &report_->pictures() : nullptr; }
+
+ private:
+  int64_t NewestFrame() const;
+  std::string Json(const ReportSince& since) const;
+
+  ViewerOptions options_;
+  Sources sources_;
+  std::optional<std::string> page_;
+  bool wanted_;
+  int64_t run_ = 0;
+  std::optional<StereoCamera> camera_;
+  std::unique_ptr<ReportRecorder> report_;
+  std::unique_ptr<bus::LoopClosureSubscriber> loops_;
+  std::unique_ptr<LiveView> live_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,207 @@
+#include "viewer_headless/node/viewer_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+
+#include "core/bus/messages/convert.h"
+#include "core/process/worker.h"
+#include "plslam/ground_truth_t.hpp"
+#include "viewer_headless/node/message_values.h"
+#include "viewer_headless/outputs.h"
+#include "viewer_headless/progress.h"
+
+namespace plslam {
+namespace {
+
+constexpr std::chrono::milliseconds kTick(250);
+// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing: it
+// may wait 15 s for the map.
+constexpr int kQuietTicksAfterFinish = 4;
+constexpr int kQuietTicksAtMost = 80;
+// Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a whole map is
+// adjusted in less.
+constexpr int kQuietTicksForTheMap = 240;
+constexpr size_t kRateTicks = 12;
+
+}  // namespace
+
+ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
+    : process_(process), options_(options), on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
+  PrepareOutputFolder(options_.out);
+  if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
+  Subscribe();
+}
+
+ViewerNode::~ViewerNode() {
+  try {
+    // A run that ends before anything was played does not write over the one before.
+    if (dirty_ && HasPlayed()) Write();
+    ShowProgress(true);
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    process_.Finish(1);
+  }
+}
+
+void ViewerNode::Subscribe() {
+  bus::Bus& bus = process_.bus();
+  bus.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
+  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
+  bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { OnPose(m); });
+  bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
+  bus.Subscribe<command_t>(bus::kCommand, [this](const command_t& m) { OnCommand(m); });
+  bus.Subscribe<ground_truth_t>(bus::kGroundTruth, [this](const ground_truth_t& m) {
+    const std::optional<SE3> T_w_l = bus::FromMessage(m.T_w_l);
+    if (!T_w_l || !recorder_.AddTruth(m.frame_id, {m.header.t_ns, *T_w_l})) return Reject();
+    dirty_ = true;
+    quiet_ticks_ = 0;
+  });
+  map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
+  const Map& map = map_->replica().map();
+  report_ =
+      std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
+  pictures_ = std::make_unique<PictureNode>(bus, options_, PictureNode::Sources{&map, report_->pictures()},
+                                            [this] { Reject(); });
+  bus.Every(kTick, [this] { OnTick(); });
+}
+
+void ViewerNode::OnCamera(const camera_t& message) {
+  std::vector<uint8_t> bytes = bus::RigBytes(message);
+  if (bytes == camera_bytes_) return;
+  camera_bytes_ = std::move(bytes);
+  const std::optional<RigCalibration> rig = bus::FromMessage(message);
+  if (!rig) return Reject();
+  try {
+    auto rectifier = std::make_unique<Rectifier>(*rig, Rectifier::Sides::kLeft);
+    pictures_->SetRectifier(rectifier.get(), rig->rate_hz);
+    report_->SetCamera(rectifier->camera());
+    rectifier_ = std::move(rectifier);
+    dirty_ = dirty_ || written_;
+  } catch (const std::exception& e) {
+    spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
+    Reject();
+  }
+}
+
+void ViewerNode::OnStream(const stream_t& message) {
+  if (message.event == "begin") {
+    if (written_) BeginAgain();
+    announced_frames_ = message.n_frames;
+    report_->OnStream(message);
+  } else if (message.event == "end") {
+    recorder_.SetEnd(message.n_frames);
+    quiet_ticks_ = 0;
+  } else {
+    Reject();
+  }
+}
+
+void ViewerNode::BeginAgain() {
+  spdlog::info("a new stream begins: the files in {} will be about it", options_.out);
+  recorder_ = {};
+  written_ = dirty_ = vo_finished_ = false;
+  history_.clear();
+  report_->BeginAgain();
+  pictures_->BeginAgain(report_->pictures());
+}
+
+void ViewerNode::OnPose(const pose_t& message) {
+  const std::optional<FramePose> pose = ToFramePose(message);
+  if (!pose || !recorder_.AddPose(*pose)) return Reject();
+  if (recorder_.frames().size() == 1) process_.SetState("running");
+  dirty_ = true;
+  quiet_ticks_ = 0;
+  pictures_->AddPose(*pose);
+}
+
+void ViewerNode::OnStatus(const status_t& message) {
+  if (message.process == "vo") vo_finished_ = message.state == "finished";
+  if (message.process == "mapping") mapping_heard_ = true;
+  report_->OnStatus(message);
+}
+
+void ViewerNode::OnMap(const MapUpdate& update) {
+  mapping_heard_ = true;
+  report_->OnMap(update);
+  settled_.Add(update);
+  dirty_ = true;
+  quiet_ticks_ = 0;
+}
+
+void ViewerNode::OnCommand(const command_t& message) {
+  const bool ours = message.target == process_.name() || message.target == "*";
+  if (!ours || message.verb != "finish") return;
+  if (dirty_) Write();
+  process_.Finish();
+}
+
+void ViewerNode::OnTick() {
+  ShowProgress(false);
+  // One quiet tick: the true poses of the last frames may come after their estimates.
+  if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
+    Write();
+    process_.SetState("finished");
+  }
+}
+
+bool ViewerNode::HasPlayed() const { return announced_frames_ >= 0 || !recorder_.frames().empty(); }
+
+bool ViewerNode::RunIsOver() const {
+  if (!recorder_.n_frames()) return false;
+  if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
+  if (recorder_.IsComplete()) return true;
+  return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
+}
+
+/// It has the last keyframe and all that is said about that, or nobody makes one.
+bool ViewerNode::MapIsComplete() const {
+  if (!mapping_heard_) return true;
+  const auto last = recorder_.LastKeyframe();
+  return !last || settled_.Has(last->first, last->second);
+}
+
+void ViewerNode::Write() {
+  if (!rectifier_ && !recorder_.frames().empty()) {
+    spdlog::warn("no camera was announced: trajectories are those of the rectified camera");
+  }
+  WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
+  report_->Write();
+  pictures_->EndFilm();
+  written_ = true;
+  dirty_ = false;
+}
+
+void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }
+
+Eigen::Quaterniond ViewerNode::q_l_c() const {
+  return rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity();
+}
+
+double ViewerNode::FramesPerSecond() {
+  history_.emplace_back(bus::NowS(), static_cast<int64_t>(recorder_.frames().size()));
+  if (history_.size() > kRateTicks) history_.pop_front();
+  const double seconds = history_.back().first - history_.front().first;
+  const int64_t frames = history_.back().second - history_.front().second;
+  return seconds > 0.0 ? static_cast<double>(frames) / seconds : 0.0;
+}
+
+void ViewerNode::ShowProgress(bool last) {
+  const bus::BusCounters counters = process_.bus().counters();
+  const double rate = FramesPerSecond();
+  process_.SetCounter("frames", static_cast<double>(recorder_.frames().size()));
+  process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
+  process_.SetCounter("frames.lost", static_cast<double>(recorder_.lost_frames()));
+  if (!on_terminal_) return;
+  const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
+  // Over the line before, and clear what is left of it.
+  fmt::print("\r{}\x1b[K{}", line, last ? "\n" : "");
+  std::fflush(stdout);
+}
+
+}  // namespace plslam

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/bus/messages/map_channel.h"
+#include "core/geometry/rectifier.h"
+#include "core/process/process.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
+#include "plslam/pose_t.hpp"
+#include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
+#include "viewer_headless/node/picture_node.h"
+#include "viewer_headless/node/report_node.h"
+#include "viewer_headless/options.h"
+#include "viewer_headless/recorder.h"
+
+namespace plslam {
+
+/// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
+/// ended, every pose is there and the map has taken in the last keyframe (state "finished"), and again when it is told to stop and something came after.
+/// Never needed by the others: it only reads ordered channels from their histories.
+class ViewerNode {
+ public:
+  /// Throws std::runtime_error where the output folder cannot be written.
+  ViewerNode(bus::Process& process, const ViewerOptions& options);
+  /// Writes what is there and not yet written; a failure is logged and becomes exit code 1.
+  ~ViewerNode();
+  ViewerNode(const ViewerNode&) = delete;
+  ViewerNode& operator=(const ViewerNode&) = delete;
+
+ private:
+  void Subscribe();
+  void OnCamera(const camera_t& message);
+  void OnStream(const stream_t& message);
+  void OnPose(const pose_t& message);
+  void OnStatus(const status_t& message);
+  void OnCommand(const command_t& message);
+  void OnMap(const MapUpdate& update);
+  void OnTick();
+
+  void BeginAgain();
+  Eigen::Quaterniond q_l_c() const;
+  bool HasPlayed() const;
+  bool RunIsOver() const;
+  bool MapIsComplete() const;
+  void Write();
+  void Reject();
+  void ShowProgress(bool last);
+  double FramesPerSecond();
+
+  bus::Process& process_;
+  ViewerOptions options_;
+  Recorder recorder_;
+  std::unique_ptr<bus::MapSubscriber> map_;
+  std::unique_ptr<Rectifier> rectifier_;
+  std::unique_ptr<ReportNode> report_;
+  std::unique_ptr<PictureNode> pictures_;
+  std::vector<uint8_t> camera_bytes_;
+  int64_t announced_frames_ = -1;
+  bool vo_finished_ = false;
+  bool mapping_heard_ = false;
+  SettledKeyframes settled_;
+  /// Something has come since the files were written, and ticks since the last thing came.
+  bool dirty_ = false;
+  int quiet_ticks_ = 0;
+  bool written_ = false;
+  int64_t rejected_ = 0;
+  bool on_terminal_;
+  /// (seconds, frames) of the last ticks, for the rate.
+  std::deque<std::pair<double, int64_t>> history_;
+};
+
+}  // namespace plslam

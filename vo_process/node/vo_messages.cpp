@@ -1,0 +1,62 @@
+#include "vo_process/node/vo_messages.h"
+
+#include "core/bus/messages/convert.h"
+
+namespace plslam {
+namespace {
+
+void CopyPixel(const Eigen::Vector2d& px, float (&to)[2]) {
+  to[0] = static_cast<float>(px.x());
+  to[1] = static_cast<float>(px.y());
+}
+
+}  // namespace
+
+pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages) {
+  pose_t message;
+  message.state = static_cast<int8_t>(result.state);
+  message.T_odom_c = bus::ToMessage(result.T_odom_c);
+  message.T_w_odom = bus::ToMessage(T_w_odom);
+  bus::ToArray(result.covariance, message.covariance);
+  message.T_prev_c = bus::ToMessage(result.T_prev_c);
+  bus::ToArray(result.motion_covariance, message.motion_covariance);
+  message.keyframe_id = result.keyframe ? result.keyframe->id : -1;
+  message.entropy_ratio = result.entropy_ratio;
+  message.n_points = static_cast<int32_t>(result.features.points.size());
+  message.n_lines = static_cast<int32_t>(result.features.lines.size());
+  message.n_tracked_points = result.n_tracked_points;
+  message.n_tracked_lines = result.n_tracked_lines;
+  message.n_skipped_frames = 0;
+  for (const StageTime& stage : stages) {
+    stage_t& time = message.stages.emplace_back();
+    time.name = stage.name;
+    time.ms = stage.ms;
+  }
+  message.n_stages = static_cast<int32_t>(message.stages.size());
+  return message;
+}
+
+tracks_t ToTracksMessage(const OdometryResult& result) {
+  tracks_t message;
+  for (size_t i = 0; i < result.features.points.size(); ++i) {
+    const StereoPoint& point = result.features.points[i];
+    track_point_t& track = message.points.emplace_back();
+    track.u_px = static_cast<float>(point.left.px.x());
+    track.v_px = static_cast<float>(point.left.px.y());
+    track.disparity_px = static_cast<float>(point.disparity_px);
+    track.age = result.point_tracks[i].age;
+  }
+  for (size_t i = 0; i < result.features.lines.size(); ++i) {
+    const StereoLine& line = result.features.lines[i];
+    track_line_t& track = message.lines.emplace_back();
+    CopyPixel(line.left.segment.p, track.p_px);
+    CopyPixel(line.left.segment.q, track.q_px);
+    track.has_depth = line.HasDepth() ? 1 : 0;
+    track.age = result.line_tracks[i].age;
+  }
+  message.n_points = static_cast<int32_t>(message.points.size());
+  message.n_lines = static_cast<int32_t>(message.lines.size());
+  return message;
+}
+
+}  // namespace plslam

@@ -1,0 +1,224 @@
+#include "vo_process/stereo/line_stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/features/lines/line_sigma.h"
+#include "vo_process/stereo/line_strip.h"
+
+namespace plslam {
+namespace {
+
+/// A segment as a function of the row, which is what stereo compares.
+struct RowLine {
+  double top = 0.0;
+  double bottom = 0.0;
+  /// Column in row `top`, and columns per row.
+  double u_top = 0.0;
+  double slope = 0.0;
+  Eigen::Vector2d direction = Eigen::Vector2d::Zero();
+  double length = 0.0;
+
+  double Column(double row) const { return u_top + slope * (row - top); }
+  double Sine() const { return std::abs(direction.y()); }
+};
+
+RowLine MakeRowLine(const Segment2& s) {
+  const bool down = s.q.y() >= s.p.y();
+  const Eigen::Vector2d& high = down ? s.p : s.q;
+  const Eigen::Vector2d& low = down ? s.q : s.p;
+  RowLine line;
+  line.top = high.y();
+  line.bottom = low.y();
+  line.u_top = high.x();
+  line.length = s.Length();
+  const double rows = line.bottom - line.top;
+  line.slope = rows > 0.0 ? (low.x() - high.x()) / rows : 0.0;
+  if (line.length > 0.0) line.direction = (s.q - s.p) / line.length;
+  return line;
+}
+
+struct Pairing {
+  size_t left;
+  size_t right;
+  int distance;
+  /// Disparity in the middle of the shared rows.
+  double disparity;
+};
+
+/// Everything that geometry has to say against a match.
+class StereoGates {
+ public:
+  explicit StereoGates(const StereoOptions& o)
+      : options_(o),
+        min_sine_(std::sin(o.line_min_angle_deg * M_PI / 180.0)),
+        min_cosine_(std::cos(o.line_max_angle_difference_deg * M_PI / 180.0)) {}
+
+  bool HasAngle(const RowLine& l) const { return l.Sine() >= min_sine_ && l.bottom > l.top; }
+
+  /// The disparity in the middle of the shared rows, if the two may be one edge.
+  std::optional<double> Disparity(const RowLine& l, const RowLine& r) const {
+    const double top = std::max(l.top, r.top);
+    const double bottom = std::min(l.bottom, r.bottom);
+    const double left_rows = l.bottom - l.top;
+    const double right_rows = r.bottom - r.top;
+    if (bottom - top < options_.line_min_overlap * std::min(left_rows, right_rows)) return std::nullopt;
+    if (bottom - top < kMinSharedRows || l.direction.dot(r.direction) < min_cosine_) return std::nullopt;
+    const double ratio = left_rows < right_rows ? left_rows / right_rows : right_rows / left_rows;
+    if (ratio < options_.line_min_length_ratio) return std::nullopt;
+    if (!InRange(l, r, top, bottom) || !InRange(l, r, l.top, l.bottom)) return std::nullopt;
+    const double middle = 0.5 * (top + bottom);
+    return l.Column(middle) - r.Column(middle);
+  }
+
+ private:
+  static constexpr double kMinSharedRows = 3.0;
+
+  bool InRange(const RowLine& l, const RowLine& r, double top, double bottom) const {
+    const double a = l.Column(top) - r.Column(top);
+    const double b = l.Column(bottom) - r.Column(bottom);
+    const double low = std::min(a, b);
+    const double high = std::max(a, b);
+    if (low < options_.min_disparity_px || high > options_.max_disparity_px) return false;
+    // Far away, the noise of the ends is a large part of the disparity.
+    return low + kEndNoise_px >= options_.line_min_disparity_ratio * high;
+  }
+
+  static constexpr double kEndNoise_px = 1.0;
+
+  const StereoOptions& options_;
+  double min_sine_;
+  double min_cosine_;
+};
+
+std::vector<RowLine> MakeRowLines(const std::vector<StereoLine>& lines) {
+  std::vector<RowLine> out;
+  out.reserve(lines.size());
+  for (const StereoLine& l : lines) out.push_back(MakeRowLine(l.left.segment));
+  return out;
+}
+
+std::vector<RowLine> MakeRowLines(const std::vector<LineFeature>& lines) {
+  std::vector<RowLine> out;
+  out.reserve(lines.size());
+  for (const LineFeature& l : lines) out.push_back(MakeRowLine(l.segment));
+  return out;
+}
+
+std::vector<Pairing> AllPairings(const std::vector<StereoLine>& left, const std::vector<RowLine>& left_rows,
+                                 const std::vector<LineFeature>& right, const std::vector<RowLine>& right_rows,
+                                 const StereoGates& gates) {
+  std::vector<Pairing> pairings;
+  for (size_t i = 0; i < left.size(); ++i) {
+    if (!gates.HasAngle(left_rows[i])) continue;
+    for (size_t j = 0; j < right.size(); ++j) {
+      if (!gates.HasAngle(right_rows[j])) continue;
+      const auto disparity = gates.Disparity(left_rows[i], right_rows[j]);
+      if (!disparity) continue;
+      pairings.push_back({i, j, HammingDistance(left[i].left.descriptor, right[j].descriptor), *disparity});
+    }
+  }
+  return pairings;
+}
+
+/// Best pairing of each line on one side, and the distance of the best that says something else.
+struct BestPairing {
+  const Pairing* pairing = nullptr;
+  int rival_distance = Descriptor{}.size() * 64 + 1;
+};
+
+/// Pieces of one edge imply the same disparity; they are no rivals.
+constexpr double kSameDisparity_px = 1.5;
+
+std::vector<BestPairing> BestOf(const std::vector<Pairing>& pairings, size_t count, size_t Pairing::*side) {
+  std::vector<BestPairing> best(count);
+  for (const Pairing& p : pairings) {
+    BestPairing& b = best[p.*side];
+    if (b.pairing == nullptr || p.distance < b.pairing->distance) b.pairing = &p;
+  }
+  for (const Pairing& p : pairings) {
+    BestPairing& b = best[p.*side];
+    const bool differs = std::abs(p.disparity - b.pairing->disparity) > kSameDisparity_px;
+    if (differs) b.rival_distance = std::min(b.rival_distance, p.distance);
+  }
+  return best;
+}
+
+/// Standard deviation of the disparity in `row`, where the left point is given and the right one is where the right
+/// line crosses the row.
+double DisparitySigma(const LineFeature& left, const LineFeature& right, const RowLine& l, const RowLine& r,
+                      double row) {
+  const Eigen::Vector2d on_left(l.Column(row), row);
+  const Eigen::Vector2d on_right(r.Column(row), row);
+  const double sl = LineSigma_px(l.length, left.response, PlaceAlong(left.segment, on_left), left.octave) / l.Sine();
+  const double sr =
+      LineSigma_px(r.length, right.response, PlaceAlong(right.segment, on_right), right.octave) / r.Sine();
+  return std::sqrt(sl * sl + sr * sr);
+}
+
+/// The two images, asked whether they look alike where a match says so. Without images the answer is yes.
+class Appearance {
+ public:
+  Appearance(const cv::Mat& left, const cv::Mat& right, const RowField& rows, double min_similarity)
+      : left_(left), right_(right), rows_(rows), min_similarity_(min_similarity) {}
+
+  bool Confirms(const Segment2& s, const RowLine& r) const {
+    if (left_.empty() || right_.empty()) return true;
+    const double disparity_p = s.p.x() - r.Column(s.p.y());
+    const double disparity_q = s.q.x() - r.Column(s.q.y());
+    return StripSimilarity(left_, right_, s, disparity_p, disparity_q, rows_) >= min_similarity_;
+  }
+
+ private:
+  const cv::Mat& left_;
+  const cv::Mat& right_;
+  const RowField& rows_;
+  double min_similarity_;
+};
+
+void SetDepth(StereoLine& line, const LineFeature& right, const RowLine& l, const RowLine& r,
+              const StereoOptions& options) {
+  const Segment2& s = line.left.segment;
+  const double sigma_p = DisparitySigma(line.left, right, l, r, s.p.y());
+  const double sigma_q = DisparitySigma(line.left, right, l, r, s.q.y());
+  if (std::max(sigma_p, sigma_q) > options.line_max_sigma_disparity_px) return;
+  line.disparity_p_px = s.p.x() - r.Column(s.p.y());
+  line.disparity_q_px = s.q.x() - r.Column(s.q.y());
+  line.sigma_disparity_p_px = sigma_p;
+  line.sigma_disparity_q_px = sigma_q;
+}
+
+}  // namespace
+
+std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines) {
+  std::vector<StereoLine> out(lines.size());
+  for (size_t i = 0; i < lines.size(); ++i) {
+    out[i].left = lines[i];
+    out[i].sigma_px = EndSigma_px(lines[i]);
+  }
+  return out;
+}
+
+void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
+                      const cv::Mat& right_image, const RowField& rows, const StereoOptions& options) {
+  const Appearance appearance(left_image, right_image, rows, options.line_min_similarity);
+  const StereoGates gates(options);
+  const std::vector<RowLine> left_rows = MakeRowLines(left);
+  const std::vector<RowLine> right_rows = MakeRowLines(right);
+  const std::vector<Pairing> pairings = AllPairings(left, left_rows, right, right_rows, gates);
+  const std::vector<BestPairing> of_left = BestOf(pairings, left.size(), &Pairing::left);
+  const std::vector<BestPairing> of_right = BestOf(pairings, right.size(), &Pairing::right);
+  for (size_t i = 0; i < left.size(); ++i) {
+    const Pairing* p = of_left[i].pairing;
+    if (p == nullptr || p->distance > options.line_max_descriptor_distance) continue;
+    const BestPairing& back = of_right[p->right];
+    const int rival = std::min(of_left[i].rival_distance, back.rival_distance);
+    if (back.pairing->left != i || p->distance > options.line_max_ratio * rival) continue;
+    if (!appearance.Confirms(left[i].left.segment, right_rows[p->right])) continue;
+    SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], options);
+  }
+}
+
+}  // namespace plslam

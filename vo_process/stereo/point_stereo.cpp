@@ -1,0 +1,151 @@
+#include "vo_process/stereo/point_stereo.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/features/matching/buckets.h"
+#include "vo_process/stereo/halved_pair.h"
+#include "vo_process/stereo/patch_aligner.h"
+#include "vo_process/stereo/row_search.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kNone = 257;  // above any distance of 256 bits
+constexpr int kMaxOctavesApart = 1;
+/// Correlations that differ by less than this are equal: a repeated texture, up to rounding.
+constexpr double kTieMargin = 0.005;
+constexpr double kMinGain = 0.25;
+constexpr double kMaxGain = 4.0;
+
+/// Indices of the right points by integer row.
+class RowIndex {
+ public:
+  explicit RowIndex(const std::vector<PointFeature>& points) {
+    int rows = 0;
+    for (const PointFeature& p : points) rows = std::max(rows, Row(p) + 1);
+    rows_ = PlacesByBucket(points.size(), static_cast<size_t>(rows),
+                           [&points](int i) { return Row(points[static_cast<size_t>(i)]); });
+  }
+
+  template <class Visit>
+  void ForEachNear(double row_px, double tolerance_px, const Visit& visit) const {
+    const int rows = static_cast<int>(rows_.size());
+    const int first = std::clamp(static_cast<int>(std::floor(row_px - tolerance_px)), 0, rows);
+    const int last = std::clamp(static_cast<int>(std::floor(row_px + tolerance_px)) + 1, first, rows);
+    for (const int i : rows_.Range(static_cast<size_t>(first), static_cast<size_t>(last))) visit(i);
+  }
+
+ private:
+  static int Row(const PointFeature& p) { return std::max(static_cast<int>(std::floor(p.px.y())), 0); }
+  Buckets<int> rows_;
+};
+
+bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoOptions& options) {
+  if (std::abs(left.octave - right.octave) > kMaxOctavesApart) return false;
+  const double scale = std::max(left.scale, right.scale);
+  if (std::abs(left.px.y() - right.px.y()) > options.point_row_tolerance_px * scale) return false;
+  // Corners are placed to a pixel or so of their octave; the gates on the disparity itself come after alignment.
+  const double disparity_px = left.px.x() - right.px.x();
+  return disparity_px >= options.min_disparity_px - scale && disparity_px <= options.max_disparity_px + scale;
+}
+
+bool Accepted(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
+  return a.correlation >= min_correlation && a.gain >= kMinGain && a.gain <= kMaxGain &&
+         a.sigma_disparity_px <= options.point_max_sigma_disparity_px * scale &&
+         a.disparity_px >= options.min_disparity_px && a.disparity_px <= options.max_disparity_px;
+}
+
+/// By searching the right row for the patch, where it is unmistakable.
+std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearch& search,
+                                           const PatchAligner& aligner, const StereoOptions& options) {
+  const std::optional<RowMatch> place =
+      search.Find(feature.px, feature.scale, options.min_disparity_px, options.max_disparity_px);
+  if (!place) return std::nullopt;
+  const double best = 1.0 - place->correlation + kTieMargin;
+  if (best > options.point_direct_max_ratio * (1.0 - place->second_correlation)) return std::nullopt;
+  std::optional<PatchAlignment> found = aligner.Align(feature.px, feature.scale, place->disparity_px);
+  if (!found || !Accepted(*found, feature.scale, options.point_direct_min_correlation, options)) return std::nullopt;
+  return found;
+}
+
+void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                      const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
+                      const StereoOptions& options) {
+  const PatchAligner aligner(pair, options.row_sigma_px, rows);
+  RowSearch search(pair, rows);
+  for (size_t i = first; i < left.size(); i += 2) {
+    const PointFeature& feature = left[i].left;
+    std::optional<PatchAlignment> found;
+    if (candidates[i].index >= 0) {
+      const double start_px = feature.px.x() - right[candidates[i].index].px.x();
+      found = aligner.Align(feature.px, feature.scale, start_px);
+      if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
+    }
+    if (!found && options.point_direct) found = FindDirectly(feature, search, aligner, options);
+    if (!found) continue;
+    left[i].disparity_px = found->disparity_px;
+    left[i].sigma_disparity_px = found->sigma_disparity_px;
+    left[i].row_offset_px = found->row_offset_px;
+    left[i].sigma_row_px = found->sigma_row_px;
+    left[i].disparity_slope = found->disparity_slope;
+    left[i].slope_information = found->slope_information;
+  }
+}
+
+}  // namespace
+
+std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options) {
+  std::vector<StereoPoint> without(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    without[i].left = points[i];
+    without[i].sigma_px = options.point_sigma_px * points[i].scale;
+  }
+  return without;
+}
+
+std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
+                                                const std::vector<PointFeature>& right,
+                                                const StereoOptions& options) {
+  if (left.empty()) return {};
+  const RowIndex rows(right);
+  const PointCandidate none{-1, kNone, kNone};
+  std::vector<PointCandidate> candidates(left.size(), none);
+  std::vector<PointCandidate> of_right(right.size(), none);
+  for (size_t i = 0; i < left.size(); ++i) {
+    const PointFeature& feature = left[i].left;
+    PointCandidate& best = candidates[i];
+    // The right point may be an octave coarser than the left.
+    const double reach_px = options.point_row_tolerance_px * feature.scale * 2.0;
+    rows.ForEachNear(feature.px.y(), reach_px, [&](int j) {
+      if (!MayMatch(feature, right[j], options)) return;
+      const int distance = HammingDistance(feature.descriptor, right[j].descriptor);
+      if (distance < of_right[j].distance) of_right[j] = {static_cast<int>(i), distance, kNone};
+      if (distance < best.distance) {
+        best = {j, distance, best.distance};
+      } else {
+        best.second_distance = std::min(best.second_distance, distance);
+      }
+    });
+  }
+  for (size_t i = 0; i < left.size(); ++i) {
+    PointCandidate& c = candidates[i];
+    const bool accepted = c.index >= 0 && of_right[c.index].index == static_cast<int>(i) &&
+                          c.distance <= options.point_max_descriptor_distance &&
+                          (c.second_distance == kNone || c.distance < options.point_max_ratio * c.second_distance);
+    if (!accepted) c.index = -1;
+  }
+  return candidates;
+}
+
+void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
+                       const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
+                       const StereoOptions& options, const RunBoth& run_both) {
+  // Points are matched independently of each other; odd and even ones share near and far, easy and hard alike.
+  run_both([&] { MatchEverySecond(0, left, right, candidates, pair, rows, options); },
+           [&] { MatchEverySecond(1, left, right, candidates, pair, rows, options); });
+}
+
+}  // namespace plslam

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "vo_process/stereo/halved_pair.h"
+#include "vo_process/stereo/row_field.h"
+
+namespace plslam {
+
+/// Where along its row the patch of a left pixel is found in the right image, to the pixel of its level.
+struct RowMatch {
+  double disparity_px = 0.0;
+  /// Normalised correlation there, and at the best other place that is no neighbour.
+  double correlation = 0.0;
+  double second_correlation = 0.0;
+};
+
+/// Stereo for points whose right corner was not detected: normalised correlation of 11x11 patches over all
+/// disparities of a range. In integers up to the final comparison.
+class RowSearch {
+ public:
+  /// `pair` must outlive the search. The row is that of `rows` where the disparity is small, to the pixel of the
+  /// level.
+  explicit RowSearch(const HalvedPair& pair, const RowField& rows = {}) : pair_(&pair), rows_(rows) {}
+
+  /// nullopt where the patch leaves the left image, has no contrast, or correlates nowhere.
+  std::optional<RowMatch> Find(const Eigen::Vector2d& left_px, double scale, double min_disparity_px,
+                               double max_disparity_px);
+
+ private:
+  const HalvedPair* pair_;
+  RowField rows_;
+  // Scratch: the rows of the right image as 16 bit, and for each place its product with the left patch, sum, and sum
+  // of squares.
+  std::vector<int16_t> strip_;
+  std::vector<int> cross_;
+  std::vector<int> sum_;
+  std::vector<int> square_;
+  std::vector<float> score_;
+};
+
+}  // namespace plslam

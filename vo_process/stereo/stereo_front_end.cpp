@@ -1,0 +1,97 @@
+#include "vo_process/stereo/stereo_front_end.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "vo_process/stereo/stereo_matcher.h"
+
+namespace plslam {
+namespace {
+
+// Of an octave of the points: with eight of them, corners are compared up to 14 pixels away.
+constexpr double kUnknownRowTolerance_px = 4.0;
+constexpr double kUnknownRowSigma_px = 2.0;
+
+ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask,
+                            const RunBoth& run_both = RunInTurn) {
+  ImageFeatures features = extractor.Extract(image, run_both);
+  mask.RemoveOutside(features);
+  return features;
+}
+
+}  // namespace
+
+StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& options)
+    : rig_(rig),
+      options_(options),
+      rectifier_(rig),
+      left_mask_(rectifier_.left_mask()),
+      right_mask_(rectifier_.right_mask()),
+      left_extractor_(options.features),
+      right_extractor_(options.features) {}
+
+StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows) {
+  left_ = {};
+  const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
+  return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer, rows, options_.stereo);
+}
+
+StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images) {
+  left_ = {};
+  if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
+  StereoOptions options = options_.stereo;
+  options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
+  options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
+  StageTimer untimed([] { return 0.0; });
+  return ProcessStereo(images, untimed, RowField(), options);
+}
+
+void StereoFrontEnd::KeepLeft(const cv::Mat& left) {
+  if (options_.refinement.enabled && options_.features.features != "lines") left_ = ImageLevels(left);
+}
+
+RunBoth StereoFrontEnd::OnBothThreads() {
+  return
+      [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
+}
+
+StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
+                                             const StereoOptions& options) {
+  cv::Mat left;
+  cv::Mat right;
+  ImageFeatures left_features;
+  ImageFeatures right_features;
+  timer.Time("features", [&] {
+    worker_.RunBoth(
+        [&] {
+          left = rectifier_.RectifyLeft(images.left);
+          left_features = ExtractInside(left_extractor_, left, left_mask_);
+        },
+        [&] {
+          right = rectifier_.RectifyRight(images.right);
+          right_features = ExtractInside(right_extractor_, right, right_mask_);
+        });
+  });
+  return timer.Time("stereo", [&] {
+    KeepLeft(left);
+    return MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options,
+                       OnBothThreads());
+  });
+}
+
+StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTimer& timer) {
+  cv::Mat left;
+  cv::Mat depth;
+  ImageFeatures features;
+  timer.Time("features", [&] {
+    worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
+                    [&] { depth = rectifier_.RectifyDepth(images.right); });
+    features = ExtractInside(left_extractor_, left, left_mask_, OnBothThreads());
+  });
+  return timer.Time("stereo", [&] {
+    KeepLeft(left);
+    return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);
+  });
+}
+
+}  // namespace plslam

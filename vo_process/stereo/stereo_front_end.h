@@ -1,0 +1,57 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/features/feature_extractor.h"
+#include "core/features/feature_mask.h"
+#include "core/features/image/run_both.h"
+#include "core/geometry/rectifier.h"
+#include "core/io/images/stereo_images.h"
+#include "vo_process/options.h"
+#include "vo_process/stereo/image_levels.h"
+#include "vo_process/stereo/row_field.h"
+#include "vo_process/stereo/side_worker.h"
+#include "vo_process/stereo/stage_timer.h"
+
+namespace plslam {
+
+/// From a recorded stereo pair to stereo features: rectification, points and lines of both images side by side on two
+/// threads, stereo matching (PL-SLAM §IV.A-B). For RGB-D rigs the depth map takes the right image's place.
+class StereoFrontEnd {
+ public:
+  /// Throws std::runtime_error where the rig cannot be rectified.
+  StereoFrontEnd(const RigCalibration& rig, const VoOptions& options);
+
+  const StereoCamera& camera() const { return rectifier_.camera(); }
+
+  /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images. Throws
+  /// std::runtime_error where the images do not fit the rig.
+  StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {});
+
+  /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less sure of
+  /// disparities for it.
+  StereoFeatures LookForRows(const StereoImages& images);
+
+  /// The rectified left image of the pair processed last; none where points are not refined. Valid until the next pair.
+  const ImageLevels& left() const { return left_; }
+
+ private:
+  void KeepLeft(const cv::Mat& left);
+  RunBoth OnBothThreads();
+  StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
+                               const StereoOptions& options);
+  StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer);
+
+  RigCalibration rig_;
+  VoOptions options_;
+  Rectifier rectifier_;
+  // Against the edge of the warped image.
+  FeatureMask left_mask_;
+  FeatureMask right_mask_;
+  FeatureExtractor left_extractor_;
+  FeatureExtractor right_extractor_;
+  SideWorker worker_;
+  ImageLevels left_;
+};
+
+}  // namespace plslam

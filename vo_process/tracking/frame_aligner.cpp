@@ -1,0 +1,162 @@
+#include "vo_process/tracking/frame_aligner.h"
+
+#include <utility>
+
+#include "core/motion/pose_ransac.h"
+
+namespace plslam {
+namespace {
+
+// Landmarks unseen for longer do not take part before the pose is known.
+constexpr int kRecentFrames = 2;
+constexpr double kRansacInlier_px = 4.0;
+constexpr uint64_t kRansacSeed = 1;
+// Motions that are expected (all but one in 3000, 6 degrees of freedom), and how much farther off elsewhere is.
+constexpr double kExpectedChi2 = 25.0;
+constexpr double kFartherChi2 = 4.0;
+
+// The first estimate has only to bring the second search near.
+MotionOptions Coarse(MotionOptions options) {
+  options.max_refinements = 1;
+  return options;
+}
+
+TrackedFrame WithPoints(TrackedFrame frame, const std::vector<RefinedPoint>& refined) {
+  for (const RefinedPoint& r : refined) frame.features.points[r.feature] = r.point;
+  return frame;
+}
+
+int Weight(const MotionEstimate& estimate) { return estimate.n_point_inliers + 2 * estimate.n_line_inliers; }
+
+std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, const std::vector<bool>& inlier) {
+  std::vector<LandmarkMatch> kept;
+  for (size_t i = 0; i < matches.size(); ++i) {
+    if (inlier[i]) kept.push_back(matches[i]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                             const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                             int expected_weight, const PointRefiner& refiner) const {
+  const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
+  const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
+  auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, prediction, expected_weight);
+  if (!coarse) coarse = FindWeak(landmarks, frame, T_odom_predicted, prior);
+  if (!coarse) return std::nullopt;
+  return Refine(landmarks, frame, *coarse, prior, refiner);
+}
+
+std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                     const SE3& T_odom_predicted, const MotionPrediction& prediction,
+                                                     int expected_weight) const {
+  // A handful of wrong matches can agree by chance where the right ones lie outside the window: an alignment much
+  // weaker than the last frame's is believed only when nothing better is found.
+  const double convincing = options_.tracking.convincing_ratio * expected_weight;
+  std::optional<Alignment> best;
+  const auto consider = [&](std::optional<Alignment> found) {
+    if (found && (!best || IsBetter(*found, *best, T_odom_predicted, prediction))) best = std::move(found);
+    return best && best->matches.Weight() >= convincing;
+  };
+  for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, std::nullopt, Coarse(options_.motion));
+    if (IsStrong(found, matches.Weight()) && consider(std::move(found))) return best;
+  }
+  consider(FindByDescriptor(landmarks, frame));
+  return best;
+}
+
+// Few features, in the window where most of them agree with each other and with the prior.
+std::optional<Alignment> FrameAligner::FindWeak(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                const SE3& T_odom_predicted, const MotionPrior& prior) const {
+  std::optional<Alignment> best;
+  for (const double radius_px : {options_.tracking.search_radius_px, options_.tracking.wide_radius_px}) {
+    const FrameMatches matches = MatchByProjection(landmarks, frame, T_odom_predicted, {radius_px, kRecentFrames});
+    auto found = Estimate(landmarks, frame, matches, T_odom_predicted, prior, Coarse(options_.motion));
+    if (found && (!best || found->matches.Weight() > best->matches.Weight())) best = std::move(found);
+  }
+  if (best) best->weak = true;
+  return best;
+}
+
+// Where structure repeats, as much of it agrees a period away: what the motion so far speaks against must show more.
+bool FrameAligner::IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
+                            const MotionPrediction& prediction) const {
+  const auto chi2 = [&](const Alignment& alignment) {
+    const Vector6d off = (T_odom_predicted.Inverse() * alignment.T_odom_c).Log();
+    return off.dot(prediction.covariance.ldlt().solve(off));
+  };
+  const bool is_elsewhere = prediction.goes_on && chi2(found) > kExpectedChi2 + kFartherChi2 * chi2(best);
+  const double needed = is_elsewhere ? options_.tracking.elsewhere_ratio : 1.0;
+  return found.matches.Weight() > needed * best.matches.Weight();
+}
+
+FrameMatches FrameAligner::MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                             const SE3& T_odom_c, const Search& search) const {
+  const SE3 T_c_odom = T_odom_c.Inverse();
+  return {landmarks.points.MatchByProjection(T_c_odom, frame, search, options_.point_matching),
+          landmarks.lines.MatchByProjection(T_c_odom, frame, search, options_.line_matching)};
+}
+
+std::optional<Alignment> FrameAligner::Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                                const FrameMatches& matches, const SE3& T_odom_initial,
+                                                const std::optional<MotionPrior>& prior,
+                                                const MotionOptions& motion) const {
+  if (matches.Weight() < options_.tracking.min_inliers) return std::nullopt;
+  const auto estimate = EstimateMotion(landmarks.points.Observations(matches.points, frame),
+                                       landmarks.lines.Observations(matches.lines, frame), camera_,
+                                       T_odom_initial.Inverse(), prior, motion);
+  if (!estimate || Weight(*estimate) < options_.tracking.min_inliers) return std::nullopt;
+  Alignment alignment;
+  alignment.T_odom_c = estimate->T_cur_ref.Inverse();
+  alignment.covariance = estimate->covariance;
+  alignment.point_deviation = estimate->point_deviation;
+  alignment.line_deviation = estimate->line_deviation;
+  alignment.matches = {Inliers(matches.points, estimate->point_inliers),
+                       Inliers(matches.lines, estimate->line_inliers)};
+  return alignment;
+}
+
+std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& landmarks,
+                                                        const TrackedFrame& frame) const {
+  const FrameMatches matches{landmarks.points.MatchByDescriptor(frame, kRecentFrames, options_.point_matching),
+                             landmarks.lines.MatchByDescriptor(frame, kRecentFrames, options_.line_matching)};
+  const auto T_c_odom = EstimatePoseRansac(landmarks.points.Observations(matches.points, frame),
+                                           landmarks.lines.Observations(matches.lines, frame), camera_,
+                                           options_.tracking.weak_inliers, kRansacInlier_px, kRansacSeed);
+  if (!T_c_odom) return std::nullopt;
+  // Matches around the pose found, so that the share of inliers says whether the pose is right.
+  const SE3 T_odom_c = T_c_odom->Inverse();
+  const Search near{options_.tracking.search_radius_px, kRecentFrames};
+  const FrameMatches guided = MatchByProjection(landmarks, frame, T_odom_c, near);
+  auto coarse = Estimate(landmarks, frame, guided, T_odom_c, std::nullopt, Coarse(options_.motion));
+  if (!IsStrong(coarse, guided.Weight())) return std::nullopt;
+  return coarse;
+}
+
+std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                              const Alignment& coarse, const MotionPrior& prior,
+                                              const PointRefiner& refiner) const {
+  const Search all{options_.tracking.refine_radius_px, options_.landmarks.max_unseen_frames};
+  const FrameMatches matches = MatchByProjection(landmarks, frame, coarse.T_odom_c, all);
+  std::optional<MotionPrior> used_prior;
+  if (coarse.weak) used_prior = prior;
+  const std::vector<RefinedPoint> refined = refiner.Refine(landmarks.points, matches.points, frame, coarse.T_odom_c);
+  auto fine = Estimate(landmarks, refined.empty() ? frame : WithPoints(frame, refined), matches, coarse.T_odom_c,
+                       used_prior, options_.motion);
+  if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
+  fine->refined = refined;
+  fine->weak = coarse.weak;
+  return fine;
+}
+
+bool FrameAligner::IsStrong(const std::optional<Alignment>& alignment, int matched) const {
+  if (!alignment) return false;
+  const int weight = alignment->matches.Weight();
+  return weight >= options_.tracking.weak_inliers && weight >= options_.tracking.min_inlier_ratio * matched;
+}
+
+}  // namespace plslam

@@ -1,0 +1,40 @@
+#include "vo_process/tracking/kind_balance.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+constexpr size_t kMinOfEach = 20;
+// Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as much.
+constexpr double kAllowedRatio = 1.1;
+// What points err in common moves the pose with it and is not in their residuals, so deviations grow by more than these show.
+constexpr double kCommonPower = 1.5;
+// Share of the way, in logarithms, that one frame goes.
+constexpr double kGain = 0.2;
+// The same of frames in which too few of one kind say anything: what was learned elsewhere may not hold here.
+constexpr double kForgottenShare = 0.05;
+
+}  // namespace
+
+void KindBalance::Apply(StereoFeatures& features) const {
+  for (StereoPoint& point : features.points) {
+    point.sigma_px *= scale_;
+    point.sigma_disparity_px *= scale_;
+  }
+}
+
+void KindBalance::Observe(const Alignment& alignment) {
+  if (alignment.matches.points.size() < kMinOfEach || alignment.matches.lines.size() < kMinOfEach) {
+    scale_ = std::pow(scale_, 1.0 - kForgottenShare);
+    return;
+  }
+  // As it would be with the deviations that the points claim.
+  const double ratio = scale_ * alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
+  if (!(ratio > 0.0) || !std::isfinite(ratio)) return;
+  const double wanted = std::pow(ratio, kCommonPower);
+  scale_ = std::clamp(scale_ * std::pow(wanted / scale_, kGain), 1.0, max_scale_);
+}
+
+}  // namespace plslam

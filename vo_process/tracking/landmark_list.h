@@ -1,0 +1,86 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/features/features.h"
+#include "vo_process/options.h"
+#include "vo_process/tracking/id_index.h"
+#include "vo_process/tracking/map_patch.h"
+#include "vo_process/tracking/tracked_frame.h"
+
+namespace plslam {
+
+// What lists of point and of line landmarks have in common.
+
+/// Landmarks that come from the map take part only in searches around a pose that is known.
+inline constexpr int kAdoptedUnseenFrames = 3;
+
+/// Descriptors of the landmarks seen within `max_unseen_frames`, and their places in the list.
+struct KnownDescriptors {
+  std::vector<Descriptor> descriptors;
+  std::vector<int> owners;
+};
+
+template <class Landmark>
+KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int max_unseen_frames) {
+  KnownDescriptors known;
+  for (int i = 0; i < static_cast<int>(landmarks.size()); ++i) {
+    if (landmarks[i].unseen_frames > max_unseen_frames) continue;
+    known.descriptors.push_back(landmarks[i].descriptor);
+    known.owners.push_back(i);
+  }
+  return known;
+}
+
+/// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here (as not
+/// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same. What
+/// two of the map claim goes to the first.
+template <class Known, class Landmark, class Set>
+void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
+               const Set& set) {
+  const IdIndex<size_t> by_id = PlacesBy(&Landmark::id, landmarks);
+  const IdIndex<size_t> by_map_id = PlacesBy(&Landmark::map_id, landmarks);
+  std::vector<char> taken(landmarks.size(), 0);
+  std::vector<char> drop(landmarks.size(), 0);
+  std::vector<size_t> same;
+  for (const Adopted<Known>& entry : adopted) {
+    same.clear();
+    const auto add = [&](std::span<const std::pair<int64_t, size_t>> found) {
+      if (found.empty() || taken[found.back().second]) return;
+      same.push_back(found.back().second);
+      taken[same.back()] = 1;
+    };
+    for (const int64_t id : entry.tracker_ids) add(by_id.Find(id));
+    add(by_map_id.Find(entry.landmark->id));
+    const bool is_new = same.empty();
+    const size_t first = is_new ? 0 : *std::min_element(same.begin(), same.end());
+    for (const size_t i : same) drop[i] = i == first ? 0 : 1;
+    if (is_new) {
+      Landmark& landmark = landmarks.emplace_back();
+      landmark.id = next_id++;
+      landmark.from_map = true;
+      landmark.unseen_frames = kAdoptedUnseenFrames;
+    }
+    Landmark& landmark = is_new ? landmarks.back() : landmarks[first];
+    landmark.map_id = entry.landmark->id;
+    landmark.map_sights = static_cast<int>(entry.landmark->sights.size());
+    set(*entry.landmark, is_new, landmark);
+  }
+  drop.resize(landmarks.size(), 0);
+  size_t i = 0;
+  std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
+}
+
+/// Drops what has been out of sight, or missed in sight, for too long.
+template <class Landmark>
+void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {
+  std::erase_if(landmarks, [&options](const Landmark& landmark) {
+    return landmark.unseen_frames > options.max_unseen_frames || landmark.missed > options.max_missed;
+  });
+}
+
+}  // namespace plslam

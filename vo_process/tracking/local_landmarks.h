@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+
+#include "vo_process/tracking/line_landmarks.h"
+#include "vo_process/tracking/point_landmarks.h"
+
+namespace plslam {
+
+/// Matches of both kinds.
+struct FrameMatches {
+  std::vector<LandmarkMatch> points;
+  std::vector<LandmarkMatch> lines;
+
+  /// Lines count twice: each has two endpoints.
+  int Weight() const { return static_cast<int>(points.size() + 2 * lines.size()); }
+};
+
+/// What odometry tracks: points and lines side by side.
+struct LocalLandmarks {
+  LocalLandmarks(const StereoCamera& camera, const VoOptions& options)
+      : points(camera, options.features.orb, options.landmarks), lines(camera, options.landmarks) {}
+
+  PointLandmarks points;
+  LineLandmarks lines;
+  int64_t next_point_id = 0;
+  int64_t next_line_id = 0;
+
+  /// New landmarks are numbered from where the others have come to.
+  void NumberBehind(const LocalLandmarks& others) {
+    next_point_id = others.next_point_id;
+    next_line_id = others.next_line_id;
+  }
+
+  void Update(const SE3& T_odom_c, const FrameMatches& matches, TrackedFrame& frame) {
+    points.Update(T_odom_c, matches.points, frame);
+    lines.Update(T_odom_c, matches.lines, frame);
+  }
+  void Adopt(const MapPatch& patch, bool keep_own) {
+    const SE3 T_odom_w = patch.T_w_odom.Inverse();
+    points.Adopt(T_odom_w, patch.points, keep_own, next_point_id);
+    lines.Adopt(T_odom_w, patch.lines, keep_own, next_line_id);
+  }
+  void Move(const SE3& T_new_odom) {
+    points.Move(T_new_odom);
+    lines.Move(T_new_odom);
+  }
+  /// All take part in the next search, as if the last frame had seen them.
+  void CountAsSeen() {
+    points.CountAsSeen();
+    lines.CountAsSeen();
+  }
+  void Found(const SE3& T_odom_c, TrackedFrame& frame) {
+    points.Found(T_odom_c, frame, next_point_id);
+    lines.Found(T_odom_c, frame, next_line_id);
+  }
+  void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame) {
+    points.FoundAnew(T_odom_c, frame, next_point_id);
+    lines.FoundAnew(T_odom_c, frame, next_line_id);
+  }
+
+  /// All that it goes on with, for `core/io/files/archive.h`.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.points, self.lines, self.next_point_id, self.next_line_id);
+  }
+};
+
+}  // namespace plslam

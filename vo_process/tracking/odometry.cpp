@@ -1,0 +1,324 @@
+#include "vo_process/tracking/odometry.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "vo_process/tracking/model_error.h"
+
+namespace plslam {
+namespace {
+
+constexpr double kMinInterval_s = 1e-3;
+// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree anywhere,
+// and where structure repeats more than a few. Soon after the loss, and later, when the camera may be anywhere.
+constexpr double kRecoveredShare = 0.1;
+constexpr double kRecoveredShareLater = 0.4;
+constexpr int kSoonFrames = 5;
+// Between two sights of the same landmarks, for their motion to say how fast the camera is.
+constexpr double kLongestStep_s = 0.5;
+
+// Landmarks that a frame could found: points with depth, lines with depth twice.
+int FoundingWeight(const StereoFeatures& features) {
+  const auto has_depth = [](const auto& feature) { return feature.HasDepth(); };
+  return static_cast<int>(std::count_if(features.points.begin(), features.points.end(), has_depth) +
+                          2 * std::count_if(features.lines.begin(), features.lines.end(), has_depth));
+}
+
+std::vector<double> PointDisparities(const StereoFeatures& features) {
+  std::vector<double> disparities;
+  disparities.reserve(features.points.size());
+  for (const StereoPoint& point : features.points) disparities.push_back(point.disparity_px);
+  return disparities;
+}
+
+double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
+  std::vector<double> disparities;
+  for (const StereoPoint& point : frame.features.points) {
+    if (point.HasDepth()) disparities.push_back(point.disparity_px);
+  }
+  for (const StereoLine& line : frame.features.lines) {
+    if (line.HasDepth()) disparities.push_back(0.5 * (line.disparity_p_px + line.disparity_q_px));
+  }
+  if (disparities.empty()) return 0.0;
+  const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
+  std::nth_element(disparities.begin(), middle, disparities.end());
+  return camera.Depth(*middle);
+}
+
+// Of the landmarks that the frame found, lines counted twice: those that so many keyframes of the map see.
+double KnownShare(const TrackedFrame& frame, int sights) {
+  int found = 0;
+  int known = 0;
+  const auto count = [&](const std::vector<FeatureTrack>& tracks, int weight) {
+    for (const FeatureTrack& track : tracks) {
+      if (track.landmark_id < 0 || track.age == 0) continue;
+      found += weight;
+      if (track.map_sights >= sights) known += weight;
+    }
+  };
+  count(frame.point_tracks, 1);
+  count(frame.line_tracks, 2);
+  return found == 0 ? 0.0 : static_cast<double>(known) / found;
+}
+
+}  // namespace
+
+Matrix6d UnknownMotion() {
+  Vector6d variances;
+  variances << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
+  return variances.asDiagonal();
+}
+
+Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
+    : camera_(camera),
+      options_(options),
+      aligner_(camera, options),
+      refiner_(camera, options.refinement),
+      motion_model_(options.tracking),
+      kind_balance_(options.landmarks.max_point_scale),
+      keyframe_policy_(options.keyframes),
+      calibration_(camera, options.disparity_calibration),
+      row_calibration_(camera, options.row_calibration),
+      landmarks_(camera, options),
+      keyframe_measurements_(camera) {}
+
+bool Odometry::LearnRows(const StereoFeatures& features) {
+  const bool changed = row_calibration_.Observe(features);
+  if (changed) calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
+  return changed;
+}
+
+OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
+  AddLineModelError(options_.landmarks.line_model_sigma_px, features);
+  std::vector<double> raw_disparities_px = PointDisparities(features);
+  kind_balance_.Apply(features);
+  calibration_.Correct(features);
+  TrackedFrame frame(std::move(features), left);
+  frame.point_sigma_scale = kind_balance_.scale();
+  OdometryResult result;
+  // Unsigned, or time stamps at both ends of their range overflow.
+  const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
+  const double dt_s = std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
+  last_t_ns_ = t_ns;
+  if (!initialised_) {
+    Initialise(frame, result);
+  } else {
+    const MotionPrediction prediction = motion_model_.Predict(dt_s);
+    const auto tracked = Find(frame, prediction);
+    if (tracked) {
+      for (const RefinedPoint& refined : tracked->alignment.refined) {
+        StereoPoint& point = frame.features.points[refined.feature];
+        raw_disparities_px[refined.feature] += refined.point.disparity_px - point.disparity_px;
+        point = refined.point;
+      }
+      Accept(*tracked, dt_s, frame, result);
+      calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
+    } else {
+      Miss(prediction, dt_s, frame, result);
+      calibration_.Interrupt();
+    }
+  }
+  Remember(frame);
+  result.T_odom_c = T_odom_c_;
+  result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
+  const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
+  const bool means = options_.keyframes.measurements == "mean";
+  if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
+  if (result.keyframe) {
+    KeyframeContent& content = result.keyframe->content;
+    content = {frame.features, frame.point_tracks, frame.line_tracks};
+    if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
+    keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
+                      TrackedLandmarkIds(content.line_tracks));
+  }
+  result.features = std::move(frame.features);
+  result.point_tracks = std::move(frame.point_tracks);
+  result.line_tracks = std::move(frame.line_tracks);
+  return result;
+}
+
+void Odometry::Remember(const TrackedFrame& frame) {
+  std::vector<const PointLandmarks*> alive{&landmarks_.points};
+  if (dormant_) alive.push_back(&dormant_->landmarks.points);
+  refiner_.Remember(alive, T_odom_c_, frame);
+}
+
+void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
+  result.state = TrackingState::kInitialising;
+  if (FoundingWeight(frame.features) < options_.tracking.weak_inliers) return;
+  landmarks_.Found(T_odom_c_, frame);
+  initialised_ = true;
+  result.state = TrackingState::kTracking;
+  MakeKeyframe(KeyframeReason::kFirst, result);
+}
+
+std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
+  // Lost: only strong evidence ends it, first of the place it was lost at, then of the one it was recognised at, then of
+  // the frame before.
+  if (dormant_) {
+    if (auto tracked = FindDormant(frame, prediction)) return tracked;
+  }
+  if (relocalised_) {
+    if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
+  }
+  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
+  // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
+  const bool gap = motion_model_.knows_motion() && !prediction.is_near;
+  if (!found || ((dormant_ || gap) && found->weak)) return std::nullopt;
+  const bool was_lost = dormant_.has_value();
+  dormant_.reset();
+  return Tracked{std::move(*found), was_lost ? Reference::kFoundedWhileLost : Reference::kCurrent};
+}
+
+// Before the first motion nothing says where to look: a camera that starts at speed is mostly outside the near window,
+// where far landmarks alone agree on a wrong motion. So all searches are compared.
+int Odometry::ExpectedWeight() const {
+  return motion_model_.knows_motion() ? tracked_weight_ : std::numeric_limits<int>::max();
+}
+
+std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
+                                                       const MotionPrediction& prediction) {
+  // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead.
+  const bool soon = dormant_->n_lost <= kSoonFrames;
+  const SE3& T_odom_last = soon ? T_odom_c_ : dormant_->T_odom_c;
+  auto found = aligner_.Align(dormant_->landmarks, frame, T_odom_last, prediction, ExpectedWeight(), refiner_);
+  const double share = soon ? kRecoveredShare : kRecoveredShareLater;
+  if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
+  Tracked tracked{std::move(*found), Reference::kDormant, dormant_->T_odom_c, dormant_->elapsed_s};
+  dormant_->landmarks.NumberBehind(landmarks_);
+  landmarks_ = std::move(dormant_->landmarks);
+  dormant_.reset();
+  relocalised_.reset();
+  return tracked;
+}
+
+void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
+  const Alignment& alignment = tracked.alignment;
+  result.state = TrackingState::kTracking;
+  if (alignment.weak) result.state = TrackingState::kWeak;
+  if (tracked.reference != Reference::kCurrent) {
+    if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
+    // Found again where it was lost, it knows no more of the map than it did there.
+    if (tracked.reference != Reference::kDormant) is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
+  }
+  result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
+  result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
+  result.n_tracked_lines = static_cast<int>(alignment.matches.lines.size());
+  // One mediocre frame does not lower what is expected of the next by much.
+  tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
+  const Matrix6d covariance_before = alignment_covariance_;
+  PropagateCovariance(tracked, result);
+  kind_balance_.Observe(alignment);
+
+  landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);
+  if (options_.tracking.reference == "previous_frame") {
+    landmarks_.FoundAnew(alignment.T_odom_c, frame);
+  } else {
+    landmarks_.Found(alignment.T_odom_c, frame);
+  }
+  T_odom_c_ = alignment.T_odom_c;
+  result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
+  LearnMotion(tracked, dt_s, covariance_before, result);
+  ChooseKeyframe(tracked, frame, result);
+}
+
+// A jump is no motion: what the camera did while nobody saw it tells how fast it is if that was not long, and else nobody knows. A
+// second image of the same time tells no speed.
+void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
+                           const OdometryResult& result) {
+  if (!result.jumped) {
+    if (dt_s > kMinInterval_s) motion_model_.Observe(result.T_prev_c, dt_s, result.motion_covariance);
+    return;
+  }
+  const double unseen_s = tracked.before_s + dt_s;
+  if (tracked.reference != Reference::kDormant || unseen_s > kLongestStep_s) return motion_model_.Forget();
+  const SE3 T_before_c = tracked.T_odom_before.Inverse() * tracked.alignment.T_odom_c;
+  motion_model_.Observe(T_before_c, unseen_s,
+                        ComposeCovariance(covariance_before, T_before_c, tracked.alignment.covariance));
+}
+
+void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& result) {
+  const Matrix6d& alignment = tracked.alignment.covariance;
+  Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
+  if (tracked.reference == Reference::kRelocalised) chained += UnknownMotion();
+  const bool frame_to_frame = options_.tracking.reference == "previous_frame";
+  // Frame to frame, or among landmarks founded by the frame before: that frame is where they are exact.
+  const bool exact_before = frame_to_frame || tracked.reference == Reference::kFoundedWhileLost ||
+                            tracked.reference == Reference::kRelocalised;
+  // Otherwise both ends were measured against the same landmarks, and both errors are in the motion between.
+  result.motion_covariance =
+      exact_before ? alignment : ComposeCovariance(alignment_covariance_, result.T_prev_c, alignment);
+  if (tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised) {
+    result.motion_covariance = chained;
+  }
+  covariance_kf_c_ = exact_before ? chained : alignment;
+  covariance_between_keyframes_ =
+      exact_before
+          ? chained
+          : ComposeCovariance(alignment_covariance_kf_, T_odom_kf_.Inverse() * tracked.alignment.T_odom_c, alignment);
+  alignment_covariance_ = alignment;
+}
+
+void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
+  result.state = TrackingState::kLost;
+  if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
+  ++dormant_->n_lost;
+  dormant_->elapsed_s += dt_s;
+  result.T_prev_c = prediction.T_prev_c;
+  result.motion_covariance = prediction.covariance;
+  covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
+  T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
+  motion_model_.Slow(dt_s);
+  // The next frame may match this one even where neither matches the landmarks from before.
+  landmarks_.FoundAnew(T_odom_c_, frame);
+}
+
+int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {
+  const auto known_below = [](int64_t limit) {
+    return [limit](const FeatureTrack& track) { return track.landmark_id >= 0 && track.landmark_id < limit; };
+  };
+  const auto points =
+      std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), known_below(keyframe_point_id_));
+  const auto lines =
+      std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), known_below(keyframe_line_id_));
+  return static_cast<int>(points + 2 * lines);
+}
+
+void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result) {
+  if (tracked.reference != Reference::kCurrent) {
+    MakeKeyframe(KeyframeReason::kTracked, result);
+    return;
+  }
+  KeyframeCandidate candidate;
+  candidate.T_kf_c = T_odom_kf_.Inverse() * T_odom_c_;
+  candidate.covariance = covariance_kf_c_;
+  candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
+  candidate.median_depth_m = MedianDepth(frame, camera_);
+  // In a map that stays as it is, keyframes are where it is looked at anew.
+  if (!options_.map.localise_only) candidate.known_share = KnownShare(frame, options_.keyframes.known_sights);
+  const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
+  result.entropy_ratio = decision.entropy_ratio;
+  if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);
+}
+
+void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
+  KeyframeStep step;
+  step.id = next_keyframe_id_++;
+  step.reason = reason;
+  if (step.id > 0) {
+    step.previous_id = step.id - 1;
+    step.T_prevkf_kf = T_odom_kf_.Inverse() * T_odom_c_;
+    step.covariance = covariance_between_keyframes_;
+  }
+  covariance_odom_kf_ = ComposeCovariance(covariance_odom_kf_, step.T_prevkf_kf, covariance_kf_c_);
+  covariance_kf_c_.setZero();
+  alignment_covariance_kf_ = alignment_covariance_;
+  T_odom_kf_ = T_odom_c_;
+  keyframe_point_id_ = landmarks_.next_point_id;
+  keyframe_line_id_ = landmarks_.next_line_id;
+  keyframe_policy_.Restart();
+  result.keyframe = step;
+}
+
+}  // namespace plslam

@@ -1,0 +1,201 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "vo_process/tracking/disparity_calibration.h"
+#include "vo_process/tracking/frame_aligner.h"
+#include "vo_process/tracking/keyframe_measurements.h"
+#include "vo_process/tracking/keyframe_policy.h"
+#include "vo_process/tracking/kind_balance.h"
+#include "vo_process/tracking/local_landmarks.h"
+#include "vo_process/tracking/motion_model.h"
+#include "vo_process/tracking/row_calibration.h"
+
+namespace plslam {
+
+/// As in `pose_t.state`.
+enum class TrackingState { kInitialising = 0, kTracking = 1, kWeak = 2, kLost = 3, kRecovered = 4 };
+
+/// A frame that became a keyframe: motion since the one before.
+struct KeyframeStep {
+  int64_t id = 0;
+  KeyframeReason reason = KeyframeReason::kNone;
+  /// -1 for the first; then the relative pose is identity with zero covariance.
+  int64_t previous_id = -1;
+  SE3 T_prevkf_kf;
+  Matrix6d covariance = Matrix6d::Zero();
+  /// What the frames since the last keyframe saw, as seen from this one, and the landmarks it belongs to.
+  KeyframeContent content;
+};
+
+/// What odometry says of a frame.
+struct OdometryResult {
+  TrackingState state = TrackingState::kInitialising;
+  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation,
+  /// growing with the way.
+  SE3 T_odom_c;
+  Matrix6d covariance = Matrix6d::Zero();
+  /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it was
+  /// found.
+  SE3 T_prev_c;
+  bool jumped = false;
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  double entropy_ratio = 0.0;
+  std::optional<KeyframeStep> keyframe;
+  int n_tracked_points = 0;
+  int n_tracked_lines = 0;
+  /// The frame's features with the landmarks they belong to.
+  StereoFeatures features;
+  std::vector<FeatureTrack> point_tracks;
+  std::vector<FeatureTrack> line_tracks;
+};
+
+/// Covariance of where a camera was carried while it saw nothing: 10 m and a radian.
+Matrix6d UnknownMotion();
+
+/// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No clock, no
+/// messages: features, time stamps and, if there are any, the left images in, poses and keyframes out, the same for the
+/// same input.
+class Odometry {
+ public:
+  Odometry(const StereoCamera& camera, const VoOptions& options);
+
+  const DisparityCalibration& disparity_calibration() const { return calibration_; }
+
+  /// How rows of right images differ from those of left ones, as far as is known.
+  RowField rows() const { return row_calibration_.field(); }
+
+  /// Nothing is known of them yet: the next pair is to be looked at with that in mind.
+  bool needs_rows() const { return row_calibration_.needs_look(); }
+
+  /// Learns how they differ from the matches of a pair, before it is tracked. True where `rows` becomes zero by it, or is not zero
+  /// any more; the disparities of before are then others than those that come.
+  bool LearnRows(const StereoFeatures& features);
+
+  /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
+  /// nothing are answered with a state, and the pose goes on by the motion model. With the left image that the features
+  /// were found in, tracked points are refined by it; its pixels are not kept.
+  OdometryResult Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left = {});
+
+  /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do not
+  /// jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map does
+  /// not have the keyframe.
+  bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
+
+  /// Takes over the landmarks of a map that no longer grows, around the keyframe that sees most of those tracked in the last
+  /// frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
+  bool AdoptAround(const Map& map);
+
+  /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it is
+  /// looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had lost its
+  /// way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and T_w_odom takes
+  /// the difference. False, and nothing done, where the map does not have the keyframe.
+  bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
+
+  /// The camera has been found in a map, by `Adopt` or `Relocalise`.
+  bool is_in_map() const { return is_in_map_; }
+
+  /// Tracking went on after a loss, but not at the place where it was lost: where that is, nobody knows.
+  bool is_adrift() const { return is_adrift_; }
+
+  /// Map from odometry, as of the last `Adopt`.
+  const SE3& T_w_odom() const { return T_w_odom_; }
+
+  /// All that it goes on with after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was found, so
+  /// nothing is lost or dormant then, and what was seen since the keyframe before has gone into it.
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
+      self.landmarks_, self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_,
+      self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_,
+      self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_,
+      self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
+  }
+
+ private:
+  /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
+  /// before the loss, those of the map where it was relocalised, or those founded by a lost frame. One that was not lost
+  /// is localised: found among both, and goes on among those of the map.
+  enum class Reference { kCurrent, kDormant, kRelocalised, kLocalised, kFoundedWhileLost };
+  struct Tracked {
+    Alignment alignment;
+    Reference reference = Reference::kCurrent;
+    /// kDormant: where the camera was when it was last seen among these landmarks, and how long before the last frame.
+    SE3 T_odom_before{};
+    double before_s = 0.0;
+  };
+  /// Landmarks of the map among which the camera should be.
+  struct Relocalised {
+    LocalLandmarks landmarks;
+    SE3 T_w_odom;
+  };
+
+  std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
+  std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
+  std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
+  bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
+                    Relocalised& place) const;
+  int ExpectedWeight() const;
+  void Remember(const TrackedFrame& frame);
+  void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
+                   const OdometryResult& result);
+  void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
+  void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void Initialise(TrackedFrame& frame, OdometryResult& result);
+  void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);
+  void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
+  int TrackedFromKeyframe(const TrackedFrame& frame) const;
+
+  StereoCamera camera_;
+  VoOptions options_;
+  FrameAligner aligner_;
+  PointRefiner refiner_;
+  MotionModel motion_model_;
+  KindBalance kind_balance_;
+  KeyframePolicy keyframe_policy_;
+  DisparityCalibration calibration_;
+  RowCalibration row_calibration_;
+  LocalLandmarks landmarks_;
+  KeyframeLog keyframe_log_;
+  KeyframeMeasurements keyframe_measurements_;
+  SE3 T_w_odom_;
+
+  bool initialised_ = false;
+  int64_t last_t_ns_ = 0;
+  SE3 T_odom_c_;
+  /// Inliers of the last frame that was found (points + 2 x lines).
+  int tracked_weight_ = 0;
+  /// Of T_odom_c given the landmarks, at the frame before.
+  Matrix6d alignment_covariance_ = Matrix6d::Zero();
+
+  /// While lost: the landmarks from before, and where the camera was then.
+  struct Dormant {
+    LocalLandmarks landmarks;
+    SE3 T_odom_c;
+    int n_lost = 0;          ///< frames since
+    double elapsed_s = 0.0;  ///< up to the last of them
+  };
+  std::optional<Dormant> dormant_;
+
+  std::optional<Relocalised> relocalised_;
+  bool is_in_map_ = false;
+  bool is_adrift_ = false;
+
+  int64_t next_keyframe_id_ = 0;
+  SE3 T_odom_kf_;
+  Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
+  /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion between two
+  /// keyframes is less sure than the next keyframe is.
+  Matrix6d covariance_kf_c_ = Matrix6d::Zero();
+  Matrix6d alignment_covariance_kf_ = Matrix6d::Zero();
+  Matrix6d covariance_between_keyframes_ = Matrix6d::Zero();
+  /// Landmarks with smaller ids were known to the last keyframe.
+  int64_t keyframe_point_id_ = 0;
+  int64_t keyframe_line_id_ = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "vo_process/stereo/stereo_front_end.h"
+#include "vo_process/tracking/odometry.h"
+
+namespace plslam {
+
+/// Stereo features of the next pair, for `odometry.Track`, with rows that differ as they are known to; what the pair tells of them
+/// is learned. The first pair is looked at twice, since landmarks are founded on it: before all for rows that may differ by much.
+/// So are further ones until there was enough to see, and one that changes whether rows differ. Throws as
+/// `StereoFrontEnd::Process`.
+inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, const StereoImages& images,
+                              StageTimer& timer) {
+  const bool looks = odometry.needs_rows();
+  if (looks) timer.Time("rows", [&] { odometry.LearnRows(front_end.LookForRows(images)); });
+  StereoFeatures features = front_end.Process(images, timer, odometry.rows());
+  if (!looks && odometry.LearnRows(features)) features = front_end.Process(images, timer, odometry.rows());
+  return features;
+}
+
+}  // namespace plslam

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/features/features.h"
+#include "core/features/matching/descriptor_matcher.h"
+#include "vo_process/stereo/image_levels.h"
+
+namespace plslam {
+
+/// Which landmark a feature belongs to.
+struct FeatureTrack {
+  int64_t landmark_id = -1;
+  /// Frames in which the landmark has been seen; 0 for one founded by this feature.
+  int age = 0;
+  /// The same landmark in the map, or -1, and the keyframes that see it there.
+  int64_t map_id = -1;
+  int map_sights = 0;
+};
+
+/// Landmarks of features, in their order.
+inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& tracks) {
+  std::vector<int64_t> ids;
+  ids.reserve(tracks.size());
+  for (const FeatureTrack& track : tracks) ids.push_back(track.landmark_id);
+  return ids;
+}
+
+/// The features of the frame being tracked, ready for queries by place, and their landmarks.
+struct TrackedFrame {
+  explicit TrackedFrame(StereoFeatures stereo, ImageLevels left = {})
+      : features(std::move(stereo)),
+        image(std::move(left)),
+        point_grid(features.points),
+        point_tracks(features.points.size()),
+        line_tracks(features.lines.size()) {}
+
+  StereoFeatures features;
+  /// Factor that the deviations of the points have grown by (`KindBalance`).
+  double point_sigma_scale = 1.0;
+  /// The left image, or none.
+  ImageLevels image;
+  PointGrid point_grid;
+  /// In the order of `features.points` and `features.lines`.
+  std::vector<FeatureTrack> point_tracks;
+  std::vector<FeatureTrack> line_tracks;
+};
+
+/// A landmark and the feature it is seen as: indices into the landmarks of one kind and the frame's features.
+struct LandmarkMatch {
+  int landmark = -1;
+  int feature = -1;
+};
+
+/// Matches from the result of a matcher: `found[i]` is the feature of landmark `owners[i]`, or -1.
+inline std::vector<LandmarkMatch> PairUp(const std::vector<int>& owners, const std::vector<int>& found) {
+  std::vector<LandmarkMatch> matches;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i] >= 0) matches.push_back({owners[i], found[i]});
+  }
+  return matches;
+}
+
+/// Which landmarks to look for, and how far from where they are expected.
+struct Search {
+  double radius_px = 0.0;
+  /// Landmarks not seen for longer are left out.
+  int max_unseen_frames = 0;
+};
+
+}  // namespace plslam

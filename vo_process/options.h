@@ -33,13 +33,6 @@ struct RowCalibrationOptions {
   double min_offset_px = 0.5;
 };
 
-/// Refinement of tracked points by the patch that their landmark was founded with.
-struct RefinementOptions {
-  bool enabled = false;
-  double min_correlation = 0.85;
-  double sigma_px = 0.3;
-};
-
 /// Matching of landmarks with a frame, and what counts as tracked.
 struct TrackingOptions {
   std::string reference = "landmarks";
@@ -94,7 +87,6 @@ struct VoOptions {
   DisparityCalibrationOptions disparity_calibration;
   RowCalibrationOptions row_calibration;
   LandmarkOptions landmarks;
-  RefinementOptions refinement;
   TrackingOptions tracking;
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
@@ -152,13 +144,6 @@ void VisitFields(Visitor& visit, TrackingOptions& o) {
 }
 
 template <class Visitor>
-void VisitFields(Visitor& visit, RefinementOptions& o) {
-  visit("enabled", o.enabled, "whether tracked points are aligned with the patch of their first sight");
-  visit("min_correlation", o.min_correlation, Bounds{0, 1}, "correlation of the patches; below, the corner counts");
-  visit("sigma_px", o.sigma_px, Bounds{0, 10}, "deviation that the frames of a track share, in pixels of the patch");
-}
-
-template <class Visitor>
 void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("enabled", o.enabled, "whether frames are tracked against the map, where there is one");
   visit("landmarks", o.landmarks, OneOf{"unknown", "all"},
@@ -204,7 +189,6 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
   visit("landmarks", o.landmarks, "life of the landmarks");
-  visit("refinement", o.refinement, "refinement of tracked points");
   visit("tracking", o.tracking, "search, and what counts as tracked");
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");

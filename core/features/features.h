@@ -52,10 +52,6 @@ struct StereoPoint {
   /// Row of the match minus row of the left point, as the images tell, and its standard deviation; negative where they do not.
   double row_offset_px = 0.0;
   double sigma_row_px = -1.0;
-  /// Change of the disparity by a pixel along u and v of the surface around the point; zero where unknown.
-  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
-  /// Inverse variances of its two components, before any expectation; zero where unknown.
-  Eigen::Vector2d slope_information = Eigen::Vector2d::Zero();
 
   bool HasDepth() const { return disparity_px > 0.0; }
 };

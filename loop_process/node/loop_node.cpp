@@ -185,7 +185,7 @@ bus::ProcessSpec LoopSpec() {
   spec.description = "Recognises places with points and lines, corrects the map, and finds lost trackers again.";
   spec.examples =
       "  loop_process\n"
-      "  loop_process --config config/euroc.yaml --set loop.vocabularies.points=my.vocabulary";
+      "  loop_process --config config/plslam.yaml --set loop.vocabularies.points=my.vocabulary";
   spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
     LoopOptions options;
     config.Read("loop", options);

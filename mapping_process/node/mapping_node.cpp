@@ -381,7 +381,7 @@ bus::ProcessSpec MappingSpec() {
   spec.description = "The map of points and lines: keyframes in, updates of the map out.";
   spec.examples =
       "  mapping_process\n"
-      "  mapping_process --config config/euroc.yaml --set mapping.map_file=house.plmap\n"
+      "  mapping_process --config config/plslam.yaml --set mapping.map_file=house.plmap\n"
       "  mapping_process --prefix team/";
   spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
     MappingOptions options;

@@ -1,6 +1,6 @@
 // How far tracked points stray from the surface points that they were founded on: exact truth of the built-in worlds.
 //
-//   tracks_benchmark room?frames=60 street?seed=2 [--set vo.refinement.enabled=true]
+//   tracks_benchmark room?frames=60 street?seed=2
 
 #include <cmath>
 #include <cstdio>
@@ -105,9 +105,7 @@ class Judge {
     const double length = flow.norm();
     double limit = 4.0;
     while (limit < length) limit *= 2.0;
-    const bool refined = std::abs(seen.sigma_px - 0.5 * seen.left.scale) > 1e-9;
-    Compare(refined ? limit : limit + 10000.0, length, flow, truth_uvd, seen);
-    if (refined && length > 30 && length < 150) Compare(20000.0 + seen.left.octave, length, flow, truth_uvd, seen);
+    Compare(limit, length, flow, truth_uvd, seen);
   }
 
   void Compare(double limit, double length, const Eigen::Vector2d& flow, const Eigen::Vector3d& truth_uvd,

@@ -42,8 +42,7 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     OdometryResult result;
     timer.Time("total", [&] {
       StereoFeatures features = SeePair(front_end, odometry, images, timer);
-      result =
-          timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features), front_end.left()); });
+      result = timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features)); });
     });
     OdometryFrame frame = Summarise(result, T_l_c);
     frame.t_ns = images.t_ns;

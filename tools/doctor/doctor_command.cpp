@@ -16,8 +16,8 @@
 #include "core/process/process_usage.h"
 #include "tools/doctor/clock_check.h"
 #include "tools/doctor/files_check.h"
-#include "tools/doctor/node/listen_node.h"
 #include "tools/doctor/multicast_check.h"
+#include "tools/doctor/node/listen_node.h"
 #include "tools/doctor/socket_check.h"
 
 namespace plslam {
@@ -148,7 +148,7 @@ void AddDoctorCommand(CLI::App* app, std::function<int()>* command) {
       "and complaints of the processes that it hears.\n"
       "Examples:\n"
       "  plslam doctor\n"
-      "  plslam doctor --config config/euroc.yaml --url udpm://239.255.76.67:7667?ttl=1\n"
+      "  plslam doctor --config config/plslam.yaml --url udpm://239.255.76.67:7667?ttl=1\n"
       "  plslam doctor --url tcpq://192.0.2.7:7700 --json\n"
       "Exit code 0 where nothing keeps the system from working, 1 where something does.");
   sub->callback([=] { *command = [options] { return Doctor(*options); }; });

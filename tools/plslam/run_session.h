@@ -7,9 +7,9 @@
 
 #include "tools/plslam/node/history_node.h"
 #include "tools/plslam/node/monitor_node.h"
+#include "tools/plslam/node/save_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
-#include "tools/plslam/node/save_node.h"
 #include "tools/plslam/stall_watch.h"
 #include "tools/plslam/supervisor.h"
 

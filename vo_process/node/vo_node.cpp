@@ -178,7 +178,7 @@ void VoNode::Track(const Frame& frame) {
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {
     StereoFeatures features = too_early ? NoFeatures(frame.images) : SeeFeatures(frame.images, timer);
-    return timer.Time("track", [&] { return odometry_->Track(last_t_ns_, std::move(features), front_end_->left()); });
+    return timer.Time("track", [&] { return odometry_->Track(last_t_ns_, std::move(features)); });
   });
   // The pose first: somebody waits for it.
   PublishPose(frame, result, timer.stages());
@@ -320,7 +320,7 @@ bus::ProcessSpec VoSpec() {
   spec.description = "Stereo odometry with points and lines: frames in, poses and keyframes out.";
   spec.examples =
       "  vo_process\n"
-      "  vo_process --config config/euroc.yaml --set vo.features.features=points\n"
+      "  vo_process --config config/plslam.yaml --set vo.features.features=points\n"
       "  vo_process --url udpm://239.255.76.67:7667?ttl=1 --prefix front/";
   spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
     VoOptions options;

@@ -143,8 +143,6 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
     }
     if (slanted) {
       found.disparity_px = -slanted->shift_u_px;
-      found.disparity_slope = -slanted->slope;
-      found.slope_information = slanted->slope_information;
       found.correlation = slanted->correlation;
       variance = slanted->variance;
     }

@@ -20,9 +20,6 @@ struct PatchAlignment {
   /// Normalised correlation of the patches, and contrast of the right relative to the left.
   double correlation = 0.0;
   double gain = 0.0;
-  /// Change of the disparity by a pixel along u and v; zero where the patch does not tell.
-  Eigen::Vector2d disparity_slope = Eigen::Vector2d::Zero();
-  Eigen::Vector2d slope_information = Eigen::Vector2d::Zero();
 };
 
 /// Sub-pixel disparity by aligning 11x11 patches of a rectified pair, for any gain and offset of brightness between the

@@ -90,8 +90,6 @@ void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::v
     left[i].sigma_disparity_px = found->sigma_disparity_px;
     left[i].row_offset_px = found->row_offset_px;
     left[i].sigma_row_px = found->sigma_row_px;
-    left[i].disparity_slope = found->disparity_slope;
-    left[i].slope_information = found->slope_information;
   }
 }
 

@@ -141,10 +141,8 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
     if (!sane) return std::nullopt;
     if (std::abs(step(0)) > kPatchConverged || step.tail<2>().cwiseAbs().maxCoeff() * kHalf > 5.0 * kPatchConverged)
       continue;
-    const Eigen::Matrix4d P = solver.solve(Eigen::Matrix4d::Identity()) * (noise * noise);
-    const Eigen::Vector2d information(1.0 / P(2, 2), 1.0 / P(3, 3));
     return SlantedAlignment{place.dot(warp), noise * noise * place.dot(solver.solve(place)),
-                            std::sqrt(t.energy / (t.energy + residual)), warp.tail<2>(), information};
+                            std::sqrt(t.energy / (t.energy + residual))};
   }
   return std::nullopt;
 }

@@ -14,9 +14,6 @@ struct SlantedAlignment {
   /// Of the shift, from the residuals; noise in the left patch's own gradients makes it look smaller than it is.
   double variance = 0.0;
   double correlation = 0.0;
-  /// Change of the shift by a pixel along u and v.
-  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-  Eigen::Vector2d slope_information = Eigen::Vector2d::Zero();
 };
 
 /// What is known of the row offset before, in pixels of the level.

@@ -31,23 +31,17 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
       right_extractor_(options.features) {}
 
 StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows) {
-  left_ = {};
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
   return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer, rows, options_.stereo);
 }
 
 StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images) {
-  left_ = {};
   if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
   StageTimer untimed([] { return 0.0; });
   return ProcessStereo(images, untimed, RowField(), options);
-}
-
-void StereoFrontEnd::KeepLeft(const cv::Mat& left) {
-  if (options_.refinement.enabled && options_.features.features != "lines") left_ = ImageLevels(left);
 }
 
 RunBoth StereoFrontEnd::OnBothThreads() {
@@ -73,7 +67,6 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
         });
   });
   return timer.Time("stereo", [&] {
-    KeepLeft(left);
     return MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options,
                        OnBothThreads());
   });
@@ -89,7 +82,6 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
     features = ExtractInside(left_extractor_, left, left_mask_, OnBothThreads());
   });
   return timer.Time("stereo", [&] {
-    KeepLeft(left);
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);
   });
 }

@@ -8,7 +8,6 @@
 #include "core/geometry/rectifier.h"
 #include "core/io/images/stereo_images.h"
 #include "vo_process/options.h"
-#include "vo_process/stereo/image_levels.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"
 #include "vo_process/stereo/stage_timer.h"
@@ -32,11 +31,7 @@ class StereoFrontEnd {
   /// disparities for it.
   StereoFeatures LookForRows(const StereoImages& images);
 
-  /// The rectified left image of the pair processed last; none where points are not refined. Valid until the next pair.
-  const ImageLevels& left() const { return left_; }
-
  private:
-  void KeepLeft(const cv::Mat& left);
   RunBoth OnBothThreads();
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                const StereoOptions& options);
@@ -51,7 +46,6 @@ class StereoFrontEnd {
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
   SideWorker worker_;
-  ImageLevels left_;
 };
 
 }  // namespace plslam

@@ -21,11 +21,6 @@ MotionOptions Coarse(MotionOptions options) {
   return options;
 }
 
-TrackedFrame WithPoints(TrackedFrame frame, const std::vector<RefinedPoint>& refined) {
-  for (const RefinedPoint& r : refined) frame.features.points[r.feature] = r.point;
-  return frame;
-}
-
 int Weight(const MotionEstimate& estimate) { return estimate.n_point_inliers + 2 * estimate.n_line_inliers; }
 
 std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, const std::vector<bool>& inlier) {
@@ -40,13 +35,13 @@ std::vector<LandmarkMatch> Inliers(const std::vector<LandmarkMatch>& matches, co
 
 std::optional<Alignment> FrameAligner::Align(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                              const SE3& T_odom_prev, const MotionPrediction& prediction,
-                                             int expected_weight, const PointRefiner& refiner) const {
+                                             int expected_weight) const {
   const SE3 T_odom_predicted = T_odom_prev * prediction.T_prev_c;
   const MotionPrior prior{T_odom_predicted.Inverse(), prediction.covariance};
   auto coarse = FindStrongest(landmarks, frame, T_odom_predicted, prediction, expected_weight);
   if (!coarse) coarse = FindWeak(landmarks, frame, T_odom_predicted, prior);
   if (!coarse) return std::nullopt;
-  return Refine(landmarks, frame, *coarse, prior, refiner);
+  return Refine(landmarks, frame, *coarse, prior);
 }
 
 std::optional<Alignment> FrameAligner::FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
@@ -138,17 +133,13 @@ std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& la
 }
 
 std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                              const Alignment& coarse, const MotionPrior& prior,
-                                              const PointRefiner& refiner) const {
+                                              const Alignment& coarse, const MotionPrior& prior) const {
   const Search all{options_.tracking.refine_radius_px, options_.landmarks.max_unseen_frames};
   const FrameMatches matches = MatchByProjection(landmarks, frame, coarse.T_odom_c, all);
   std::optional<MotionPrior> used_prior;
   if (coarse.weak) used_prior = prior;
-  const std::vector<RefinedPoint> refined = refiner.Refine(landmarks.points, matches.points, frame, coarse.T_odom_c);
-  auto fine = Estimate(landmarks, refined.empty() ? frame : WithPoints(frame, refined), matches, coarse.T_odom_c,
-                       used_prior, options_.motion);
+  auto fine = Estimate(landmarks, frame, matches, coarse.T_odom_c, used_prior, options_.motion);
   if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
-  fine->refined = refined;
   fine->weak = coarse.weak;
   return fine;
 }

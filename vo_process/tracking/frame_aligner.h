@@ -7,7 +7,6 @@
 #include "vo_process/options.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
-#include "vo_process/tracking/point_refiner.h"
 
 namespace plslam {
 
@@ -18,8 +17,6 @@ struct Alignment {
   Matrix6d covariance = Matrix6d::Zero();
   /// Inliers.
   FrameMatches matches;
-  /// Measurements of the frame that this pose stands on instead of its own.
-  std::vector<RefinedPoint> refined;
   /// Few inliers: the prior took part.
   bool weak = false;
   /// Typical residuals of each kind in their own deviations, as in `MotionEstimate`.
@@ -36,10 +33,9 @@ class FrameAligner {
 
   /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
   /// (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that all are
-  /// compared. `refiner` knows the landmarks. nullopt: lost.
+  /// compared. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
-                                 const MotionPrediction& prediction, int expected_weight,
-                                 const PointRefiner& refiner) const;
+                                 const MotionPrediction& prediction, int expected_weight) const;
 
  private:
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
@@ -56,7 +52,7 @@ class FrameAligner {
                                     const std::optional<MotionPrior>& prior, const MotionOptions& motion) const;
   std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
   std::optional<Alignment> Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
-                                  const MotionPrior& prior, const PointRefiner& refiner) const;
+                                  const MotionPrior& prior) const;
   bool IsStrong(const std::optional<Alignment>& alignment, int matched) const;
 
   StereoCamera camera_;

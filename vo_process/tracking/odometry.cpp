@@ -74,7 +74,6 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
     : camera_(camera),
       options_(options),
       aligner_(camera, options),
-      refiner_(camera, options.refinement),
       motion_model_(options.tracking),
       kind_balance_(options.landmarks.max_point_scale),
       keyframe_policy_(options.keyframes),
@@ -89,12 +88,12 @@ bool Odometry::LearnRows(const StereoFeatures& features) {
   return changed;
 }
 
-OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left) {
+OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
-  std::vector<double> raw_disparities_px = PointDisparities(features);
+  const std::vector<double> raw_disparities_px = PointDisparities(features);
   kind_balance_.Apply(features);
   calibration_.Correct(features);
-  TrackedFrame frame(std::move(features), left);
+  TrackedFrame frame(std::move(features));
   frame.point_sigma_scale = kind_balance_.scale();
   OdometryResult result;
   // Unsigned, or time stamps at both ends of their range overflow.
@@ -107,11 +106,6 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
     const MotionPrediction prediction = motion_model_.Predict(dt_s);
     const auto tracked = Find(frame, prediction);
     if (tracked) {
-      for (const RefinedPoint& refined : tracked->alignment.refined) {
-        StereoPoint& point = frame.features.points[refined.feature];
-        raw_disparities_px[refined.feature] += refined.point.disparity_px - point.disparity_px;
-        point = refined.point;
-      }
       Accept(*tracked, dt_s, frame, result);
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
     } else {
@@ -119,7 +113,6 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
       calibration_.Interrupt();
     }
   }
-  Remember(frame);
   result.T_odom_c = T_odom_c_;
   result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
@@ -136,12 +129,6 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features, const Imag
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
-}
-
-void Odometry::Remember(const TrackedFrame& frame) {
-  std::vector<const PointLandmarks*> alive{&landmarks_.points};
-  if (dormant_) alive.push_back(&dormant_->landmarks.points);
-  refiner_.Remember(alive, T_odom_c_, frame);
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
@@ -162,7 +149,7 @@ std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const
   if (relocalised_) {
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
-  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
+  auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight());
   // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
   const bool gap = motion_model_.knows_motion() && !prediction.is_near;
   if (!found || ((dormant_ || gap) && found->weak)) return std::nullopt;
@@ -182,7 +169,7 @@ std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame
   // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead.
   const bool soon = dormant_->n_lost <= kSoonFrames;
   const SE3& T_odom_last = soon ? T_odom_c_ : dormant_->T_odom_c;
-  auto found = aligner_.Align(dormant_->landmarks, frame, T_odom_last, prediction, ExpectedWeight(), refiner_);
+  auto found = aligner_.Align(dormant_->landmarks, frame, T_odom_last, prediction, ExpectedWeight());
   const double share = soon ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
   Tracked tracked{std::move(*found), Reference::kDormant, dormant_->T_odom_c, dormant_->elapsed_s};

@@ -57,7 +57,7 @@ struct OdometryResult {
 Matrix6d UnknownMotion();
 
 /// Stereo odometry with points and lines (PL-SLAM §IV): the state between frames, and the decisions. No clock, no
-/// messages: features, time stamps and, if there are any, the left images in, poses and keyframes out, the same for the
+/// messages: features and time stamps in, poses and keyframes out, the same for the
 /// same input.
 class Odometry {
  public:
@@ -76,9 +76,8 @@ class Odometry {
   bool LearnRows(const StereoFeatures& features);
 
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
-  /// nothing are answered with a state, and the pose goes on by the motion model. With the left image that the features
-  /// were found in, tracked points are refined by it; its pixels are not kept.
-  OdometryResult Track(int64_t t_ns, StereoFeatures features, const ImageLevels& left = {});
+  /// nothing are answered with a state, and the pose goes on by the motion model.
+  OdometryResult Track(int64_t t_ns, StereoFeatures features);
 
   /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do not
   /// jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map does
@@ -109,10 +108,10 @@ class Odometry {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
-      self.landmarks_, self.refiner_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_,
-      self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_,
-      self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_,
-      self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
+      self.landmarks_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
+      self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
+      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
+      self.keyframe_point_id_, self.keyframe_line_id_);
   }
 
  private:
@@ -139,7 +138,6 @@ class Odometry {
   bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                     Relocalised& place) const;
   int ExpectedWeight() const;
-  void Remember(const TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                    const OdometryResult& result);
@@ -153,7 +151,6 @@ class Odometry {
   StereoCamera camera_;
   VoOptions options_;
   FrameAligner aligner_;
-  PointRefiner refiner_;
   MotionModel motion_model_;
   KindBalance kind_balance_;
   KeyframePolicy keyframe_policy_;

@@ -60,7 +60,7 @@ bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_
 std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& frame,
                                                            const MotionPrediction& prediction) {
   Relocalised place = *std::exchange(relocalised_, std::nullopt);
-  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
+  auto found = aligner_.Align(place.landmarks, frame, T_odom_c_, prediction, ExpectedWeight());
   if (!found || found->weak) return std::nullopt;
   const bool was_lost = !KeepOdometry(frame, prediction, *found, place);
   place.landmarks.NumberBehind(landmarks_);
@@ -75,7 +75,7 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
 bool Odometry::KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                             Relocalised& place) const {
   if (dormant_) return false;
-  const auto own = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight(), refiner_);
+  const auto own = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight());
   if (!own || own->weak) return false;
   const SE3 T_odom_place = own->T_odom_c * found.T_odom_c.Inverse();
   place.landmarks.Move(T_odom_place);

@@ -6,7 +6,6 @@
 
 #include "core/features/features.h"
 #include "core/features/matching/descriptor_matcher.h"
-#include "vo_process/stereo/image_levels.h"
 
 namespace plslam {
 
@@ -30,9 +29,8 @@ inline std::vector<int64_t> TrackedLandmarkIds(const std::vector<FeatureTrack>& 
 
 /// The features of the frame being tracked, ready for queries by place, and their landmarks.
 struct TrackedFrame {
-  explicit TrackedFrame(StereoFeatures stereo, ImageLevels left = {})
+  explicit TrackedFrame(StereoFeatures stereo)
       : features(std::move(stereo)),
-        image(std::move(left)),
         point_grid(features.points),
         point_tracks(features.points.size()),
         line_tracks(features.lines.size()) {}
@@ -40,8 +38,6 @@ struct TrackedFrame {
   StereoFeatures features;
   /// Factor that the deviations of the points have grown by (`KindBalance`).
   double point_sigma_scale = 1.0;
-  /// The left image, or none.
-  ImageLevels image;
   PointGrid point_grid;
   /// In the order of `features.points` and `features.lines`.
   std::vector<FeatureTrack> point_tracks;

@@ -9,7 +9,7 @@
 
 namespace plslam {
 
-// What images at full, half and quarter size have in common (`HalvedPair`, `ImageLevels`).
+// Images at full, half and quarter size.
 
 inline constexpr size_t kHalvedLevels = 3;
 

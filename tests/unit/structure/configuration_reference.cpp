@@ -43,8 +43,8 @@ std::string ConfigurationReference() {
   std::string text = R"(# Configuration
 
 One YAML file serves all processes (`--config FILE`); each reads its own section and `bus`. Single options are set over
-the file with `--set vo.features.orb.max_points=800`, as often as needed; the last one wins. `config/` has a complete file for
-each kind of rig.
+the file with `--set vo.features.orb.max_points=800`, as often as needed; the last one wins. `config/plslam.yaml` has all
+of them at their defaults, to copy from.
 
 Unknown keys, duplicate keys, wrong types and values out of bounds stop a process before the first frame, with one
 sentence that names file, line, key and the nearest known key. What a process really uses stands in its status messages
@@ -59,23 +59,13 @@ This file is generated from the option structs by `scripts/document`; a test com
   return text;
 }
 
-const std::vector<RigConfiguration>& RigConfigurations() {
-  static const std::vector<RigConfiguration> kRigs = {
-      {"kitti", "KITTI odometry: rectified, 1241x376, 0.54 m baseline, 10 Hz, a car.", {}},
-      {"euroc", "EuRoC MAV: raw, 752x480, 0.11 m baseline, 20 Hz, a quadrotor.", {}},
-      {"tum_rgbd", "TUM RGB-D: 640x480 and depth, 30 Hz, by hand.", {}},
-      {"synthetic", "The built-in worlds: 752x480, 20 Hz.", {}},
-  };
-  return kRigs;
-}
-
-std::string RigYaml(const RigConfiguration& rig) {
-  Config config;
-  for (const std::string& assignment : rig.overrides) config.Override(assignment);
-  AllOptions all;
-  std::string yaml = "# " + rig.meaning + "\n# Every option there is; what you leave out keeps its default.\n";
-  for (const Section& section : Sections(all)) {
-    config.ReadFields(section.name, section.fields);
+std::string ConfigurationFile() {
+  AllOptions defaults;
+  std::string yaml =
+      "# All options at their defaults, which serve cars, quadrotors, hand-held cameras and RGB-D alike. Copy what "
+      "you change: "
+      "what a file\n# leaves out keeps its default.\n";
+  for (const Section& section : Sections(defaults)) {
     yaml += "\n# " + section.meaning + "\n" + FieldsToYaml(section.name, section.fields, true);
   }
   return yaml;

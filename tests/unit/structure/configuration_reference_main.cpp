@@ -4,7 +4,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/unit/structure/configuration_reference.h"
 
-/// Writes docs/configuration.md and config/*.yaml anew.
+/// Writes docs/configuration.md and config/plslam.yaml anew.
 int main() {
   using namespace plslam::test;  // NOLINT(google-build-using-namespace)
   const auto write = [](const std::string& path, const std::string& text) {
@@ -13,9 +13,6 @@ int main() {
     std::cout << path << "\n";
     return file.good();
   };
-  bool good = write("docs/configuration.md", ConfigurationReference());
-  for (const RigConfiguration& rig : RigConfigurations()) {
-    good = write("config/" + rig.name + ".yaml", RigYaml(rig)) && good;
-  }
-  return good ? 0 : 1;
+  const bool written = write("docs/configuration.md", ConfigurationReference());
+  return write("config/plslam.yaml", ConfigurationFile()) && written ? 0 : 1;
 }

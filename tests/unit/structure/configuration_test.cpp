@@ -17,18 +17,10 @@ TEST(Configuration, ReferenceIsUpToDate) {
       << "run scripts/document";
 }
 
-TEST(Configuration, RigFilesAreCompleteAndUpToDate) {
-  for (const auto& rig : test::RigConfigurations()) {
-    EXPECT_EQ(test::ReadText(test::SourceFolder() / "config" / (rig.name + ".yaml")), test::RigYaml(rig))
-        << "run scripts/document";
-  }
-}
-
-TEST(Configuration, RigFilesHaveKnownSectionsOnly) {
-  for (const auto& entry : std::filesystem::directory_iterator(test::SourceFolder() / "config")) {
-    if (entry.path().extension() != ".yaml") continue;
-    EXPECT_NO_THROW(Config::FromFile(entry.path()).RequireSections(kConfigSections)) << entry.path();
-  }
+TEST(Configuration, FileIsCompleteAndUpToDate) {
+  const std::filesystem::path file = test::SourceFolder() / "config/plslam.yaml";
+  EXPECT_EQ(test::ReadText(file), test::ConfigurationFile()) << "run scripts/document";
+  EXPECT_NO_THROW(Config::FromFile(file).RequireSections(kConfigSections));
 }
 
 }  // namespace

@@ -134,8 +134,7 @@ TEST(Structure, IncludesFollowTheArrows) {
 }
 
 TEST(Structure, IncludesOfTheTreeStartAtItsRoot) {
-  for (const SourceFile& file : test::SourceFiles({"core", "player", "vo_process", "mapping_process", "loop_process",
-                                                   "viewer_headless", "tools", "tests"})) {
+  for (const SourceFile& file : test::AllSourceFiles()) {
     for (const std::string& line : file.lines) {
       const auto include = IncludedFile(line);
       if (!include || line.find('"') == std::string::npos) continue;

@@ -5,20 +5,18 @@
 namespace plslam {
 namespace {
 
-constexpr size_t kMaxLines = 400;
+constexpr size_t kMaxLines = 600;
 constexpr size_t kMaxMainLines = 60;
 
 TEST(Structure, FilesStaySmall) {
-  for (const auto& file :
-       test::SourceFiles({"core", "player", "vo_process", "mapping_process", "viewer_headless", "tools", "tests"})) {
+  for (const auto& file : test::AllSourceFiles()) {
     const size_t limit = file.path.ends_with("/main.cpp") ? kMaxMainLines : kMaxLines;
     EXPECT_LE(file.lines.size(), limit) << file.path;
   }
 }
 
 TEST(Structure, HeadersAreIncludedOnce) {
-  for (const auto& file :
-       test::SourceFiles({"core", "player", "vo_process", "mapping_process", "viewer_headless", "tools", "tests"})) {
+  for (const auto& file : test::AllSourceFiles()) {
     if (!file.path.ends_with(".h")) continue;
     ASSERT_FALSE(file.lines.empty()) << file.path;
     EXPECT_EQ(file.lines[0], "#pragma once") << file.path;
@@ -27,8 +25,7 @@ TEST(Structure, HeadersAreIncludedOnce) {
 
 TEST(Structure, NothingIsLeftForLater) {
   const std::string marks[] = {std::string("TO") + "DO", std::string("FIX") + "ME", std::string("X") + "XX "};
-  for (const auto& file :
-       test::SourceFiles({"core", "player", "vo_process", "mapping_process", "viewer_headless", "tools", "tests"})) {
+  for (const auto& file : test::AllSourceFiles()) {
     for (size_t i = 0; i < file.lines.size(); ++i) {
       for (const std::string& mark : marks) {
         EXPECT_EQ(file.lines[i].find(mark), std::string::npos) << file.path << ":" << i + 1;

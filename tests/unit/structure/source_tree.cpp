@@ -23,6 +23,11 @@ std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders) {
   return files;
 }
 
+std::vector<SourceFile> AllSourceFiles() {
+  return SourceFiles({"lcmtypes", "core", "player", "vo_process", "mapping_process", "loop_process",
+                      "viewer_headless", "tools", "tests"});
+}
+
 std::string ReadText(const std::filesystem::path& path) {
   std::ifstream stream(path);
   if (!stream) throw std::runtime_error(path.string() + " cannot be read");

@@ -15,6 +15,9 @@ struct SourceFile {
 /// All .h and .cpp files of `folders`, sorted by path.
 std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders);
 
+/// Those of all folders that have any.
+std::vector<SourceFile> AllSourceFiles();
+
 std::string ReadText(const std::filesystem::path& path);
 
 }  // namespace plslam::test

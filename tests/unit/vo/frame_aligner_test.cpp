@@ -42,8 +42,7 @@ class SeenFromTwoPlaces {
     prediction.covariance = sigmas.cwiseAbs2().asDiagonal();
     prediction.goes_on = goes_on;
     const FrameAligner aligner(FeatureWorld::Camera(), {});
-    const PointRefiner refiner(FeatureWorld::Camera(), {});
-    const auto found = aligner.Align(landmarks_, *frame_, SE3(), prediction, kBefore, refiner);
+    const auto found = aligner.Align(landmarks_, *frame_, SE3(), prediction, kBefore);
     return found ? found->T_odom_c.translation().x() : -1.0;
   }
 

@@ -1,14 +1,30 @@
 #include "loop_process/keyframe_memory.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <iterator>
 #include <limits>
+#include <set>
 #include <utility>
 #include <vector>
 
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 
 namespace plslam {
+
+std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure) {
+  std::set<int64_t> ids;
+  for (const LoopEdge& edge : closure.edges) ids.insert({edge.old_keyframe_id, edge.keyframe_id});
+  for (const CorrectedPose& pose : closure.poses) ids.insert(pose.keyframe_id);
+  std::vector<KeyframeName> names;
+  names.reserve(ids.size());
+  for (const int64_t id : ids) {
+    const MapKeyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe != nullptr) names.push_back({id, keyframe->session, keyframe->session_keyframe_id});
+  }
+  return names;
+}
+
 namespace {
 
 constexpr int64_t kLowest = std::numeric_limits<int64_t>::min();

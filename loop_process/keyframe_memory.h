@@ -13,6 +13,9 @@
 
 namespace plslam {
 
+/// Names of those keyframes that edges and poses of the closure speak of and the map has, ascending by id.
+std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure);
+
 /// What a place looks like, and the nodes of its points in the vocabulary.
 PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
                                FeatureNodes& point_nodes);

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "loop_process/keyframe_names.h"
+#include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_correction.h"
 #include "loop_process/loop_verification.h"

@@ -6,7 +6,6 @@
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
-#include "core/map/relocalisation.h"
 #include "core/places/place_recogniser.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/loop_search.h"

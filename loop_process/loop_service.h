@@ -12,7 +12,6 @@
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
-#include "core/map/relocalisation.h"
 #include "loop_process/loop_closer.h"
 
 namespace plslam {

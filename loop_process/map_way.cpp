@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "loop_process/map_edges.h"
+#include "core/map/map_graph.h"
 
 namespace plslam {
 namespace {
@@ -45,7 +45,7 @@ void MapWays::MakeGraph() {
     const bool known = IsKnownStep(keyframe);
     if (known) Connect(keyframe.previous_id, keyframe.id, -1);
     const bool again = known && keyframe.parent_id == keyframe.previous_id;
-    if (!again && IsTiedToParent(keyframe, map_)) Connect(keyframe.parent_id, keyframe.id, -1);
+    if (!again && IsKnownParent(keyframe, map_)) Connect(keyframe.parent_id, keyframe.id, -1);
   }
   for (int i = 0; i < static_cast<int>(map_.loops().size()); ++i) {
     const LoopEdge& loop = map_.loops()[static_cast<size_t>(i)];

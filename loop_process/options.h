@@ -1,17 +1,14 @@
 #pragma once
 
-#include <numbers>
 #include <string>
 
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
 #include "core/optim/bundle/options.h"
-#include "core/optim/pose_graph/pose_graph_options.h"
+#include "core/optim/pose_graph/pose_graph.h"
 #include "core/places/options.h"
 
 namespace plslam {
-
-inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 /// Files of the vocabularies.
 struct VocabularyOptions {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/features/matching/descriptor_matcher.h"
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/motion/robust.h"
 #include "loop_process/guided_matching.h"

@@ -2,8 +2,8 @@
 
 #include "core/features/features.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/map/loop_closure.h"
 #include "core/map/map.h"
-#include "core/map/relocalisation.h"
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/options.h"
 

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <numbers>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 namespace plslam {
+
+inline constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;

@@ -1,7 +1,7 @@
 #include "core/localisation/pose_refinement.h"
 
 #include "core/features/matching/descriptor_matcher.h"
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/geometry/rotate_covariance.h"
 #include "core/motion/motion_estimator.h"

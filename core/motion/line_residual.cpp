@@ -1,6 +1,6 @@
 #include "core/motion/line_residual.h"
 
-#include "core/motion/landmark_covariance.h"
+#include "core/motion/residual.h"
 
 namespace plslam {
 namespace {

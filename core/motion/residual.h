@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cmath>
-
 #include <Eigen/Core>
+
+#include <cmath>
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
@@ -63,6 +63,14 @@ bool Whiten(Residual<N>& residual) {
     residual.J.row(j) *= inverse;
   }
   return residual.r.allFinite() && residual.J.allFinite();
+}
+
+/// False for a covariance that is not finite or has a negative variance, and for a position so uncertain (a hundred
+/// times its distance) that linearising at it means nothing.
+inline bool IsUsableCovariance(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& position) {
+  constexpr double kUncertain = 1e4;
+  return covariance.allFinite() && covariance.diagonal().minCoeff() >= 0.0 &&
+         covariance.trace() <= kUncertain * position.squaredNorm();
 }
 
 }  // namespace plslam

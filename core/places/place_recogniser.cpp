@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 
 namespace plslam {
 namespace {

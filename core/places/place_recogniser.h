@@ -9,7 +9,6 @@
 #include "core/places/options.h"
 #include "core/places/place_description.h"
 #include "core/places/place_index.h"
-#include "core/places/place_score.h"
 #include "core/places/vocabulary.h"
 
 namespace plslam {

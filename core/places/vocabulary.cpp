@@ -1,9 +1,18 @@
 #include "core/places/vocabulary.h"
 
+#include <fmt/format.h>
+#include <sodium.h>
+
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
 
 #include "core/features/image/cpu_clones.h"
+#include "core/io/files/atomic_file.h"
 
 namespace plslam {
 namespace {
@@ -79,5 +88,153 @@ BagOfWords Vocabulary::Transform(const std::vector<Descriptor>& descriptors, Fea
   for (const Fall& fall : falls) nodes.node.push_back(fall.guide);
   return Count(*tree_, falls);
 }
+
+// The file: header, number of children of each node (1 byte each), centre of each node but the root, IDF of each word,
+// BLAKE2b-256 of all before it. Little-endian, without gaps.
+
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the file is little-endian");
+
+constexpr std::array<char, 8> kMagic{'P', 'L', 'S', 'V', 'O', 'C', 'A', 'B'};
+constexpr uint32_t kVersion = 1;
+constexpr size_t kChecksumBytes = 32;
+constexpr float kMaxIdf = 100.0F;
+
+struct Header {
+  std::array<char, 8> magic = kMagic;
+  uint32_t version = kVersion;
+  uint32_t kind = 0;
+  int64_t images = 0;
+  uint32_t nodes = 0;
+  uint32_t words = 0;
+};
+static_assert(sizeof(Header) == 32);
+
+size_t BytesOf(const Header& header) {
+  return sizeof(Header) + size_t{header.nodes} + sizeof(Descriptor) * (size_t{header.nodes} - 1) +
+         sizeof(float) * size_t{header.words} + kChecksumBytes;
+}
+
+std::string Checksum(std::string_view bytes) {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  std::string sum(kChecksumBytes, '\0');
+  crypto_generichash(reinterpret_cast<unsigned char*>(sum.data()), sum.size(),
+                     reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(), nullptr, 0);
+  return sum;
+}
+
+std::string Hex(std::string_view bytes) {
+  std::string text;
+  for (const char byte : bytes) text += fmt::format("{:02x}", static_cast<uint8_t>(byte));
+  return text;
+}
+
+template <class T>
+void Put(std::string& bytes, const T* values, size_t count) {
+  bytes.append(reinterpret_cast<const char*>(values), sizeof(T) * count);
+}
+
+template <class T>
+void Take(std::string_view& bytes, T* values, size_t count) {
+  std::memcpy(values, bytes.data(), sizeof(T) * count);
+  bytes.remove_prefix(sizeof(T) * count);
+}
+
+[[noreturn]] void Refuse(const std::string& name, const std::string& reason) {
+  throw std::runtime_error(fmt::format("vocabulary {} {}", name, reason));
+}
+
+/// The header of a file of the right size and checksum.
+Header CheckedHeader(std::string_view bytes, const std::string& name) {
+  Header header;
+  if (bytes.size() < kMagic.size() || std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
+    Refuse(name, "is no vocabulary of this program");
+  }
+  if (bytes.size() < sizeof(Header) + kChecksumBytes) Refuse(name, "is truncated: not even its header is whole");
+  std::memcpy(&header, bytes.data(), sizeof(Header));
+  if (header.version != kVersion) {
+    Refuse(name, fmt::format("has format version {}, and this program reads version {}", header.version, kVersion));
+  }
+  if (header.nodes < 1 || header.nodes > VocabularyLimits::kMaxNodes || header.words > header.nodes) {
+    Refuse(name, fmt::format("is damaged: {} nodes and {} words (1 to {})", header.nodes, header.words,
+                             VocabularyLimits::kMaxNodes));
+  }
+  if (bytes.size() != BytesOf(header)) {
+    Refuse(name, fmt::format("has {} bytes where its header asks for {}", bytes.size(), BytesOf(header)));
+  }
+  const std::string_view content = bytes.substr(0, bytes.size() - kChecksumBytes);
+  if (Checksum(content) != bytes.substr(content.size())) Refuse(name, "is damaged: its checksum does not fit");
+  if (header.kind > 1 || header.images < 0) Refuse(name, "is damaged: its kind or number of images is impossible");
+  return header;
+}
+
+std::string ReadWhole(const std::string& path) {
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  if (!in) Refuse(path, "cannot be read");
+  const auto size = static_cast<int64_t>(in.tellg());
+  const Header largest{.nodes = VocabularyLimits::kMaxNodes, .words = VocabularyLimits::kMaxNodes};
+  // A folder opens, and says that it is endless.
+  if (size < 0 || size > static_cast<int64_t>(BytesOf(largest))) {
+    Refuse(path, fmt::format("has {} bytes, more than any vocabulary", size));
+  }
+  std::string bytes(static_cast<size_t>(size), '\0');
+  in.seekg(0);
+  if (!in.read(bytes.data(), size)) Refuse(path, "cannot be read to its end");
+  return bytes;
+}
+
+}  // namespace
+
+Vocabulary::Vocabulary(VocabularyTree tree, std::string checksum)
+    : tree_(std::make_shared<const VocabularyTree>(std::move(tree))), checksum_(std::move(checksum)) {}
+
+Vocabulary::Vocabulary(VocabularyTree tree) : Vocabulary(std::move(tree), "") {
+  const std::string bytes = ToBytes();
+  checksum_ = Hex(std::string_view(bytes).substr(bytes.size() - kChecksumBytes));
+}
+
+Vocabulary Vocabulary::FromBytes(std::string_view bytes, const std::string& name) {
+  const Header header = CheckedHeader(bytes, name);
+  VocabularyTree tree;
+  tree.kind = static_cast<WordKind>(header.kind);
+  tree.images = header.images;
+  std::vector<uint8_t> children(header.nodes);
+  tree.centers.resize(header.nodes);
+  tree.idf.resize(header.words);
+  std::string_view rest = bytes.substr(sizeof(Header));
+  Take(rest, children.data(), children.size());
+  Take(rest, tree.centers.data() + 1, tree.centers.size() - 1);
+  Take(rest, tree.idf.data(), tree.idf.size());
+  const std::string objection = LinkNodes(children, tree);
+  if (!objection.empty()) Refuse(name, "is damaged: " + objection);
+  if (std::count(children.begin(), children.end(), 0) != static_cast<int64_t>(header.words)) {
+    Refuse(name, fmt::format("is damaged: it does not have the {} words of its header", header.words));
+  }
+  for (const float idf : tree.idf) {
+    if (!(idf >= 0.0F && idf <= kMaxIdf)) Refuse(name, fmt::format("is damaged: a word has the weight {}", idf));
+  }
+  return {std::move(tree), Hex(rest)};
+}
+
+Vocabulary Vocabulary::Load(const std::string& path) { return FromBytes(ReadWhole(path), path); }
+
+std::string Vocabulary::ToBytes() const {
+  const VocabularyTree& t = *tree_;
+  Header header;
+  header.kind = static_cast<uint32_t>(t.kind);
+  header.images = t.images;
+  header.nodes = static_cast<uint32_t>(t.nodes());
+  header.words = static_cast<uint32_t>(t.words());
+  std::string bytes;
+  bytes.reserve(BytesOf(header));
+  Put(bytes, &header, 1);
+  for (int i = 0; i < t.nodes(); ++i) bytes += static_cast<char>(t.child_begin[i + 1] - t.child_begin[i]);
+  Put(bytes, t.centers.data() + 1, t.centers.size() - 1);
+  Put(bytes, t.idf.data(), t.idf.size());
+  return bytes + Checksum(bytes);
+}
+
+void Vocabulary::Save(const std::string& path) const { WriteFileAtomically(path, ToBytes()); }
 
 }  // namespace plslam

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/places/bag_of_words.h"
+#include "core/places/place_description.h"
 #include "core/places/vocabulary_tree.h"
 
 namespace plslam {

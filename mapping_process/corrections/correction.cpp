@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/geometry/rotate_covariance.h"
-#include "mapping_process/insertion/sight_error.h"
 #include "mapping_process/insertion/sights.h"
 
 namespace plslam {

@@ -1,6 +1,10 @@
 #pragma once
 
+#include "core/features/features.h"
+#include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
 #include "core/localisation/landmark_kinds.h"
+#include "core/map/landmarks.h"
 
 namespace plslam {
 
@@ -16,5 +20,22 @@ void DropSight(int64_t landmark_id, int64_t keyframe_id, const KeyframeFeatures&
 /// Makes one landmark of two, under the smaller id. False, and nothing done, where a keyframe sees them apart.
 template <class Kind>
 bool Fuse(int64_t a, int64_t b, const KeyframeFeatures& features, Map& map);
+
+/// How badly a feature agrees with the point it shows: squared distances in both images in standard deviations, at most
+/// `kMostSightError`, which is also what a point behind the camera gives. Never a NaN.
+double SightError(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera);
+/// Sibling: distances of the two ends from the infinite observed line.
+double SightError(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
+
+inline constexpr double kMostSightError = 25.0;
+
+/// Whether the landmark appears within a few dozen pixels of the feature (of a line: of its middle, across): as far as a
+/// pose by the tracker may be off.
+bool IsNear(const MapPoint& point, const StereoPoint& seen, const SE3& T_kf_w, const StereoCamera& camera);
+bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, const StereoCamera& camera);
+
+/// Nothing of the landmark is in front of the camera: the keyframe cannot have seen it.
+bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera);
+bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera);
 
 }  // namespace plslam

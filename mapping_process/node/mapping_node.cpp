@@ -14,7 +14,7 @@
 #include "core/io/maps/map_camera.h"
 #include "core/process/process_memory.h"
 #include "core/process/worker.h"
-#include "mapping_process/corrections/closure_names.h"
+#include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/stored_keyframes.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "vo_process/node/keyframe_value.h"
+#include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "mapping_process/mapper.h"
-#include "vo_process/node/keyframe_value.h"
+#include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 #include "vo_process/tracking/see_pair.h"
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "tests/support/steady_ms.h"
-#include "vo_process/node/keyframe_value.h"
+#include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <map>
 
-#include "tools/pose_graph/pose_graph_of_map.h"
+#include "core/optim/pose_graph/map_pose_graph.h"
 
 namespace plslam {
 namespace {
@@ -55,7 +55,7 @@ std::vector<SessionTrajectory> TrajectoriesOf(const Map& map) {
 G2oGraph<SE3> G2oOf(const Map& map) {
   MapPoseGraph of_map = PoseGraphOf(map);
   const size_t n = of_map.keyframe_ids.size();
-  return {std::move(of_map.keyframe_ids), std::move(of_map.graph), std::vector<bool>(n, true)};
+  return {std::move(of_map.keyframe_ids), std::move(of_map.problem), std::vector<bool>(n, true)};
 }
 
 }  // namespace plslam

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/train_vocabulary/left_features.h"
 #include "tools/train_vocabulary/vocabulary_trainer.h"

@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "core/geometry/se3.h"
+#include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "vo_process/stereo/stage_timer.h"
@@ -14,5 +16,16 @@ namespace plslam {
 pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages);
 
 tracks_t ToTracksMessage(const OdometryResult& result);
+
+/// What others get of a frame that became a keyframe (`result.keyframe` must be set); session, time and frame are the
+/// caller's.
+Keyframe ToKeyframe(const OdometryResult& result);
+
+/// A frame whose place in the map was asked for.
+struct RelocalisationQuestion {
+  Keyframe sent;
+  SE3 T_odom_c;
+  double asked_s = 0.0;
+};
 
 }  // namespace plslam

@@ -14,7 +14,6 @@
 #include "plslam/header_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
-#include "vo_process/node/keyframe_value.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/see_pair.h"
 

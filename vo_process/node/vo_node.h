@@ -15,7 +15,7 @@
 #include "core/process/process.h"
 #include "plslam/pose_t.hpp"
 
-#include "vo_process/node/relocalisation_question.h"
+#include "vo_process/node/vo_messages.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/odometry.h"

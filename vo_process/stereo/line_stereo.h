@@ -1,15 +1,25 @@
 #pragma once
 
-#include <vector>
-
 #include <opencv2/core/mat.hpp>
+
+#include <vector>
 
 #include "core/features/features.h"
 #include "core/features/options.h"
+#include "core/geometry/segment.h"
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam {
+
+/// How alike two rectified images are along a segment of the left one and its counterpart in the right one, whose
+/// columns are smaller by a disparity that runs evenly from `disparity_p_px` at p to `disparity_q_px` at q, and whose rows are
+/// those of `rows`.
+///
+/// Zero-mean normalised correlation, -1..1, of strips a few pixels wide to each side of the edge, of the more similar
+/// side: behind the edge of an object the background may differ. 0 where the strips leave the images.
+double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, const Segment2& left,
+                       double disparity_p_px, double disparity_q_px, const RowField& rows = {});
 
 /// `lines` as stereo lines without depth, with `sigma_px` set from each one's length and contrast.
 std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);

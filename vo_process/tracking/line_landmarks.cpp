@@ -6,11 +6,10 @@
 #include <optional>
 #include <span>
 
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
 #include "core/geometry/rotate_covariance.h"
-#include "vo_process/tracking/landmark_fusion.h"
 #include "vo_process/tracking/landmark_list.h"
 
 namespace plslam {

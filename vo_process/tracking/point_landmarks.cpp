@@ -5,10 +5,9 @@
 #include <cmath>
 #include <span>
 
-#include "core/features/matching/descriptors_of.h"
 #include "core/features/matching/expected_octave.h"
+#include "core/features/matching/hamming.h"
 #include "core/geometry/rotate_covariance.h"
-#include "vo_process/tracking/landmark_fusion.h"
 #include "vo_process/tracking/landmark_list.h"
 
 namespace plslam {

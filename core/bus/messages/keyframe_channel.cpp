@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
-#include "core/bus/messages/paged_subscription.h"
 #include "core/bus/messages/pager.h"
 #include "plslam/keyframe_t.hpp"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/bus/bus.h"
-#include "core/bus/messages/page_assembler.h"
+#include "core/bus/messages/pager.h"
 #include "core/map/keyframe.h"
 #include "plslam/keyframe_t.hpp"
 

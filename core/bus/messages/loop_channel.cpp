@@ -9,7 +9,6 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/map_convert.h"
-#include "core/bus/messages/paged_subscription.h"
 #include "core/bus/messages/pager.h"
 
 namespace plslam::bus {

@@ -8,9 +8,8 @@
 #include <vector>
 
 #include "core/bus/bus.h"
-#include "core/bus/messages/page_assembler.h"
+#include "core/bus/messages/pager.h"
 #include "core/map/loop_closure.h"
-#include "core/map/relocalisation.h"
 #include "plslam/loop_closure_t.hpp"
 #include "plslam/relocalisation_t.hpp"
 

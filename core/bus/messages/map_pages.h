@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/bus/messages/page_assembler.h"
+#include "core/bus/messages/pager.h"
 #include "core/map/map_update.h"
 #include "plslam/map_update_t.hpp"
 

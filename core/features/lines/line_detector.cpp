@@ -1,9 +1,17 @@
 #include "core/features/lines/line_detector.h"
 
+#include <opencv2/imgproc.hpp>
+#include <opencv2/ximgproc/edge_drawing.hpp>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
 #include <utility>
+
+#include "core/features/lines/line_edge_map.h"
+#include "core/features/lines/line_grower.h"
 
 namespace plslam {
 
@@ -30,6 +38,140 @@ DetectedSegment Direct(const Segment2& segment, const Gradients& gradients) {
   const double contrast = sum / (samples * static_cast<double>(Gradients::kStepGain));
   if (contrast >= 0.0) return {segment, contrast};
   return {{segment.q, segment.p}, -contrast};
+}
+
+namespace {
+
+/// Below this OpenCV's detectors find nothing of use, and some versions read outside the image.
+constexpr int kMinSide_px = 16;
+
+std::vector<DetectedSegment> DirectAll(const std::vector<cv::Vec4f>& raw, double offset_px,
+                                       const Gradients& gradients) {
+  std::vector<DetectedSegment> found;
+  found.reserve(raw.size());
+  for (const cv::Vec4f& r : raw) {
+    const Segment2 segment{{r[0] + offset_px, r[1] + offset_px}, {r[2] + offset_px, r[3] + offset_px}};
+    if (!segment.p.allFinite() || !segment.q.allFinite()) continue;
+    found.push_back(Direct(segment, gradients));
+  }
+  return found;
+}
+
+class LsdDetector : public LineDetector {
+ public:
+  explicit LsdDetector(const LineOptions& options)
+      : scale_(options.lsd_scale), lsd_(cv::createLineSegmentDetector(cv::LSD_REFINE_STD, options.lsd_scale)) {}
+
+  std::vector<DetectedSegment> Detect(const cv::Mat& image, const Gradients& gradients) override {
+    if (std::min(image.rows, image.cols) < kMinSide_px) return {};
+    std::vector<cv::Vec4f> raw;
+    lsd_->detect(image, raw);
+    // OpenCV divides (x + 0.5) by the scale; its gradients, half a pixel right of x in the scaled image, belong at
+    // (x + 1) / scale - 0.5 of the input.
+    return DirectAll(raw, 0.5 / scale_ - 0.5, gradients);
+  }
+
+ private:
+  double scale_;
+  cv::Ptr<cv::LineSegmentDetector> lsd_;
+};
+
+class EdLinesDetector : public LineDetector {
+ public:
+  explicit EdLinesDetector(const LineOptions& options) : drawing_(cv::ximgproc::createEdgeDrawing()) {
+    cv::ximgproc::EdgeDrawing::Params params;
+    params.EdgeDetectionOperator = cv::ximgproc::EdgeDrawing::SOBEL;
+    params.GradientThresholdValue = 36;
+    params.AnchorThresholdValue = 8;
+    params.MinPathLength = 15;
+    params.MinLineLength = static_cast<int>(std::lround(std::clamp(options.min_length_px, 10.0, 40.0)));
+    drawing_->setParams(params);
+  }
+
+  std::vector<DetectedSegment> Detect(const cv::Mat& image, const Gradients& gradients) override {
+    if (std::min(image.rows, image.cols) < kMinSide_px || !HasStructure(gradients)) return {};
+    drawing_->detectEdges(image);
+    // Without edges, detectLines reads the front of an empty vector.
+    if (drawing_->getSegments().empty()) return {};
+    std::vector<cv::Vec4f> raw;
+    drawing_->detectLines(raw);
+    return DirectAll(raw, 0.0, gradients);
+  }
+
+ private:
+  static bool HasStructure(const Gradients& gradients) {
+    double low = 0.0;
+    double high = 0.0;
+    cv::minMaxIdx(gradients.dx, &low, &high);
+    double extreme = std::max(-low, high);
+    cv::minMaxIdx(gradients.dy, &low, &high);
+    extreme = std::max({extreme, -low, high});
+    return extreme >= 2.0 * Gradients::kStepGain;
+  }
+
+  cv::Ptr<cv::ximgproc::EdgeDrawing> drawing_;
+};
+
+}  // namespace
+
+std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options) {
+  return std::make_unique<LsdDetector>(options);
+}
+
+std::unique_ptr<LineDetector> MakeEdLinesDetector(const LineOptions& options) {
+  return std::make_unique<EdLinesDetector>(options);
+}
+
+namespace {
+
+/// Seeds stand on every fourth row (steep edges) or column (flat ones): any segment worth having crosses several.
+constexpr int kSeedStride = 4;
+constexpr uint64_t kSteepSeeds = 0x0101010101010101 * kSteepEdge;
+constexpr uint64_t kFlatSeeds = 0x0000000100000001 * kFlatEdge;
+static_assert(std::endian::native == std::endian::little, "the first of eight marks is the lowest byte");
+
+class EdgeChainDetector : public LineDetector {
+ public:
+  explicit EdgeChainDetector(const LineOptions& options)
+      // A pixel of a slanted or noisy edge shows less than the contrast of its segment.
+      : threshold_(std::max(1, static_cast<int>(0.6 * options.min_contrast * Gradients::kStepGain))),
+        min_contrast_(options.min_contrast) {}
+
+  std::vector<DetectedSegment> Detect(const cv::Mat&, const Gradients& gradients) override {
+    ComputeEdgeMap(gradients, threshold_, edges_);
+    found_.clear();
+    LineGrower grower(gradients, edges_, min_contrast_);
+    for (int y = 0; y < edges_.rows; ++y) ScanRow(y, grower);
+    return found_;
+  }
+
+ private:
+  /// Eight marks at a time: the bytes that hold a seed are picked by one mask.
+  void ScanRow(int y, LineGrower& grower) {
+    const uint8_t* row = edges_.ptr<uint8_t>(y);
+    const uint64_t seeds = kFlatSeeds | (y % kSeedStride == 0 ? kSteepSeeds : 0);
+    for (int x0 = 0; x0 < edges_.cols; x0 += 8) {
+      uint64_t eight = 0;
+      std::memcpy(&eight, row + x0, static_cast<size_t>(std::min(8, edges_.cols - x0)));
+      for (eight &= seeds; eight != 0; eight &= eight - 1) {
+        const int x = x0 + std::countr_zero(eight) / 8;
+        // Growing changes marks on the way.
+        if ((row[x] & (kUsedEdge | kTriedEdge)) != 0) continue;
+        if (const auto segment = grower.Grow(x, y)) found_.push_back(*segment);
+      }
+    }
+  }
+
+  int threshold_;
+  double min_contrast_;
+  cv::Mat edges_;
+  std::vector<DetectedSegment> found_;
+};
+
+}  // namespace
+
+std::unique_ptr<LineDetector> MakeEdgeChainDetector(const LineOptions& options) {
+  return std::make_unique<EdgeChainDetector>(options);
 }
 
 }  // namespace plslam

@@ -1,10 +1,10 @@
 #pragma once
 
+#include <opencv2/core/mat.hpp>
+
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <opencv2/core/mat.hpp>
 
 #include "core/features/image/gradients.h"
 #include "core/features/options.h"

@@ -7,7 +7,7 @@
 
 #include "core/features/features.h"
 #include "core/features/matching/buckets.h"
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 #include "core/features/options.h"
 
 namespace plslam {

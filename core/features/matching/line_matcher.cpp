@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/features/matching/descriptors_of.h"
+#include "core/features/matching/hamming.h"
 
 namespace plslam {
 namespace {

@@ -5,7 +5,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/features/points/corner_shape.h"
 #include "core/features/points/orb_detector.h"
 
 namespace plslam {

@@ -1,9 +1,9 @@
 #include "core/optim/pose_graph/pose_graph.h"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
-
-#include <Eigen/Cholesky>
 
 #include "core/optim/pose_graph/pose_graph_check.h"
 #include "core/optim/pose_graph/pose_graph_chordal.h"

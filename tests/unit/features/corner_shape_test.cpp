@@ -1,4 +1,4 @@
-#include "core/features/points/corner_shape.h"
+#include "core/features/points/orb_detector.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "loop_process/map_edges.h"
+#include "core/map/map_graph.h"
 
 namespace plslam::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/map/shared_counts.h"
+#include "core/map/map.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

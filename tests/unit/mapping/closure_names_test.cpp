@@ -1,10 +1,10 @@
-#include "mapping_process/corrections/closure_names.h"
+#include "mapping_process/corrections/closure_check.h"
 
 #include <gmock/gmock.h>
 
 #include <vector>
 
-#include "loop_process/keyframe_names.h"
+#include "loop_process/keyframe_memory.h"
 
 namespace plslam {
 namespace {

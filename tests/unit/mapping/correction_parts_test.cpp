@@ -3,10 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_graph.h"
 #include "mapping_process/corrections/correction.h"
 #include "mapping_process/corrections/loop_fusion.h"
-#include "mapping_process/corrections/map_parts.h"
-#include "mapping_process/insertion/sight_error.h"
+#include "mapping_process/insertion/sights.h"
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -187,12 +187,12 @@ TEST(MapParts, AreTiedByTreeSessionAndLoops) {
   MapKeyframe begins = *m.map.FindKeyframe(3);
   begins.previous_id = begins.parent_id = -1;
   m.map.Put(begins);
-  EXPECT_EQ(PartOf(1, m.map), (std::set<int64_t>{0, 1, 2}));
-  EXPECT_EQ(PartOf(5, m.map), (std::set<int64_t>{3, 4, 5}));
+  EXPECT_EQ(MapGraph(m.map).Component(1, MapGraph::Edges::kAll), (std::set<int64_t>{0, 1, 2}));
+  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<int64_t>{3, 4, 5}));
   m.map.Add(LoopEdge{99, 4, SE3()});
-  EXPECT_EQ(PartOf(5, m.map), (std::set<int64_t>{3, 4, 5}));
+  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll), (std::set<int64_t>{3, 4, 5}));
   m.map.Add(LoopEdge{0, 4, SE3()});
-  EXPECT_EQ(PartOf(5, m.map).size(), 6U);
+  EXPECT_EQ(MapGraph(m.map).Component(5, MapGraph::Edges::kAll).size(), 6U);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "loop_process/keyframe_names.h"
+#include "loop_process/keyframe_memory.h"
 
 namespace plslam::test {
 namespace {

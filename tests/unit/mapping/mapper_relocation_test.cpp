@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "mapping_process/corrections/map_parts.h"
+#include "core/map/map_graph.h"
 #include "tests/support/dense_algebra.h"
 #include "tests/unit/mapping/loop_world.h"
 
@@ -134,7 +134,8 @@ TEST_F(Relocation, FirstKeyframeOfASessionIsFoundFarFromTheNewest) {
   EXPECT_GE(Newest().parent_id, 0);
   EXPECT_LT(Error_m(Newest(), 5), 0.05);
   EXPECT_LT(Newest().covariance.diagonal().maxCoeff(), 0.1);
-  EXPECT_EQ(PartOf(Newest().id, mapper_.map()).size(), mapper_.map().keyframes().size());
+  EXPECT_EQ(MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(),
+            mapper_.map().keyframes().size());
 }
 
 // What the tracker was given is of another map, say: a wrong landmark for each feature.
@@ -184,7 +185,7 @@ TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
 
 class Parts : public Relocation {
  protected:
-  size_t SizeOfPart() const { return PartOf(Newest().id, mapper_.map()).size(); }
+  size_t SizeOfPart() const { return MapGraph(mapper_.map()).Component(Newest().id, MapGraph::Edges::kAll).size(); }
 };
 
 TEST_F(Parts, AYoungerPartComesToTheOlderWhenItsTrackerIsGivenThatOnesLandmarks) {
@@ -233,7 +234,7 @@ TEST_F(Parts, TwoPartsBecomeOneByALoop) {
   closure.edges.push_back({old_id, newest.id, path_[static_cast<size_t>(old_id)].Inverse() * path_[79]});
   closure.edges.front().covariance = 1e-4 * Matrix6d::Identity();
   const SE3 T_w_kf = mapper_.map().FindKeyframe(old_id)->T_w_kf * closure.edges.front().T_old_kf;
-  for (const int64_t id : PartOf(newest.id, mapper_.map())) {
+  for (const int64_t id : MapGraph(mapper_.map()).Component(newest.id, MapGraph::Edges::kAll)) {
     const SE3& T_w_before = mapper_.map().FindKeyframe(id)->T_w_kf;
     closure.poses.push_back({id, T_w_kf * (newest.T_w_kf.Inverse() * T_w_before)});
   }

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/entropy.h"
+#include "vo_process/tracking/keyframe_policy.h"
 
 #include <cmath>
 #include <limits>

@@ -1,4 +1,4 @@
-#include "core/optim/pose_graph/pose_graph_inverse.h"
+#include "core/optim/pose_graph/pose_graph_marginals.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/optim/bundle/relative_pose_cost.h"
+#include "core/optim/bundle/relative_poses.h"
 
 #include <cmath>
 #include <limits>

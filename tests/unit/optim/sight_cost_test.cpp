@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/optim/bundle/ceres_sights.h"
+#include "core/optim/bundle/ceres_solver.h"
 #include "core/optim/bundle/line_cost.h"
 #include "core/optim/bundle/line_endpoint_cost.h"
 #include "core/optim/bundle/point_cost.h"

@@ -37,7 +37,7 @@ const std::vector<Arrow> kArrows = {
     {"core/map/", {"core/geometry/", "core/features/", "core/motion/", "core/config/fields.h"}},
     {"core/localisation/", {"core/geometry/", "core/features/", "core/motion/", "core/map/", "core/config/fields.h"}},
     {"core/optim/bundle/", {"core/geometry/", "core/motion/", "core/map/", "core/config/fields.h"}},
-    {"core/optim/pose_graph/", {"core/geometry/", "core/config/fields.h"}},
+    {"core/optim/pose_graph/", {"core/geometry/", "core/map/", "core/config/fields.h"}},
     {"core/io/files/", {"core/geometry/"}},
     {"core/io/images/", {"core/io/files/"}},
     {"core/io/maps/", {"core/geometry/", "core/map/", "core/features/features.h", "core/io/files/"}},

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/landmark_fusion.h"
+#include "vo_process/tracking/landmark_list.h"
 
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/model_error.h"
+#include "vo_process/tracking/kind_balance.h"
 
 #include <gtest/gtest.h>
 

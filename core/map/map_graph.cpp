@@ -1,4 +1,4 @@
-#include "loop_process/map_edges.h"
+#include "core/map/map_graph.h"
 
 #include <algorithm>
 #include <map>
@@ -7,15 +7,15 @@
 namespace plslam {
 namespace {
 
-// Deviations of a step, or a share of its length, from which on it is not known. Where tracking went on they are at most 8 mm,
-// 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the drift test is 25 of them.
+// A step is unknown from these standard deviations on, or from this share of its length. Where tracking went on they are at most
+// 8 mm, 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the drift test is 25 of them.
 constexpr double kUnknown_m = 0.2;
 constexpr double kUnknownShare = 0.1;
 constexpr double kUnknown_rad = 0.05;
 
-class Edges {
+class EdgesByPair {
  public:
-  explicit Edges(const Map& map) : map_(map) {}
+  explicit EdgesByPair(const Map& map) : map_(map) {}
 
   // nullptr where one of them is not in the map.
   MapEdge* Between(int64_t a, int64_t b) {
@@ -46,32 +46,51 @@ bool IsKnownStep(const MapKeyframe& keyframe) {
   return (variances.head<3>() <= most_m * most_m).all() && (variances.tail<3>() <= kUnknown_rad * kUnknown_rad).all();
 }
 
-bool IsTiedToParent(const MapKeyframe& keyframe, const Map& map) {
+bool IsKnownParent(const MapKeyframe& keyframe, const Map& map) {
   return IsKnownStep(keyframe) || map.Shared(keyframe.parent_id, keyframe.id) >= Map::kParent;
 }
 
-std::vector<MapEdge> MapEdges(const Map& map) {
-  Edges edges(map);
+MapGraph::MapGraph(const Map& map) {
+  EdgesByPair edges(map);
   for (const auto& [id, keyframe] : map.keyframes()) {
     if (MapEdge* edge = edges.Between(keyframe.previous_id, id)) {
       edge->odometry = true;
-      edge->tied = edge->tied || IsKnownStep(keyframe);
+      edge->known = edge->known || IsKnownStep(keyframe);
     }
     if (MapEdge* edge = edges.Between(keyframe.parent_id, id)) {
-      edge->tied = edge->tied || IsTiedToParent(keyframe, map);
+      edge->known = edge->known || IsKnownParent(keyframe, map);
     }
     for (const Map::Neighbour& neighbour : map.Neighbours(id, Map::kEssential)) {
-      if (neighbour.keyframe_id > id) edges.Between(id, neighbour.keyframe_id)->tied = true;
+      if (neighbour.keyframe_id > id) edges.Between(id, neighbour.keyframe_id)->known = true;
     }
   }
   for (int i = 0; i < static_cast<int>(map.loops().size()); ++i) {
     const LoopEdge& loop = map.loops()[static_cast<size_t>(i)];
     if (MapEdge* edge = edges.Between(loop.old_keyframe_id, loop.keyframe_id)) {
       edge->loop = i;
-      edge->tied = true;
+      edge->known = true;
     }
   }
-  return edges.All();
+  edges_ = edges.All();
+}
+
+std::set<int64_t> MapGraph::Component(int64_t keyframe_id, Edges which) const {
+  std::map<int64_t, std::vector<int64_t>> neighbours;
+  for (const MapEdge& edge : edges_) {
+    if (which == Edges::kKnown && !edge.known) continue;
+    neighbours[edge.a].push_back(edge.b);
+    neighbours[edge.b].push_back(edge.a);
+  }
+  std::set<int64_t> component{keyframe_id};
+  std::vector<int64_t> open{keyframe_id};
+  while (!open.empty()) {
+    const int64_t at = open.back();
+    open.pop_back();
+    for (const int64_t next : neighbours[at]) {
+      if (component.insert(next).second) open.push_back(next);
+    }
+  }
+  return component;
 }
 
 }  // namespace plslam

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/optim/bundle/schur_solver.h"
+#include "core/optim/bundle/pose_system.h"
 #include "core/optim/bundle/sight_group.h"
 
 namespace plslam {

@@ -4,7 +4,7 @@
 
 #include "core/optim/bundle/bundle.h"
 #include "core/optim/bundle/camera_view.h"
-#include "core/optim/bundle/schur_solver.h"
+#include "core/optim/bundle/pose_system.h"
 
 namespace plslam {
 

@@ -1,9 +1,9 @@
 #include "core/optim/bundle/schur_solver.h"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Cholesky>
 
 namespace plslam {
 namespace {

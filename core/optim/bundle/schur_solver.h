@@ -1,38 +1,15 @@
 #pragma once
 
-#include <Eigen/Core>
-
 #include <array>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "core/geometry/se3.h"
 #include "core/optim/bundle/camera_view.h"
 #include "core/optim/bundle/eliminated_landmarks.h"
 #include "core/optim/bundle/relative_poses.h"
 #include "core/optim/bundle/step_judge.h"
 
 namespace plslam {
-
-/// Normal equations H x = -g of the free poses, six rows for each. Only the lower triangle of H's blocks is kept.
-struct PoseSystem {
-  explicit PoseSystem(int pose_count)
-      : H(Eigen::MatrixXd::Zero(6 * pose_count, 6 * pose_count)), g(Eigen::VectorXd::Zero(6 * pose_count)) {}
-
-  void SetZero() {
-    H.setZero();
-    g.setZero();
-  }
-
-  auto Diagonal(int pose) { return H.block<6, 6>(6 * pose, 6 * pose); }
-  auto Gradient(int pose) { return g.segment<6>(6 * pose); }
-  /// Of two different poses, the later one's rows.
-  auto Below(int earlier, int later) { return H.block<6, 6>(6 * later, 6 * earlier); }
-
-  Eigen::MatrixXd H;
-  Eigen::VectorXd g;
-};
 
 /// How far steps are trusted, as Ceres has it: K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares
 /// problems" (2004), 3.2.

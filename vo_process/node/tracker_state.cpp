@@ -1,5 +1,11 @@
 #include "vo_process/node/tracker_state.h"
 
+#include <spdlog/spdlog.h>
+
+#include <exception>
+#include <filesystem>
+#include <stdexcept>
+
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
@@ -14,8 +20,8 @@ void Fields(Archive& a, T& k) {
 
 template <class Archive, Is<TrackerState> T>
 void Fields(Archive& a, T& s) {
-  a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses,
-    s.adrift_since_ns, s.adopted_keyframe_id, s.odometry, s.keyframe);
+  a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses, s.anchored_t_ns,
+    s.adopted_keyframe_id, s.odometry, s.keyframe);
 }
 
 }  // namespace archive
@@ -24,7 +30,10 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 4, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 5, "state of a tracker", Checksum::kPoly1305};
+
+/// How often one state is gone on with. Maybe the state is what kills trackers.
+constexpr int kMaxRestored = 5;
 
 }  // namespace
 
@@ -39,6 +48,32 @@ TrackerState ReadTrackerState(const std::string& path) {
     archive::FromBytes(bytes, state);
     return state;
   });
+}
+
+std::optional<TrackerState> TrackerCheckpoint::Take(const std::string& settings) const {
+  if (path_.empty() || !std::filesystem::exists(path_)) return std::nullopt;
+  TrackerState state = ReadTrackerState(path_);
+  if (state.settings != settings) throw std::runtime_error("the state is of a tracker with other settings");
+  if (++state.n_restored > kMaxRestored) throw std::runtime_error("all that went on with the state have died");
+  WriteTrackerState(path_, state);
+  return state;
+}
+
+bool TrackerCheckpoint::Keep(const TrackerState& state) {
+  if (path_.empty()) return false;
+  try {
+    WriteTrackerState(path_, state);
+    return true;
+  } catch (const std::exception& error) {
+    Drop();
+    if (!std::exchange(has_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
+    return false;
+  }
+}
+
+void TrackerCheckpoint::Drop() const {
+  std::error_code ignored;
+  if (!path_.empty()) std::filesystem::remove(path_, ignored);
 }
 
 }  // namespace plslam

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/map/keyframe.h"
@@ -25,8 +27,8 @@ struct TrackerState {
   int64_t source = 0;
   /// Encoded pose_t of the newest frames, which may be asked for again.
   std::vector<std::vector<uint8_t>> poses;
-  /// Until then the camera was not adrift, or lost.
-  int64_t adrift_since_ns = 0;
+  /// As in `TrackerSession`.
+  int64_t anchored_t_ns = 0;
   int64_t adopted_keyframe_id = -1;
   /// The fields of an Odometry.
   std::vector<uint8_t> odometry;
@@ -39,5 +41,25 @@ void WriteTrackerState(const std::string& path, const TrackerState& state);
 
 /// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
 TrackerState ReadTrackerState(const std::string& path);
+
+/// The state file of a tracker. It exists only while the tracker runs, or after it was killed: a clean exit removes it.
+class TrackerCheckpoint {
+ public:
+  /// No file is read or written where `path` is empty.
+  explicit TrackerCheckpoint(std::string path) : path_(std::move(path)) {}
+
+  bool is_on() const { return !path_.empty(); }
+  /// The state that a killed tracker left, nullopt where there is none. Throws std::runtime_error, in one sentence, where the file
+  /// cannot be used: of other `settings`, damaged, or used several times already by trackers that were killed in turn.
+  std::optional<TrackerState> Take(const std::string& settings) const;
+  /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse than none:
+  /// other processes know what came after it.
+  bool Keep(const TrackerState& state);
+  void Drop() const;
+
+ private:
+  std::string path_;
+  bool has_failed_ = false;
+};
 
 }  // namespace plslam

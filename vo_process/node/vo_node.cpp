@@ -1,17 +1,25 @@
 #include "vo_process/node/vo_node.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <opencv2/core/utility.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/messages/loop_channel.h"
+#include "core/bus/transport/encoded.h"
+#include "core/io/files/archive.h"
 #include "core/process/worker.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
+#include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/node/vo_messages.h"
@@ -20,11 +28,35 @@
 namespace plslam {
 namespace {
 
-// Frames kept while no camera or map has come; later ones are answered when it has, earlier ones are given up.
+// Frames kept while the tracker waits; earlier ones are given up.
 constexpr size_t kMaxWaitingFrames = 8;
-constexpr size_t kRecentFrames = 16;
 // Time that goes back by less is of the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
+constexpr std::chrono::milliseconds kWaitTick(200);
+// Fewer features are not worth a relocalisation request.
+constexpr size_t kLeastToAsk = 20;
+// How long an unanchored camera asks while the map grows: another robot may find out, or a loop is closed.
+constexpr uint64_t kUnanchored_ns = 3'000'000'000;
+constexpr std::chrono::milliseconds kAskPeriod(500);
+// How long older frames are waited for: a player may have to be started, too.
+constexpr double kFramesWait_s = 15.0;
+
+bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
+
+/// Inlier score (points + 2 x lines) of the landmarks of the map among those tracked.
+int64_t TrackedOfMap(const OdometryResult& result) {
+  return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), IsOfMap) +
+         2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), IsOfMap);
+}
+
+template <class Message>
+Message Decoded(const std::vector<uint8_t>& bytes) {
+  Message message;
+  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) {
+    throw std::runtime_error("a message in it is damaged");
+  }
+  return message;
+}
 
 }  // namespace
 
@@ -32,23 +64,23 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
     : process_(process),
       options_(options),
       settings_(ToYaml("vo", options_)),
-      session_(process.bus().source()),
       keyframes_(process.bus()),
-      map_wait_(options.map.wait_s),
-      answer_wait_(options.relocalisation.wait_s),
-      questions_(process.bus(), bus::kWhereAmI),
+      relocalisation_(process.bus(), options.relocalisation.wait_s),
+      checkpoint_(options.state_file),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
+  session_.id = process.bus().source();
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
   process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
-  if (options_.map.enabled) Listen();
+  if (options_.map.enabled) ListenToTheMap();
   process_.SetConfiguration(settings_);
   Restore();
 }
 
-VoNode::~VoNode() { DropState(); }
+/// Also where an exception ends the process: with the same state it might come again.
+VoNode::~VoNode() { checkpoint_.Drop(); }
 
 void VoNode::OnCamera(const camera_t& message) {
   std::vector<uint8_t> bytes = bus::RigBytes(message);
@@ -74,7 +106,7 @@ void VoNode::OnCamera(const camera_t& message) {
     waiting_.clear();
   }
   rig_ = *rig;
-  told_of_rows_ = false;
+  warned_about_rows_ = false;
   odometry_.reset();
   GoOn();
 }
@@ -89,7 +121,7 @@ void VoNode::OnFrame(const Frame& frame) {
     frames_asked_s_.reset();
     waiting_.clear();
   }
-  if (front_end_ && !IsWaiting()) return Track(frame);
+  if (WaitsFor() == Wait::kNothing) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
@@ -98,43 +130,45 @@ void VoNode::OnFrame(const Frame& frame) {
 }
 
 bool VoNode::IsRepeated(const Frame& frame) const {
-  if (frame.source == last_source_) return frame.images.frame_id <= last_frame_id_;
+  if (frame.source == session_.last_source) return frame.images.frame_id <= session_.last_frame_id;
   // A player that was started in the place of another may not have heard of the last poses.
-  return frame.images.frame_id > 0 && FindRecent(frame) != nullptr;
-}
-
-const pose_t* VoNode::FindRecent(const Frame& frame) const {
-  const auto found = std::find_if(recent_.begin(), recent_.end(), [&frame](const pose_t& pose) {
-    return pose.frame_id == frame.images.frame_id && pose.header.t_ns == frame.images.t_ns;
-  });
-  return found == recent_.end() ? nullptr : &*found;
+  return frame.images.frame_id > 0 && session_.FindPose(frame.images.frame_id, frame.images.t_ns) != nullptr;
 }
 
 /// A player that sends a frame again has not heard of its pose, or has gone back for a tracker that needed no more.
 void VoNode::AnswerAgain(const Frame& frame) {
   Count("frames.repeated", 1);
-  const pose_t* pose = frame.lockstep ? FindRecent(frame) : nullptr;
+  const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images.frame_id, frame.images.t_ns) : nullptr;
   if (pose != nullptr) process_.bus().Publish(bus::kPose, pose_t(*pose));
 }
 
-bool VoNode::IsWaiting() const {
-  const bool lacks_map = options_.map.localise_only && map_ && map_->replica().version() == 0;
-  return lacks_map || map_wait_.awaited() || answer_wait_.awaited() || frames_asked_s_;
+VoNode::Wait VoNode::WaitsFor() const {
+  if (!front_end_) return Wait::kCamera;
+  if (options_.map.localise_only && map_ && !map_->has_map()) return Wait::kFirstMap;
+  if (map_ && map_->wait().awaited()) return Wait::kMap;
+  if (relocalisation_.wait().awaited()) return Wait::kRelocalisation;
+  return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
 }
 
 void VoNode::GoOn() {
-  if (!map_wait_.awaited()) PublishKeyframe();
-  while (front_end_ && !IsWaiting() && !waiting_.empty()) {
+  if (!map_ || !map_->wait().awaited()) PublishKeyframe();
+  while (WaitsFor() == Wait::kNothing && !waiting_.empty()) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     if (!IsRepeated(frame)) Track(frame);
   }
 }
 
+void VoNode::EndWaits() {
+  if (map_) map_->wait().End();
+  relocalisation_.End();
+}
+
 void VoNode::OnStatus(const status_t& message) {
+  const double now_s = bus::NowS();
   if (message.process == "player") player_ = message.header.source;
-  if (message.process == "mapping") map_wait_.OnSignOfLife(bus::NowS());
-  if (message.process == "loop") OnLoopProcess(message.header.source);
+  if (message.process == "mapping" && map_) map_->wait().OnSignOfLife(now_s);
+  if (message.process == "loop") relocalisation_.OnLoopProcess(message.header.source, now_s);
 }
 
 void VoNode::OnStream(const stream_t& message) {
@@ -142,68 +176,100 @@ void VoNode::OnStream(const stream_t& message) {
   FinishIfDone();
 }
 
-void VoNode::EndWaits() {
-  map_wait_.End();
-  answer_wait_.End();
-  question_.reset();
+void VoNode::ListenToTheMap() {
+  map_.emplace(process_.bus(), options_.map.wait_s, session_, [this] { OnMap(); });
+  process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
+                                             [this](const relocalisation_t& m) { OnRelocalisation(m); });
+  process_.bus().Every(kWaitTick, [this] { GiveUpWaits(); });
+}
+
+void VoNode::GiveUpWaits() {
+  const double now_s = bus::NowS();
+  const bool no_map = map_->wait().GiveUp(now_s);
+  if (no_map) spdlog::warn("no mapping_process is heard of: odometry goes on by itself");
+  const bool no_result = relocalisation_.wait().GiveUp(now_s);
+  if (no_result) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
+  if (no_map || no_result) GoOn();
+}
+
+void VoNode::OnMap() {
+  const auto awaited = map_->wait().awaited();
+  const int64_t oldest = awaited ? *awaited : map_->adopted_keyframe_id() + 1;
+  const bool takes_effect = odometry_ && (awaited || !session_.lockstep) && map_->Has(oldest);
+  if (takes_effect) map_->Adopt(*odometry_);
+  if (awaited && !takes_effect) return;
+  map_->wait().End();
+  GoOn();
+}
+
+/// In lockstep the map of the keyframe before takes effect when this keyframe has been made.
+void VoNode::AwaitMap(int64_t keyframe_id) {
+  if (!map_ || !session_.lockstep || keyframe_id == 0) return;
+  if (!map_->Has(keyframe_id - 1)) return map_->wait().Begin(keyframe_id - 1, bus::NowS());
+  map_->Adopt(*odometry_);
 }
 
 void VoNode::BeginSession() {
   EndWaits();
   PublishKeyframe();
-  // That of a tracker whose state this one has taken over is not the next of ours.
-  if (last_t_ns_ != 0) session_ = std::max(session_ + 1, process_.bus().source());
-  follows_keyframe_ = false;
-  map_keyframe_id_ = -1;
-  adopted_keyframe_id_ = -1;
-  last_keyframe_id_ = -1;
-  recent_.clear();
+  TrackerSession next;
+  // The session of a tracker whose state this one has taken over is not the one before ours.
+  next.id = session_.last_t_ns != 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
+  next.lockstep = session_.lockstep;
+  next.last_t_ns = session_.last_t_ns;
+  next.last_frame_id = session_.last_frame_id;
+  next.last_source = session_.last_source;
+  next.anchored_t_ns = session_.anchored_t_ns;
+  session_ = std::move(next);
+  if (map_) map_->BeginSession();
   odometry_.emplace(front_end_->camera(), options_);
 }
 
 /// Of the stream of the frame before, and a little before it.
 bool VoNode::IsTooEarly(const Frame& frame) const {
-  const bool goes_on = odometry_ && frame.source == last_source_ && frame.images.frame_id > last_frame_id_;
+  const bool goes_on =
+      odometry_ && frame.source == session_.last_source && frame.images.frame_id > session_.last_frame_id;
   // Unsigned: times may be any.
-  const uint64_t back_ns = static_cast<uint64_t>(last_t_ns_) - static_cast<uint64_t>(frame.images.t_ns);
-  return goes_on && frame.images.t_ns < last_t_ns_ && back_ns < kClockStep_ns;
+  const uint64_t back_ns = static_cast<uint64_t>(session_.last_t_ns) - static_cast<uint64_t>(frame.images.t_ns);
+  return goes_on && frame.images.t_ns < session_.last_t_ns && back_ns < kClockStep_ns;
 }
 
 void VoNode::Track(const Frame& frame) {
   const bool too_early = IsTooEarly(frame);
-  if (!odometry_ || (frame.images.t_ns < last_t_ns_ && !too_early)) BeginSession();
-  lockstep_ = frame.lockstep;
-  if (!too_early) last_t_ns_ = frame.images.t_ns;
+  if (!odometry_ || (frame.images.t_ns < session_.last_t_ns && !too_early)) BeginSession();
+  session_.lockstep = frame.lockstep;
+  if (!too_early) session_.last_t_ns = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {
     StereoFeatures features = too_early ? NoFeatures(frame.images) : SeeFeatures(frame.images, timer);
-    return timer.Time("track", [&] { return odometry_->Track(last_t_ns_, std::move(features)); });
+    return timer.Time("track", [&] { return odometry_->Track(session_.last_t_ns, std::move(features)); });
   });
   // The pose first: somebody waits for it.
   PublishPose(frame, result, timer.stages());
   PublishTracks(frame, result);
-  last_frame_id_ = frame.images.frame_id;
-  last_source_ = frame.source;
+  session_.last_frame_id = frame.images.frame_id;
+  session_.last_source = frame.source;
   restored_ = false;
-  const bool asks = NeedsToAsk(frame, result);
-  if (result.keyframe) MakeKeyframe(frame, result, asks);
-  if (asks) AskWhereIAm(frame, result);
-  follows_keyframe_ = result.keyframe && !asks;
+  NoteAnchor(frame, result);
+  const bool requests = NeedsRelocalisation(frame, result);
+  if (result.keyframe) MakeKeyframe(frame, result, requests);
+  if (requests) RequestRelocalisation(frame, result);
+  session_.follows_keyframe = result.keyframe && !requests;
   SetState("running");
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
-  TellOfRows();
+  WarnAboutRows();
   FinishIfDone();
 }
 
 /// Once for each camera.
-void VoNode::TellOfRows() {
-  if (told_of_rows_) return;
+void VoNode::WarnAboutRows() {
+  if (warned_about_rows_) return;
   const RowField rows = odometry_->rows();
   if (rows.is_zero()) return;
-  told_of_rows_ = true;
+  warned_about_rows_ = true;
   const StereoCamera& camera = front_end_->camera();
   double most_px = 0.0;
   for (const double u_px : {0.0, camera.width_px - 1.0}) {
@@ -238,8 +304,75 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
   return {};
 }
 
+/// What users are told: in a map that stays as it is, a place that the map does not know is none.
+TrackingState VoNode::StateOf(const OdometryResult& result) const {
+  const bool placed = !options_.map.localise_only || (odometry_->is_in_map() && !odometry_->is_adrift());
+  return placed ? result.state : TrackingState::kLost;
+}
+
+/// A result on its way is about where the camera was before. While the camera is unanchored that is what counts, but not across a
+/// jump.
+void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
+  if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_adrift()))
+    relocalisation_.Cancel();
+  const bool lost = StateOf(result) == TrackingState::kLost;
+  if (lost || !odometry_->is_adrift()) session_.anchored_t_ns = frame.images.t_ns;
+}
+
+/// The camera is lost; or, in a map that grows, it has been unanchored for not too long; or, in a map that stays, a keyframe
+/// saw too little of the map to be held in place. A tracker that goes on from the state as of a keyframe requests what the
+/// tracker before it requested: after that keyframe, not at it.
+bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const {
+  if (StateOf(result) == TrackingState::kLost) return true;
+  if (options_.map.localise_only) {
+    return session_.follows_keyframe && TrackedOfMap(result) < options_.tracking.weak_inliers;
+  }
+  // Unsigned: times may be any.
+  const uint64_t unanchored_ns =
+      static_cast<uint64_t>(frame.images.t_ns) - static_cast<uint64_t>(session_.anchored_t_ns);
+  return odometry_->is_adrift() && !result.keyframe && unanchored_ns < kUnanchored_ns;
+}
+
+void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& result) {
+  if (!map_ || !options_.relocalisation.enabled || map_->map().keyframes().empty()) return;
+  const double now_s = bus::NowS();
+  if (!relocalisation_.IsDue(frame.lockstep, now_s)) return;
+  if (result.features.points.size() + result.features.lines.size() < kLeastToAsk) return;
+  Keyframe asked;
+  asked.session = session_.id;
+  asked.t_ns = frame.images.t_ns;
+  asked.frame_id = frame.images.frame_id;
+  asked.previous_keyframe_id = options_.map.localise_only ? -1 : session_.last_keyframe_id;
+  asked.keyframe_id = asked.previous_keyframe_id + 1;
+  asked.lockstep = frame.lockstep;
+  asked.features = result.features;
+  asked.point_landmark_ids.assign(asked.features.points.size(), -1);
+  asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
+  relocalisation_.Ask(std::move(asked), result.T_odom_c, now_s);
+  Count("relocalisation.asked", 1);
+}
+
+/// An unanchored camera is always where it made its own keyframes since.
+bool VoNode::IsNews(const Map& map, int64_t keyframe_id) const {
+  const MapKeyframe* keyframe = map.FindKeyframe(keyframe_id);
+  return keyframe == nullptr || keyframe->session != session_.id || keyframe->t_ns <= session_.anchored_t_ns;
+}
+
+void VoNode::OnRelocalisation(const relocalisation_t& message) {
+  const std::optional<Relocalisation> result = bus::FromMessage(message);
+  if (!result || !odometry_) return;
+  const std::optional<SE3> T_w_odom = relocalisation_.Close(*result, session_);
+  if (!T_w_odom) return;
+  const Map& map = map_->map();
+  if (result->found && IsNews(map, result->keyframe_id) &&
+      odometry_->Relocalise(map, result->keyframe_id, *T_w_odom)) {
+    Count("relocalisation.found", 1);
+  }
+  GoOn();
+}
+
 void VoNode::SetHeader(const Frame& frame, header_t& header) const {
-  header.session = session_;
+  header.session = session_.id;
   header.t_ns = frame.images.t_ns;
 }
 
@@ -256,8 +389,7 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
     }
   }
   process_.bus().Publish(bus::kPose, message);
-  recent_.push_back(std::move(message));
-  if (recent_.size() > kRecentFrames) recent_.pop_front();
+  session_.Remember(std::move(message));
 }
 
 void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
@@ -268,34 +400,115 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
 }
 
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
-void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool asks) {
-  last_keyframe_id_ = result.keyframe->id;
+void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool requests) {
+  session_.last_keyframe_id = result.keyframe->id;
   if (options_.map.localise_only) {
-    if (map_) odometry_->AdoptAround(map_->replica().map());
-    if (StateOf(result) == TrackingState::kLost) return DropState();
+    if (map_) odometry_->AdoptAround(map_->map());
+    if (StateOf(result) == TrackingState::kLost) return checkpoint_.Drop();
     Keyframe none;
     none.keyframe_id = -1;
-    // No state tells of a question: who asks here goes on, if killed, from an older keyframe.
-    if (!asks) KeepState(none);
+    // The state holds no open request: a tracker that is killed after this request goes on from an older keyframe.
+    if (!requests) KeepState(none);
     return;
   }
   Keyframe keyframe = ToKeyframe(result);
-  keyframe.session = session_;
+  keyframe.session = session_.id;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
   AwaitMap(keyframe.keyframe_id);
   held_keyframe_ = std::move(keyframe);
-  if (!map_wait_.awaited()) PublishKeyframe();
+  if (!map_ || !map_->wait().awaited()) PublishKeyframe();
 }
 
-/// Once the state is kept, or another keyframe of this number could be made of an older one; and in lockstep once the map of
-/// the one before has been taken over: whoever goes on from the state finds the map as this one left it.
+/// The state is kept first, or another keyframe of this number could be made from an older state. In lockstep the keyframe is held
+/// until the map of the one before has been taken over: whoever goes on from the state finds the map as this tracker left it.
 void VoNode::PublishKeyframe() {
   if (!held_keyframe_) return;
   const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
   KeepState(keyframe);
   keyframes_.Publish(keyframe);
+}
+
+/// With the state as of the newest keyframe. In lockstep that keyframe may not have been published, and the frames after it are
+/// wanted again; a live stream goes on with a gap.
+void VoNode::Restore() {
+  if (!checkpoint_.is_on()) return;
+  process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
+  try {
+    if (const std::optional<TrackerState> state = checkpoint_.Take(settings_)) GoOnWith(*state);
+  } catch (const std::exception& error) {
+    spdlog::warn("a new session begins: {}", error.what());
+    odometry_.reset();
+  }
+}
+
+void VoNode::GoOnWith(const TrackerState& state) {
+  OnCamera(Decoded<camera_t>(state.camera));
+  if (!front_end_) return;
+  odometry_.emplace(front_end_->camera(), options_);
+  archive::FromBytes(state.odometry, *odometry_);
+  session_.id = state.session;
+  session_.lockstep = state.lockstep;
+  session_.last_t_ns = state.t_ns;
+  session_.last_frame_id = state.frame_id;
+  session_.last_source = player_ = state.source;
+  for (const std::vector<uint8_t>& pose : state.poses) session_.recent.push_back(Decoded<pose_t>(pose));
+  session_.anchored_t_ns = state.anchored_t_ns;
+  session_.follows_keyframe = true;
+  session_.last_keyframe_id = state.keyframe.keyframe_id;
+  if (map_) map_->BeginSession(state.adopted_keyframe_id);
+  restored_ = true;
+  spdlog::info("goes on behind frame {} of the session", session_.last_frame_id);
+  process_.bus().Post([this, keyframe = state.keyframe] {
+    if (keyframe.keyframe_id >= 0) keyframes_.Publish(keyframe);
+    // The last pose of the killed tracker may have been lost, and a player that is started again looks for it.
+    if (!session_.recent.empty()) process_.bus().Publish(bus::kPose, pose_t(session_.recent.back()));
+    if (session_.lockstep) AskForFrames();
+  });
+}
+
+/// Where the state cannot be written the process goes on; what a crash would cost is then more.
+void VoNode::KeepState(const Keyframe& keyframe) {
+  if (!checkpoint_.is_on() || !odometry_) return;
+  TrackerState state;
+  state.settings = settings_;
+  state.camera = camera_bytes_;
+  state.session = session_.id;
+  state.lockstep = session_.lockstep;
+  state.t_ns = session_.last_t_ns;
+  state.frame_id = session_.last_frame_id;
+  state.source = session_.last_source;
+  for (const pose_t& pose : session_.recent) state.poses.push_back(bus::Encoded(pose));
+  state.anchored_t_ns = session_.anchored_t_ns;
+  state.adopted_keyframe_id = map_ ? map_->adopted_keyframe_id() : -1;
+  state.odometry = archive::ToBytes(*odometry_);
+  state.keyframe = keyframe;
+  if (checkpoint_.Keep(state)) Count("state.written", 1);
+}
+
+/// A player is ahead of a tracker that has gone back to its newest keyframe, and so may be one that is started beside it.
+bool VoNode::LacksFramesBefore(const Frame& frame) const {
+  const bool continues = frame.lockstep && session_.lockstep && odometry_ && frame.images.t_ns > session_.last_t_ns;
+  const bool may_go_back = restored_ || frame.source != session_.last_source;
+  return continues && may_go_back && frame.images.frame_id > session_.last_frame_id + 1 && checkpoint_.is_on();
+}
+
+void VoNode::AskForFrames() {
+  if (!frames_asked_s_) frames_asked_s_ = bus::NowS();
+  command_t command{};
+  command.target = "player";
+  command.verb = "go_back";
+  command.argument = fmt::format("{} {}@{}", player_, session_.last_frame_id, session_.last_t_ns);
+  process_.bus().Publish(bus::kCommand, command);
+}
+
+void VoNode::AskAgainForFrames() {
+  if (!frames_asked_s_) return;
+  if (bus::NowS() - *frames_asked_s_ < kFramesWait_s) return AskForFrames();
+  frames_asked_s_.reset();
+  spdlog::warn("no player sends the frames behind {} again: a gap is left", session_.last_frame_id);
+  GoOn();
 }
 
 void VoNode::Count(const std::string& name, double increment) {
@@ -305,7 +518,7 @@ void VoNode::Count(const std::string& name, double increment) {
 }
 
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && last_frame_id_ + 1 >= announced_frames_) SetState("finished");
+  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) SetState("finished");
 }
 
 void VoNode::SetState(const std::string& state) {

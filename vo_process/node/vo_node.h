@@ -1,21 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
+#include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
-#include "core/bus/messages/map_channel.h"
-#include "core/process/partner_wait.h"
 #include "core/process/process.h"
-#include "plslam/pose_t.hpp"
-
-#include "vo_process/node/vo_messages.h"
+#include "vo_process/node/map_link.h"
+#include "vo_process/node/relocalisation_client.h"
+#include "vo_process/node/tracker_session.h"
+#include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/odometry.h"
@@ -26,24 +24,29 @@ class header_t;
 class relocalisation_t;
 class status_t;
 class stream_t;
-struct TrackerState;
 
-/// vo_process on the bus: camera and frames in; poses, tracks and keyframes out.
+/// vo_process on the bus.
 ///
-/// Frames wait for the camera. Another camera, or time that goes back (another stream), begins a new session, since
-/// nothing of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
-/// one of the same stream that is less than a second too early (a clock that was put right).
+/// In: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of the other processes. Out:
+/// a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
 ///
-/// The map, where there is one, takes effect at once in a live stream. In lockstep, that of keyframe k takes effect when
-/// keyframe k + 1 has been made, and is awaited there: the result does not hang on who is faster. So is the answer of
-/// loop_process to the question where a lost camera is, before the next frame.
+/// A frame is tracked when it comes, unless the tracker waits (`Wait`); then up to eight frames are kept. What ends each wait
+/// stands with its name.
 ///
-/// With a `state_file` the state is kept at each keyframe, before that goes out: a tracker that is started in the
-/// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep the
-/// player sends these again, and the result is the same, bit for bit.
+/// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing of the old
+/// one holds there. A frame that does not fit the camera is answered as one without features, and so is one of the same stream
+/// that is less than a second too early (a clock that was put right).
 ///
-/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are sent; a frame counts as lost until the camera has
-/// been found in the map, and again where it has gone on at a place that nobody knows.
+/// The map takes effect at once in a live stream. In lockstep the map of keyframe k takes effect when keyframe k + 1 has been
+/// made, and is awaited there; a relocalisation result takes effect before the next frame. So the result does not depend on who
+/// is faster.
+///
+/// With a `state_file` the state is kept at each keyframe, before that is published: a tracker that is started in the place
+/// of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep the player
+/// sends these frames again, and the result is the same, bit for bit.
+///
+/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are published; a frame counts as lost until the camera has
+/// been found in the map, and again where it has gone on at a place that the map does not know.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -54,94 +57,87 @@ class VoNode {
  private:
   using Frame = bus::FrameSubscriber::Frame;
 
+  /// What the next frame has to wait for.
+  enum class Wait {
+    kNothing,
+    kCamera,          ///< until a usable camera is announced
+    kFirstMap,        ///< localisation only: until a map has come
+    kMap,             ///< lockstep: until the map has the keyframe before the newest one, or mapping_process is gone
+    kRelocalisation,  ///< lockstep: until the open request has its result, or loop_process is gone
+    kOlderFrames,     ///< after a restart: until the player has gone back, at most 15 s
+  };
+
   void OnCamera(const camera_t& message);
   void OnFrame(const Frame& frame);
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
   void OnRelocalisation(const relocalisation_t& message);
-  void OnLoopProcess(int64_t source);
-  bool IsWaiting() const;
-  const pose_t* FindRecent(const Frame& frame) const;
+  void ListenToTheMap();
+  void GiveUpWaits();
+
+  Wait WaitsFor() const;
+  void GoOn();
+  void EndWaits();
   bool IsRepeated(const Frame& frame) const;
   void AnswerAgain(const Frame& frame);
-  void AwaitMap(int64_t keyframe_id);
-  bool AdoptMap(int64_t oldest_keyframe_id);
-  TrackingState StateOf(const OdometryResult& result) const;
-  bool NeedsToAsk(const Frame& frame, const OdometryResult& result);
-  bool IsNews(const Map& map, int64_t keyframe_id) const;
-  void AskWhereIAm(const Frame& frame, const OdometryResult& result);
-  void Listen();
-  void GoOn();
   void BeginSession();
-  void EndWaits();
   bool IsTooEarly(const Frame& frame) const;
+
   void Track(const Frame& frame);
   StereoFeatures SeeFeatures(const StereoImages& images, StageTimer& timer);
   StereoFeatures NoFeatures(const StereoImages& images);
+  TrackingState StateOf(const OdometryResult& result) const;
+  void NoteAnchor(const Frame& frame, const OdometryResult& result);
+  bool NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const;
+  void RequestRelocalisation(const Frame& frame, const OdometryResult& result);
+  bool IsNews(const Map& map, int64_t keyframe_id) const;
+  void AwaitMap(int64_t keyframe_id);
+
   void SetHeader(const Frame& frame, header_t& header) const;
   void PublishPose(const Frame& frame, const OdometryResult& result, const std::vector<StageTime>& stages);
   void PublishTracks(const Frame& frame, const OdometryResult& result);
-  void MakeKeyframe(const Frame& frame, const OdometryResult& result, bool asks);
+  void MakeKeyframe(const Frame& frame, const OdometryResult& result, bool requests);
   void PublishKeyframe();
+
   void Restore();
   void GoOnWith(const TrackerState& state);
   void KeepState(const Keyframe& keyframe);
-  void DropState() const;
   bool LacksFramesBefore(const Frame& frame) const;
   void AskForFrames();
   void AskAgainForFrames();
+
   void Count(const std::string& name, double increment);
-  void FinishIfDone();
   void SetState(const std::string& state);
-  void TellOfRows();
+  void FinishIfDone();
+  void WarnAboutRows();
 
   bus::Process& process_;
   VoOptions options_;
-  std::string settings_;  ///< the same as text
-  int64_t session_ = 0;
+  std::string settings_;  ///< the options as text
+  TrackerSession session_;
   std::vector<uint8_t> camera_bytes_;
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
   std::vector<Frame> waiting_;
-  /// The latest of the session.
-  int64_t last_t_ns_ = 0;
-  int64_t last_frame_id_ = -1;
-  int64_t last_source_ = 0;
-  /// Of the newest frames of the session.
-  std::deque<pose_t> recent_;
+  bus::KeyframePublisher keyframes_;
+  /// The newest keyframe, which in lockstep is published once the map of the one before has been taken over.
+  std::optional<Keyframe> held_keyframe_;
+  RelocalisationClient relocalisation_;
+  TrackerCheckpoint checkpoint_;
+  /// The state of a killed tracker was taken over, and no frame has come since.
+  bool restored_ = false;
+  /// Since when older frames have been asked for, in s of the steady clock.
+  std::optional<double> frames_asked_s_;
+  /// Process that published frames, or a player's status, last.
+  int64_t player_ = 0;
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;
-  bus::KeyframePublisher keyframes_;
-  bus::PartnerWait map_wait_;
-  /// Of loop_process, to the question where the camera is.
-  bus::PartnerWait answer_wait_;
-  bus::KeyframePublisher questions_;
-  std::optional<RelocalisationQuestion> question_;
-  /// All that were heard.
-  std::set<int64_t> loop_sources_;
-  /// Until then the camera was not adrift, or lost.
-  int64_t adrift_since_ns_ = 0;
-  /// The frame before became a keyframe, and has not asked.
-  bool follows_keyframe_ = false;
-  bool lockstep_ = false;
-  /// The newest keyframe of the session in the map; other robots' may be in it too.
-  int64_t map_keyframe_id_ = -1;
-  int64_t adopted_keyframe_id_ = -1;
-  int64_t last_keyframe_id_ = -1;
-  /// Waits, in lockstep, for the map of the one before.
-  std::optional<Keyframe> held_keyframe_;
-  /// It goes on with the state of another, and no frame has come yet.
-  bool restored_ = false;
-  bool state_failed_ = false;
   bool was_too_early_ = false;
-  bool told_of_rows_ = false;
-  /// Since when frames are wanted again, and the publisher of frames that was heard of last.
-  std::optional<double> frames_asked_s_;
-  int64_t player_ = 0;
-  std::unique_ptr<bus::MapSubscriber> map_;
+  bool warned_about_rows_ = false;
+  std::optional<MapLink> map_;
   // Last: its handler needs all of the above.
   bus::FrameSubscriber frames_;
 };

@@ -28,7 +28,7 @@ TrackerState SomeState() {
   state.frame_id = 41;
   state.source = -9;
   state.poses = {{4, 5}, {6}};
-  state.adrift_since_ns = 5;
+  state.anchored_t_ns = 5;
   state.adopted_keyframe_id = 6;
   state.odometry = {9, 8, 7};
   state.keyframe.keyframe_id = 7;
@@ -54,7 +54,7 @@ TEST_F(TrackerStateFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(back.frame_id, state.frame_id);
   EXPECT_EQ(back.source, state.source);
   EXPECT_EQ(back.poses, state.poses);
-  EXPECT_EQ(back.adrift_since_ns, state.adrift_since_ns);
+  EXPECT_EQ(back.anchored_t_ns, state.anchored_t_ns);
   EXPECT_EQ(back.adopted_keyframe_id, state.adopted_keyframe_id);
   EXPECT_EQ(back.odometry, state.odometry);
   EXPECT_EQ(back.keyframe.keyframe_id, 7);

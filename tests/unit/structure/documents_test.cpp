@@ -48,11 +48,13 @@ TEST(Documents, LinksLeadToFiles) {
   }
 }
 
-TEST(Documents, ProgramsTheReadmeRunsAreBuilt) {
-  const auto programs = Matches(test::ReadText(test::SourceFolder() / "README.md"), R"(build/release/bin/(\w+))");
+TEST(Documents, ProgramsThatTheyRunAreBuilt) {
+  std::set<std::string> programs;
+  for (const fs::path& document : Documents())
+    programs.merge(Matches(test::ReadText(document), R"(build/release/bin/(\w+))"));
   EXPECT_THAT(programs, testing::IsSupersetOf({"plslam", "player", "vo_process", "viewer_headless"}));
   for (const std::string& program : programs) {
-    EXPECT_TRUE(fs::exists(test::BinaryFolder() / program)) << "README.md runs " << program;
+    EXPECT_TRUE(fs::exists(test::BinaryFolder() / program)) << "a document runs " << program;
   }
 }
 

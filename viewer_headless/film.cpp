@@ -26,18 +26,16 @@ TopViewScene SceneOf(const Map& map, std::vector<Eigen::Vector3d> path) {
 
 }  // namespace
 
-Film::~Film() {
-  try {
-    if (first_) {
-      Open(PictureRate_hz(0, 0, 0), first_->picture.size());
-      video_->Add(first_->picture);
-    }
-    if (!video_) return;
-    video_->Close();
-    spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
-  } catch (const std::exception& e) {
-    spdlog::error("{}", e.what());
+void Film::Finish() {
+  if (failure_) throw std::runtime_error(*failure_);
+  // What waits for a second picture.
+  if (first_) {
+    Open(PictureRate_hz(0, 0, 0), first_->picture.size());
+    video_->Add(first_->picture);
   }
+  if (!video_) throw std::runtime_error(path_ + ": no film: no picture came");
+  video_->Close();
+  spdlog::info("film of the run: {} ({} pictures)", video_->path(), video_->pictures());
 }
 
 void Film::Open(double rate_hz, const cv::Size& size) {
@@ -48,7 +46,7 @@ void Film::Open(double rate_hz, const cv::Size& size) {
 }
 
 void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
-  if (failed_) return;
+  if (failure_) return;
   positions_.Add(pose);
   const TopViewScene scene = SceneOf(map, positions_.In(map));
   window_.Include(scene.path);
@@ -57,7 +55,7 @@ void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
     Write(pose, Join(overlay, view));
   } catch (const std::runtime_error& e) {
     spdlog::error("frame {}: {}", pose.frame_id, e.what());
-    failed_ = true;
+    failure_ = e.what();
     first_.reset();
     video_.reset();
   }

@@ -17,15 +17,18 @@ namespace plslam {
 class Film {
  public:
   explicit Film(std::string path) : path_(std::move(path)), program_(StartFilm(path_)) {}
-  /// Writes what waits for a second picture, and says in the log what there is.
-  ~Film();
+  /// Of one that is not finished no file is left.
+  ~Film() = default;
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
   /// Pictures a second of the camera, before the first picture; without that, or with 0, the first two pictures tell.
   void SetRate(double camera_rate_hz) { camera_rate_hz_ = camera_rate_hz; }
-  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and there is no film.
+  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and `Finish` says it again.
   void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
+  /// No more pictures: puts the film in place, and says in the log what there is. Throws std::runtime_error where there is no
+  /// film.
+  void Finish();
 
  private:
   struct Waiting {
@@ -39,7 +42,8 @@ class Film {
   std::string path_;
   /// Until the first picture comes.
   std::unique_ptr<FilmProcess> program_;
-  bool failed_ = false;
+  /// Why there is no film.
+  std::optional<std::string> failure_;
   TopViewWindow window_;
   FilmPath positions_;
   std::optional<Waiting> first_;

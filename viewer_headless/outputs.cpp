@@ -4,9 +4,10 @@
 
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <iterator>
-#include <stdexcept>
+#include <utility>
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/maps/map_ply.h"
@@ -28,11 +29,30 @@ Matrix6d Rotate(const Matrix6d& covariance_c, const Eigen::Matrix3d& R_l_c) {
   return 0.5 * (rotated + rotated.transpose());
 }
 
-void WriteAllFormats(const std::string& stem, const Trajectory& trajectory) {
-  WriteTrajectory(stem + ".tum", TrajectoryFormat::kTum, trajectory);
-  WriteTrajectory(stem + ".kitti", TrajectoryFormat::kKitti, trajectory);
-  WriteTrajectory(stem + ".euroc", TrajectoryFormat::kEuroc, trajectory);
-}
+/// Tries to write files, one after the other.
+class Attempts {
+ public:
+  template <class Write>
+  void Try(const Write& write) {
+    try {
+      write();
+    } catch (const std::exception& e) {
+      failures_.emplace_back(e.what());
+    }
+  }
+  void Trajectory(const std::string& path, TrajectoryFormat format, const plslam::Trajectory& trajectory) {
+    Try([&] { WriteTrajectory(path, format, trajectory); });
+  }
+  void AllFormats(const std::string& stem, const plslam::Trajectory& trajectory) {
+    Trajectory(stem + ".tum", TrajectoryFormat::kTum, trajectory);
+    Trajectory(stem + ".kitti", TrajectoryFormat::kKitti, trajectory);
+    Trajectory(stem + ".euroc", TrajectoryFormat::kEuroc, trajectory);
+  }
+  std::vector<std::string> TakeFailures() { return std::move(failures_); }
+
+ private:
+  std::vector<std::string> failures_;
+};
 
 }  // namespace
 
@@ -97,17 +117,19 @@ void PrepareOutputFolder(const std::string& folder) {
   std::remove(probe.c_str());
 }
 
-void WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
-                  const Eigen::Quaterniond& q_l_c) {
+std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
+                                      const Eigen::Quaterniond& q_l_c) {
   const RunTrajectories run = BuildTrajectories(recorder, map, q_l_c);
-  WriteAllFormats(folder + "/trajectory", run.all);
-  WriteTrajectory(folder + "/trajectory_live.tum", TrajectoryFormat::kTum, run.live);
-  WriteAllFormats(folder + "/keyframes", run.keyframes);
-  if (!run.truth.empty()) WriteTrajectory(folder + "/groundtruth.tum", TrajectoryFormat::kTum, run.truth);
-  WritePoseCovariances(folder + "/covariance.txt", run.covariances);
-  WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances);
-  WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder));
-  if (!map.keyframes().empty()) WriteFileAtomically(folder + "/map.ply", MapPly(map));
+  Attempts attempts;
+  attempts.AllFormats(folder + "/trajectory", run.all);
+  attempts.Trajectory(folder + "/trajectory_live.tum", TrajectoryFormat::kTum, run.live);
+  attempts.AllFormats(folder + "/keyframes", run.keyframes);
+  if (!run.truth.empty()) attempts.Trajectory(folder + "/groundtruth.tum", TrajectoryFormat::kTum, run.truth);
+  attempts.Try([&] { WritePoseCovariances(folder + "/covariance.txt", run.covariances); });
+  attempts.Try([&] { WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances); });
+  attempts.Try([&] { WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder)); });
+  if (!map.keyframes().empty()) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(map)); });
+  return attempts.TakeFailures();
 }
 
 }  // namespace plslam

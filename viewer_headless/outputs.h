@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
@@ -31,8 +32,9 @@ std::string PosesCsv(const Recorder& recorder);
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
 
-/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Throws std::runtime_error.
-void WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
-                  const Eigen::Quaterniond& q_l_c);
+/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each: a sentence for each that could not
+/// be written comes back.
+std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
+                                      const Eigen::Quaterniond& q_l_c);
 
 }  // namespace plslam

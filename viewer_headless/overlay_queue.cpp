@@ -1,41 +1,64 @@
 #include "viewer_headless/overlay_queue.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace plslam {
 namespace {
 
-constexpr size_t kMaxWaiting = 8;
+// In lockstep a part comes late where its message had to be repaired, and nothing else may be dropped meanwhile.
+constexpr size_t kMaxWaiting = 1024;
+constexpr size_t kMaxImageBytes = 64'000'000;
+
+size_t BytesOf(const cv::Mat& image) { return image.total() * image.elemSize(); }
 
 }  // namespace
 
-std::optional<OverlayQueue::Ready> OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image) {
-  if (!Wants(frame_id) || image.empty()) return std::nullopt;
-  waiting_[frame_id].image = image;
-  return Take(frame_id);
+void OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image) {
+  if (!Wants(frame_id) || image.empty()) return;
+  cv::Mat& kept = waiting_[frame_id].image;
+  image_bytes_ += BytesOf(image) - BytesOf(kept);
+  kept = image;
+  first_image_ = std::min(first_image_.value_or(frame_id), frame_id);
+  Took(frame_id);
 }
 
-std::optional<OverlayQueue::Ready> OverlayQueue::AddFeatures(int64_t frame_id, OverlayFeatures features) {
-  if (!Wants(frame_id)) return std::nullopt;
+void OverlayQueue::AddFeatures(int64_t frame_id, OverlayFeatures features) {
+  if (!Wants(frame_id)) return;
   waiting_[frame_id].features = std::move(features);
-  return Take(frame_id);
+  Took(frame_id);
 }
 
-std::optional<OverlayQueue::Ready> OverlayQueue::AddCaption(int64_t frame_id, std::string caption) {
-  if (!Wants(frame_id)) return std::nullopt;
-  waiting_[frame_id].caption = std::move(caption);
-  return Take(frame_id);
+void OverlayQueue::AddPose(const FramePose& pose) {
+  if (!Wants(pose.frame_id)) return;
+  waiting_[pose.frame_id].pose = pose;
+  lacking_.insert(pose.frame_id);
+  Took(pose.frame_id);
 }
 
-std::optional<OverlayQueue::Ready> OverlayQueue::Take(int64_t frame_id) {
-  const auto found = waiting_.find(frame_id);
-  Parts& parts = found->second;
-  if (parts.image.empty() || !parts.features || !parts.caption) {
-    if (waiting_.size() > kMaxWaiting) waiting_.erase(waiting_.begin());
-    return std::nullopt;
+void OverlayQueue::Took(int64_t frame_id) {
+  const Parts& parts = waiting_[frame_id];
+  if (parts.pose && parts.features && !parts.image.empty()) complete_.insert(frame_id);
+  if (waiting_.size() > kMaxWaiting) Drop(waiting_.begin());
+  while (image_bytes_ > kMaxImageBytes && waiting_.size() > 1) {
+    Drop(std::find_if(waiting_.begin(), waiting_.end(),
+                      [](const auto& entry) { return !entry.second.image.empty(); }));
   }
-  Ready ready{frame_id, parts.image, std::move(*parts.features), std::move(*parts.caption)};
-  waiting_.erase(found);
+}
+
+void OverlayQueue::Drop(std::map<int64_t, Parts>::iterator parts) {
+  image_bytes_ -= BytesOf(parts->second.image);
+  complete_.erase(parts->first);
+  waiting_.erase(parts);
+}
+
+std::optional<OverlayQueue::Ready> OverlayQueue::Next() {
+  if (complete_.empty()) return std::nullopt;
+  const auto found = waiting_.find(*complete_.begin());
+  Parts& parts = found->second;
+  Ready ready{std::move(*parts.pose), parts.image, std::move(*parts.features)};
+  lacking_.erase(found->first);
+  Drop(found);
   return ready;
 }
 

@@ -4,9 +4,10 @@
 #include <map>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <string>
+#include <set>
 
 #include "viewer_headless/overlay.h"
+#include "viewer_headless/recorder.h"
 
 namespace plslam {
 
@@ -14,10 +15,9 @@ namespace plslam {
 class OverlayQueue {
  public:
   struct Ready {
-    int64_t frame_id = 0;
+    FramePose pose;
     cv::Mat image;
     OverlayFeatures features;
-    std::string caption;
   };
 
   /// `every` N frames; 0: none.
@@ -25,23 +25,36 @@ class OverlayQueue {
 
   bool Wants(int64_t frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id % every_ == 0; }
 
-  /// Each adds one part of a wanted frame (others are ignored) and returns the picture it completes. Of frames that
-  /// stay incomplete the oldest are dropped: eight wait at most.
-  std::optional<Ready> AddImage(int64_t frame_id, const cv::Mat& image);
-  std::optional<Ready> AddFeatures(int64_t frame_id, OverlayFeatures features);
-  std::optional<Ready> AddCaption(int64_t frame_id, std::string caption);
+  /// Each adds one part of a wanted frame (others are ignored). Of frames that stay incomplete the oldest are dropped: 1024
+  /// wait at most, with 64 MB of images.
+  void AddImage(int64_t frame_id, const cv::Mat& image);
+  void AddFeatures(int64_t frame_id, OverlayFeatures features);
+  /// Once for each frame.
+  void AddPose(const FramePose& pose);
+  /// The oldest picture that is complete, which is not waited for any more.
+  std::optional<Ready> Next();
+
+  /// Wanted frames whose pose has come, and whose picture has not been taken.
+  const std::set<int64_t>& lacking() const { return lacking_; }
+  /// Oldest frame whose image has come; images of frames before it were sent before anybody listened here.
+  std::optional<int64_t> first_image() const { return first_image_; }
 
  private:
   struct Parts {
+    std::optional<FramePose> pose;
     cv::Mat image;
     std::optional<OverlayFeatures> features;
-    std::optional<std::string> caption;
   };
 
-  std::optional<Ready> Take(int64_t frame_id);
+  void Took(int64_t frame_id);
+  void Drop(std::map<int64_t, Parts>::iterator parts);
 
   int64_t every_;
   std::map<int64_t, Parts> waiting_;
+  std::set<int64_t> complete_;
+  std::set<int64_t> lacking_;
+  std::optional<int64_t> first_image_;
+  size_t image_bytes_ = 0;
 };
 
 }  // namespace plslam

@@ -113,7 +113,10 @@ void Bus::Run() {
   impl_->MayReceive();
   impl_->loop.Run();
 }
-void Bus::Stop() { impl_->loop.Stop(); }
+void Bus::Stop() {
+  impl_->stopped = true;
+  impl_->loop.Stop();
+}
 void Bus::StopWhenHandled() {
   {
     const std::lock_guard lock(impl_->mutex);

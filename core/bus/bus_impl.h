@@ -63,6 +63,9 @@ struct Inbox {
 /// Channels of big unordered messages whose publisher minds what its readers have taken.
 inline bool IsPaced(const Channel& channel) { return channel.name == kStereoFrameLive.name; }
 
+/// Channels whose publisher has all the time that its readers need, as long as they get on.
+inline bool IsInLockstep(const Channel& channel) { return channel.name == kStereoFrame.name; }
+
 /// One published channel.
 struct Outbox {
   Channel channel;
@@ -90,6 +93,8 @@ struct Bus::Impl {
   Outbox& OutboxOf(const Channel& channel);
   int ReaderCount(const Channel& channel) const;
   void WaitForWindow(Outbox& outbox, size_t bytes);
+  /// Nanoseconds without a word of theirs for which those are waited for whose window is full.
+  int64_t PatienceWithReaders(const Channel& channel) const;
   bool Flush(std::chrono::milliseconds limit, bool to_silent = false);
   std::string HistoryPath(const Channel& channel);
   Bytes Sealed(const std::string& wire_name, int64_t seq, header_t& header, const std::function<int()>& size,
@@ -129,6 +134,7 @@ struct Bus::Impl {
   std::map<std::string, Inbox, std::less<>> inboxes;     // by name on the wire
   std::function<void(std::string_view, ByteView)> rest;  // takes what no inbox is for
   bool takes_more = true;                                // of ordered channels
+  std::atomic<bool> stopped = false;                     // the process ends
   std::string history_folder;
   bool temporary_folder = false;
   BusCounters counts;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <utility>
 
 #include "core/bus/bus_impl.h"
 #include "plslam/header_t.hpp"
@@ -63,18 +64,26 @@ void Bus::Impl::WaitForWindow(Outbox& outbox, size_t bytes) {
   // A reader that dies falls silent without telling, so look again now and then.
   static constexpr std::chrono::milliseconds kSlice{20};
   std::unique_lock lock(mutex);
-  // A live frame that waits longer is late anyway.
-  static constexpr int64_t kPacedWait_ms = 5;
   const bool paced = outbox.channel.delivery == Delivery::kLatest;
-  const int64_t wait_ms = paced ? std::min(kPacedWait_ms, options.max_wait_ms) : options.max_wait_ms;
-  const int64_t deadline = Now() + wait_ms * 1'000'000;
+  int64_t words = outbox.writer->acknowledged();
+  int64_t since = Now();
   while (!outbox.writer->WindowOpen(bytes, Now())) {
-    if (Now() >= deadline) {
+    if (IsInLockstep(outbox.channel) && std::exchange(words, outbox.writer->acknowledged()) != words) since = Now();
+    if (Now() - since >= PatienceWithReaders(outbox.channel)) {
       outbox.writer->LeaveBehind(bytes, Now());
       return;
     }
     acknowledged.wait_for(lock, paced ? std::chrono::milliseconds(1) : kSlice);
   }
+}
+
+int64_t Bus::Impl::PatienceWithReaders(const Channel& channel) const {
+  // A live frame that waits longer is late anyway.
+  static constexpr int64_t kPacedWait_ms = 5;
+  if (channel.delivery == Delivery::kLatest) return std::min(kPacedWait_ms, options.max_wait_ms) * kMs;
+  // Who ends does not wait for readers that may be ending, too.
+  if (IsInLockstep(channel) && !stopped) return static_cast<int64_t>(options.give_up_s * 1e9);
+  return options.max_wait_ms * kMs;
 }
 
 void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& header,

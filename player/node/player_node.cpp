@@ -264,6 +264,7 @@ void PlayerNode::PublishTruth(const LoadedFrame& frame) {
 void PlayerNode::PublishStream(const char* event, int64_t n_frames) {
   stream_t message;
   message.header = {};
+  message.header.session = process_.bus().source();
   message.dataset = dataset_->name();
   message.event = event;
   message.pace = pace_.lockstep ? "lockstep" : "realtime";

@@ -176,6 +176,33 @@ TEST(RunFailure, KilledViewerIsStartedAgainAndStillHasTheWholePath) {
   EXPECT_EQ(std::count(path.begin(), path.end(), '\n'), 400);
 }
 
+TEST(RunFailure, ViewerKilledAtTheEndStillKnowsTheCameraAndTellsWhichPicturesWentWithIt) {
+  // A camera that is distorted and turned, which the rectified one is not.
+  const std::string world = "synthetic:room?frames=40&size=376x240&distorted=1";
+  WholeRun undisturbed, run;
+  const RunWatcher watcher;
+  ASSERT_EQ(undisturbed.Run({"run", world, "--overlay-every", "10"}), 0) << undisturbed.Logs();
+  run.Start({"run", world, "--overlay-every", "10", "--url", watcher.url(), "--set", "player.exit=true", "--set",
+             "bus.give_up_s=2"});
+  ASSERT_TRUE(watcher.WaitForFrame(5)) << run.Logs();
+  // Stopped, it neither hears the rest nor ends the run before the player has gone.
+  const pid_t viewer = run.PidOf("viewer_headless");
+  ASSERT_GT(viewer, 0);
+  ASSERT_EQ(kill(viewer, SIGSTOP), 0);
+  ASSERT_TRUE(watcher.WaitForFrame(39)) << run.Logs();
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return run.PidOf("player") < 0; })) << run.Logs();
+  ASSERT_EQ(kill(viewer, SIGKILL), 0);
+  EXPECT_EQ(run.Wait(120), 1) << run.Logs();
+  for (const char* file :
+       {"trajectory.tum", "trajectory_live.tum", "keyframes.tum", "covariance.txt", "groundtruth.tum"}) {
+    EXPECT_TRUE(run.Read(file) == undisturbed.Read(file)) << file;
+  }
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: error: viewer .* of 4 pictures are not in .*/overlays: "));
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: warning: [0-9]+ frames lack their picture"));
+  EXPECT_GT(run.Summary()["missing_pictures"], 20);
+  EXPECT_THAT(run.Read("report.html"), HasSubstr("pictures of frames are missing"));
+}
+
 TEST(RunFailure, MissingDatasetIsOneSentence) {
   WholeRun run;
   EXPECT_EQ(run.Run({"run", "/nonexistent/sequence"}), 1);

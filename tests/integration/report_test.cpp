@@ -95,6 +95,27 @@ TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {
   RunScript("check_report.mjs", {(run.out() / "report.html").string()}, run.folder() / "report.log");
 }
 
+TEST(Report, PageThatWatchesIsToldOfTheEnd) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun run;
+  const std::string port = std::to_string(FreePort());
+  run.Start({"run", "synthetic:room?frames=5000&size=160x120", "--pace", "realtime", "--serve", port});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return run.Logs().find("live page: ") != std::string::npos; })) << run.Logs();
+  const std::filesystem::path log = run.folder() / "end.log";
+  ChildProcess page(
+      Find("node"),
+      {Script("check_end.mjs"), Find("chromedriver"), Find("chromium"), "http://127.0.0.1:" + port + "/"}, log);
+  const auto text = [&log] {
+    std::ifstream file(log);
+    return std::string{std::istreambuf_iterator<char>(file), {}};
+  };
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return text().find("watching\n") != std::string::npos; })) << text();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return page.Poll().has_value(); })) << text();
+  EXPECT_EQ(page.Poll()->code, 0) << text();
+}
+
 /// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked for, and
 /// a loop at the end.
 class BigRun {

@@ -81,6 +81,29 @@ TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
   EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
 }
 
+/// A run whose film, and nothing else, is for a disk of so many KiB: on the first `filled_kib` something stands already.
+void ExpectNoFilm(int kib, int filled_kib) {
+  const WholeRun run;
+  const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
+  const auto code = OnASmallDisk(
+      disk, kib,
+      fmt::format("(dd if=/dev/zero of='{0}/full' bs=1k count={1}; {2} run '{3}' --out '{4}' --video '{0}/film.mp4'; "
+                  "code=\\$?; cp -r '{0}' '{5}'; exit \\$code)",
+                  disk.string(), filled_kib, Plslam(), kWorld, run.out().string(), found.string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadFile(run.folder() / "disk.sh.log") + run.Logs();
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(ReadFile(run.folder() / "disk.sh.log"),
+              testing::ContainsRegex("plslam: error: viewer .*film.mp4: cannot be written: No space left on device"));
+  for (const auto& entry : fs::directory_iterator(found)) EXPECT_EQ(entry.path().filename(), "full") << log;
+  EXPECT_FALSE(run.Read("trajectory.tum").empty()) << "all else is there";
+  EXPECT_FALSE(run.Read("map.ply").empty());
+}
+
+TEST(Resources, FilmOnAFullDiskIsToldAndAllElseIsWritten) { ExpectNoFilm(64, 64); }
+
+TEST(Resources, FilmThatFillsTheDiskIsToldAndNotHalfThere) { ExpectNoFilm(64, 8); }
+
 TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk";

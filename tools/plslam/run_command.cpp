@@ -38,7 +38,12 @@ class SessionDoor {
 };
 
 /// What there is to know about the run beside its results.
-void Warn(const RunSummary& summary) {
+void Warn(const RunOptions& options, const RunSummary& summary) {
+  if (summary.missing_pictures > 0) {
+    fmt::print(stderr,
+               "plslam: warning: {} frames lack their picture in the report, the film or the overlays; {} says why\n",
+               summary.missing_pictures, (options.out / "logs" / "viewer.log").string());
+  }
   if (summary.recordings.size() < 2) return;
   std::string others;
   for (size_t i = 1; i < summary.recordings.size(); ++i) others += (i > 1 ? ", " : "") + summary.recordings[i];
@@ -63,7 +68,7 @@ int Report(const RunOptions& options, const RunSession& session) {
   }
   const nlohmann::json json = SummaryToJson(summary);
   if (!keeps_old) WriteSummary(options.out, json);
-  Warn(summary);
+  Warn(options, summary);
   if (options.json) {
     fmt::print("{}\n", JsonText(json));
   } else if (!options.quiet && summary.statistics->frames() > 0) {

@@ -146,7 +146,9 @@ void RunSession::CheckStarted(Clock::time_point now) {
 
 void RunSession::CheckPlayed(Clock::time_point now) {
   const pid_t viewer = supervisor_.pid("viewer");
-  if (monitor_.StateOf(viewer) == "finished") {
+  // One that could not deliver everything says so, with its exit code, when it is stopped.
+  const std::string state = monitor_.StateOf(viewer);
+  if (state == "finished" || state == "failed") {
     phase_ = Phase::kSettling;
     phase_began_ = now;
     wall_s_ = SecondsSince(playing_since_);
@@ -209,6 +211,7 @@ RunSummary RunSession::Summary() const {
   summary.reason = reason_;
   summary.wall_s = wall_s_;
   summary.bad_frames = monitor_.bad_frames();
+  summary.missing_pictures = monitor_.missing_pictures();
   summary.unanswered_frames = monitor_.unanswered_frames();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();

@@ -148,6 +148,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"skipped_frames", s.skipped_frames()},
           {"bad_frames", summary.bad_frames},
           {"unanswered_frames", summary.unanswered_frames},
+          {"missing_pictures", summary.missing_pictures},
           {"all_frames", AllFrames(summary)},
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},

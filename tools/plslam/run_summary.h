@@ -30,6 +30,7 @@ struct RunSummary {
   std::string reason;
   double wall_s = 0.0;
   int64_t bad_frames = 0;         ///< unreadable, passed over
+  int64_t missing_pictures = 0;   ///< frames without the picture that report, film or overlays should have had
   int64_t unanswered_frames = 0;  ///< sent, but the tracker ended before it said anything of them
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;

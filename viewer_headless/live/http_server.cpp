@@ -4,19 +4,32 @@
 #include <fmt/format.h>
 #include <microhttpd.h>
 #include <netinet/in.h>
+#include <sys/socket.h>
 
 #include <array>
 #include <cerrno>
+#include <chrono>
+#include <condition_variable>
 #include <cstring>
 #include <exception>
+#include <map>
+#include <mutex>
 #include <stdexcept>
 #include <string_view>
+#include <thread>
+#include <utility>
 
 namespace plslam {
 namespace {
 
-constexpr unsigned kConnections = 16;
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned kConnections = 256;
+// Without a byte. Whoever sends one now and then is cut by the deadlines.
 constexpr unsigned kTimeout_s = 15;
+constexpr std::chrono::seconds kHeadLimit(5);
+constexpr std::chrono::seconds kAnswerLimit(60);
+constexpr std::chrono::milliseconds kWatchTick(200);
 constexpr size_t kConnectionBytes = 32 * 1024;
 constexpr size_t kMaxSince = 128;
 
@@ -63,23 +76,98 @@ HttpResponse Answer(MHD_Connection* connection, const char* url, const char* met
   }
 }
 
-MHD_Result OnRequest(void* handler, MHD_Connection* connection, const char* url, const char* method, const char*,
-                     const char*, size_t*, void** state) {
-  // Called once with the head; an answer before the body of a GET is asked for a second time would be dropped.
-  static int seen = 0;
-  const bool may_have_body = OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD";
-  if (*state == nullptr && !may_have_body) {
-    *state = &seen;
-    return MHD_YES;
+/// Cuts connections that take too long, which libmicrohttpd lets live as long as a byte comes now and then.
+class DeadlineWatch {
+ public:
+  DeadlineWatch() : thread_([this] { Watch(); }) {}
+  ~DeadlineWatch() {
+    {
+      const std::scoped_lock lock(mutex_);
+      stopping_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
   }
-  return Send(connection, Answer(connection, url, method, *static_cast<HttpServer::Handler*>(handler)));
-}
+  DeadlineWatch(const DeadlineWatch&) = delete;
+  DeadlineWatch& operator=(const DeadlineWatch&) = delete;
+
+  void Add(MHD_Connection* connection, int fd, Clock::duration limit) {
+    const std::scoped_lock lock(mutex_);
+    watched_[connection] = {fd, Clock::now() + limit};
+  }
+  void SetLimit(MHD_Connection* connection, Clock::duration limit) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = watched_.find(connection);
+    if (found != watched_.end()) found->second.deadline = Clock::now() + limit;
+  }
+  /// Before its socket is closed.
+  void Remove(MHD_Connection* connection) {
+    const std::scoped_lock lock(mutex_);
+    watched_.erase(connection);
+  }
+
+ private:
+  struct Watched {
+    int fd = -1;
+    Clock::time_point deadline;
+  };
+
+  void Watch() {
+    std::unique_lock lock(mutex_);
+    while (!stopping_) {
+      const auto now = Clock::now();
+      for (const auto& [connection, watched] : watched_) {
+        if (now >= watched.deadline) shutdown(watched.fd, SHUT_RDWR);
+      }
+      changed_.wait_for(lock, kWatchTick);
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::map<MHD_Connection*, Watched> watched_;
+  bool stopping_ = false;
+  std::thread thread_;
+};
 
 }  // namespace
 
 struct HttpServer::Impl {
   Handler handler;
+  DeadlineWatch watch;
   MHD_Daemon* daemon = nullptr;
+
+  /// What is known of a request between its head and its end.
+  struct Request {
+    std::function<void()> sent;
+  };
+
+  static void OnConnection(void* self, MHD_Connection* connection, void**, MHD_ConnectionNotificationCode code) {
+    DeadlineWatch& watch = static_cast<Impl*>(self)->watch;
+    if (code == MHD_CONNECTION_NOTIFY_CLOSED) return watch.Remove(connection);
+    const auto* info = MHD_get_connection_info(connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (info != nullptr) watch.Add(connection, info->connect_fd, kHeadLimit);
+  }
+
+  static MHD_Result OnRequest(void* self, MHD_Connection* connection, const char* url, const char* method,
+                              const char*, const char*, size_t*, void** state) {
+    auto* impl = static_cast<Impl*>(self);
+    const bool has_begun = *state != nullptr;
+    if (!has_begun) *state = new Request;
+    // Called once with the head; an answer before the body of a GET is asked for a second time would be dropped.
+    const bool may_have_body = OrEmpty(method) != "GET" && OrEmpty(method) != "HEAD";
+    if (!has_begun && !may_have_body) return MHD_YES;
+    impl->watch.SetLimit(connection, kAnswerLimit);
+    const HttpResponse answer = Answer(connection, url, method, impl->handler);
+    static_cast<Request*>(*state)->sent = answer.sent;
+    return Send(connection, answer);
+  }
+
+  static void OnCompleted(void* self, MHD_Connection* connection, void** state, MHD_RequestTerminationCode code) {
+    static_cast<Impl*>(self)->watch.SetLimit(connection, std::chrono::seconds(kTimeout_s) + kHeadLimit);
+    const std::unique_ptr<Request> request(static_cast<Request*>(std::exchange(*state, nullptr)));
+    if (request && request->sent && code == MHD_REQUEST_TERMINATED_COMPLETED_OK) request->sent();
+  }
 };
 
 HttpServer::HttpServer(int port, Handler handler) : impl_(std::make_unique<Impl>()) {
@@ -89,10 +177,12 @@ HttpServer::HttpServer(int port, Handler handler) : impl_(std::make_unique<Impl>
   address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   errno = 0;
-  impl_->daemon = MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD, 0, nullptr, nullptr, &OnRequest,
-                                   &impl_->handler, MHD_OPTION_SOCK_ADDR, &address, MHD_OPTION_CONNECTION_LIMIT,
-                                   kConnections, MHD_OPTION_CONNECTION_TIMEOUT, kTimeout_s,
-                                   MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionBytes, MHD_OPTION_END);
+  impl_->daemon = MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION, 0,
+                                   nullptr, nullptr, &Impl::OnRequest, impl_.get(), MHD_OPTION_SOCK_ADDR, &address,
+                                   MHD_OPTION_CONNECTION_LIMIT, kConnections, MHD_OPTION_CONNECTION_TIMEOUT,
+                                   kTimeout_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionBytes,
+                                   MHD_OPTION_NOTIFY_CONNECTION, &Impl::OnConnection, impl_.get(),
+                                   MHD_OPTION_NOTIFY_COMPLETED, &Impl::OnCompleted, impl_.get(), MHD_OPTION_END);
   if (impl_->daemon == nullptr) {
     throw std::runtime_error(fmt::format("port {} of 127.0.0.1 cannot be served: {}", port,
                                          errno != 0 ? std::strerror(errno) : "no reason"));

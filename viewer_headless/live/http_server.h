@@ -16,16 +16,19 @@ struct HttpResponse {
   int status = 200;
   std::string body;
   std::string type = "text/plain; charset=utf-8";
+  /// Called when all of it is on its way; may be empty.
+  std::function<void()> sent = nullptr;
 };
 
-/// Serves GET on 127.0.0.1 and nowhere else, from a thread of its own, to 16 connections at a time that may be idle for
-/// 15 s (others wait); other methods are refused. So are requests that name another host, so that a
-/// page of the network cannot read it through a browser here.
+/// Serves GET on 127.0.0.1 and nowhere else, to 256 connections at a time (more are cut), each on a thread of its own, so that
+/// nobody waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and 60 s for the answer;
+/// then it is cut. Other methods are refused, and so are requests that name another host, so that a page of the network cannot
+/// read it through a browser here.
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse(const HttpRequest&)>;
 
-  /// `port` 0: any free one. `handler` is called on the server's thread. Throws std::runtime_error where the port is taken.
+  /// `port` 0: any free one. `handler` is called on many threads. Throws std::runtime_error where the port is taken.
   HttpServer(int port, Handler handler);
   /// Returns when no handler runs any more.
   ~HttpServer();

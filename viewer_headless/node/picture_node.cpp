@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <exception>
+#include <filesystem>
+#include <limits>
+#include <utility>
 
 #include "core/io/images/png_file.h"
 #include "plslam/tracks_t.hpp"
@@ -13,8 +17,8 @@
 namespace plslam {
 namespace {
 
-constexpr size_t kMaxWaiting = 16;
 constexpr int kOverlayCompression = 3;
+constexpr const char* kNotHeard = "their images or features did not reach this viewer_headless";
 
 /// A picture of every so many-th frame is wanted by somebody; keyframes, which the report wants, can be any.
 int64_t Every(const ViewerOptions& options, const PictureStore* store) {
@@ -24,16 +28,24 @@ int64_t Every(const ViewerOptions& options, const PictureStore* store) {
 
 }  // namespace
 
-PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected)
-    : options_(options), sources_(sources), rejected_(std::move(rejected)), queue_(Every(options, sources.store)) {
+PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected,
+                         std::function<void()> came)
+    : options_(options),
+      sources_(sources),
+      rejected_(std::move(rejected)),
+      came_(std::move(came)),
+      queue_(Every(options, sources.store)) {
   BeginAgain(sources.store);
   const int64_t every = Every(options, sources.store);
   if (every == 0) return;
-  bus.Subscribe<tracks_t>(bus::kTracks, [this](const tracks_t& m) {
-    if (queue_.Wants(m.frame_id)) Use(queue_.AddFeatures(m.frame_id, ToOverlayFeatures(m)));
-  });
+  const auto on_tracks = [this](const tracks_t& m) {
+    if (queue_.Wants(m.frame_id)) queue_.AddFeatures(m.frame_id, ToOverlayFeatures(m));
+    UseAll();
+  };
+  bus.Subscribe<tracks_t>(bus::kTracks, on_tracks);
+  bus.Subscribe<tracks_t>(bus::kTracksLive, on_tracks);
   frames_ = std::make_unique<bus::FrameSubscriber>(
-      bus, bus::FrameSubscriber::Mode::kBestEffort, [this](const auto& frame) { OnFrame(frame); },
+      bus, bus::FrameSubscriber::Mode::kPictures, [this](const auto& frame) { OnFrame(frame); },
       // Called on the receiving thread: looks at nothing that changes.
       [every](int64_t frame_id) { return OverlayQueue(every).Wants(frame_id); });
 }
@@ -41,54 +53,133 @@ PictureNode::PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources so
 void PictureNode::BeginAgain(PictureStore* store) {
   sources_.store = store;
   film_.reset();
-  if (!options_.video.empty()) film_ = std::make_unique<Film>(options_.video);
+  film_problem_.reset();
+  if (!options_.video.empty() && sources_.map != nullptr) film_ = std::make_unique<Film>(options_.video);
   if (film_) film_->SetRate(rate_hz_);
   queue_ = OverlayQueue(Every(options_, store));
-  poses_.clear();
+  n_pictures_ = 0;
+  newest_ = -1;
+  problem_.clear();
 }
 
 void PictureNode::SetRectifier(const Rectifier* rectifier, double rate_hz) {
   rectifier_ = rectifier;
   rate_hz_ = rate_hz;
   if (film_) film_->SetRate(rate_hz_);
+  UseAll();
 }
 
 void PictureNode::AddPose(const FramePose& pose) {
-  if (!queue_.Wants(pose.frame_id)) return;
-  poses_.insert_or_assign(pose.frame_id, pose);
-  if (poses_.size() > kMaxWaiting) poses_.erase(poses_.begin());
-  Use(queue_.AddCaption(pose.frame_id, FrameCaption(pose)));
+  queue_.AddPose(pose);
+  UseAll();
 }
 
 void PictureNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
-  if (rectifier_ != nullptr) Use(queue_.AddImage(frame.images.frame_id, frame.images.left));
+  queue_.AddImage(frame.images.frame_id, frame.images.left);
+  UseAll();
 }
 
-void PictureNode::Use(const std::optional<OverlayQueue::Ready>& ready) {
-  if (!ready || rectifier_ == nullptr) return;
-  const auto pose = poses_.find(ready->frame_id);
-  const bool drawn = film_ || (options_.overlay_every > 0 && ready->frame_id % options_.overlay_every == 0);
+/// Pictures wait for the camera, too.
+void PictureNode::UseAll() {
+  while (rectifier_ != nullptr) {
+    const std::optional<OverlayQueue::Ready> ready = queue_.Next();
+    if (!ready) return;
+    Use(*ready);
+    came_();
+  }
+}
+
+void PictureNode::Use(const OverlayQueue::Ready& ready) {
+  const int64_t frame_id = ready.pose.frame_id;
+  ++n_pictures_;
+  newest_ = std::max(newest_, frame_id);
+  const bool drawn = film_ || IsOverlay(frame_id);
   PictureStore* const store = sources_.store;
-  const bool keyframe = store != nullptr && pose != poses_.end() && pose->second.keyframe_id >= 0;
-  const bool stored = store != nullptr && store->Wants(ready->frame_id);
+  const bool keyframe = store != nullptr && ready.pose.keyframe_id >= 0;
+  const bool stored = store != nullptr && store->Wants(frame_id);
   if (!drawn && !keyframe && !stored) return;
   try {
-    const cv::Mat image = rectifier_->RectifyLeft(ready->image);
-    if (stored) store->Add(ready->frame_id, image, ready->features);
-    if (keyframe) store->AddKeyframe(ready->frame_id, image);
+    const cv::Mat image = rectifier_->RectifyLeft(ready.image);
+    if (stored) store->Add(frame_id, image, ready.features);
+    if (keyframe) store->AddKeyframe(frame_id, image);
     if (!drawn) return;
-    const cv::Mat picture = DrawOverlay(image, ready->features, ready->caption);
-    if (options_.overlay_every > 0 && ready->frame_id % options_.overlay_every == 0)
-      WriteOverlay(ready->frame_id, picture);
-    if (film_ && pose != poses_.end() && sources_.map != nullptr) film_->Add(pose->second, picture, *sources_.map);
+    const cv::Mat picture = DrawOverlay(image, ready.features, FrameCaption(ready.pose));
+    if (film_) film_->Add(ready.pose, picture, *sources_.map);
+    if (IsOverlay(frame_id)) WriteOverlay(frame_id, picture);
   } catch (const std::exception& e) {
-    spdlog::warn("frame {}: {}", ready->frame_id, e.what());
+    spdlog::warn("frame {}: {}", frame_id, e.what());
+    if (problem_.empty()) problem_ = e.what();
     rejected_();
   }
 }
 
-void PictureNode::WriteOverlay(int64_t frame_id, const cv::Mat& picture) const {
-  WritePng(fmt::format("{}/overlays/{:06}.png", options_.out, frame_id), picture, kOverlayCompression);
+bool PictureNode::IsOverlay(int64_t frame_id) const {
+  return options_.overlay_every > 0 && frame_id % options_.overlay_every == 0;
+}
+
+std::string PictureNode::OverlayFile(int64_t frame_id) const {
+  return fmt::format("{}/overlays/{:06}.png", options_.out, frame_id);
+}
+
+void PictureNode::WriteOverlay(int64_t frame_id, const cv::Mat& picture) {
+  WritePng(OverlayFile(frame_id), picture, kOverlayCompression);
+}
+
+bool PictureNode::MayCome() const {
+  const auto& lacking = queue_.lacking();
+  return queue_.first_image() ? lacking.lower_bound(*queue_.first_image()) != lacking.end() : !lacking.empty();
+}
+
+PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep, bool ended) {
+  const int64_t last = ended ? std::numeric_limits<int64_t>::max() : newest_;
+  Result result;
+  int64_t lacking = 0, of_report = 0;
+  for (const int64_t frame_id : queue_.lacking()) {
+    if (frame_id > last) break;
+    ++lacking;
+    const bool stored = sources_.store != nullptr && sources_.store->Wants(frame_id);
+    of_report += stored ? 1 : 0;
+    const bool overlay = IsOverlay(frame_id) && !std::filesystem::exists(OverlayFile(frame_id));
+    result.missing += stored || overlay || !options_.video.empty() ? 1 : 0;
+  }
+  if (sources_.store != nullptr) sources_.store->SetMissing(of_report);
+  if (result.missing > 0) spdlog::warn("pictures of {} frames are missing: {}", result.missing, Why());
+  for (const std::string& failure : {LackOfOverlays(recorder, lockstep, last), LackOfFilm(lockstep, lacking)}) {
+    if (!failure.empty()) result.failures.push_back(failure);
+  }
+  return result;
+}
+
+std::string PictureNode::Why() const { return problem_.empty() ? kNotHeard : problem_; }
+
+std::string PictureNode::LackOfOverlays(const Recorder& recorder, bool lockstep, int64_t last) const {
+  if (options_.overlay_every == 0 || (!lockstep && problem_.empty())) return "";
+  int64_t asked = 0, missing = 0;
+  for (const auto& [frame_id, frame] : recorder.frames()) {
+    if (frame_id > last || !IsOverlay(frame_id)) continue;
+    ++asked;
+    missing += std::filesystem::exists(OverlayFile(frame_id)) ? 0 : 1;
+  }
+  if (missing == 0) return "";
+  return fmt::format("{} of {} pictures are not in {}/overlays: {}", missing, asked, options_.out, Why());
+}
+
+/// Half a film is none.
+std::string PictureNode::LackOfFilm(bool lockstep, int64_t missing) {
+  if (!film_) return film_problem_.value_or("");
+  film_problem_.emplace();
+  if (lockstep && missing > 0) {
+    film_problem_ = fmt::format("{}: no film: {} of {} frames have no picture: {}", options_.video, missing,
+                                n_pictures_ + missing, Why());
+  } else if (n_pictures_ + missing > 0) {
+    try {
+      film_->Finish();
+    } catch (const std::exception& e) {
+      film_problem_ = e.what();
+    }
+  }
+  film_.reset();
+  return *film_problem_;
 }
 
 }  // namespace plslam

@@ -37,6 +37,10 @@ ReportNode::ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sour
   bus.Every(kLiveTick, [this] { live_->Answer([this](const ReportSince& since) { return Json(since); }); });
 }
 
+ReportNode::~ReportNode() {
+  if (live_) live_->AnswerTheLast([this](const ReportSince& since) { return Json(since); });
+}
+
 void ReportNode::OnStream(const stream_t& message) {
   if (message.event != "begin") return;
   // That of an earlier run must not be taken for one of this.
@@ -61,6 +65,7 @@ void ReportNode::SetCamera(const StereoCamera& camera) {
 void ReportNode::BeginAgain() {
   report_ = std::make_unique<ReportRecorder>(options_.report_pictures, ++run_);
   if (camera_) report_->SetCamera(*camera_);
+  if (live_) live_->SetFinished(false);
 }
 
 int64_t ReportNode::NewestFrame() const {
@@ -74,6 +79,7 @@ std::string ReportNode::Json(const ReportSince& since) const {
 void ReportNode::Write() {
   if (!wanted_) return;
   report_->Finish();
+  if (live_) live_->SetFinished(true);
   if (!options_.report) return;
   WriteFileAtomically(options_.out + "/report.html", FillTemplate(*page_, Json(ReportSince())));
 }

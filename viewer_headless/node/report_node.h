@@ -27,6 +27,8 @@ class ReportNode {
 
   /// Throws std::runtime_error where the live page is asked for and cannot be served.
   ReportNode(bus::Bus& bus, const ViewerOptions& options, Sources sources);
+  /// Once pages that watch the run know that it is over, if it is.
+  ~ReportNode();
 
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);

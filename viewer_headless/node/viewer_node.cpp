@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <utility>
 
 #include "core/bus/messages/convert.h"
 #include "core/process/worker.h"
@@ -27,6 +28,8 @@ constexpr int kQuietTicksAtMost = 80;
 // Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a whole map is
 // adjusted in less.
 constexpr int kQuietTicksForTheMap = 240;
+// Pictures whose messages have to be sent again come sooner.
+constexpr int kQuietTicksForPictures = 20;
 constexpr size_t kRateTicks = 12;
 
 }  // namespace
@@ -41,12 +44,15 @@ ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
 ViewerNode::~ViewerNode() {
   try {
     // A run that ends before anything was played does not write over the one before.
-    if (dirty_ && HasPlayed()) Write();
+    if (dirty_ && HasPlayed()) Write(false);
     ShowProgress(true);
   } catch (const std::exception& e) {
-    spdlog::error("{}", e.what());
-    process_.Finish(1);
+    SetFailures({e.what()});
   }
+  const std::string& failure = failure_.empty() ? failure_before_ : failure_;
+  if (failure.empty()) return;
+  fmt::print(stderr, "{}: error: {}\n", process_.name(), failure);
+  process_.Finish(1);
 }
 
 void ViewerNode::Subscribe() {
@@ -66,8 +72,12 @@ void ViewerNode::Subscribe() {
   const Map& map = map_->replica().map();
   report_ =
       std::make_unique<ReportNode>(bus, options_, ReportNode::Sources{&recorder_, &map, [this] { return q_l_c(); }});
-  pictures_ = std::make_unique<PictureNode>(bus, options_, PictureNode::Sources{&map, report_->pictures()},
-                                            [this] { Reject(); });
+  pictures_ = std::make_unique<PictureNode>(
+      bus, options_, PictureNode::Sources{&map, report_->pictures()}, [this] { Reject(); },
+      [this] {
+        dirty_ = true;
+        quiet_ticks_ = 0;
+      });
   bus.Every(kTick, [this] { OnTick(); });
 }
 
@@ -83,6 +93,7 @@ void ViewerNode::OnCamera(const camera_t& message) {
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);
     dirty_ = dirty_ || written_;
+    quiet_ticks_ = 0;
   } catch (const std::exception& e) {
     spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
     Reject();
@@ -91,7 +102,12 @@ void ViewerNode::OnCamera(const camera_t& message) {
 
 void ViewerNode::OnStream(const stream_t& message) {
   if (message.event == "begin") {
+    // Who speaks for a player that has ended says again what that had said.
+    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
+    if (stream == stream_) return;
     if (written_) BeginAgain();
+    stream_ = stream;
+    lockstep_ = message.pace == "lockstep";
     announced_frames_ = message.n_frames;
     report_->OnStream(message);
   } else if (message.event == "end") {
@@ -104,6 +120,7 @@ void ViewerNode::OnStream(const stream_t& message) {
 
 void ViewerNode::BeginAgain() {
   spdlog::info("a new stream begins: the files in {} will be about it", options_.out);
+  if (!failure_.empty()) failure_before_ = std::exchange(failure_, "");
   recorder_ = {};
   written_ = dirty_ = vo_finished_ = false;
   history_.clear();
@@ -113,11 +130,12 @@ void ViewerNode::BeginAgain() {
 
 void ViewerNode::OnPose(const pose_t& message) {
   const std::optional<FramePose> pose = ToFramePose(message);
+  const size_t frames = recorder_.frames().size();
   if (!pose || !recorder_.AddPose(*pose)) return Reject();
   if (recorder_.frames().size() == 1) process_.SetState("running");
   dirty_ = true;
   quiet_ticks_ = 0;
-  pictures_->AddPose(*pose);
+  if (recorder_.frames().size() > frames) pictures_->AddPose(*pose);
 }
 
 void ViewerNode::OnStatus(const status_t& message) {
@@ -137,7 +155,7 @@ void ViewerNode::OnMap(const MapUpdate& update) {
 void ViewerNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
   if (!ours || message.verb != "finish") return;
-  if (dirty_) Write();
+  if (dirty_) Write(false);
   process_.Finish();
 }
 
@@ -145,8 +163,8 @@ void ViewerNode::OnTick() {
   ShowProgress(false);
   // One quiet tick: the true poses of the last frames may come after their estimates.
   if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
-    Write();
-    process_.SetState("finished");
+    Write(true);
+    if (failure_.empty()) process_.SetState("finished");
   }
 }
 
@@ -155,6 +173,8 @@ bool ViewerNode::HasPlayed() const { return announced_frames_ >= 0 || !recorder_
 bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;
   if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
+  if (!rectifier_ && quiet_ticks_ <= kQuietTicksAtMost) return false;
+  if (PicturesMayCome() && quiet_ticks_ <= kQuietTicksForPictures) return false;
   if (recorder_.IsComplete()) return true;
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
 }
@@ -166,15 +186,41 @@ bool ViewerNode::MapIsComplete() const {
   return !last || settled_.Has(last->first, last->second);
 }
 
-void ViewerNode::Write() {
-  if (!rectifier_ && !recorder_.frames().empty()) {
-    spdlog::warn("no camera was announced: trajectories are those of the rectified camera");
-  }
-  WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
-  report_->Write();
-  pictures_->EndFilm();
+bool ViewerNode::PicturesMayCome() const { return lockstep_ && pictures_->MayCome(); }
+
+void ViewerNode::Write(bool ended) {
   written_ = true;
   dirty_ = false;
+  // First: the report says which pictures it lacks.
+  const PictureNode::Result pictures = pictures_->Finish(recorder_, lockstep_, ended);
+  process_.SetCounter("pictures.missing", static_cast<double>(pictures.missing));
+  std::vector<std::string> failures = WriteFiles();
+  failures.insert(failures.end(), pictures.failures.begin(), pictures.failures.end());
+  SetFailures(failures);
+}
+
+std::vector<std::string> ViewerNode::WriteFiles() {
+  if (!rectifier_ && !recorder_.frames().empty()) {
+    return {
+        fmt::format("nothing is written to {}: poses were heard, but no camera (CAMERA, which the player repeats "
+                    "every second); without it "
+                    "poses of the rectified camera cannot be turned into those of the left camera",
+                    options_.out)};
+  }
+  std::vector<std::string> failures = WriteOutputs(options_.out, recorder_, map_->replica().map(), q_l_c());
+  try {
+    report_->Write();
+  } catch (const std::exception& e) {
+    failures.emplace_back(e.what());
+  }
+  return failures;
+}
+
+void ViewerNode::SetFailures(const std::vector<std::string>& failures) {
+  for (const std::string& failure : failures) spdlog::error("{}", failure);
+  failure_ = failures.empty() ? "" : failures.front();
+  if (failures.size() > 1) failure_ += fmt::format(" (and {} more, in the log)", failures.size() - 1);
+  if (!failure_.empty()) process_.SetState("failed", failure_);
 }
 
 void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }

@@ -24,13 +24,15 @@
 namespace plslam {
 
 /// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
-/// ended, every pose is there and the map has taken in the last keyframe (state "finished"), and again when it is told to stop and something came after.
+/// ended, camera and every pose are there, in lockstep every picture, and the map has taken in the last keyframe (state
+/// "finished"), and again when it is told to stop and something came after. What was asked for and cannot be delivered makes the
+/// state "failed", with the reason, and exit code 1 at the end.
 /// Never needed by the others: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
   /// Throws std::runtime_error where the output folder cannot be written.
   ViewerNode(bus::Process& process, const ViewerOptions& options);
-  /// Writes what is there and not yet written; a failure is logged and becomes exit code 1.
+  /// Writes what is there and not yet written. What could not be delivered is said once more, as the last word.
   ~ViewerNode();
   ViewerNode(const ViewerNode&) = delete;
   ViewerNode& operator=(const ViewerNode&) = delete;
@@ -50,7 +52,11 @@ class ViewerNode {
   bool HasPlayed() const;
   bool RunIsOver() const;
   bool MapIsComplete() const;
-  void Write();
+  bool PicturesMayCome() const;
+  /// `ended`: the run is over; else it is stopped early.
+  void Write(bool ended);
+  std::vector<std::string> WriteFiles();
+  void SetFailures(const std::vector<std::string>& failures);
   void Reject();
   void ShowProgress(bool last);
   double FramesPerSecond();
@@ -64,6 +70,9 @@ class ViewerNode {
   std::unique_ptr<PictureNode> pictures_;
   std::vector<uint8_t> camera_bytes_;
   int64_t announced_frames_ = -1;
+  /// Of the player that began it, and whether every frame is waited for.
+  int64_t stream_ = 0;
+  bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;
   SettledKeyframes settled_;
@@ -71,6 +80,8 @@ class ViewerNode {
   bool dirty_ = false;
   int quiet_ticks_ = 0;
   bool written_ = false;
+  /// What could not be delivered, in one sentence: of this stream, and of one before it. Empty: all is well.
+  std::string failure_, failure_before_;
   int64_t rejected_ = 0;
   bool on_terminal_;
   /// (seconds, frames) of the last ticks, for the rate.

@@ -25,6 +25,10 @@ class PictureStore {
   void Add(int64_t frame_id, const cv::Mat& image, const OverlayFeatures& features);
   void AddKeyframe(int64_t frame_id, const cv::Mat& image);
 
+  /// So many pictures of frames that were wanted have not come.
+  void SetMissing(int64_t n) { missing_ = n; }
+  int64_t missing() const { return missing_; }
+
   const std::map<int64_t, ReportPicture>& pictures() const { return pictures_; }
   /// JPEG of the keyframe at that frame; empty where there is none.
   std::string Keyframe(int64_t frame_id) const;
@@ -34,6 +38,7 @@ class PictureStore {
 
   int64_t max_pictures_;
   int64_t stride_ = 1;
+  int64_t missing_ = 0;
   std::map<int64_t, ReportPicture> pictures_;
   std::map<int64_t, std::string> keyframes_;
 };

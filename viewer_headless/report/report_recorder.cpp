@@ -65,6 +65,11 @@ void ReportRecorder::AddNotes(const Recorder& recorder, const Map& map, int64_t 
   if (pictures_.stride() > 1) {
     data->notes.push_back(fmt::format("Every {} frame has a picture.", Ordinal(pictures_.stride())));
   }
+  if (pictures_.missing() > 0) {
+    data->notes.push_back(
+        fmt::format("{} of {} pictures of frames are missing: their images or features did not come.",
+                    pictures_.missing(), pictures_.missing() + static_cast<int64_t>(pictures_.pictures().size())));
+  }
   if (corrections_.dropped() > 0) {
     data->notes.push_back(
         fmt::format("{} more corrections by loops, smaller than those shown, are left out.", corrections_.dropped()));

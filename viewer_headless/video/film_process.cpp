@@ -97,7 +97,9 @@ std::string FilmProcess::End() {
 void FilmProcess::FailWithEnd() {
   // One that still runs is stuck: the time is over.
   if (pid_ > 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) kill(pid_, SIGKILL);
-  throw std::runtime_error(fmt::format("{}: no film: {} {}", file_, program_, End()));
+  const std::string why = fmt::format("{}: no film: {} {}", file_, program_, End());
+  if (!begun_) throw NoFilmsHere(why);
+  throw std::runtime_error(why);
 }
 
 void FilmProcess::Send(const void* bytes, size_t n) {
@@ -123,14 +125,18 @@ void FilmProcess::Await(const std::string& expected) {
   }
   if (line == expected) return;
   End();
-  throw std::runtime_error(line.starts_with("error ") ? line.substr(6) : fmt::format("{} says '{}'", program_, line));
+  const auto after = [&line](const std::string& word) { return line.substr(word.size()); };
+  if (line.starts_with(film_stream::kUnable)) throw NoFilmsHere(after(film_stream::kUnable));
+  if (line.starts_with(film_stream::kError)) throw std::runtime_error(after(film_stream::kError));
+  throw std::runtime_error(fmt::format("{} says '{}'", program_, line));
 }
 
 void FilmProcess::Begin(double rate_hz, cv::Size size) {
-  if (pid_ < 0) throw std::runtime_error(start_error_);
+  if (pid_ < 0) throw NoFilmsHere(start_error_);
   const std::string film = fmt::format("{} {} {}\n", size.width, size.height, rate_hz);
   Send(film.data(), film.size());
   Await(film_stream::kReady);
+  begun_ = true;
 }
 
 void FilmProcess::Add(const cv::Mat& picture) {

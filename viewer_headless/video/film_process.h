@@ -4,12 +4,19 @@
 
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
+#include <stdexcept>
 #include <string>
 
 namespace plslam {
 
 /// The program plslam_film, beside this one.
 std::filesystem::path FilmProgram();
+
+/// This machine cannot write films, wherever they are to be: the program does not run, or has no encoder.
+class NoFilmsHere : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// A film that plslam_film writes: a program of its own, so that nobody who wants no film loads the 250 libraries of OpenCV's
 /// videoio. It starts at once, and has loaded them when the first picture comes. Where it dies or says no, `Begin`, `Add` and
@@ -24,7 +31,7 @@ class FilmProcess {
   FilmProcess& operator=(const FilmProcess&) = delete;
 
   pid_t pid() const { return pid_; }
-  /// Once, before the first picture. Sides are even.
+  /// Once, before the first picture. Sides are even. Throws NoFilmsHere, too.
   void Begin(double rate_hz, cv::Size size);
   /// 8-bit BGR, of that size.
   void Add(const cv::Mat& picture);
@@ -44,6 +51,7 @@ class FilmProcess {
   std::string start_error_;
   pid_t pid_ = -1;
   int socket_ = -1;
+  bool begun_ = false;
 };
 
 }  // namespace plslam

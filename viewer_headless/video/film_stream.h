@@ -5,7 +5,7 @@
 /// What viewer_headless and plslam_film say to each other, on the standard input and output of the latter:
 ///
 ///   "WIDTH HEIGHT RATE\n"                what the film is; even numbers of pixels, pictures a second
-///       "ready\n" or "error WHY\n"
+///       "ready\n", or "error WHY\n", or "unable WHY\n" where there is no encoder
 ///   byte 1, WIDTH * HEIGHT * 3 bytes     a picture, BGR; any number of them
 ///   byte 0                               the film is whole
 ///       "done\n" or "error WHY\n"
@@ -17,6 +17,8 @@ inline constexpr char kPicture = 1;
 inline constexpr char kEnd = 0;
 inline constexpr char kReady[] = "ready";
 inline constexpr char kDone[] = "done";
+inline constexpr char kError[] = "error ";
+inline constexpr char kUnable[] = "unable ";
 inline constexpr int kMaxSide_px = 16384;
 
 /// The name of FILE.mp4 while it is written.

@@ -2,12 +2,20 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "viewer_headless/video/film_stream.h"
 
@@ -30,8 +38,49 @@ void Answer(std::FILE* out, const std::string& line) {
 }
 
 int Refuse(std::FILE* out, const std::string& why) {
-  Answer(out, "error " + why);
+  Answer(out, film_stream::kError + why);
   return 1;
+}
+
+/// Why nothing more can be written to the file, by trying: OpenCV does not tell. Empty where it can.
+std::string WhyNotWritable(const std::string& part) {
+  const std::vector<char> some(64 * 1024);
+  errno = 0;
+  std::FILE* file = std::fopen(part.c_str(), "ab");
+  const bool written = file != nullptr && std::fwrite(some.data(), 1, some.size(), file) == some.size();
+  const bool closed = file != nullptr && std::fclose(file) == 0;
+  return written && closed ? "" : std::strerror(errno);
+}
+
+int RefuseToWrite(std::FILE* out, const std::string& file) {
+  const std::string part = film_stream::PartOf(file);
+  const std::string why = WhyNotWritable(part);
+  std::remove(part.c_str());
+  return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was cut off" : why));
+}
+
+/// The boxes of an MP4 file, one behind the other, reach to its end, and the one with the index, which is written last, is
+/// among them. OpenCV and FFmpeg go on without a word when a disk is full.
+bool IsWholeMp4(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto end = static_cast<uint64_t>(file.tellg());
+  bool has_index = false;
+  for (uint64_t at = 0; file && at < end;) {
+    std::array<unsigned char, 16> head{};
+    file.seekg(static_cast<std::streamoff>(at));
+    file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(std::min<uint64_t>(16, end - at)));
+    const auto number = [&head](size_t first, size_t n) {
+      uint64_t value = 0;
+      for (size_t i = 0; i < n; ++i) value = value << 8U | head[first + i];
+      return value;
+    };
+    uint64_t bytes = number(0, 4);
+    if (bytes == 1) bytes = number(8, 8);
+    if (bytes < 8 || bytes > end - at) return false;
+    has_index = has_index || std::equal(head.begin() + 4, head.begin() + 8, "moov");
+    at += bytes;
+  }
+  return has_index;
 }
 
 bool OpenFilm(cv::VideoWriter& writer, const std::string& part, const FilmFormat& format) {
@@ -67,13 +116,19 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   }
   const std::string part = film_stream::PartOf(file);
   cv::VideoWriter writer;
-  if (!OpenFilm(writer, part, format)) return Refuse(out, file + ": OpenCV cannot write MP4 files here");
+  if (!OpenFilm(writer, part, format)) {
+    if (!WhyNotWritable(part).empty()) return RefuseToWrite(out, file);
+    std::remove(part.c_str());
+    Answer(out, film_stream::kUnable + file + ": OpenCV cannot write MP4 files here");
+    return 1;
+  }
   Answer(out, film_stream::kReady);
   if (!CopyPictures(in, writer, format.size)) {
     std::remove(part.c_str());
     return Refuse(out, file + ": the pictures ended before the film");
   }
   writer.release();
+  if (!IsWholeMp4(part)) return RefuseToWrite(out, file);
   std::error_code error;
   std::filesystem::rename(part, file, error);
   if (error) {

@@ -30,21 +30,13 @@ RunVideo::RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, d
     try {
       film_->Begin(rate_hz, size_);
       return;
-    } catch (const std::runtime_error& e) {
+    } catch (const NoFilmsHere& e) {
       why_folder_ = e.what();
     }
     film_.reset();
     path_ = path.substr(0, path.size() - 4);
   }
   MakeFolder(path_);
-}
-
-RunVideo::~RunVideo() {
-  try {
-    Close();
-  } catch (const std::exception&) {
-    // Who wants to know calls Close.
-  }
 }
 
 void RunVideo::Close() {

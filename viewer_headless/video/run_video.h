@@ -14,11 +14,11 @@ namespace plslam {
 /// even).
 class RunVideo {
  public:
-  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error where
-  /// neither can be written.
+  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error where the
+  /// one that is meant cannot be written.
   RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, double rate_hz, const cv::Size& size);
-  /// Closes, without a word where that fails.
-  ~RunVideo();
+  /// Of a file that is not closed nothing is left.
+  ~RunVideo() = default;
   RunVideo(const RunVideo&) = delete;
   RunVideo& operator=(const RunVideo&) = delete;
 

@@ -396,7 +396,7 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
   tracks_t message = ToTracksMessage(result);
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
-  process_.bus().Publish(bus::kTracks, message);
+  process_.bus().Publish(frame.lockstep ? bus::kTracks : bus::kTracksLive, message);
 }
 
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.

@@ -95,7 +95,6 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
 
   void Subscribe(const Channel& channel, Lane& lane);
   bool Ready() const { return waiting < kMaxWaiting; }
-  bool InOrder(const Lane& lane) const { return lane.lockstep && mode == Mode::kReliable; }
   void OnStrip(Lane& lane, ByteView bytes);
   void OnFrame(Lane& lane, AssembledFrame frame);
   void Queue(AssembledFrame frame, bool lockstep);
@@ -118,8 +117,8 @@ struct FrameSubscriber::Impl : std::enable_shared_from_this<FrameSubscriber::Imp
 
 void FrameSubscriber::Impl::Subscribe(const Channel& channel, Lane& lane) {
   using Reading = Bus::Reading;
-  const bool reliable = mode == Mode::kReliable;
-  const Reading reading = !reliable ? Reading::kAsItComes : lane.lockstep ? Reading::kOrdered : Reading::kPaced;
+  const Reading in_real_time = mode == Mode::kReliable ? Reading::kPaced : Reading::kAsItComes;
+  const Reading reading = lane.lockstep ? Reading::kOrdered : in_real_time;
   const std::weak_ptr<Impl> weak = weak_from_this();
   bus.SubscribeBytes(
       channel, reading,
@@ -137,7 +136,7 @@ void FrameSubscriber::Impl::OnStrip(Lane& lane, ByteView bytes) {
   const int64_t frame_id = ReadInt64(bytes.data() + kWireHeaderBytes);
   const auto known = lane.completed.find(source);
   // In order each strip comes once: a frame that comes again was sent again, as by a player that has gone back.
-  if (!InOrder(lane) && known != lane.completed.end() && frame_id <= known->second) return;
+  if (!lane.lockstep && known != lane.completed.end() && frame_id <= known->second) return;
   if (wanted && !wanted(frame_id)) return;
   if (lane.strip.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
   switch (lane.assembler.Add(lane.strip)) {
@@ -159,9 +158,9 @@ void FrameSubscriber::Impl::OnFrame(Lane& lane, AssembledFrame frame) {
   lane.completed[frame.source] = frame.images.frame_id;
   // What is older and still unfinished will stay so: its strips are lost, or in lockstep, given up.
   lane.assembler.Forget(frame.source, frame.images.frame_id);
-  if (InOrder(lane)) return Queue(std::move(frame), true);
+  if (lane.lockstep) return Queue(std::move(frame), true);
   if (mode == Mode::kReliable) return OfferNewest(std::move(frame));
-  if (Ready()) Queue(std::move(frame), lane.lockstep);
+  if (Ready()) Queue(std::move(frame), false);
 }
 
 void FrameSubscriber::Impl::Queue(AssembledFrame frame, bool lockstep) {

@@ -25,8 +25,8 @@ class FramePublisher {
 };
 
 /// Puts strips together again, of both the lockstep and the live channel, and delivers whole frames on the thread of
-/// `Bus::Run`. In lockstep every frame in order, and again where it was sent again; live the newest whole one, with the
-/// number passed over before it.
+/// `Bus::Run`. In lockstep every frame in order, repaired and acknowledged, and again where it was sent again; live the newest
+/// whole one, with the number passed over before it.
 class FrameSubscriber {
  public:
   struct Frame {
@@ -36,8 +36,8 @@ class FrameSubscriber {
     int skipped = 0;  ///< frames of this publisher since the last one handled that were not
   };
   enum class Mode {
-    kReliable,    ///< repairs and acknowledges (vo_process)
-    kBestEffort,  ///< takes whole frames when it gets them (pictures); `wanted` says which frame ids are worth it
+    kReliable,  ///< for who needs the newest frame in real time, and keeps the publisher's pace (vo_process)
+    kPictures,  ///< in real time takes whole frames when it gets them; `wanted` says which frame ids are worth it
   };
 
   /// `wanted` is asked on the receiving thread: it must be quick, and safe there.

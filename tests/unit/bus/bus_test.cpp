@@ -204,7 +204,7 @@ TEST(Bus, LatestMessageOvertakesOlderOnes) {
   Waiter entered;
   std::mutex gate;
   RunningBus bus(OptionsFor("memq://"));
-  bus->Subscribe<tracks_t>(kTracks, [&](const tracks_t& tracks) {
+  bus->Subscribe<tracks_t>(kTracksLive, [&](const tracks_t& tracks) {
     entered.Add();
     const std::lock_guard lock(gate);
     frames.push_back(tracks.frame_id);
@@ -214,7 +214,7 @@ TEST(Bus, LatestMessageOvertakesOlderOnes) {
   const auto publish = [&](int64_t id) {
     tracks_t tracks{};
     tracks.frame_id = id;
-    bus->Publish(kTracks, tracks);
+    bus->Publish(kTracksLive, tracks);
   };
   {
     const std::lock_guard closed(gate);

@@ -295,7 +295,7 @@ TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
   Waiter handled;
   RunningBus reader(OptionsFor(url), "viewer");
   FrameSubscriber subscriber(
-      *reader, FrameSubscriber::Mode::kBestEffort,
+      *reader, FrameSubscriber::Mode::kPictures,
       [&](const FrameSubscriber::Frame& frame) {
         EXPECT_EQ(frame.images.frame_id % 5, 0);
         handled.Add();
@@ -310,7 +310,38 @@ TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
       ASSERT_TRUE(handled.Reaches(i / 5 + 1));
     }
   }
-  EXPECT_EQ(publisher.ReaderCount(kStereoFrame), 0);
+}
+
+TEST(FrameChannel, SlowReaderOfPicturesGetsEveryFrameInLockstep) {
+  constexpr int kFrames = 24;
+  BusOptions options = OptionsFor(PrivateUrl());
+  // Frames that nobody has taken yet do not fit into the history, and a reader takes longer for each than a publisher waits.
+  options.history_bytes = 200'000;
+  options.max_wait_ms = 10;
+  Waiter handled;
+  RunningBus reader(options, "viewer");
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kPictures, [&](const FrameSubscriber::Frame& frame) {
+    EXPECT_EQ(frame.images.frame_id, handled.value());
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    handled.Add();
+  });
+  reader.Start();
+  RunningBus publisher(options, "publisher");
+  ASSERT_TRUE(test::WaitForReaders(*publisher, kStereoFrame, 1));
+  FramePublisher frames(*publisher, true);
+  for (int i = 0; i < kFrames; ++i) frames.Publish(FrameOf(i, 640, 480));
+  EXPECT_TRUE(handled.Reaches(kFrames)) << handled.value();
+}
+
+TEST(FrameChannel, ReaderOfPicturesHoldsNobodyUpInRealTime) {
+  const std::string url = PrivateUrl();
+  RunningBus reader(OptionsFor(url), "viewer");
+  FrameSubscriber subscriber(*reader, FrameSubscriber::Mode::kPictures, [](const FrameSubscriber::Frame&) {});
+  reader.Start();
+  Bus publisher(OptionsFor(url), "publisher");
+  ASSERT_TRUE(test::WaitForReaders(publisher, kStereoFrame, 1));
+  FramePublisher(publisher, false).Publish(FrameOf(0, 320, 240));
+  EXPECT_EQ(publisher.ReaderCount(kStereoFrameLive), 0);
 }
 
 TEST(FramePublisher, RefusesColourAndEmptyImages) {

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <mutex>
@@ -13,8 +14,10 @@
 #include <vector>
 
 #include "core/process/process_usage.h"
+#include "plslam/camera_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam {
@@ -114,6 +117,42 @@ TEST(HistoryKeeper, SaysInTheirPlaceWhatTheDeadHaveSaid) {
   ASSERT_TRUE(Eventually([&] { return late.poses().size() == 4; }));
   EXPECT_EQ(keeper->said_again(), 4) << "once";
   EXPECT_EQ(keeper->kept(), 4) << "what it says itself is not kept again";
+}
+
+TEST(HistoryKeeper, RepeatsTheCameraAndTheStreamOfAPlayerThatHasEnded) {
+  const std::string url = PrivateUrl();
+  RunningKeeper keeper(url, testing::TempDir());
+  std::atomic<int> before = 0;
+  std::atomic<int> cameras = 0;
+  std::atomic<int64_t> stream = 0;
+  {
+    bus::test::RunningBus listener(On(url));
+    listener->Subscribe<camera_t>(bus::kCamera, [&](const camera_t&) { ++before; });
+    listener.Start();
+    bus::Bus player(On(url), "player");
+    SayAlive(player, 7);
+    stream_t end{};
+    end.event = "end";
+    end.header.session = player.source();
+    stream = player.source();
+    player.Publish(bus::kStream, end);
+    ASSERT_TRUE(Eventually([&] {
+      camera_t camera{};
+      camera.rig_name = "rig";
+      player.Publish(bus::kCamera, camera);
+      return before > 0 && keeper->kept() == 1;
+    }));
+    listener.Join();
+  }
+  bus::test::RunningBus late(On(url));
+  std::atomic<int64_t> session = 0;
+  late->Subscribe<camera_t>(bus::kCamera, [&](const camera_t& m) { cameras += m.rig_name == "rig" ? 1 : 0; });
+  late->Subscribe<stream_t>(bus::kStream, [&](const stream_t& m) { session = m.header.session; });
+  late.Start();
+  keeper.Exit(7);
+  EXPECT_TRUE(Eventually([&] { return cameras >= 2; })) << "not only once";
+  EXPECT_TRUE(Eventually([&] { return session == stream; }));
+  late.Join();
 }
 
 TEST(HistoryKeeper, SaysNothingWhereAllProcessesEnd) {

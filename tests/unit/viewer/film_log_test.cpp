@@ -1,4 +1,4 @@
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
@@ -51,6 +51,8 @@ TEST(FilmLog, WhereNothingCanBeWrittenItIsSaidOnceAndTheRunGoesOn) {
   {
     Film film(folder.Write("file", "") + "/film");
     AddPictures(film, 6);
+    EXPECT_THAT([&] { film.Finish(); },
+                testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("cannot be made a folder")));
   }
   EXPECT_EQ(log.Count("cannot be made a folder"), 1);
   EXPECT_EQ(log.Count("film of the run"), 0);
@@ -62,6 +64,7 @@ TEST(FilmLog, APictureAloneIsWrittenAtTheEnd) {
   {
     Film film(folder.Path("film"));
     AddPictures(film, 1);
+    film.Finish();
   }
   EXPECT_EQ(log.Count("film (1 pictures)"), 1);
   EXPECT_TRUE(std::filesystem::exists(folder.Path("film/000000.png")));
@@ -79,6 +82,7 @@ TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
       pose.t_ns = 1'000'000 * t_ms;
       film.Add(pose, overlay, Map());
     }
+    film.Finish();
   }
   std::ptrdiff_t n = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.Path("film"))) n += entry.is_regular_file();

@@ -1,4 +1,5 @@
 // Films as files, which OpenCV's videoio reads back.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <signal.h>
 
@@ -34,6 +35,7 @@ TEST(Film, AnMp4FileThatOpenCvReadsBack) {
     EXPECT_FALSE(std::filesystem::exists(file)) << "not before it is whole";
     EXPECT_EQ(video.pictures(), 12);
     EXPECT_EQ(video.path(), file);
+    video.Close();
   }
   EXPECT_FALSE(std::filesystem::exists(folder.Path("deep/film.part.mp4")));
   cv::VideoCapture capture(file);
@@ -77,6 +79,37 @@ TEST(Film, WhereTheProgramIsKilledOneSentenceSaysSo) {
   EXPECT_THROW(video.Close(), std::runtime_error);
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path("")));
 }
+
+/// plslam_film where no file may have more than so many blocks of 512 bytes, as where a disk is full.
+std::unique_ptr<FilmProcess> StartWithLimit(const ScratchFolder& folder, const std::string& file, int blocks) {
+  const std::string program = folder.Write("limited", fmt::format("#!/bin/sh\nulimit -f {}\nexec {} \"$@\"\n", blocks,
+                                                                  (test::BinaryFolder() / "plslam_film").string()));
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  return std::make_unique<FilmProcess>(file, program);
+}
+
+class FilmOnAFullDisk : public testing::TestWithParam<int> {};
+
+TEST_P(FilmOnAFullDisk, IsToldWithTheReasonOfTheSystemAndNothingIsLeft) {
+  const ScratchFolder folder;
+  const std::string file = folder.Path("film.mp4");
+  const auto film = [&] {
+    RunVideo video(file, StartWithLimit(folder, file, GetParam()), 10.0, {640, 480});
+    cv::Mat noise(480, 640, CV_8UC3);
+    cv::RNG random(1);
+    for (int i = 0; i < 12; ++i) {
+      random.fill(noise, cv::RNG::UNIFORM, 0, 256);
+      video.Add(noise);
+    }
+    video.Close();
+  };
+  EXPECT_THAT(film, ThrowsMessage<std::runtime_error>(HasSubstr("film.mp4: cannot be written: File too large")));
+  for (const auto& entry : std::filesystem::directory_iterator(folder.Path(""))) {
+    EXPECT_EQ(entry.path().filename(), "limited") << "neither a film nor pictures in its place";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(FromTheStartAndHalfway, FilmOnAFullDisk, testing::Values(0, 100));
 
 /// As where the viewer is killed.
 TEST(Film, NothingIsLeftOfOneThatIsNotFinished) {

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 #include <vector>
 
@@ -125,18 +126,83 @@ TEST_F(LiveViewTest, NonsenseDoesNoHarm) {
   EXPECT_THAT(Ask(port(), Get("/")), StartsWith("HTTP/1.1 200")) << "it still lives";
 }
 
-TEST_F(LiveViewTest, MoreConnectionsThanAllowedWaitForTheirTurn) {
+TEST_F(LiveViewTest, IdleConnectionsKeepNobodyOut) {
   std::vector<std::unique_ptr<Socket>> idle;
-  for (int i = 0; i < 16; ++i) {
+  for (int i = 0; i < 100; ++i) {
     idle.push_back(std::make_unique<Socket>(port()));
-    // What has begun a request holds its place.
     idle.back()->Send("GET / HTTP/1.1\r\n");
   }
-  Socket more(port());
-  more.Send(Get("/"));
+  EXPECT_THAT(Ask(port(), Get("/")), HasSubstr("<page>"));
   idle.front()->Send("Host: localhost\r\nConnection: close\r\n\r\n");
-  EXPECT_THAT(idle.front()->ReadAll(), HasSubstr("<page>")) << "those who are in are served";
-  EXPECT_THAT(more.ReadAll(), HasSubstr("<page>")) << "and then it is the next one's turn";
+  EXPECT_THAT(idle.front()->ReadAll(), HasSubstr("<page>"));
+}
+
+TEST_F(LiveViewTest, SlowClientsAreCutHoweverManyThereAre) {
+  std::vector<std::unique_ptr<Socket>> slow;
+  for (int i = 0; i < 300; ++i) slow.push_back(std::make_unique<Socket>(port()));
+  std::atomic<bool> over = false;
+  std::thread dripping([&] {
+    const std::string head = "GET /" + std::string(10'000, 'a');
+    for (size_t at = 0; !over && at < head.size(); ++at) {
+      for (const auto& socket : slow) socket->Send(head.substr(at, 1));
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  });
+  const auto began = std::chrono::steady_clock::now();
+  std::string page;
+  // As a browser does where it is turned away.
+  while (page.empty() && std::chrono::steady_clock::now() - began < std::chrono::seconds(30)) {
+    page = Ask(port(), Get("/"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  EXPECT_THAT(page, HasSubstr("<page>"));
+  std::printf("  served after %.1f s\n",
+              std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+  over = true;
+  dripping.join();
+}
+
+TEST_F(LiveViewTest, NobodyWaitsForAnother) {
+  // The first waits for the end, which does not come.
+  Socket waits(port());
+  waits.Send(Get("/end"));
+  EXPECT_THAT(Ask(port(), Get("/data.json")), HasSubstr("{\"rows\": 0}"));
+  EXPECT_THAT(Ask(port(), Get("/")), HasSubstr("<page>"));
+  view_.SetFinished(true);
+  EXPECT_THAT(waits.ReadAll(), HasSubstr("\r\n\r\nfinished"));
+}
+
+TEST(LiveView, WhoIsToldOfTheEndGetsWhatWasNewThen) {
+  LiveView view(0, "<page>");
+  std::string end, data;
+  std::atomic<bool> asked = false;
+  // As the page does: what is new is asked for when the end is known.
+  std::thread page([&] {
+    Socket socket(view.port());
+    socket.Send(Get("/end"));
+    asked = true;
+    end = socket.ReadAll();
+    data = Ask(view.port(), Get("/data.json"));
+  });
+  while (!asked) std::this_thread::yield();
+  const auto json = [](const ReportSince&) { return std::string("{\"finished\": true}"); };
+  // Whether it has arrived nobody can see from here.
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const auto began = std::chrono::steady_clock::now();
+  view.SetFinished(true);
+  view.AnswerTheLast(json);
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::milliseconds(1900)) << "no longer than needed";
+  page.join();
+  EXPECT_THAT(end, HasSubstr("finished"));
+  EXPECT_THAT(data, HasSubstr("{\"finished\": true}"));
+}
+
+TEST(LiveView, WithoutAPageThatWatchesNothingIsWaitedFor) {
+  LiveView view(0, "<page>");
+  view.SetFinished(true);
+  const auto began = std::chrono::steady_clock::now();
+  view.AnswerTheLast([](const ReportSince&) { return std::string(); });
+  EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(1));
 }
 
 TEST(LiveView, WhoWaitsIsTurnedAwayAtTheEnd) {

@@ -1,6 +1,6 @@
 #include "viewer_headless/node/picture_node.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <filesystem>
 
@@ -25,7 +25,8 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   bus::BusOptions options;
   options.url = "memq://";
   bus::Bus bus(options, "viewer");
-  PictureNode pictures(bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, {}, [] {});
+  PictureNode pictures(
+      bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, {}, [] {}, [] {});
   const Rectifier rectifier(SomeRig());
   pictures.SetRectifier(&rectifier);
   // Frames whose images never came.
@@ -43,6 +44,47 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   bus.Every(std::chrono::seconds(10), [&] { bus.Stop(); });
   bus.Run();
   EXPECT_TRUE(std::filesystem::exists(file));
+}
+
+/// Of frames whose pictures never come, but for those that stand in `overlays/` already.
+PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lockstep, bool ended) {
+  PrepareOutputFolder(folder.Path("overlays"));
+  bus::BusOptions options;
+  options.url = "memq://";
+  bus::Bus bus(options, "viewer");
+  const Map map;
+  PictureNode pictures(
+      bus, {.out = folder.Path(""), .overlay_every = 5, .video = folder.Path("film")}, {&map, nullptr}, [] {}, [] {});
+  Recorder recorder;
+  for (int64_t frame = 0; frame < 20; ++frame) {
+    recorder.AddPose(PoseOf(frame));
+    pictures.AddPose(PoseOf(frame));
+  }
+  EXPECT_TRUE(pictures.MayCome());
+  return pictures.Finish(recorder, lockstep, ended);
+}
+
+TEST(PictureNode, WhatIsMissingInLockstepIsToldUnlessItIsThere) {
+  const ScratchFolder folder;
+  std::filesystem::create_directories(folder.Path("overlays"));
+  folder.Write("overlays/000005.png", "by the viewer_headless before this one");
+  const auto result = ResultWithoutPictures(folder, true, true);
+  EXPECT_EQ(result.missing, 20);
+  EXPECT_THAT(result.failures,
+              testing::UnorderedElementsAre(testing::HasSubstr("3 of 4 pictures are not in "),
+                                            testing::HasSubstr("film: no film: 20 of 20 frames have no picture")));
+}
+
+TEST(PictureNode, WhatIsMissingInRealTimeIsCounted) {
+  const auto result = ResultWithoutPictures(ScratchFolder(), false, true);
+  EXPECT_EQ(result.missing, 20);
+  EXPECT_THAT(result.failures, testing::IsEmpty());
+}
+
+TEST(PictureNode, WhatWouldHaveComeAfterAnInterruptIsNotMissed) {
+  const auto result = ResultWithoutPictures(ScratchFolder(), true, false);
+  EXPECT_EQ(result.missing, 0);
+  EXPECT_THAT(result.failures, testing::IsEmpty());
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 #include "viewer_headless/node/viewer_node.h"
-
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -16,13 +15,12 @@
 #include "plslam/tracks_t.hpp"
 #include "tests/support/text_file.h"
 #include "tests/unit/viewer/some_rig.h"
+#include "tests/unit/viewer/viewer_fixture.h"
 #include "viewer_headless/live/http_server.h"
 #include "viewer_headless/report/report_page.h"
 
 namespace plslam {
 namespace {
-
-constexpr int64_t kFrames = 12;
 
 int FreePort() {
   const HttpServer server(0, [](const HttpRequest&) { return HttpResponse(); });
@@ -47,114 +45,11 @@ std::string Get(int port, const std::string& target) {
   return answer;
 }
 
-SE3 TruePose(int64_t frame) {
-  return SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0, 0, 0.5 * static_cast<double>(frame)));
-}
-
-int64_t Time(int64_t frame) { return 1'000'000'000 + frame * 50'000'000; }
-
-// One bus for the viewer and for all it listens to: messages of a memq come back to their sender.
-class ViewerNodeTest : public testing::Test {
- protected:
-  ViewerNodeTest() {
-    bus::BusOptions options;
-    options.url = "memq://";
-    process_ = std::make_unique<bus::Process>("viewer", options);
-    bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
-      if (status.process != "viewer") return;
-      states_.push_back(status.state);
-      if (status.state == stop_at_) bus().Stop();
-    });
-    // A test that fails must not hang.
-    bus().Every(std::chrono::seconds(60), [this] { bus().Stop(); });
-  }
-
-  bus::Bus& bus() { return process_->bus(); }
-
-  ViewerOptions Options(int64_t overlay_every = 0) const {
-    return {.out = folder_.Path("out"), .overlay_every = overlay_every, .quiet = true, .video = ""};
-  }
-
-  void PublishPose(int64_t frame, int8_t state = 1) {
-    pose_t m{};
-    m.header.t_ns = Time(frame);
-    m.frame_id = frame;
-    m.state = state;
-    m.T_odom_c = bus::ToMessage(TruePose(frame));
-    m.T_w_odom = m.T_prev_c = bus::ToMessage(SE3());
-    bus::ToArray(1e-4 * Matrix6d::Identity(), m.covariance);
-    bus::ToArray(1e-4 * Matrix6d::Identity(), m.motion_covariance);
-    m.keyframe_id = frame % 4 == 0 ? frame / 4 : -1;
-    m.n_tracked_points = 100;
-    bus().Publish(bus::kPose, m);
-  }
-
-  void PublishTruth(int64_t frame) {
-    ground_truth_t m{};
-    m.header.t_ns = Time(frame);
-    m.frame_id = frame;
-    m.T_w_l = bus::ToMessage(TruePose(frame));
-    bus().Publish(bus::kGroundTruth, m);
-  }
-
-  void PublishStream(const std::string& event, int64_t n_frames) {
-    stream_t m{};
-    m.event = event;
-    m.n_frames = n_frames;
-    bus().Publish(bus::kStream, m);
-  }
-
-  void PublishTracks(int64_t frame) {
-    tracks_t tracks{};
-    tracks.frame_id = frame;
-    tracks.points.push_back({50.0F, 60.0F, 5.0F, 3});
-    tracks.n_points = 1;
-    bus().Publish(bus::kTracks, tracks);
-  }
-
-  void PublishMappingStatus() {
-    status_t m{};
-    m.process = "mapping";
-    m.state = "running";
-    bus().Publish(bus::kStatus, m);
-  }
-
-  /// A map of the keyframes 0 .. `last` of session 0, each moved by `x_m`.
-  static MapUpdate MapOf(int64_t last, double x_m) {
-    Map map;
-    for (int64_t id = 0; id <= last; ++id) {
-      MapKeyframe keyframe;
-      keyframe.id = id;
-      keyframe.session_keyframe_id = id;
-      keyframe.frame_id = 4 * id;
-      keyframe.t_ns = Time(4 * id);
-      keyframe.T_odom_kf = TruePose(4 * id);
-      keyframe.T_w_kf = SE3(Eigen::Quaterniond::Identity(), {x_m, 0, 0}) * keyframe.T_odom_kf;
-      map.Put(keyframe);
-    }
-    MapUpdate update = WholeMap(map);
-    update.version = last + 1;
-    update.session_keyframe_id = last;
-    update.settled = true;
-    return update;
-  }
-
-  void PublishImages(int64_t frame) {
-    const cv::Mat image(240, 320, CV_8UC1, cv::Scalar(90));
-    bus::FramePublisher(bus(), true).Publish({frame, Time(frame), image, image});
-  }
-
-  std::string Out(const std::string& name) const { return folder_.Path("out/" + name); }
-
-  ScratchFolder folder_;
-  std::string stop_at_ = "finished";
-  std::vector<std::string> states_;
-  std::unique_ptr<bus::Process> process_;
-};
+using ViewerNodeTest = ViewerFixture;
 
 TEST_F(ViewerNodeTest, WritesEverythingWhenTheStreamHasEnded) {
   const ViewerNode node(*process_, Options());
-  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishCamera();
   PublishStream("begin", kFrames);
   for (int64_t frame = 0; frame < kFrames; ++frame) {
     PublishTruth(frame);
@@ -174,6 +69,7 @@ TEST_F(ViewerNodeTest, WritesEverythingWhenTheStreamHasEnded) {
 
 TEST_F(ViewerNodeTest, WaitsUntilTheMapHasTheLastKeyframe) {
   const ViewerNode node(*process_, Options());
+  PublishCamera();
   bus::MapUpdatePublisher mapping(bus(), [] {});
   PublishMappingStatus();
   for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
@@ -196,6 +92,7 @@ TEST_F(ViewerNodeTest, WaitsUntilTheMapHasTheLastKeyframe) {
 
 TEST_F(ViewerNodeTest, WithoutMappingThereIsNoMapFile) {
   const ViewerNode node(*process_, Options());
+  PublishCamera();
   for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
   PublishStream("end", kFrames);
   bus().Run();
@@ -207,6 +104,7 @@ TEST_F(ViewerNodeTest, WritesWhatIsThereWhenStoppedEarly) {
   stop_at_ = "running";
   {
     const ViewerNode node(*process_, Options());
+    PublishCamera();
     PublishPose(0);
     bus().Run();
   }
@@ -215,6 +113,7 @@ TEST_F(ViewerNodeTest, WritesWhatIsThereWhenStoppedEarly) {
 
 TEST_F(ViewerNodeTest, FinishCommandWritesAndEnds) {
   const ViewerNode node(*process_, Options());
+  PublishCamera();
   PublishPose(0);
   command_t other{};
   other.target = "vo";
@@ -238,7 +137,7 @@ TEST_F(ViewerNodeTest, FinishCommandWritesAndEnds) {
 
 TEST_F(ViewerNodeTest, DrawsEveryNthFrame) {
   const ViewerNode node(*process_, Options(4));
-  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishCamera();
   PublishStream("begin", 2);
   bool sent = false;
   // The rig must be known before the first image comes.
@@ -263,6 +162,7 @@ TEST_F(ViewerNodeTest, WritesAReportAndServesIt) {
   ViewerOptions options = Options();
   options.serve = FreePort();
   const ViewerNode node(*process_, options);
+  PublishCamera();
   bus::MapUpdatePublisher mapping(bus(), [] {});
   PublishMappingStatus();
   PublishStream("begin", kFrames);
@@ -287,6 +187,7 @@ TEST_F(ViewerNodeTest, WithoutReportThereIsNone) {
   ViewerOptions options = Options();
   options.report = false;
   const ViewerNode node(*process_, options);
+  PublishCamera();
   PublishPose(0);
   PublishStream("end", 1);
   bus().Run();
@@ -297,7 +198,7 @@ TEST_F(ViewerNodeTest, FilmsTheRun) {
   ViewerOptions options = Options();
   options.video = folder_.Path("film");
   const ViewerNode node(*process_, options);
-  bus().Publish(bus::kCamera, bus::ToMessage(SomeRig()));
+  PublishCamera();
   PublishStream("begin", 5);
   int64_t frame = -1;
   // One at a time: of features the newest win. Frame 3 is missing, and the next one stands for it.
@@ -329,6 +230,7 @@ TEST_F(ViewerNodeTest, NonsenseIsCountedAndDoesNoHarm) {
   camera_t camera{};
   bus().Publish(bus::kCamera, camera);
   PublishStream("sideways", 1);
+  PublishCamera();
   PublishPose(0);
   PublishStream("end", 1);
   bus().Run();

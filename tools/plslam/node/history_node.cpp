@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
@@ -20,11 +21,13 @@
 #include "core/bus/transport/wire.h"
 #include "core/process/process_usage.h"
 #include "core/process/worker.h"
+#include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
+#include "plslam/stream_t.hpp"
 
 namespace plslam {
 namespace {
@@ -43,7 +46,8 @@ bool Publish(bus::Bus& bus, const bus::Channel& channel, const std::vector<uint8
   return true;
 }
 
-constexpr std::array<KeptChannel, 4> kKept{{{bus::kPose, Publish<pose_t>},
+constexpr std::array<KeptChannel, 5> kKept{{{bus::kStream, Publish<stream_t>},
+                                            {bus::kPose, Publish<pose_t>},
                                             {bus::kKeyframe, Publish<keyframe_t>},
                                             {bus::kLoopClosure, Publish<loop_closure_t>},
                                             {bus::kGroundTruth, Publish<ground_truth_t>}}};
@@ -51,6 +55,8 @@ constexpr std::array<KeptChannel, 4> kKept{{{bus::kPose, Publish<pose_t>},
 // What the bus remembers, too: more are invented.
 constexpr size_t kMaxPublishers = 256;
 constexpr size_t kMaxRecordedProcesses = 4096;
+// As the player does.
+constexpr std::chrono::seconds kCameraPeriod{1};
 
 int UnnamedFile(const std::string& folder) {
   std::string path = folder + "/.history_XXXXXX";
@@ -95,6 +101,7 @@ struct HistoryKeeper::Store {
 
   void Keep(size_t channel, std::span<const uint8_t> message);
   void Bury(int64_t source);
+  bool SpeaksFor(int64_t source) const;
   void Fail(const std::string& why);
 
   const std::string folder;
@@ -140,6 +147,12 @@ void HistoryKeeper::Store::Bury(int64_t source) {
   changed.notify_all();
 }
 
+/// It has died, and others have not.
+bool HistoryKeeper::Store::SpeaksFor(int64_t source) const {
+  const std::scoped_lock lock(mutex);
+  return !stopping && gone.contains(source);
+}
+
 void HistoryKeeper::Store::Fail(const std::string& why) {
   const std::scoped_lock lock(mutex);
   if (!problem.empty()) return;
@@ -156,6 +169,10 @@ HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     if (m.host != host) return;  // ids of its processes mean nothing here
     if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
   });
+  bus_.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) {
+    if (m.header.source != store_->own) camera_ = std::make_unique<camera_t>(m);
+  });
+  bus_.Every(kCameraPeriod, [this] { SayCamera(); });
   for (size_t i = 0; i < kKept.size(); ++i) {
     bus_.SubscribeBytes(
         kKept[i].channel, bus::Bus::Reading::kOrdered, [] { return true; },
@@ -181,10 +198,15 @@ void HistoryKeeper::OnExit(pid_t pid) {
   const auto found = sources_.find(pid);
   if (found == sources_.end()) return;
   store_->Bury(found->second);
+  SayCamera();
   // What its own bus had put on disk, and can remove no more.
   std::error_code ignored;
   std::filesystem::remove_all(bus::TemporaryFolder(found->second), ignored);
   sources_.erase(found);
+}
+
+void HistoryKeeper::SayCamera() {
+  if (camera_ && store_->SpeaksFor(camera_->header.source)) bus_.Publish(bus::kCamera, *camera_);
 }
 
 int64_t HistoryKeeper::kept() const {

@@ -60,7 +60,8 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
     statistics_.AddFrame(FromMessage(m));
     ++poses_heard_;
   });
-  bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) {
+  bus.Subscribe<stream_t>(bus::kStream, [this, own](const stream_t& m) {
+    if (m.header.source == own) return;
     total_frames_ = m.n_frames;
     bad_frames_ = m.n_bad;
     stream_ended_ = m.event == "end";
@@ -89,6 +90,9 @@ void MonitorNode::OnStatus(const status_t& message) {
     sent_frames_ = static_cast<int64_t>(bus::CounterOf(message, "frames.sent"));
     // A run that is interrupted hears of no end of the stream.
     bad_frames_ = std::max(bad_frames_, static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+  }
+  if (message.process == "viewer") {
+    missing_pictures_ = static_cast<int64_t>(bus::CounterOf(message, "pictures.missing"));
   }
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;

@@ -54,6 +54,8 @@ class MonitorNode {
   int64_t total_frames() const { return total_frames_; }
   bool stream_ended() const { return stream_ended_; }
   int64_t bad_frames() const { return bad_frames_; }
+  /// Frames without the picture that the report, the film or `--overlay-every` should have had.
+  int64_t missing_pictures() const { return missing_pictures_; }
   /// Frames sent of which no pose message told, neither as its own nor as passed over: those behind the last pose, say.
   int64_t unanswered_frames() const;
   /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it has
@@ -79,6 +81,7 @@ class MonitorNode {
   std::map<std::string, double> longest_queue_;
   int64_t total_frames_ = -1;
   int64_t bad_frames_ = 0;
+  int64_t missing_pictures_ = 0;
   int64_t sent_frames_ = 0;
   int64_t poses_heard_ = 0;
   double player_heard_s_ = -1.0;

@@ -1,0 +1,108 @@
+// What viewer_headless waits for, what it says where something is missing, and what comes twice.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "core/io/trajectories/trajectory.h"
+#include "tests/unit/viewer/viewer_fixture.h"
+
+namespace plslam {
+namespace {
+
+using ViewerDelivery = ViewerFixture;
+
+TEST_F(ViewerDelivery, WithoutACameraNothingIsWrittenAndOneSentenceSaysSo) {
+  stop_at_ = "running";
+  testing::internal::CaptureStderr();
+  {
+    const ViewerNode node(*process_, Options());
+    PublishPose(0);
+    bus().Run();
+  }
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("viewer: error: nothing is written to " + folder_.Path("out") +
+                                 ": poses were heard, but no camera"));
+  EXPECT_FALSE(std::filesystem::exists(Out("trajectory.tum")));
+}
+
+TEST_F(ViewerDelivery, WaitsForTheCamera) {
+  const ViewerNode node(*process_, Options());
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  PublishStream("end", kFrames);
+  // As one that is started again: all of the past comes at once, and the camera, which is repeated, after a while.
+  int ticks = 0;
+  bus().Every(std::chrono::milliseconds(250), [&] {
+    if (++ticks == 6) PublishCamera();
+  });
+  bus().Run();
+  EXPECT_GE(ticks, 6);
+  EXPECT_EQ(states_.back(), "finished");
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 12u);
+}
+
+TEST_F(ViewerDelivery, WaitsForPicturesInLockstep) {
+  const ViewerNode node(*process_, Options(4));
+  PublishCamera();
+  PublishStream("begin", 9, "lockstep");
+  for (int64_t frame = 0; frame < 9; ++frame) PublishPose(frame);
+  PublishStream("end", 9, "lockstep");
+  int64_t frame = 0;
+  bus().Every(std::chrono::milliseconds(400), [&] {
+    if (frame > 8) return;
+    PublishTracks(frame);
+    PublishImages(frame++);
+  });
+  bus().Run();
+  EXPECT_EQ(states_.back(), "finished");
+  for (const char* name : {"000000.png", "000004.png", "000008.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(Out(std::string("overlays/") + name))) << name;
+  }
+}
+
+TEST_F(ViewerDelivery, WhatCannotBeWrittenIsToldAndTheRestIsThere) {
+  stop_at_ = "failed";
+  testing::internal::CaptureStderr();
+  {
+    const ViewerNode node(*process_, Options());
+    PublishCamera();
+    PublishPose(0);
+    PublishStream("end", 1);
+    // Nothing can be renamed over a folder.
+    std::filesystem::create_directories(Out("trajectory.tum/in the way"));
+    bus().Run();
+  }
+  EXPECT_EQ(states_.back(), "failed");
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, testing::HasSubstr("viewer: error: " + Out("trajectory.tum") + ": cannot be put in place: "));
+  EXPECT_THAT(log, testing::EndsWith("\n"));
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.kitti")).size(), 1u);
+  EXPECT_TRUE(std::filesystem::exists(Out("poses.csv")));
+}
+
+TEST_F(ViewerDelivery, StreamThatIsSaidAgainForAPlayerThatHasEndedIsNoOther) {
+  stop_at_ = "";
+  stream_t begin{};
+  begin.header.session = 77;
+  begin.event = "begin";
+  begin.n_frames = 2;
+  {
+    const ViewerNode node(*process_, Options());
+    PublishCamera();
+    bus().Publish(bus::kStream, begin);
+    for (int64_t frame = 0; frame < 2; ++frame) PublishPose(frame);
+    PublishStream("end", 2);
+    int ticks_after = -1;
+    bus().Every(std::chrono::milliseconds(50), [&] {
+      if (ticks_after < 0 && std::find(states_.begin(), states_.end(), "finished") == states_.end()) return;
+      if (++ticks_after == 0) bus().Publish(bus::kStream, begin);
+      if (ticks_after == 2) PublishPose(1);
+      if (ticks_after == 4) bus().Stop();
+    });
+    bus().Run();
+  }
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), 2u) << "the frames before it were not forgotten";
+}
+
+}  // namespace
+}  // namespace plslam

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
+#include "core/map/landmark_kinds.h"
 #include "core/map/map.h"
 #include "core/places/place_recogniser.h"
 

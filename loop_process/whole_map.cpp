@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <utility>
 
-#include "core/optim/bundle/bundle_sights.h"
+#include "core/optim/bundle/map_bundle.h"
 
 namespace plslam {
 namespace {
@@ -45,48 +46,26 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_sights,
   return {chosen.begin(), chosen.end()};
 }
 
-template <class Kind, class BundleSight>
-void AddSights(const Map& map, const KeyframeFeatures& features, const Places& poses, const std::vector<int64_t>& ids,
-               std::vector<BundleSight>& sights) {
-  for (int i = 0; i < static_cast<int>(ids.size()); ++i) {
-    for (const Sight& sight : Kind::Find(map, ids[static_cast<size_t>(i)])->sights) {
-      const auto pose = poses.find(sight.keyframe_id);
-      if (pose == poses.end()) continue;
-      const auto& list = Kind::Features(features.at(sight.keyframe_id));
-      if (static_cast<size_t>(sight.feature) >= list.size()) continue;
-      sights.push_back(SightOf(pose->second, i, list[static_cast<size_t>(sight.feature)]));
-    }
-  }
-}
-
-void AddPoses(const Map& map, const KeyframeFeatures& features, double relative_sigma, Places& places,
-              WholeMapProblem& problem) {
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    if (!features.contains(id)) continue;
-    places[id] = static_cast<int>(problem.keyframes.size());
-    problem.keyframes.push_back({id, keyframe.session, keyframe.session_keyframe_id});
-    problem.bundle.poses.push_back({keyframe.T_w_kf, problem.bundle.poses.empty()});
-    const auto previous = places.find(keyframe.previous_id);
-    if (previous == places.end()) continue;
-    problem.bundle.relative_poses.push_back({previous->second, places[id], keyframe.T_prevkf_kf,
-                                             relative_sigma * relative_sigma * keyframe.relative_covariance});
-  }
-}
-
 }  // namespace
 
 WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
                                     const WholeMapOptions& options) {
   WholeMapProblem problem;
-  problem.bundle.camera = camera;
+  std::vector<int64_t> keyframes;
   Places poses;
-  AddPoses(map, features, options.relative_sigma, poses, problem);
-  const auto points = Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe);
-  const auto lines = Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe);
-  for (const int64_t id : points) problem.bundle.points.push_back({map.FindPoint(id)->p_w});
-  for (const int64_t id : lines) problem.bundle.lines.push_back({map.FindLine(id)->segment_w});
-  AddSights<PointKind>(map, features, poses, points, problem.bundle.point_sights);
-  AddSights<LineKind>(map, features, poses, lines, problem.bundle.line_sights);
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    if (!features.contains(id)) continue;
+    poses[id] = static_cast<int>(keyframes.size());
+    keyframes.push_back(id);
+    problem.keyframes.push_back({id, keyframe.session, keyframe.session_keyframe_id});
+  }
+  std::vector<bool> fixed(keyframes.size());
+  if (!fixed.empty()) fixed.front() = true;
+  problem.bundle = MakeMapBundle(map, features, camera, std::move(keyframes), fixed,
+                                 Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe),
+                                 Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe),
+                                 options.relative_sigma)
+                       .problem;
   return problem;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 #include "core/optim/bundle/bundle.h"

@@ -182,13 +182,13 @@ void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Assoc
 void Mapper::Adjust(const std::atomic<bool>* stop) { AdjustAround(sessions_.at(newest_session_).keyframe_id, stop); }
 
 void Mapper::AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop) {
-  const LocalWindow window = MakeLocalWindow(keyframe_id, map_, features_, camera_, options_.window);
+  const MapBundle window = MakeLocalWindow(keyframe_id, map_, features_, camera_, options_.window);
   const BundleResult result = Adjusted(window, stop);
   figures_ = ApplyAdjustment(window, result, features_, map_);
   if (result.ok) ExtendAndTrim(window.lines, features_, camera_, map_);
 }
 
-BundleResult Mapper::Adjusted(const LocalWindow& window, const std::atomic<bool>* stop) {
+BundleResult Mapper::Adjusted(const MapBundle& window, const std::atomic<bool>* stop) {
   BundleResult result = AdjustBundle(window.problem, options_.bundle, stop);
   const bool is_empty = window.points.empty() && window.lines.empty();
   if (!result.ok && !is_empty) {
@@ -210,7 +210,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   if (closure.kind == LoopClosure::Kind::kLoop) {
     CloseLoop(closure);
   } else {
-    const LocalWindow window = MakeLandmarkWindow(map_, features_, camera_);
+    const MapBundle window = MakeLandmarkWindow(map_, features_, camera_);
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   return true;

@@ -8,8 +8,8 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/io/maps/map_file.h"
-#include "core/localisation/landmark_kinds.h"
 #include "core/map/keyframe.h"
+#include "core/map/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
 #include "mapping_process/insertion/culling.h"
@@ -100,7 +100,7 @@ class Mapper {
   bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
   void BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
-  BundleResult Adjusted(const LocalWindow& window, const std::atomic<bool>* stop);
+  BundleResult Adjusted(const MapBundle& window, const std::atomic<bool>* stop);
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
   void CloseLoop(const LoopClosure& closure);
   bool IsAmongNewest(const MapKeyframe& keyframe) const;

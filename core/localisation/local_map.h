@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/localisation/landmark_kinds.h"
 #include "core/localisation/options.h"
 #include "core/map/keyframe.h"
+#include "core/map/landmark_kinds.h"
 
 namespace plslam {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "mapping_process/options.h"
 

@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/options.h"
 

@@ -1,35 +1,24 @@
 #include "mapping_process/insertion/local_window.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <map>
 #include <span>
 #include <utility>
 
 #include "core/geometry/rotate_covariance.h"
-#include "core/localisation/landmark_kinds.h"
 #include "core/localisation/local_map.h"
-#include "core/optim/bundle/bundle_sights.h"
+#include "core/map/landmark_kinds.h"
 #include "mapping_process/insertion/sights.h"
 
 namespace plslam {
 namespace {
 
-// Errors at which the map contradicts a motion by the tracker: it was lost meanwhile. Squared, in deviations; and metres or
-// radians, since deviations of a standing camera are tiny.
-constexpr double kContradicted2 = 900.0;
-constexpr double kContradicted = 0.1;
 // Deviation from which nothing is known of a pose.
 constexpr double kUnknown_m = 100.0;
 // Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been, and how
 // much more widely.
 constexpr int64_t kSeamKeyframes = 10;
 constexpr int kSeamFactor = 2;
-
-bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
-  const Vector6d e = error.Log();
-  return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
-}
 
 // Whether a session begins here among keyframes of another one: no motion ties it to them, landmarks alone do.
 bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
@@ -61,70 +50,26 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
   return chosen;
 }
 
-std::vector<int64_t> FixedKeyframes(const LocalWindow& window, const Map& map, int max_count) {
+std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std::vector<int64_t>& points,
+                                    const std::vector<int64_t>& lines, const Map& map, int max_count) {
   std::map<int64_t, int> counts;
-  CountKeyframes<PointKind>(window.points, map, counts);
-  CountKeyframes<LineKind>(window.lines, map, counts);
-  for (const int64_t id : window.keyframes) counts.erase(id);
+  CountKeyframes<PointKind>(points, map, counts);
+  CountKeyframes<LineKind>(lines, map, counts);
+  for (const int64_t id : free) counts.erase(id);
   return MostCounted(counts, max_count);
 }
 
-// Calls visit(pose, landmark, sight) for each sight of the landmarks by a keyframe of the window, always in one order.
-template <class Kind, class Visit>
-void ForEachSight(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& ids, const Map& map,
-                  const Visit& visit) {
-  std::map<int64_t, int> poses;
-  for (int i = 0; i < static_cast<int>(keyframes.size()); ++i) poses[keyframes[static_cast<size_t>(i)]] = i;
-  for (int k = 0; k < static_cast<int>(ids.size()); ++k) {
-    for (const Sight& sight : Kind::Find(map, ids[static_cast<size_t>(k)])->sights) {
-      const auto pose = poses.find(sight.keyframe_id);
-      if (pose != poses.end()) visit(pose->second, k, sight);
-    }
-  }
-}
-
-void AddPoses(size_t n_free, const Map& map, LocalWindow& window) {
+// Which keyframes of the window are held: those behind the first `n_free`, and the first of the map. Where nothing else holds the
+// window in place, its oldest keyframe does.
+std::vector<bool> Held(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
   const int64_t first = map.keyframes().begin()->first;
-  for (size_t i = 0; i < window.keyframes.size(); ++i) {
-    const int64_t id = window.keyframes[i];
-    window.problem.poses.push_back({map.FindKeyframe(id)->T_w_kf, i >= n_free || id == first});
+  std::vector<bool> held(keyframes.size());
+  for (size_t i = 0; i < keyframes.size(); ++i) held[i] = i >= n_free || keyframes[i] == first;
+  if (std::find(held.begin(), held.end(), true) == held.end()) {
+    const auto oldest = std::min_element(keyframes.begin(), keyframes.end());
+    held[static_cast<size_t>(oldest - keyframes.begin())] = true;
   }
-  // Where nothing holds the window in place, its oldest keyframe does.
-  const auto fixed = [](const BundlePose& pose) { return pose.fixed; };
-  if (std::none_of(window.problem.poses.begin(), window.problem.poses.end(), fixed)) {
-    const auto oldest = std::min_element(window.keyframes.begin(), window.keyframes.end());
-    window.problem.poses[static_cast<size_t>(oldest - window.keyframes.begin())].fixed = true;
-  }
-}
-
-// What tracking says of the motion from keyframe to keyframe: it has seen the frames between.
-void AddRelativePoses(const Map& map, double relative_sigma, LocalWindow& window) {
-  std::map<int64_t, int> places;
-  for (int i = 0; i < static_cast<int>(window.keyframes.size()); ++i)
-    places[window.keyframes[static_cast<size_t>(i)]] = i;
-  for (const auto& [id, place] : places) {
-    const MapKeyframe& keyframe = *map.FindKeyframe(id);
-    const auto previous = places.find(keyframe.previous_id);
-    if (previous == places.end()) continue;
-    const Matrix6d covariance = relative_sigma * relative_sigma * keyframe.relative_covariance;
-    const SE3 T_prevkf_kf = map.FindKeyframe(previous->first)->T_w_kf.Inverse() * keyframe.T_w_kf;
-    if (IsContradicted(keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf, covariance)) continue;
-    window.problem.relative_poses.push_back({previous->second, place, keyframe.T_prevkf_kf, covariance});
-  }
-}
-
-void AddLandmarks(const Map& map, const KeyframeFeatures& features, LocalWindow& window) {
-  BundleProblem& problem = window.problem;
-  for (const int64_t id : window.points) problem.points.push_back({map.FindPoint(id)->p_w});
-  for (const int64_t id : window.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
-  ForEachSight<PointKind>(window.keyframes, window.points, map, [&](int pose, int point, const Sight& sight) {
-    const auto& list = features.at(sight.keyframe_id).points;
-    problem.point_sights.push_back(SightOf(pose, point, list[static_cast<size_t>(sight.feature)]));
-  });
-  ForEachSight<LineKind>(window.keyframes, window.lines, map, [&](int pose, int line, const Sight& sight) {
-    const auto& list = features.at(sight.keyframe_id).lines;
-    problem.line_sights.push_back(SightOf(pose, line, list[static_cast<size_t>(sight.feature)]));
-  });
+  return held;
 }
 
 // Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
@@ -135,7 +80,7 @@ bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<i
 }
 
 // What is not adjusted itself keeps its place relative to its keyframe.
-void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const LocalWindow& window, Map& map) {
+void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& window, Map& map) {
   const Eigen::Matrix3d R = T_new_old.R();
   for (const int64_t id : PointKind::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindPoint(id), keyframe_id, window.points)) continue;
@@ -151,11 +96,11 @@ void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const LocalWindow& wi
 }
 
 template <class Kind>
-int DropOutliers(const LocalWindow& window, const std::vector<int64_t>& ids, const std::vector<bool>& inliers,
+int DropOutliers(const MapBundle& window, const std::vector<int64_t>& ids, const std::vector<bool>& inliers,
                  const KeyframeFeatures& features, Map& map) {
   std::vector<std::pair<int64_t, int64_t>> outliers;
   size_t i = 0;
-  ForEachSight<Kind>(window.keyframes, ids, map, [&](int, int landmark, const Sight& sight) {
+  ForEachSight<Kind>(window, ids, map, features, [&](int, int landmark, const Sight& sight) {
     if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], sight.keyframe_id);
   });
   for (const auto& [landmark_id, keyframe_id] : outliers) DropSight<Kind>(landmark_id, keyframe_id, features, map);
@@ -167,7 +112,7 @@ bool IsUnknown(const Matrix6d& covariance) { return covariance.trace() > kUnknow
 
 // Covariances of the adjustment are relative to what was fixed; that has one of its own. A keyframe that took part by its motion
 // alone keeps what it had.
-void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& map) {
+void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map) {
   const auto& poses = window.problem.poses;
   const auto fixed = std::find_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; });
   const MapKeyframe anchor = *map.FindKeyframe(window.keyframes[static_cast<size_t>(fixed - poses.begin())]);
@@ -186,48 +131,44 @@ void MoveKeyframes(const LocalWindow& window, const BundleResult& result, Map& m
 
 }  // namespace
 
-LocalWindow MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
-                            const StereoCamera& camera, const WindowOptions& options) {
-  LocalWindow window;
-  window.problem.camera = camera;
-  window.keyframes = KeyframesAround(keyframe_id, map, options.min_shared, kSeamFactor * options.keyframes);
-  const size_t usual = std::min(window.keyframes.size(), static_cast<size_t>(options.keyframes));
-  const bool at_seam = IsSeam({window.keyframes.data(), usual}, map);
-  if (!at_seam) window.keyframes.resize(usual);
-  const size_t n_free = window.keyframes.size();
+MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
+                          const StereoCamera& camera, const WindowOptions& options) {
+  std::vector<int64_t> keyframes =
+      KeyframesAround(keyframe_id, map, options.min_shared, kSeamFactor * options.keyframes);
+  const size_t usual = std::min(keyframes.size(), static_cast<size_t>(options.keyframes));
+  const bool at_seam = IsSeam({keyframes.data(), usual}, map);
+  if (!at_seam) keyframes.resize(usual);
+  const size_t n_free = keyframes.size();
   const int factor = at_seam ? kSeamFactor : 1;
   const int n_fixed = factor * options.fixed_keyframes;
   const size_t size = n_free + static_cast<size_t>(n_fixed);
-  window.points =
-      SeenTwice<PointKind>(window.keyframes, map, size, options.max_points, factor * options.max_point_sights);
-  window.lines =
-      SeenTwice<LineKind>(window.keyframes, map, size, options.max_lines, factor * options.max_line_sights);
-  const std::vector<int64_t> fixed = FixedKeyframes(window, map, n_fixed);
-  window.keyframes.insert(window.keyframes.end(), fixed.begin(), fixed.end());
-  AddPoses(n_free, map, window);
-  AddLandmarks(map, features, window);
-  AddRelativePoses(map, options.relative_sigma, window);
-  return window;
+  std::vector<int64_t> points =
+      SeenTwice<PointKind>(keyframes, map, size, options.max_points, factor * options.max_point_sights);
+  std::vector<int64_t> lines =
+      SeenTwice<LineKind>(keyframes, map, size, options.max_lines, factor * options.max_line_sights);
+  const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, n_fixed);
+  keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
+  const std::vector<bool> held = Held(keyframes, n_free, map);
+  return MakeMapBundle(map, features, camera, std::move(keyframes), held, std::move(points), std::move(lines),
+                       options.relative_sigma);
 }
 
-LocalWindow MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera) {
-  LocalWindow window;
-  window.problem.camera = camera;
-  for (const auto& [id, keyframe] : map.keyframes()) {
-    window.keyframes.push_back(id);
-    window.problem.poses.push_back({keyframe.T_w_kf, true});
-  }
+MapBundle MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera) {
+  std::vector<int64_t> keyframes;
+  std::vector<int64_t> points;
+  std::vector<int64_t> lines;
+  for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back(id);
   for (const auto& [id, point] : map.points()) {
-    if (point.sights.size() >= 2) window.points.push_back(id);
+    if (point.sights.size() >= 2) points.push_back(id);
   }
   for (const auto& [id, line] : map.lines()) {
-    if (line.sights.size() >= 2) window.lines.push_back(id);
+    if (line.sights.size() >= 2) lines.push_back(id);
   }
-  AddLandmarks(map, features, window);
-  return window;
+  const std::vector<bool> held(keyframes.size(), true);
+  return MakeMapBundle(map, features, camera, std::move(keyframes), held, std::move(points), std::move(lines), 0.0);
 }
 
-AdjustmentFigures ApplyAdjustment(const LocalWindow& window, const BundleResult& result,
+AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& result,
                                   const KeyframeFeatures& features, Map& map) {
   AdjustmentFigures figures;
   if (!result.ok) return figures;

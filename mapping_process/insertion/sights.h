@@ -3,7 +3,7 @@
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 #include "core/map/landmarks.h"
 
 namespace plslam {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 
 namespace plslam {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/localisation/landmark_kinds.h"
 #include "core/localisation/local_map.h"
+#include "core/map/landmark_kinds.h"
 
 namespace plslam {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::test {

@@ -64,10 +64,10 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
   const auto make = [&] {
     return MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   };
-  const LocalWindow all = make();
+  const MapBundle all = make();
   ASSERT_GT(all.problem.point_sights.size(), 100U);
   options_.max_point_sights = static_cast<int>(all.problem.point_sights.size() / 2);
-  const LocalWindow half = make();
+  const MapBundle half = make();
   EXPECT_LE(half.problem.point_sights.size(), all.problem.point_sights.size() / 2);
   EXPECT_GE(half.problem.point_sights.size(), all.problem.point_sights.size() / 3);
   EXPECT_LT(half.points.size(), all.points.size() / 2) << "of those that most keyframes see";
@@ -77,7 +77,7 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
 // Its poses were on their way, so that nothing told outliers from sights that would have agreed.
 TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
-  LocalWindow window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   for (BundlePose& pose : window.problem.poses) {
     if (!pose.fixed) pose.T_w_c = pose.T_w_c * SE3(Eigen::Quaterniond::Identity(), {0.3, 0.0, 0.0});
   }
@@ -103,7 +103,7 @@ TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
 // Of which the adjustment says that it may be anywhere within a kilometre.
 TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
-  LocalWindow window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   ASSERT_EQ(window.keyframes.front(), newest);
   ASSERT_FALSE(window.problem.relative_poses.empty());
   std::erase_if(window.problem.point_sights, [](const PointSight& sight) { return sight.pose == 0; });
@@ -112,7 +112,7 @@ TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   ASSERT_TRUE(result.ok) << result.reason;
   ASSERT_GT(result.pose_covariances[0].trace(), 1e6);
   // As many as the map's own sights, which `ApplyAdjustment` goes through.
-  const LocalWindow whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
+  const MapBundle whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   result.point_inliers.assign(whole.problem.point_sights.size(), true);
   result.line_inliers.assign(whole.problem.line_sights.size(), true);
   Map map = stored_.map;

@@ -1,4 +1,4 @@
-#include "core/localisation/landmark_kinds.h"
+#include "core/map/landmark_kinds.h"
 
 #include <gtest/gtest.h>
 

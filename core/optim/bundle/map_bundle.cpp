@@ -1,0 +1,62 @@
+#include "core/optim/bundle/map_bundle.h"
+
+#include <Eigen/Cholesky>
+#include <map>
+#include <utility>
+
+namespace plslam {
+namespace {
+
+// Errors at which the map contradicts a motion by the tracker. Squared, in standard deviations; and in metres or radians, since
+// the standard deviations of a standing camera are tiny.
+constexpr double kContradicted2 = 900.0;
+constexpr double kContradicted = 0.1;
+
+bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
+  const Vector6d e = error.Log();
+  return e.norm() > kContradicted && e.dot(covariance.ldlt().solve(e)) > kContradicted2;
+}
+
+void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {
+  std::map<int64_t, int> poses;
+  for (size_t i = 0; i < bundle.keyframes.size(); ++i) poses[bundle.keyframes[i]] = static_cast<int>(i);
+  for (const auto& [id, pose] : poses) {
+    const MapKeyframe& keyframe = *map.FindKeyframe(id);
+    const auto previous = poses.find(keyframe.previous_id);
+    if (previous == poses.end()) continue;
+    const Matrix6d covariance = relative_sigma * relative_sigma * keyframe.relative_covariance;
+    const SE3 T_prevkf_kf = map.FindKeyframe(previous->first)->T_w_kf.Inverse() * keyframe.T_w_kf;
+    if (IsContradicted(keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf, covariance)) continue;
+    bundle.problem.relative_poses.push_back({previous->second, pose, keyframe.T_prevkf_kf, covariance});
+  }
+}
+
+template <class Kind, class BundleSight>
+void AddSights(const std::vector<int64_t>& ids, const Map& map, const KeyframeFeatures& features,
+               const MapBundle& bundle, std::vector<BundleSight>& sights) {
+  ForEachSight<Kind>(bundle, ids, map, features, [&](int pose, int landmark, const Sight& sight) {
+    const auto& of_keyframe = Kind::Features(features.at(sight.keyframe_id));
+    sights.push_back(SightOf(pose, landmark, of_keyframe[static_cast<size_t>(sight.feature)]));
+  });
+}
+
+}  // namespace
+
+MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
+                        std::vector<int64_t> keyframes, const std::vector<bool>& fixed, std::vector<int64_t> points,
+                        std::vector<int64_t> lines, double relative_sigma) {
+  MapBundle bundle{std::move(keyframes), std::move(points), std::move(lines), {}};
+  BundleProblem& problem = bundle.problem;
+  problem.camera = camera;
+  for (size_t i = 0; i < bundle.keyframes.size(); ++i) {
+    problem.poses.push_back({map.FindKeyframe(bundle.keyframes[i])->T_w_kf, fixed[i]});
+  }
+  for (const int64_t id : bundle.points) problem.points.push_back({map.FindPoint(id)->p_w});
+  for (const int64_t id : bundle.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
+  AddSights<PointKind>(bundle.points, map, features, bundle, problem.point_sights);
+  AddSights<LineKind>(bundle.lines, map, features, bundle, problem.line_sights);
+  if (relative_sigma > 0.0) AddMotions(map, relative_sigma, bundle);
+  return bundle;
+}
+
+}  // namespace plslam

@@ -25,7 +25,7 @@ struct PlaceWeights {
 ///
 /// Why "balanced": the similarity of two unrelated images spreads the more the fewer features it is made of, and what lines add
 /// is in part what points have said already (identical doors are identical in both). The weights with the smallest
-/// spread for unrelated images are near those of n, and lower for lines; docs/places.md has the numbers.
+/// spread for unrelated images are near those of n, and lower for lines; docs/lab/places.md has the numbers.
 ///
 /// "adaptive" has the 20 because the similarity of two unrelated images is large by chance where few features make it up.
 ///

@@ -39,7 +39,7 @@ TEST_P(Replay, StaysOnItsWay) {
   }
 }
 
-// Bounds a fifth to a half above what was measured (docs/results.md, docs/odometry.md).
+// Bounds a fifth to a half above what was measured (docs/results.md, docs/lab/tracking.md).
 INSTANTIATE_TEST_SUITE_P(Sequences, Replay,
                          testing::Values(Sequence{"Kitti", "kitti_03", 1, {}, 0.075},
                                          Sequence{"Euroc", "euroc_MH_01_a", 1, {}, 0.0048},

@@ -83,7 +83,7 @@ int Train(const Arguments& a) {
 
 int RunTrainVocabulary(int argc, char** argv) {
   CLI::App app(
-      "Trains a visual vocabulary for place recognition. docs/places.md has the command of the default ones.",
+      "Trains a visual vocabulary for place recognition. docs/lab/places.md has the command of the default ones.",
       "train_vocabulary");
   Arguments arguments;
   AddOptions(app, arguments);

@@ -1,4 +1,4 @@
-// The small ones of the public pose graphs; all of them stand in docs/pose_graph.md.
+// The small ones of the public pose graphs; all of them stand in docs/lab/pose_graph.md.
 #include <gtest/gtest.h>
 
 #include <utility>

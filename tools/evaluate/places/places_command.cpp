@@ -92,8 +92,9 @@ int Evaluate(const Arguments& a) {
 }  // namespace
 
 int RunEvaluatePlaces(int argc, char** argv) {
-  CLI::App app("How well places are recognised by points, by lines, and by both. docs/places.md defines the numbers.",
-               "evaluate places");
+  CLI::App app(
+      "How well places are recognised by points, by lines, and by both. docs/lab/places.md defines the numbers.",
+      "evaluate places");
   Arguments arguments;
   AddOptions(app, arguments);
   return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });

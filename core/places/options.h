@@ -8,7 +8,7 @@ namespace plslam {
 
 /// How places are compared.
 struct PlaceOptions {
-  /// How the similarities of points and lines become one (see place_score.h).
+  /// How the similarities of points and lines become one (see place_index.h).
   std::string merge = "adaptive";
   /// What a line counts in "adaptive" and "balanced", in points.
   double line_worth = 0.5;

@@ -37,8 +37,7 @@ std::map<int64_t, SE3> Joined(const Map& map, const LoopEdge& loop, const MapGra
 
 MapPoseGraph MakeLoopGraph(const Map& map, const LoopEdge& loop, const CorrectionOptions& options) {
   const MapGraph graph(map);
-  MapPoseGraph loop_graph =
-      PoseGraphOf(map, graph, Joined(map, loop, graph), {options.drift_per_m, options.drift_deg_per_m});
+  MapPoseGraph loop_graph = PoseGraphOf(map, graph, Joined(map, loop, graph), options.drift);
   if (const auto information = InformationFromCovariance(loop.covariance)) {
     loop_graph.problem.edges.push_back({loop_graph.IndexOf(loop.old_keyframe_id),
                                         loop_graph.IndexOf(loop.keyframe_id), loop.T_old_kf, *information, true});

@@ -5,7 +5,7 @@
 #include "core/config/fields.h"
 #include "core/localisation/options.h"
 #include "core/optim/bundle/options.h"
-#include "core/optim/pose_graph/pose_graph.h"
+#include "core/optim/pose_graph/map_pose_graph.h"
 #include "core/places/options.h"
 
 namespace plslam {
@@ -53,8 +53,7 @@ struct VerificationOptions {
 struct CorrectionOptions {
   double loop_sigma_m = 0.01;
   double loop_sigma_deg = 0.1;
-  double drift_per_m = 0.02;
-  double drift_deg_per_m = 0.1;
+  MapDrift drift;
   PoseGraphOptions graph;
 };
 
@@ -156,9 +155,9 @@ template <class Visitor>
 void VisitFields(Visitor& visit, CorrectionOptions& o) {
   visit("loop_sigma_m", o.loop_sigma_m, Bounds{1e-6, 10}, "least deviation of a loop, all axes");
   visit("loop_sigma_deg", o.loop_sigma_deg, Bounds{1e-6, 90}, "the same of rotation");
-  visit("drift_per_m", o.drift_per_m, Bounds{1e-6, 1},
+  visit("drift_per_m", o.drift.per_m, Bounds{1e-6, 1},
         "deviation of the motion between keyframes of the map that share a hundred landmarks, for each metre");
-  visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{1e-6, 90}, "the same of rotation");
+  visit("drift_deg_per_m", o.drift.deg_per_m, Bounds{1e-6, 90}, "the same of rotation");
   visit("graph", o.graph, "pose graph");
 }
 

@@ -33,7 +33,8 @@ bool IsKnownStep(const MapKeyframe& keyframe);
 bool IsKnownParent(const MapKeyframe& keyframe, const Map& map);
 
 /// The graph of a map (PL-SLAM §VI.B): keyframes, and edges by odometry, spanning tree, essential graph (`Map::kEssential`) and
-/// loops. Mapping, loop closing and exports all go by this one. It is a copy: later changes of the map are not in it.
+/// loops. Mapping, loop correction and exports go by this one. (`MapWays` of loop_process measures paths, along a leaner graph of the
+/// same known steps.) It is a copy: later changes of the map are not in it.
 class MapGraph {
  public:
   /// Which edges lead from one keyframe to the next: all, or only known ones.

@@ -93,6 +93,7 @@ TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {
   ASSERT_TRUE(std::filesystem::exists(run.out() / "report.html")) << run.Logs();
   EXPECT_LT(std::filesystem::file_size(run.out() / "report.html"), 8'000'000U);
   RunScript("check_report.mjs", {(run.out() / "report.html").string()}, run.folder() / "report.log");
+  RunScript("check_use.mjs", {(run.out() / "report.html").string()}, run.folder() / "use.log");
 }
 
 /// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked for, and

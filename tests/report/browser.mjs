@@ -52,12 +52,33 @@ export class Browser {
     return this.request("POST", `${this.session}/url`, { url });
   }
 
+  devtools(cmd, params) {
+    return this.request("POST", `${this.session}/goog/cdp/execute`, { cmd, params });
+  }
+
   /** Size of the page's window. */
-  async resize(width, height) {
-    await this.request("POST", `${this.session}/goog/cdp/execute`, {
-      cmd: "Emulation.setDeviceMetricsOverride",
-      params: { width, height, deviceScaleFactor: 1, mobile: false },
-    });
+  resize(width, height) {
+    return this.devtools("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
+  }
+
+  mouse(type, [x, y], clickCount = 0) {
+    const pressed = type === "mouseMoved" ? {} : { button: "left", clickCount };
+    return this.devtools("Input.dispatchMouseEvent", { type, x, y, ...pressed });
+  }
+
+  /** The hand goes to a place, presses, goes on to another, and lets go; `clicks` times. */
+  async press(from, to = from, clicks = 1) {
+    await this.mouse("mouseMoved", from);
+    for (let click = 1; click <= clicks; ++click) {
+      await this.mouse("mousePressed", from, click);
+      if (to !== from) await this.devtools("Input.dispatchMouseEvent", { type: "mouseMoved", x: to[0], y: to[1], button: "left", buttons: 1 });
+      await this.mouse("mouseReleased", to, click);
+    }
+  }
+
+  async key(key, text) {
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text });
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key });
   }
 
   /** Value of the body of a function; promises are waited for. */

@@ -6,7 +6,7 @@
 
 namespace plslam {
 
-/// What is seen from above: positions in metres in w, y (down) left out.
+/// What is seen from above: positions in metres, in the levelled frame (LevelRotation): y is down, and left out.
 struct TopViewScene {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> segments;

@@ -108,6 +108,8 @@ export class Selection {
   draw(run) {
     const { type, row } = this.picked;
     this.rays.setPairs(this.found.rays);
+    // A thousand rays of a keyframe must not hide what they lead to.
+    this.rays.material.opacity = Math.min(0.6, Math.max(0.06, 30 / this.rays.n));
     this.drawFrusta(run, type === "keyframes" ? [row] : this.found.observers);
     const ends = type === "segments" ? [...run.map.segments.pq.subarray(6 * row, 6 * row + 6)] : null;
     // A dot is a line of no length to speak of with round ends.

@@ -8,13 +8,14 @@ namespace plslam {
 namespace {
 
 constexpr double kRad_per_deg = M_PI / 180.0;
-/// Cameras are held or mounted less askew than this, and edges that run forward and up (stairs, roofs) mostly lie beyond.
-constexpr double kNear_rad = 35.0 * kRad_per_deg;
+/// Nearer to upright than to level, as the cameras have it.
+constexpr double kNear_rad = 45.0 * kRad_per_deg;
 /// Walls are built so well, and maps are bent so much: no line is believed to be better.
 constexpr double kLeastSigma_rad = 1.0 * kRad_per_deg;
 /// Reach of a vote, and of the weights of the last mean.
 constexpr double kWide_rad = 4.0 * kRad_per_deg;
 constexpr double kNarrow_rad = 2.0 * kRad_per_deg;
+constexpr double kAgreeing_rad = 3.0 * kRad_per_deg;
 constexpr int kMeans = 10;
 constexpr size_t kMaxCandidates = 300;
 constexpr int64_t kLeastLines = 8;
@@ -102,7 +103,7 @@ std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d&
   double all = 0.0, agreeing = 0.0;
   for (const Direction& direction : directions) {
     all += direction.weight;
-    if (Angle(direction.d, vertical.up_w) > kNarrow_rad) continue;
+    if (Angle(direction.d, vertical.up_w) > kAgreeing_rad) continue;
     agreeing += direction.weight;
     ++vertical.n_lines;
   }

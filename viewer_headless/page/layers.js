@@ -15,7 +15,7 @@ const kGroups = [
     { name: "path", label: "Estimated", on: true, swatch: ["thick", "path"] },
     { name: "truth", label: "True", on: true, swatch: ["thick", "truth"] },
     { name: "live", label: "As published", on: false, swatch: ["thick", "live"] },
-    { name: "odom", label: "Odometry alone", on: false, swatch: ["thick", "odom"] },
+    { name: "odom", label: "Odometry", on: false, swatch: ["thick", "odom"] },
   ]],
   ["Picture", [
     { name: "points2d", label: "Points", on: true, swatch: ["ring", "path"] },

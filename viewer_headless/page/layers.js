@@ -8,7 +8,7 @@ const kGroups = [
     { name: "segments", label: "Segments", on: true, swatch: ["thin", "heights"] },
     { name: "keyframes", label: "Keyframes", on: true, swatch: ["frustum", "keyframe"] },
     { name: "covisibility", label: "Covisibility", on: false, swatch: ["thin", "covisible"] },
-    { name: "essential", label: "Essential graph", on: false, swatch: ["thin", "essential"] },
+    { name: "essential", label: "Essential", on: false, swatch: ["thin", "essential"] },
     { name: "loopEdges", label: "Loops", on: true, swatch: ["thin", "loop"] },
   ]],
   ["Path", [

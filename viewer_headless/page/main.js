@@ -73,7 +73,7 @@ function chooseLoop(loop, index) {
 function chooseStrength() {
   const least = Number(byId("strength").value);
   const edges = view?.parts.keyframes.setStrength(least) ?? 0;
-  byId("strength-text").textContent = `${least} shared landmarks: ${count(edges)} edges`;
+  byId("strength-text").textContent = `${least} landmarks: ${count(edges)} edges`;
   view?.setRow(replay.row);
 }
 

@@ -17,7 +17,8 @@ constexpr double kLongestStill = 50.0;
 constexpr double kSlowest_hz = 1.0;
 constexpr double kFastest_hz = 120.0;
 
-TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path_w, const Eigen::Quaterniond& q_level_w) {
+TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path_w,
+                     const Eigen::Quaterniond& q_level_w) {
   const Eigen::Matrix3d R = q_level_w.toRotationMatrix();
   TopViewScene scene;
   scene.points.reserve(map.points().size());
@@ -55,12 +56,12 @@ void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
   if (failed_) return;
   positions_.Add(pose);
   // A few new lines do not turn the map.
-  if (const size_t keyframes = map.keyframes().size(); keyframes != levelled_keyframes_) {
-    levelled_keyframes_ = keyframes;
-    q_level_w_ = LevelRotation(VerticalOf(map).up_w);
-  }
+  const bool more_keyframes = map.keyframes().size() != levelled_keyframes_;
+  if (more_keyframes) q_level_w_ = LevelRotation(VerticalOf(map).up_w);
+  levelled_keyframes_ = map.keyframes().size();
   const TopViewScene scene = SceneOf(map, positions_.In(map), q_level_w_);
   window_.Include(scene.path);
+  if (more_keyframes) window_.IncludeMiddle(scene.points);
   const cv::Mat view = DrawTopView(scene, window_, MapSizeBeside(overlay.size()));
   try {
     Write(pose, Join(overlay, view));

@@ -148,6 +148,11 @@ async function checkPick(page) {
     return n;`, keyframe);
   check.that((await browser.run(rays)) === seen && seen > 10, `a keyframe has rays to its ${seen} landmarks`);
   await browser.key("Escape");
+  await browser.run(`const { run, view } = plslam;
+    [run.packedObservers, run.observers] = [null, {}];
+    view.parts.selection.choose(run, { type: "points", row: arguments[0] });`, point);
+  check.that((await page.text("#picked")).includes("not stored") && (await browser.run(rays)) === 0, "what a long run leaves out is said");
+  await browser.key("Escape");
 }
 
 async function checkKeys() {

@@ -110,7 +110,7 @@ export class Selection {
     this.rays.setPairs(this.found.rays);
     // A thousand rays of a keyframe must not hide what they lead to.
     this.rays.material.opacity = Math.min(0.6, Math.max(0.06, 30 / this.rays.n));
-    this.drawFrusta(run, type === "keyframes" ? [row] : this.found.observers);
+    this.drawFrusta(run, type === "keyframes" ? [row, ...this.found.observers] : this.found.observers);
     const ends = type === "segments" ? [...run.map.segments.pq.subarray(6 * row, 6 * row + 6)] : null;
     // A dot is a line of no length to speak of with round ends.
     const p = middleOf(run, this.picked);

@@ -77,12 +77,8 @@ Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
     Append(keyframe.T_w_kf.rotation().coeffs(), q);
     sigma_m.push_back(static_cast<float>(std::sqrt(keyframe.covariance.topLeftCorner<3, 3>().trace())));
   }
-  return {{"id", 1, std::move(id)},
-          {"frame", 1, std::move(frame)},
-          {"parent", 1, std::move(parent)},
-          {"p", 3, std::move(p)},
-          {"q", 4, std::move(q)},
-          {"sigma_m", 1, std::move(sigma_m)}};
+  return {{"id", 1, std::move(id)}, {"frame", 1, std::move(frame)}, {"parent", 1, std::move(parent)},
+          {"p", 3, std::move(p)},   {"q", 4, std::move(q)},         {"sigma_m", 1, std::move(sigma_m)}};
 }
 
 struct Edge {
@@ -136,9 +132,12 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
   Note(segments.size(), map.lines().size(), "segments of the map, those that most keyframes see,", notes);
   Note(std::min(limits.edges, edges.size()), edges.size(), "covisibility edges, the strongest,", notes);
   edges.resize(std::min(limits.edges, edges.size()));
-  ReportMap tables{LandmarkTable(map, points, "p", 3), LandmarkTable(map, segments, "pq", 6),
-                   KeyframeTable(map, rows),           EdgeTable(edges),
-                   LoopTable(map, rows),               VerticalOf(map),
+  ReportMap tables{LandmarkTable(map, points, "p", 3),
+                   LandmarkTable(map, segments, "pq", 6),
+                   KeyframeTable(map, rows),
+                   EdgeTable(edges),
+                   LoopTable(map, rows),
+                   VerticalOf(map),
                    ReportObservers{PackObservers(points, rows), PackObservers(segments, rows)}};
   const size_t bytes = tables.observers->points.size() + tables.observers->segments.size();
   if (bytes > limits.observer_bytes) {

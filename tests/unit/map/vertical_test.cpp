@@ -58,7 +58,9 @@ class LeaningMap {
   std::mt19937 random_{11};
 };
 
-double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::acos(std::min(1.0, a.dot(b))) / kDeg; }
+double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::min(1.0, a.dot(b))) / kDeg;
+}
 
 TEST(Vertical, TiltedMapIsRecoveredFromItsLines) {
   for (const double tilt_deg : {0.0, 7.0, 25.0}) {

@@ -47,7 +47,6 @@ export function showProcesses(run) {
     const facts = [
       work(run, p.name),
       queue === null ? null : `queue ${count(queue)}`,
-      `${count(last(p.table.memory_mb))} MB`,
       `${p.restarts} ${p.restarts === 1 ? "restart" : "restarts"}`,
     ];
     return element("li", { "data-process": p.name, class: bad ? "bad" : p.restarts ? "restarted" : p.state },

@@ -47,15 +47,16 @@ std::vector<Direction> DirectionsNear(const Map& map, const Eigen::Vector3d& abo
   return directions;
 }
 
-double TukeyWeight(double angle, double reach) {
-  const double share = angle / reach;
-  return share < 1.0 ? (1.0 - share * share) * (1.0 - share * share) : 0.0;
+/// Of two unit vectors, by their distance, which is their angle where it is small: many pairs are asked for.
+double TukeyWeight(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach_rad) {
+  const double rest = 1.0 - (a - b).squaredNorm() / (reach_rad * reach_rad);
+  return rest > 0.0 ? rest * rest : 0.0;
 }
 
 double Votes(const std::vector<Direction>& directions, const Eigen::Vector3d& up) {
   double votes = 0.0;
   for (const Direction& direction : directions) {
-    votes += direction.weight * TukeyWeight(Angle(direction.d, up), kWide_rad);
+    votes += direction.weight * TukeyWeight(direction.d, up, kWide_rad);
   }
   return votes;
 }
@@ -78,7 +79,7 @@ Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d
     const double reach = i < kMeans / 2 ? kWide_rad : kNarrow_rad;
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (const Direction& direction : directions) {
-      sum += direction.weight * TukeyWeight(Angle(direction.d, up), reach) * direction.d;
+      sum += direction.weight * TukeyWeight(direction.d, up, reach) * direction.d;
     }
     // The narrow reach may hold none of a loose bundle.
     if (sum.norm() > 0.0) up = sum.normalized();

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/map/vertical.h"
+
 namespace plslam {
 namespace {
 
@@ -15,12 +17,15 @@ constexpr double kLongestStill = 50.0;
 constexpr double kSlowest_hz = 1.0;
 constexpr double kFastest_hz = 120.0;
 
-TopViewScene SceneOf(const Map& map, std::vector<Eigen::Vector3d> path) {
+TopViewScene SceneOf(const Map& map, const std::vector<Eigen::Vector3d>& path_w,
+                     const Eigen::Quaterniond& q_level_w) {
+  const Eigen::Matrix3d R = q_level_w.toRotationMatrix();
   TopViewScene scene;
   scene.points.reserve(map.points().size());
-  for (const auto& [id, point] : map.points()) scene.points.push_back(point.p_w);
-  for (const auto& [id, line] : map.lines()) scene.segments.emplace_back(line.segment_w.p, line.segment_w.q);
-  scene.path = std::move(path);
+  for (const auto& [id, point] : map.points()) scene.points.emplace_back(R * point.p_w);
+  for (const auto& [id, line] : map.lines()) scene.segments.emplace_back(R * line.segment_w.p, R * line.segment_w.q);
+  scene.path.reserve(path_w.size());
+  for (const Eigen::Vector3d& p_w : path_w) scene.path.emplace_back(R * p_w);
   return scene;
 }
 
@@ -48,8 +53,13 @@ void Film::Open(double rate_hz, const cv::Size& size) {
 void Film::Add(const FramePose& pose, const cv::Mat& overlay, const Map& map) {
   if (failure_) return;
   positions_.Add(pose);
-  const TopViewScene scene = SceneOf(map, positions_.In(map));
+  // A few new lines do not turn the map.
+  const bool more_keyframes = map.keyframes().size() != levelled_keyframes_;
+  if (more_keyframes) q_level_w_ = LevelRotation(VerticalOf(map).up_w);
+  levelled_keyframes_ = map.keyframes().size();
+  const TopViewScene scene = SceneOf(map, positions_.In(map), q_level_w_);
   window_.Include(scene.path);
+  if (more_keyframes) window_.IncludeMiddle(scene.points);
   const cv::Mat view = DrawTopView(scene, window_, MapSizeBeside(overlay.size()));
   try {
     Write(pose, Join(overlay, view));

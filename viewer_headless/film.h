@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +48,9 @@ class Film {
   std::optional<std::string> failure_;
   TopViewWindow window_;
   FilmPath positions_;
+  /// From the map as it was when it had so many keyframes.
+  Eigen::Quaterniond q_level_w_ = Eigen::Quaterniond::Identity();
+  size_t levelled_keyframes_ = 0;
   std::optional<Waiting> first_;
   std::unique_ptr<RunVideo> video_;
   double camera_rate_hz_ = 0.0;

@@ -1,6 +1,6 @@
 // Headless Chromium, driven through chromedriver by plain WebDriver (W3C); nothing beyond node itself.
 import { spawn } from "node:child_process";
-import { mkdtempSync, rmSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
@@ -15,12 +15,13 @@ export class Browser {
     browser.profile = mkdtempSync(join(tmpdir(), "report-browser-"));
     // Port 0: any free one, which it then says.
     browser.driver = spawn(chromedriver, ["--port=0"], { stdio: ["ignore", "pipe", "inherit"] });
-    // Whoever waits for this script does so for a minute: nothing of it must be left then.
+    // Whoever waits for this script does so for two minutes: nothing of it must be left then.
     setTimeout(() => {
-      console.log("FAIL not done after 55 s");
+      console.log("FAIL not done after 110 s");
       browser.driver.kill();
+      browser.kill();
       process.exit(1);
-    }, 55_000).unref();
+    }, 110_000).unref();
     browser.base = await new Promise((resolve, reject) => {
       let said = "";
       browser.driver.stdout.on("data", (data) => {
@@ -52,12 +53,33 @@ export class Browser {
     return this.request("POST", `${this.session}/url`, { url });
   }
 
+  devtools(cmd, params) {
+    return this.request("POST", `${this.session}/goog/cdp/execute`, { cmd, params });
+  }
+
   /** Size of the page's window. */
-  async resize(width, height) {
-    await this.request("POST", `${this.session}/goog/cdp/execute`, {
-      cmd: "Emulation.setDeviceMetricsOverride",
-      params: { width, height, deviceScaleFactor: 1, mobile: false },
-    });
+  resize(width, height) {
+    return this.devtools("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: 1, mobile: false });
+  }
+
+  mouse(type, [x, y], clickCount = 0) {
+    const pressed = type === "mouseMoved" ? {} : { button: "left", clickCount };
+    return this.devtools("Input.dispatchMouseEvent", { type, x, y, ...pressed });
+  }
+
+  /** The hand goes to a place, presses, goes on to another, and lets go; `clicks` times. */
+  async press(from, to = from, clicks = 1) {
+    await this.mouse("mouseMoved", from);
+    for (let click = 1; click <= clicks; ++click) {
+      await this.mouse("mousePressed", from, click);
+      if (to !== from) await this.devtools("Input.dispatchMouseEvent", { type: "mouseMoved", x: to[0], y: to[1], button: "left", buttons: 1 });
+      await this.mouse("mouseReleased", to, click);
+    }
+  }
+
+  async key(key, text) {
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyDown", key, text });
+    await this.devtools("Input.dispatchKeyEvent", { type: "keyUp", key });
   }
 
   /** Value of the body of a function; promises are waited for. */
@@ -82,6 +104,18 @@ export class Browser {
   /** What the console says, since the last call. */
   log() {
     return this.request("POST", `${this.session}/se/log`, { type: "browser" });
+  }
+
+  /** Ends Chromium where it does not answer: a driver that is killed leaves it running. */
+  kill() {
+    for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
+      try {
+        if (readFileSync(`/proc/${pid}/cmdline`, "latin1").includes(this.profile)) process.kill(Number(pid), "SIGKILL");
+      } catch {
+        // Gone already.
+      }
+    }
+    rmSync(this.profile, { recursive: true, force: true, maxRetries: 5 });
   }
 
   async close() {

@@ -18,6 +18,11 @@ await runChecks(check, browser, async (page) => {
   await page.settle();
   const seen = await page.look("#map", ["path"]);
   check.that(seen.drawn > 500 && seen.near.path > 30, `and are drawn: ${seen.drawn} pixels, ${seen.near.path} of the path`);
+  const processes = await browser.run(`return Object.fromEntries([...document.querySelectorAll("#process-list li")].map((li) => [li.dataset.process, li.textContent]))`);
+  for (const name of ["player", "vo", "mapping", "loop", "viewer"]) {
+    check.that(/running|ready|finished/.test(processes[name]) && /restart/.test(processes[name]), `the state of ${name}: '${processes[name]}'`);
+  }
+  check.that(/ms a frame/.test(processes.vo), "and what a frame takes");
   const ids = await browser.run("return Array.from(plslam.run.frames.id)");
   check.that(ids.every((id, i) => i === 0 || id > ids[i - 1]), "each frame once, in order");
   const columns = await browser.run("return Object.entries(plslam.run.frames).map(([name, c]) => [name, c.length / plslam.run.frameWidths[name]])");

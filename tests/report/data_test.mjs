@@ -2,6 +2,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { countUpTo, Run } from "../../viewer_headless/page/data.js";
+import { fitView, worthSeeing } from "../../viewer_headless/page/framing.js";
+import { unpackObservers, unpackSigma } from "../../viewer_headless/page/observers.js";
+import { WallClock } from "../../viewer_headless/page/wall_clock.js";
 
 function column(Type, name, width, values) {
   return { type: name, width, data: Buffer.from(Type.from(values).buffer).toString("base64") };
@@ -69,4 +72,59 @@ test("pictures come once, in order", () => {
   run.take(message({ whole: true, pictures: [picture(4), picture(2)] }));
   run.take(message({ pictures: [picture(4), picture(3)] }));
   assert.deepEqual(run.pictures.map((p) => p.frame), [2, 3, 4]);
+});
+
+test("far landmarks are not worth seeing, the whole path is", () => {
+  const path = [-5, 0, 0, 5, 0, 0];
+  const landmarks = new Float64Array(300 * 3).map((_, i) => (i % 3 === 0 ? (i / 3) % 10 : 0));
+  landmarks.set([900, 0, 0, 0, 700, 0, 0, 0, -800]);
+  const seen = worthSeeing(path, landmarks);
+  assert.deepEqual(seen.slice(0, 6), path);
+  assert.ok(Math.max(...seen.map(Math.abs)) < 10, `up to ${Math.max(...seen.map(Math.abs))}`);
+  assert.ok(seen.length > 0.8 * 900, "and most of the landmarks");
+  assert.equal(worthSeeing([], new Float64Array()).length, 6, "something where there is nothing");
+  const near = worthSeeing([0, 0, 0, 1, 0, 0], Float64Array.from([0, 0, 2, 0, 0, 500, 0, 0, 500, 0, 0, 500]));
+  assert.ok(Math.max(...near) < 10, "nor are those that are all far, for then the path would be a dot");
+});
+
+test("the nearest eye that sees all points has two of them at the border", () => {
+  let random = 1;
+  const points = Array.from({ length: 300 }, () => ((random = (random * 48271) % 2147483647) / 2147483647) * 20 - 3);
+  const tangents = [0.8, 0.4];
+  for (const direction of [[0, 1, 0.001], [-0.35, 0.75, 0.8]]) {
+    const { target, distance } = fitView(points, direction, [0, 1, 0], tangents);
+    const length = Math.hypot(...direction);
+    const z = direction.map((v) => v / length);
+    const x = [z[2] / Math.hypot(z[0], z[2]), 0, -z[0] / Math.hypot(z[0], z[2])];
+    const y = [z[1] * x[2] - z[2] * x[1], z[2] * x[0] - z[0] * x[2], z[0] * x[1] - z[1] * x[0]];
+    let [mostX, mostY] = [0, 0];
+    for (let i = 0; i < points.length; i += 3) {
+      const p = [0, 1, 2].map((k) => points[i + k] - target[k]);
+      const along = (axis) => p.reduce((sum, v, k) => sum + v * axis[k], 0);
+      const depth = distance - along(z);
+      mostX = Math.max(mostX, Math.abs(along(x)) / depth / tangents[0]);
+      mostY = Math.max(mostY, Math.abs(along(y)) / depth / tangents[1]);
+    }
+    assert.ok(mostX <= 0.9201 && mostY <= 0.9201 && Math.max(mostX, mostY) > 0.9199, `${mostX}, ${mostY}`);
+  }
+});
+
+test("observers are unpacked as they were packed", () => {
+  // PackObservers.IdsCountsAndRows in report_tables_test.cpp writes the same.
+  const bytes = [4, 3, 10, 1, 171, 2, 169, 2, 1, 0, 1, 0];
+  assert.deepEqual(unpackObservers(bytes), { ids: [3, 300, 301], starts: [0, 3, 4, 4], rows: [5, 6, 305, 5] });
+  assert.deepEqual(unpackObservers([4, 1, 12, 169, 2, 1, 7]).rows, [6, 2]);
+  assert.ok(Number.isNaN(unpackSigma(0)));
+  assert.ok(Math.abs(unpackSigma(101) - 1e-4 * 1.05 ** 100) < 1e-9);
+});
+
+test("the clock of the host follows that of the recording", () => {
+  const run = new Run();
+  const table = { t_s: f32(1, [0, 1, 2, 3, 4]), frame: i32([-1, 0, 10, 20, 20]) };
+  run.take(message({ whole: true, frames: rows([0, 10, 20], 1, [1, 1, 1]), processes: [{ name: "vo", state: "running", table }] }));
+  const clock = new WallClock(run);
+  assert.equal(clock.timeAt(1.5), 0.5);
+  assert.equal(clock.wallAt(1.5), 2.5);
+  assert.deepEqual([clock.timeAt(0), clock.timeAt(9), clock.wallAt(-1), clock.wallAt(9)], [0, 2, 1, 3]);
+  assert.equal(new WallClock(new Run()).timeAt(1), null);
 });

@@ -37,7 +37,8 @@ OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
 }
 
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id) {
-  ProcessSample sample{message.process, message.state, t_s, frame_id, message.cpu_s, message.memory_mb, {}};
+  ProcessSample sample{message.process, message.state,     t_s, frame_id,
+                       message.cpu_s,   message.memory_mb, {},  message.pid};
   for (const counter_t& counter : message.counters) sample.counters.emplace_back(counter.name, counter.value);
   return sample;
 }

@@ -42,8 +42,8 @@ export class CameraMark {
     const { p, q } = this.pose(run, row);
     const rotation = new Quaternion(...q);
     const place = (x, y, z) => {
-      const moved = new Vector3(x, y, z).applyQuaternion(rotation);
-      return new Vector3(moved.x + p[0], -(moved.y + p[1]), -(moved.z + p[2]));
+      const moved = new Vector3(x, y, z).applyQuaternion(rotation).add(new Vector3(...p));
+      return this.object.parent.localToWorld(moved);
     };
     return [place(0, -up, -back), place(0, 0, ahead)];
   }

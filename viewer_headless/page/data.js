@@ -1,5 +1,7 @@
 // The data of a run as the viewer writes it, decoded: columns become typed arrays. A live page adds what comes later.
 
+import { unpackObservers } from "./observers.js";
+
 const kArrays = { f32: Float32Array, i32: Int32Array, u16: Uint16Array, u8: Uint8Array };
 
 function bytesOf(base64) {
@@ -55,6 +57,8 @@ export class Run {
     this.processes = [];
     this.pictures = [];
     this.notes = [];
+    this.packedObservers = null;
+    this.observers = {};
   }
 
   get rows() {
@@ -81,7 +85,11 @@ export class Run {
     if (!json.path) return changed;
     changed.add("map");
     this.path = decodeTable(json.path);
-    this.map = Object.fromEntries(Object.entries(json.map).map(([name, table]) => [name, decodeTable(table)]));
+    const { vertical, observers, ...tables } = json.map;
+    this.map = Object.fromEntries(Object.entries(tables).map(([name, table]) => [name, decodeTable(table)]));
+    this.map.vertical = vertical ?? { up: [0, -1, 0], lines: 0 };
+    this.packedObservers = observers ?? null;
+    this.observers = {};
     this.mapStageNames = json.map_stage_names;
     this.mapTimes = decodeTable(json.map_times);
     this.loops = json.loops;
@@ -97,6 +105,12 @@ export class Run {
       this.pictures.push({ ...picture, features: decodeTable(picture.features) });
     }
     this.pictures.sort((a, b) => a.frame - b.frame);
+  }
+
+  /** Who observes the landmarks ("points" or "segments"), unpacked when first asked for; null where that was left out. */
+  observersOf(type) {
+    if (!this.packedObservers) return null;
+    return (this.observers[type] ??= unpackObservers(bytesOf(this.packedObservers[type])));
   }
 
   /** The last row whose frame is not after `frame`; 0 where there is none. */

@@ -37,6 +37,8 @@ export class Keyframes {
       world.add(object);
     }
     this.ends = {};
+    this.covisible = [];
+    this.strength = 0;
   }
 
   retheme() {
@@ -55,9 +57,19 @@ export class Keyframes {
     const all = [...(edges.shared ?? [])].map((shared, i) => [edges.ab[2 * i], edges.ab[2 * i + 1], shared]);
     const tree = [...(parent ?? [])].map((a, b) => [a, b]).filter(([a]) => a >= 0);
     const loops = run.map.loop_edges.ab ?? [];
-    this.makeEdges("covisibility", all);
+    this.covisible = all;
+    this.setStrength(this.strength);
     this.makeEdges("essential", [...all.filter((e) => e[2] >= kEssential), ...tree]);
     this.makeEdges("loopEdges", Array.from({ length: loops.length / 2 }, (_, i) => [loops[2 * i], loops[2 * i + 1]]));
+  }
+
+  /** Covisibility is shown between keyframes that share at least so many landmarks; returns how many edges that are. */
+  setStrength(least) {
+    this.strength = least;
+    if (!this.map) return 0;
+    const strong = this.covisible.filter((edge) => edge[2] >= least);
+    this.makeEdges("covisibility", strong);
+    return strong.length;
   }
 
   makeFrusta(camera, p, q, frames) {

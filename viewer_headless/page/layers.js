@@ -1,39 +1,45 @@
 // Switches of what is drawn.
 import { byId, element } from "./element.js";
 
-export const kLayers = [
-  { name: "points", label: "Points", on: true },
-  { name: "segments", label: "Segments", on: true },
-  { name: "keyframes", label: "Keyframes", on: true },
-  { name: "covisibility", label: "Covisibility", on: false },
-  { name: "essential", label: "Essential graph", on: false },
-  { name: "loopEdges", label: "Loops", on: true, swatch: "loop" },
-  { name: "path", label: "Estimated path", on: true, swatch: "path" },
-  { name: "truth", label: "True path", on: true, swatch: "truth" },
-  { name: "live", label: "As published", on: false, swatch: "live" },
-  { name: "odom", label: "Odometry alone", on: false, swatch: "odom" },
-  { name: "points2d", label: "Points in picture", on: true },
-  { name: "segments2d", label: "Segments in picture", on: true },
+// `swatch` is how it is drawn: [shape, colour of the style].
+const kGroups = [
+  ["Map", [
+    { name: "points", label: "Points", on: true, swatch: ["dots", "heights"] },
+    { name: "segments", label: "Segments", on: true, swatch: ["thin", "heights"] },
+    { name: "keyframes", label: "Keyframes", on: true, swatch: ["frustum", "keyframe"] },
+    { name: "covisibility", label: "Covisibility", on: false, swatch: ["thin", "covisible"] },
+    { name: "essential", label: "Essential", on: false, swatch: ["thin", "essential"] },
+    { name: "loopEdges", label: "Loops", on: true, swatch: ["thin", "loop"] },
+  ]],
+  ["Path", [
+    { name: "path", label: "Estimated", on: true, swatch: ["thick", "path"] },
+    { name: "truth", label: "True", on: true, swatch: ["thick", "truth"] },
+    { name: "live", label: "As published", on: false, swatch: ["thick", "live"] },
+    { name: "odom", label: "Odometry", on: false, swatch: ["thick", "odom"] },
+  ]],
+  ["Picture", [
+    { name: "points2d", label: "Points", on: true, swatch: ["ring", "path"] },
+    { name: "segments2d", label: "Segments", on: true, swatch: ["thick", "essential"] },
+  ]],
 ];
 
 /** A map of name to boolean; `changed(name)` is called after a switch. */
 export function makeLayers(changed) {
-  const layers = new Map(kLayers.map((layer) => [layer.name, layer.on]));
-  const box = byId("layers");
-  for (const { name, label, on, swatch } of kLayers) {
-    const input = element("input", {
-      type: "checkbox",
-      name,
-      checked: on,
-      onchange: () => {
-        layers.set(name, input.checked);
-        changed(name);
-      },
-    });
-    const mark = swatch ? element("i", { class: "swatch", style: `--swatch: var(--${swatch})` }) : null;
-    box.append(element("label", { "data-layer": name }, input, element("span", {}, label), mark));
+  const layers = new Map(kGroups.flatMap(([, group]) => group.map((layer) => [layer.name, layer.on])));
+  for (const [title, group] of kGroups) {
+    byId("layers").append(element("div", { class: "group" }, element("span", { class: "group-name" }, title),
+      ...group.map((layer) => switchOf(layer, (on) => {
+        layers.set(layer.name, on);
+        changed(layer.name);
+      }))));
   }
   return layers;
+}
+
+function switchOf({ name, label, on, swatch }, changed) {
+  const input = element("input", { type: "checkbox", name, checked: on, onchange: () => changed(input.checked) });
+  const mark = element("i", { class: `swatch ${swatch[0]}`, style: `--swatch: var(--${swatch[1]})` });
+  return element("label", { "data-layer": name }, input, mark, element("span", {}, label));
 }
 
 /** Hides switches of what the run has not. */
@@ -52,4 +58,14 @@ export function showAvailable(run) {
   for (const label of document.querySelectorAll("#layers label")) {
     label.hidden = has[label.dataset.layer] === false;
   }
+  for (const group of document.querySelectorAll("#layers .group")) group.hidden = !group.querySelector("label:not([hidden])");
+  showStrengths(run.map?.edges.shared);
+}
+
+/** The slider of covisibility reaches from the weakest edge to the strongest. */
+function showStrengths(shared) {
+  byId("strength-box").hidden = !shared?.length;
+  if (!shared?.length) return;
+  // Edges come strongest first.
+  Object.assign(byId("strength"), { min: shared.at(-1), max: shared[0] });
 }

@@ -3,22 +3,24 @@ import { byId, element } from "./element.js";
 import { cssGradient, scales } from "./colours.js";
 import { fixed } from "./format.js";
 
-const kTitles = { height: "height in m", seen: "first seen in frame", sights: "keyframes that see it" };
+const kTitles = { height: "height", seen: "first seen in frame", sights: "observed by keyframes" };
+const kUnits = { height: " m", seen: "", sights: "" };
 
 export function showLegend(mode, range) {
   const digits = mode === "height" && range && Math.abs(range[1] - range[0]) < 10 ? 1 : 0;
   const box = byId("legend");
-  if (!range) return box.replaceChildren();
+  box.hidden = !range;
+  if (!range) return;
   box.replaceChildren(
     element("span", {}, kTitles[mode]),
     element("i", { style: `background: ${cssGradient(scales[mode])}` }),
-    element("span", { class: "ends" }, element("b", {}, fixed(range[0], digits)), element("b", {}, fixed(range[1], digits))),
+    element("span", { class: "ends" }, ...range.map((value) => element("b", {}, `${fixed(value, digits)}${kUnits[mode]}`))),
   );
 }
 
 /** Buttons of which one is pressed; `choose(mode)`. */
 export function makeColourChoice(choose) {
-  const names = { height: "Height", seen: "Age", sights: "Sightings" };
+  const names = { height: "Height", seen: "Age", sights: "Observations" };
   const buttons = Object.entries(names).map(([mode, label]) =>
     element("button", { type: "button", "data-mode": mode, "aria-pressed": mode === "height" ? "true" : "false",
       onclick: () => {

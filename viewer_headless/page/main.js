@@ -1,7 +1,7 @@
 // The page of a run: puts the data in, and wires the parts to each other.
 import { embeddedData, Run } from "./data.js";
 import { byId, element } from "./element.js";
-import { metres } from "./format.js";
+import { count, metres } from "./format.js";
 import { makeColourChoice, showLegend } from "./legend.js";
 import { makeLayers, showAvailable } from "./layers.js";
 import { follow } from "./live.js";
@@ -10,6 +10,7 @@ import { MapView } from "./map_view.js";
 import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
 import { Replay } from "./replay.js";
+import { showProcesses } from "./processes.js";
 import { showKicker, showNotes, showSummary } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
@@ -32,6 +33,11 @@ function makeView() {
     byId("no-webgl").hidden = false;
     return null;
   }
+}
+
+function look(fromAbove) {
+  if (byId("fly").getAttribute("aria-pressed") === "true") byId("fly").click();
+  view?.lookAtAll(fromAbove);
 }
 
 function chooseCorrection() {
@@ -63,15 +69,54 @@ function chooseLoop(loop, index) {
   byId("stage").scrollIntoView({ behavior: "smooth" });
 }
 
+/** The covisibility of which two keyframes share at least as many landmarks as the slider says. */
+function chooseStrength() {
+  const least = Number(byId("strength").value);
+  const edges = view?.parts.keyframes.setStrength(least) ?? 0;
+  byId("strength-text").textContent = `${least} landmarks: ${count(edges)} edges`;
+  view?.setRow(replay.row);
+}
+
+/** A click that is no drag shows what stands there and who observes it. */
+function makePicking() {
+  const canvas = byId("map");
+  let down = null;
+  const choose = (picked) => {
+    view.parts.selection.choose(run, picked);
+    view.invalidate();
+  };
+  view.parts.selection.goTo = (frame) => replay.go(run.rowOf(frame));
+  view.parts.selection.changed = () => view.invalidate();
+  canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  canvas.addEventListener("click", (event) => {
+    if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+    choose(view.picker.pick(event.offsetX, event.offsetY));
+  });
+  document.addEventListener("keydown", (event) => event.key === "Escape" && choose(null));
+}
+
+/** 1, 2 and 3 choose what the map is looked at from. */
+function makeKeys() {
+  const buttons = { 1: "view-all", 2: "view-top", 3: "fly" };
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    if (buttons[event.key]) byId(buttons[event.key]).click();
+  });
+  // After a click the keys are for the replay again, not for what was clicked.
+  document.addEventListener("click", (event) => event.detail > 0 && event.target.closest("button, label, [type=checkbox]") && document.activeElement.blur());
+}
+
 function update(changed, state) {
   showSummary(run);
   showKicker(run, state);
   showNotes(run);
   showAvailable(run);
+  showProcesses(run);
   if (changed.has("frames") || changed.has("map")) view?.setRun(run);
   if (changed.has("map")) {
     showLoops(run, chooseLoop);
     showCorrections();
+    chooseStrength();
   }
   replay.setRun(run);
   if (changed.has("pictures")) picture.show(run, replay.row);
@@ -89,14 +134,21 @@ makeTheme(() => {
 });
 byId("correction").addEventListener("change", chooseCorrection);
 byId("blend").addEventListener("input", chooseCorrection);
-byId("view-all").addEventListener("click", () => view?.lookAtAll());
-byId("view-top").addEventListener("click", () => view?.lookAtAll(true));
+byId("strength").addEventListener("input", () => {
+  const shown = document.querySelector("[name=covisibility]");
+  if (!shown.checked) shown.click();
+  chooseStrength();
+});
+byId("view-all").addEventListener("click", () => look(false));
+byId("view-top").addEventListener("click", () => look(true));
 byId("fly").addEventListener("click", () => {
   const flying = byId("fly").getAttribute("aria-pressed") !== "true";
   byId("fly").setAttribute("aria-pressed", flying);
   view?.setFlying(flying);
   if (flying && !replay.playing) replay.play();
 });
+if (view) makePicking();
+makeKeys();
 new ResizeObserver(() => picture.draw()).observe(byId("picture"));
 byId("map").addEventListener("pointerdown", () => view && (view.pristine = false));
 byId("map").addEventListener("wheel", () => view && (view.pristine = false), { passive: true });

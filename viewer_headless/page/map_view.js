@@ -1,14 +1,25 @@
 // The map in three dimensions: camera, light-footed rendering (only when something has changed), and what stands in it.
-import { Box3, Color, Group, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from "three";
+import { Color, Group, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { byId } from "./element.js";
 import { themeColour } from "./colours.js";
-import { quantiles } from "./format.js";
+import { diagonalOf, fitView, worthSeeing } from "./framing.js";
 import { Landmarks } from "./landmarks.js";
 import { Keyframes } from "./keyframes.js";
 import { Paths } from "./paths.js";
 import { Correction } from "./correction.js";
 import { CameraMark } from "./camera_mark.js";
+import { Picker } from "./picker.js";
+import { Selection } from "./selection.js";
+
+// The map has y down and z forward, the scene y up.
+const kUpright = new Quaternion(1, 0, 0, 0);
+// Landmarks that decide what is looked at.
+const kMostLandmarks = 6000;
+// From where everything is looked at, towards the eye: obliquely from behind, or from the side where that shows a long map larger.
+const kOblique = [[-0.35, 0.75, 0.8], [-0.8, 0.75, 0.35]];
+// From above forward is upwards in the picture, or, in a long map, to the right.
+const kAbove = [[0, 1, 0.001], [0.001, 1, 0]];
 
 export class MapView {
   /** Throws where the browser has no WebGL. */
@@ -18,9 +29,8 @@ export class MapView {
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: "high-performance" });
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.scene = new Scene();
-    // The map has y down and z forward.
     this.world = new Group();
-    this.world.rotation.x = Math.PI;
+    this.world.quaternion.copy(kUpright);
     this.scene.add(this.world);
     this.camera = new PerspectiveCamera(50, 1, 0.01, 1000);
     this.controls = new OrbitControls(this.camera, this.canvas);
@@ -33,7 +43,9 @@ export class MapView {
       paths: new Paths(this.world),
       correction: new Correction(this.world),
       mark: new CameraMark(this.world),
+      selection: new Selection(this.world),
     };
+    this.picker = new Picker(this);
     this.colourMode = "height";
     this.flying = false;
     this.row = 0;
@@ -50,6 +62,7 @@ export class MapView {
     this.camera.updateProjectionMatrix();
     this.parts.paths.setResolution(width, height);
     this.parts.correction.setResolution(width, height);
+    this.parts.selection.setResolution(width, height);
     if (this.pristine) this.lookAtAll(this.fromAbove);
     this.invalidate();
   }
@@ -66,9 +79,9 @@ export class MapView {
     this.run = run;
     const newMap = run.map !== this.map;
     this.map = run.map;
-    if (newMap) this.landmarkBounds = boundsOf(run.map);
-    this.box = boxOf(run, this.landmarkBounds);
-    this.size = Math.max(1e-3, this.box.getSize(new Vector3()).length());
+    this.level(run);
+    this.seen = worthSeeing(this.inScene(pathOf(run)), this.inScene(landmarksOf(run)));
+    this.size = Math.max(1e-3, diagonalOf(this.seen));
     this.camera.near = this.size / 2000;
     this.camera.far = this.size * 40;
     this.camera.updateProjectionMatrix();
@@ -78,6 +91,24 @@ export class MapView {
     this.applyLayers();
     this.setRow(this.row);
     if (first || this.pristine) this.lookAtAll(this.fromAbove);
+  }
+
+  /** Puts the map's vertical upright. */
+  level(run) {
+    const up = run.map?.vertical.up ?? [0, -1, 0];
+    const leaning = new Vector3(...up).applyQuaternion(kUpright);
+    this.world.quaternion.setFromUnitVectors(leaning.normalize(), new Vector3(0, 1, 0)).multiply(kUpright);
+    this.world.updateMatrixWorld(true);
+  }
+
+  /** Positions of the map in the scene's coordinates. */
+  inScene(positions) {
+    const p = new Vector3();
+    const result = new Float64Array(positions.length);
+    for (let i = 0; i + 2 < positions.length; i += 3) {
+      p.set(positions[i], positions[i + 1], positions[i + 2]).applyQuaternion(this.world.quaternion).toArray(result, i);
+    }
+    return result;
   }
 
   applyLayers() {
@@ -102,14 +133,16 @@ export class MapView {
     this.invalidate();
   }
 
-  /** Looks at everything obliquely from behind, or from above. */
+  /** Looks at the path and the middle of the landmarks, obliquely or from above, from as near as shows all of them. */
   lookAtAll(fromAbove = false) {
+    if (!this.seen) return;
     this.fromAbove = fromAbove;
-    const centre = this.box.getCenter(new Vector3());
-    const distance = (0.5 * this.size) / Math.tan((0.5 * this.camera.fov * Math.PI) / 180) / Math.min(1, this.camera.aspect);
-    const direction = fromAbove ? new Vector3(0, 1, 0.001) : new Vector3(-0.35, 0.75, 0.8);
-    this.controls.target.copy(centre);
-    this.camera.position.copy(centre).addScaledVector(direction.normalize(), distance);
+    const tangent = Math.tan((0.5 * this.camera.fov * Math.PI) / 180);
+    const fits = (fromAbove ? kAbove : kOblique).map((direction) =>
+      ({ direction, ...fitView(this.seen, direction, [0, 1, 0], [tangent * this.camera.aspect, tangent]) }));
+    const best = fits[1].distance < 0.85 * fits[0].distance ? fits[1] : fits[0];
+    this.controls.target.set(...best.target);
+    this.camera.position.copy(this.controls.target).addScaledVector(new Vector3(...best.direction).normalize(), best.distance);
     this.camera.up.set(0, 1, 0);
     this.controls.update();
     this.pristine = true;
@@ -148,30 +181,20 @@ export class MapView {
   }
 }
 
-/** Where most of the points lie, as [low, high] of each axis of the map; null without points. */
-function boundsOf(map) {
-  const points = map?.points.p;
-  if (!points?.length) return null;
-  return [0, 1, 2].map((axis) => quantiles(points.filter((_, i) => i % 3 === axis), 0.1, 0.9));
-}
-
-/** What is worth looking at: the path and most of the points, in the scene's coordinates (y up). */
-function boxOf(run, bounds) {
-  const box = new Box3();
+/** Positions of the camera that are known. */
+function pathOf(run) {
+  const path = [];
   const p = [0, 0, 0];
   for (let row = 0; row < run.rows; ++row) {
     run.position(row, p);
-    if (p.every(Number.isFinite)) box.expandByPoint(new Vector3(p[0], -p[1], -p[2]));
+    if (p.every(Number.isFinite)) path.push(...p);
   }
-  if (box.isEmpty()) box.set(new Vector3(-1, -1, -1), new Vector3(1, 1, 1));
-  if (bounds) {
-    const middle = box.getCenter(new Vector3());
-    const reach = 3 * Math.max(1, box.getSize(new Vector3()).length());
-    // A few far points must not make the path a dot.
-    const near = (value, centre) => Math.min(centre + reach, Math.max(centre - reach, value));
-    for (const k of [0, 1]) {
-      box.expandByPoint(new Vector3(near(bounds[0][k], middle.x), near(-bounds[1][k], middle.y), near(-bounds[2][k], middle.z)));
-    }
-  }
-  return box;
+  return path;
+}
+
+/** Some of the points, and the ends of some segments. */
+function landmarksOf(run) {
+  const all = [run.map?.points.p, run.map?.segments.pq].filter((positions) => positions?.length);
+  const step = Math.ceil(all.reduce((sum, positions) => sum + positions.length / 3, 0) / kMostLandmarks);
+  return all.flatMap((positions) => Array.from(positions).filter((_, i) => Math.floor(i / 3) % step === 0));
 }

@@ -40,10 +40,12 @@ export class Plot {
   /**
    * spec: {title, note, unit, xLabel, range, series: [{label, colour, fill, dash, points, steps, width, own}]}; of a series,
    * `own` are the numbers for the legend where others are drawn.
-   * `now()` is the time to mark or null, `seek(t)` goes there.
+   * `link`, all in numbers of the x axis: `now()` is the moment to mark or null, `seek(x)` goes there, `hover(x)` says where the
+   * cursor is (null: nowhere), `zoom([low, high])` asks for a part, null for all.
    */
-  constructor(parent, spec, data, now, seek) {
-    this.now = now;
+  constructor(parent, spec, data, link) {
+    this.link = link;
+    this.zoomed = null;
     this.figure = element("figure", { class: "plot" });
     this.figure.append(element("figcaption", {}, spec.title, element("small", {}, spec.note ?? "")));
     this.box = element("div", { class: "canvas" });
@@ -54,15 +56,21 @@ export class Plot {
       height: kHeight,
       scales: { x: { time: false }, y: { range: spec.range } },
       axes: [{ ...axis(spec.xLabel ?? "time in s"), size: 28, labelGap: -2 }, { ...axis(spec.unit), size: 52 }],
-      series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)}`) }, ...spec.series.map((s, i) => this.serie(s, i))],
-      cursor: { y: false, focus: { prox: 16 }, sync: seek ? { key: "time" } : undefined },
+      series: [{ label: spec.xLabel ?? "time in s", value: (_, v) => (v == null ? "–" : `${v.toFixed(2)} s`) }, ...spec.series.map((s, i) => this.serie(s, i))],
+      cursor: { y: false, focus: { prox: 16 }, drag: { x: true, y: false, setScale: false, dist: 4 }, bind: { dblclick: () => () => link.zoom(null) } },
       legend: { live: true },
-      plugins: [nowLine(now)],
+      plugins: [nowLine(link.now)],
+      hooks: {
+        setCursor: [(u) => this.visible !== undefined && link.hover(u.cursor.left >= 0 ? u.posToVal(u.cursor.left, "x") : null)],
+        setSelect: [(u) => this.zoomTo(u)],
+      },
     };
     this.own = spec.series.map((s) => s.own);
+    // Counts have none.
+    this.unit = { m: " m", deg: "°", ms: " ms", MB: " MB", "% of a core": " %" }[spec.unit] ?? "";
     this.plot = new uPlot(options, data, this.box);
     this.plot.over.addEventListener("mouseleave", () => setTimeout(() => this.showValues()));
-    if (seek) this.plot.over.addEventListener("click", (event) => seek(this.plot.posToVal(event.offsetX, "x")));
+    this.plot.over.addEventListener("click", (event) => link.seek(this.plot.posToVal(event.offsetX, "x")));
     // Asked once a size has settled, for a redraw within its own notice would be noticed again.
     this.observer = new ResizeObserver(() => requestAnimationFrame(() => this.resize()));
     this.observer.observe(this.figure);
@@ -72,13 +80,40 @@ export class Plot {
     this.watcher.observe(this.figure);
   }
 
+  /** What was dragged over becomes the part that is shown. */
+  zoomTo(u) {
+    const { left, width } = u.select;
+    if (!(width > 0)) return;
+    const range = [left, left + width].map((x) => u.posToVal(x, "x"));
+    u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+    this.link.zoom(range);
+  }
+
+  /** Shows the part [low, high] of the x axis; null for all. */
+  setZoom(range) {
+    this.zoomed = range;
+    const x = this.plot.data[0];
+    if (!this.visible || x.length < 2) return;
+    const [min, max] = range ?? [x[0], x.at(-1)];
+    this.plot.setScale("x", { min, max });
+    this.showValues();
+  }
+
+  /** Shows the cursor at x, as if it were pointed at; null for nowhere. */
+  showCursor(x) {
+    if (!this.visible) return;
+    const left = x === null ? -10 : this.plot.valToPos(x, "x");
+    this.plot.setCursor(left >= 0 && left <= this.plot.over.clientWidth ? { left, top: 10 } : { left: -10, top: -10 }, false);
+    this.showValues();
+  }
+
   setVisible(visible) {
     this.visible = visible;
     if (!visible) return;
     const waiting = this.waiting;
     this.waiting = null;
-    if (waiting) this.plot.setData(waiting);
-    else this.plot.redraw(false, true);
+    if (waiting) this.plot.setData(waiting, false);
+    this.setZoom(this.zoomed);
     this.showValues();
   }
 
@@ -93,7 +128,7 @@ export class Plot {
       paths: s.points === true ? () => null : s.steps ? uPlot.paths.stepped({ align: 1 }) : undefined,
       value: (_, v, __, i) => {
         const shown = this.own[index] && i !== null ? this.own[index][i] : v;
-        return shown === null || shown === undefined ? "–" : `${Number(shown.toPrecision(3))}`;
+        return shown === null || shown === undefined ? "–" : `${Number(shown.toPrecision(3))}${this.unit}`;
       },
     };
   }
@@ -110,8 +145,12 @@ export class Plot {
   /** Other numbers of the same series. */
   setData(data, spec) {
     this.own = spec.series.map((s) => s.own);
-    if (this.visible) this.plot.setData(data);
-    else this.waiting = data;
+    if (!this.visible) {
+      this.waiting = data;
+      return;
+    }
+    this.plot.setData(data, false);
+    this.setZoom(this.zoomed);
   }
 
   redraw() {
@@ -124,7 +163,7 @@ export class Plot {
   showValues() {
     const { plot } = this;
     if (plot.cursor.idx !== null && plot.cursor.idx !== undefined) return;
-    const t = this.now();
+    const t = this.link.now();
     const x = plot.data[0];
     plot.setLegend({ idx: t === null ? x.length - 1 : Math.min(x.length - 1, plot.valToIdx(t)) }, false);
   }

@@ -1,7 +1,8 @@
-// All plots of the page.
+// All plots of the page: one cursor, one zoom, one moment of the replay. Plots over the time of the host take part by a clock.
 import { byId, element } from "./element.js";
 import { Plot } from "./plot.js";
 import { plotsOf } from "./plot_data.js";
+import { WallClock } from "./wall_clock.js";
 
 export class Plots {
   constructor(seek) {
@@ -9,10 +10,13 @@ export class Plots {
     this.seek = seek;
     this.plots = new Map();
     this.now = null;
+    /** Times of the recording that are shown; null for all. */
+    this.zoomed = null;
   }
 
   /** Draws the plots of the run; those that are there and have the same series only get new data. */
   setRun(run) {
+    this.clock = new WallClock(run);
     const wanted = plotsOf(run);
     const shape = JSON.stringify(wanted.map((p) => [p.key, p.spec.series.map((s) => s.label)]));
     if (shape === this.shape) {
@@ -22,13 +26,49 @@ export class Plots {
     this.shape = shape;
     for (const plot of this.plots.values()) plot.destroy();
     this.plots.clear();
-    if (!this.parent.querySelector("h2")) this.parent.append(element("h2", {}, "Figures"));
+    if (!this.parent.querySelector("h2")) this.addHead();
     for (const { key, spec, data, wall } of wanted) {
-      const plot = new Plot(this.parent, spec, data, () => (wall ? null : this.now), wall ? null : this.seek);
+      const plot = new Plot(this.parent, spec, data, this.linkOf(key, wall));
       plot.figure.dataset.plot = key;
       this.plots.set(key, plot);
     }
-    this.redraw();
+    this.zoom(this.zoomed);
+  }
+
+  addHead() {
+    this.whole = element("button", { type: "button", id: "zoom-out", hidden: true, onclick: () => this.zoom(null) }, "Whole run");
+    this.parent.append(element("h2", {}, "Figures",
+      element("small", {}, "drag to zoom all of them, double-click for the whole run, click to go there"), this.whole));
+  }
+
+  /** What a plot tells and asks, in the times of its own axis. */
+  linkOf(key, wall) {
+    const toTime = (x) => (wall ? this.clock.timeAt(x) : x);
+    const toAxis = (t) => (t === null || !wall ? t : this.clock.wallAt(t));
+    return {
+      toAxis,
+      now: () => toAxis(this.now),
+      seek: (x) => toTime(x) !== null && this.seek(toTime(x)),
+      hover: (x) => this.hover(key, x === null ? null : toTime(x)),
+      zoom: (range) => this.zoom(range && range.map(toTime)),
+    };
+  }
+
+  onAxis(plot, range) {
+    const ends = range?.map((t) => plot.link.toAxis(t));
+    return ends && ends.every((x) => x !== null) && ends[1] > ends[0] ? ends : null;
+  }
+
+  /** The cursor of plot `from` is at t: those of the others too. */
+  hover(from, t) {
+    for (const [key, plot] of this.plots) if (key !== from) plot.showCursor(t === null ? null : plot.link.toAxis(t));
+  }
+
+  /** Shows [from, to] in all plots; null for the whole run. */
+  zoom(range) {
+    this.zoomed = range && range[1] > range[0] ? range : null;
+    if (this.whole) this.whole.hidden = !this.zoomed;
+    for (const plot of this.plots.values()) plot.setZoom(this.onAxis(plot, this.zoomed));
   }
 
   setNow(t) {

@@ -16,12 +16,16 @@ export class Replay {
   }
 
   key(event) {
-    if (event.target.closest("input, select, button, textarea, tr")) return;
-    if (event.key === " ") {
+    // What has the focus of the keyboard keeps its own keys; the slider of time steps by itself.
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
+    const control = event.target.closest("input, button, tr");
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (event.key === " " && (!control || control === this.slider)) {
       event.preventDefault();
       this.button.click();
-    } else if (event.key === "ArrowRight" || event.key === "ArrowLeft") {
-      this.go(this.row + (event.key === "ArrowRight" ? 1 : -1));
+    } else if (step && (!control || control.matches("button, [type=checkbox]"))) {
+      event.preventDefault();
+      this.go(this.row + (event.shiftKey ? 10 : 1) * step);
     }
   }
 

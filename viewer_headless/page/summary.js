@@ -53,8 +53,15 @@ export function showKicker(run, state) {
   byId("kicker").textContent = parts.filter(Boolean).join(" · ");
 }
 
+/** What says where up is. */
+function upright(run) {
+  const lines = run.map?.vertical.lines ?? 0;
+  return lines > 0 ? `Up is the direction that ${count(lines)} upright segments of the map share; heights are measured along it from the first camera.`
+    : "Up is the mean of the cameras (the map has no upright segments that agree); heights are measured along it from the first camera.";
+}
+
 export function showNotes(run) {
-  const lead = "Positions are in the map's frame (x right, y down, z forward at the start), drawn with y up. The true path is " +
-    "aligned with the estimated one by a rigid motion.";
-  byId("notes").textContent = [lead, ...run.notes].join(" ");
+  const lead = "Positions are in the map's frame (x right, y down, z forward at the start). The true path is aligned with the " +
+    "estimated one by a rigid motion.";
+  byId("notes").textContent = [lead, upright(run), ...run.notes].join(" ");
 }

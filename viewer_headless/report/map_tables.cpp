@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+
+#include "viewer_headless/report/observers.h"
 
 namespace plslam {
 namespace {
@@ -36,25 +39,35 @@ void AppendPositions(const MapLine& line, std::vector<float>& values) {
   Append(line.segment_w.q, values);
 }
 
+double Sigma_m(const MapPoint& point) { return std::sqrt(point.covariance.trace()); }
+/// Along the line nothing is measured.
+double Sigma_m(const MapLine& line) {
+  const Eigen::Vector3d d = (line.segment_w.q - line.segment_w.p).normalized();
+  const Eigen::Matrix3d mean = 0.5 * (line.covariance_p + line.covariance_q);
+  return std::sqrt(mean.trace() - d.dot(mean * d));
+}
+
 template <class Landmark>
 Table LandmarkTable(const Map& map, const std::vector<const Landmark*>& landmarks, const std::string& name,
                     int width) {
   std::vector<float> positions;
   std::vector<int32_t> seen;
-  std::vector<uint8_t> sights;
+  std::vector<uint8_t> sights, sigma;
   for (const Landmark* landmark : landmarks) {
     AppendPositions(*landmark, positions);
     seen.push_back(FirstSeen(map, landmark->sights));
     sights.push_back(static_cast<uint8_t>(std::min<size_t>(255, landmark->sights.size())));
+    sigma.push_back(PackSigma(Sigma_m(*landmark)));
   }
-  return {{name, width, std::move(positions)}, {"seen", 1, std::move(seen)}, {"sights", 1, std::move(sights)}};
+  return {{name, width, std::move(positions)},
+          {"seen", 1, std::move(seen)},
+          {"sights", 1, std::move(sights)},
+          {"sigma", 1, std::move(sigma)}};
 }
-
-using RowOfKeyframe = std::map<int64_t, int32_t>;
 
 Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
   std::vector<int32_t> id, frame, parent;
-  std::vector<float> p, q;
+  std::vector<float> p, q, sigma_m;
   for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
     id.push_back(Clamp32(keyframe_id));
     frame.push_back(Clamp32(keyframe.frame_id));
@@ -62,12 +75,10 @@ Table KeyframeTable(const Map& map, const RowOfKeyframe& rows) {
     parent.push_back(row == rows.end() ? -1 : row->second);
     Append(keyframe.T_w_kf.translation(), p);
     Append(keyframe.T_w_kf.rotation().coeffs(), q);
+    sigma_m.push_back(static_cast<float>(std::sqrt(keyframe.covariance.topLeftCorner<3, 3>().trace())));
   }
-  return {{"id", 1, std::move(id)},
-          {"frame", 1, std::move(frame)},
-          {"parent", 1, std::move(parent)},
-          {"p", 3, std::move(p)},
-          {"q", 4, std::move(q)}};
+  return {{"id", 1, std::move(id)}, {"frame", 1, std::move(frame)}, {"parent", 1, std::move(parent)},
+          {"p", 3, std::move(p)},   {"q", 4, std::move(q)},         {"sigma_m", 1, std::move(sigma_m)}};
 }
 
 struct Edge {
@@ -121,8 +132,21 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
   Note(segments.size(), map.lines().size(), "segments of the map, those that most keyframes see,", notes);
   Note(std::min(limits.edges, edges.size()), edges.size(), "covisibility edges, the strongest,", notes);
   edges.resize(std::min(limits.edges, edges.size()));
-  return {LandmarkTable(map, points, "p", 3), LandmarkTable(map, segments, "pq", 6), KeyframeTable(map, rows),
-          EdgeTable(edges), LoopTable(map, rows)};
+  ReportMap tables{LandmarkTable(map, points, "p", 3),
+                   LandmarkTable(map, segments, "pq", 6),
+                   KeyframeTable(map, rows),
+                   EdgeTable(edges),
+                   LoopTable(map, rows),
+                   VerticalOf(map),
+                   ReportObservers{PackObservers(points, rows), PackObservers(segments, rows)}};
+  const size_t bytes = tables.observers->points.size() + tables.observers->segments.size();
+  if (bytes > limits.observer_bytes) {
+    notes->push_back(fmt::format("Who observes which landmark is left out: {:.1f} MB are more than {:.1f}.",
+                                 1e-6 * static_cast<double>(bytes),
+                                 1e-6 * static_cast<double>(limits.observer_bytes)));
+    tables.observers.reset();
+  }
+  return tables;
 }
 
 }  // namespace plslam

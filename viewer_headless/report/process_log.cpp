@@ -27,6 +27,9 @@ void ProcessLog::Add(const ProcessSample& sample) {
   Series& series = processes_[sample.process];
   const bool changed = series.state != sample.state;
   series.state = sample.state;
+  series.heard_s = sample.t_s - first_t_s_;
+  if (series.heard > 0 && series.pid != sample.pid) ++series.restarts;
+  series.pid = sample.pid;
   if (series.heard++ % series.every != 0 && !changed) return;
   ProcessSample relative = sample;
   relative.t_s -= first_t_s_;
@@ -62,7 +65,7 @@ void ProcessLog::Halve(Series& series) {
 std::vector<ReportProcess> ProcessLog::Processes() const {
   std::vector<ReportProcess> processes;
   for (const auto& [name, series] : processes_) {
-    ReportProcess process{name, series.state, {}};
+    ReportProcess process{name, series.state, series.heard_s, series.restarts, {}};
     process.table = {{"t_s", 1, series.t_s},
                      {"frame", 1, series.frame},
                      {"cpu_s", 1, series.cpu_s},

@@ -19,6 +19,7 @@ struct ProcessSample {
   double cpu_s = 0.0;
   double memory_mb = 0.0;
   std::vector<std::pair<std::string, double>> counters;
+  int64_t pid = 0;
 };
 
 /// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32 counters
@@ -32,6 +33,9 @@ class ProcessLog {
  private:
   struct Series {
     std::string state;
+    int64_t pid = 0;
+    int64_t restarts = 0;
+    double heard_s = 0.0;
     std::vector<float> t_s;
     std::vector<int32_t> frame;
     std::vector<float> cpu_s;

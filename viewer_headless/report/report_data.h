@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/map/vertical.h"
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/report/table.h"
 
@@ -72,18 +73,30 @@ struct ReportCorrection {
 struct ReportProcess {
   std::string name;
   std::string state;
+  double heard_s = 0.0;  ///< of the last status, on the same clock as `t_s`
+  int64_t restarts = 0;  ///< how often another process of the name took over
   Table table;
 };
 
-/// The map: points (`p`, `seen`, `sights`), segments (`pq`, `seen`, `sights`), keyframes (`id`, `frame`, `p`, `q`,
-/// `parent`), edges between rows of keyframes (`ab`, `shared`), loop edges (`ab`). `seen` is the frame that saw it first,
-/// `q` is x, y, z, w, positions are in metres in w.
+/// Who observes the landmarks, and their ids, in the order of their tables (PackObservers).
+struct ReportObservers {
+  std::string points;
+  std::string segments;
+};
+
+/// The map: points (`p`, `seen`, `sights`, `sigma`), segments (`pq`, `seen`, `sights`, `sigma`), keyframes (`id`, `frame`, `p`,
+/// `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop edges (`ab`). `seen` is the frame that
+/// saw it first, `q` is x, y, z, w, positions are in metres in w; `sigma` is the standard deviation of the position (of
+/// segments: across them, at the ends), packed (PackSigma).
 struct ReportMap {
   Table points;
   Table segments;
   Table keyframes;
   Table edges;
   Table loop_edges;
+  Vertical vertical;
+  /// nullopt where they would be too large.
+  std::optional<ReportObservers> observers;
 };
 
 /// A run, or what is new of it, as the page shows it. Rows of `frames` and `path` stand for the same frames, `path` for

@@ -56,7 +56,13 @@ Json ToJson(const ReportMap& map) {
           {"segments", ToJson(map.segments)},
           {"keyframes", ToJson(map.keyframes)},
           {"edges", ToJson(map.edges)},
-          {"loop_edges", ToJson(map.loop_edges)}};
+          {"loop_edges", ToJson(map.loop_edges)},
+          {"vertical",
+           {{"up", {map.vertical.up_w.x(), map.vertical.up_w.y(), map.vertical.up_w.z()}},
+            {"lines", map.vertical.n_lines}}},
+          {"observers", map.observers ? Json{{"points", Base64(map.observers->points)},
+                                             {"segments", Base64(map.observers->segments)}}
+                                      : Json()}};
 }
 
 uint8_t Age(int age) { return static_cast<uint8_t>(std::clamp(age, 0, 255)); }
@@ -118,7 +124,13 @@ Json ToJson(const ReportCorrection& c) {
   return {{"frame", c.frame_id}, {"moved_m", c.moved_m}, {"table", ToJson(c.table)}};
 }
 
-Json ToJson(const ReportProcess& p) { return {{"name", p.name}, {"state", p.state}, {"table", ToJson(p.table)}}; }
+Json ToJson(const ReportProcess& p) {
+  return {{"name", p.name},
+          {"state", p.state},
+          {"heard_s", p.heard_s},
+          {"restarts", p.restarts},
+          {"table", ToJson(p.table)}};
+}
 
 template <class Row>
 Json ToJson(const std::vector<Row>& rows) {

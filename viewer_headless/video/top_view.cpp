@@ -11,6 +11,10 @@ namespace {
 
 constexpr double kMargin = 1.3;
 constexpr double kGrowth = 1.25;
+constexpr double kLowShare = 0.05;
+constexpr double kHighShare = 0.95;
+constexpr double kLeastReach_m = 1.0;
+constexpr size_t kLeastPoints = 50;
 constexpr int kShift = 4;
 const cv::Scalar kGround(28, 24, 22);
 const cv::Vec3b kPoint(120, 112, 104);
@@ -83,10 +87,39 @@ void TopViewWindow::Include(const std::vector<Eigen::Vector3d>& path) {
   for (const Eigen::Vector3d& p : path) {
     if (!p.allFinite()) continue;
     const Eigen::Vector2d ground(p.x(), p.z());
-    low_ = empty_ ? ground : low_.cwiseMin(ground);
-    high_ = empty_ ? ground : high_.cwiseMax(ground);
+    path_low_ = empty_ ? ground : path_low_.cwiseMin(ground);
+    path_high_ = empty_ ? ground : path_high_.cwiseMax(ground);
+    if (empty_) low_ = high_ = ground;
     empty_ = false;
   }
+  Grow(path_low_, path_high_);
+}
+
+void TopViewWindow::IncludeMiddle(const std::vector<Eigen::Vector3d>& points) {
+  if (empty_) return;
+  const double reach_m = std::max(kLeastReach_m, (path_high_ - path_low_).maxCoeff());
+  Eigen::Vector2d low = path_low_, high = path_high_;
+  for (const int axis : {0, 1}) {
+    std::vector<double> values;
+    for (const Eigen::Vector3d& p : points) {
+      if (p.allFinite()) values.push_back(axis == 0 ? p.x() : p.z());
+    }
+    if (values.size() < kLeastPoints) return;
+    const auto at = [&](double share) {
+      const auto middle =
+          values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+      std::nth_element(values.begin(), middle, values.end());
+      return std::clamp(*middle, path_low_[axis] - reach_m, path_high_[axis] + reach_m);
+    };
+    low[axis] = at(kLowShare);
+    high[axis] = at(kHighShare);
+  }
+  Grow(low, high);
+}
+
+void TopViewWindow::Grow(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  low_ = low_.cwiseMin(low);
+  high_ = high_.cwiseMax(high);
   while (side_m_ < kMargin * (high_ - low_).maxCoeff() && side_m_ < 1e7) side_m_ *= kGrowth;
 }
 

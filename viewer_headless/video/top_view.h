@@ -6,23 +6,31 @@
 
 namespace plslam {
 
-/// What is seen from above: positions in metres in w, y (down) left out.
+/// What is seen from above: positions in metres, in the levelled frame (LevelRotation): y is down, and left out.
 struct TopViewScene {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> segments;
   std::vector<Eigen::Vector3d> path;  ///< of the camera, in the order of time
 };
 
-/// The part of the ground that is drawn: it grows with the path and never shrinks, in steps, so that a film of it is calm.
+/// The part of the ground that is drawn: it grows with path and landmarks and never shrinks, in steps, so that a film of it is calm.
 class TopViewWindow {
  public:
   void Include(const std::vector<Eigen::Vector3d>& path);
+  /// The middle nine tenths of the landmarks along each axis, as far as they are no further from the path
+  /// than it is large.
+  void IncludeMiddle(const std::vector<Eigen::Vector3d>& points);
   Eigen::Vector2d centre_m() const { return 0.5 * (low_ + high_); }
   /// Side of the square that is to be seen.
   double side_m() const { return side_m_; }
 
  private:
+  void Grow(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+
   bool empty_ = true;
+  /// Of the path alone, and of all.
+  Eigen::Vector2d path_low_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d path_high_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d low_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d high_ = Eigen::Vector2d::Zero();
   double side_m_ = 4.0;

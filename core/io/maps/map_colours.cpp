@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/map/vertical.h"
+
 namespace plslam {
 namespace {
 
@@ -21,9 +23,9 @@ Colour Rainbow(double share) {
 
 }  // namespace
 
-HeightColours::HeightColours(const Map& map) {
+HeightColours::HeightColours(const Map& map) : up_w_(VerticalOf(map).up_w) {
   std::vector<double> heights;
-  for (const auto& [id, point] : map.points()) heights.push_back(-point.p_w.y());
+  for (const auto& [id, point] : map.points()) heights.push_back(HeightOf(point.p_w));
   std::sort(heights.begin(), heights.end());
   if (heights.empty()) return;
   const auto at = [&](double share) {
@@ -34,7 +36,7 @@ HeightColours::HeightColours(const Map& map) {
 }
 
 Colour HeightColours::operator()(const Eigen::Vector3d& p_w) const {
-  return Rainbow(high_ > low_ ? (-p_w.y() - low_) / (high_ - low_) : 0.5);
+  return Rainbow(high_ > low_ ? (HeightOf(p_w) - low_) / (high_ - low_) : 0.5);
 }
 
 /// As in the pictures of the tracked features.

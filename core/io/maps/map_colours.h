@@ -13,7 +13,8 @@ namespace plslam {
 /// Red, green, blue.
 using Colour = std::array<uint8_t, 3>;
 
-/// Colours points by their height over the others of the map: low blue, over green and yellow, to high red. Up is -y of w.
+/// Colours points by their height over the others of the map: low blue, over green and yellow, to high red. Up is that of
+/// the map (VerticalOf).
 /// The highest and the lowest fiftieth take the colours of the ends, so that outliers do not take all the colours.
 class HeightColours {
  public:
@@ -22,6 +23,9 @@ class HeightColours {
   Colour operator()(const Eigen::Vector3d& p_w) const;
 
  private:
+  double HeightOf(const Eigen::Vector3d& p_w) const { return up_w_.dot(p_w); }
+
+  Eigen::Vector3d up_w_;
   double low_ = 0.0;
   double high_ = 0.0;
 };

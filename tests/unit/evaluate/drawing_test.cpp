@@ -106,7 +106,7 @@ std::vector<Eigen::Vector3d> Ellipsoid(double x, double y, double z) {
 
 TEST(ViewOf, LevelPathsFromAboveAndClimbingOnesFromTheSideNeverMirrored) {
   const auto expect = [](const std::vector<Eigen::Vector3d>& path, const char* right, const char* up) {
-    const ViewDirections view = ViewOf(path);
+    const ViewDirections view = ViewOf(path, -Eigen::Vector3d::UnitY());
     EXPECT_EQ(view.right_name, right);
     EXPECT_EQ(view.up_name, up);
     // Right, up and towards the viewer are right-handed; the viewer is above (-y) or beside the path.
@@ -118,6 +118,12 @@ TEST(ViewOf, LevelPathsFromAboveAndClimbingOnesFromTheSideNeverMirrored) {
   expect(Ellipsoid(1, 8, 5), "z [m]", "-y [m]");
   expect(Ellipsoid(6, 8, 1), "x [m]", "-y [m]");
   expect({}, "x [m]", "z [m]");
+}
+
+TEST(ViewOf, AboveIsWhereUpIs) {
+  const Eigen::Vector3d up_w = Eigen::Vector3d(0.1, -1.0, 0.5).normalized();
+  const ViewDirections view = ViewOf(Ellipsoid(5, 1, 5), up_w);
+  EXPECT_TRUE(view.right.cross(view.up).isApprox(up_w));
 }
 
 TEST(PlanAround, EqualScaleAroundEverything) {

@@ -60,7 +60,7 @@ TEST(ReportJson, NothingAtAllIsStillWhole) {
 TEST(ReportJson, NamesCannotEndThePage) {
   ReportData data;
   data.facts.dataset = "</script><script>alert(1)</script>\xff\xfe";
-  data.processes.push_back({"</script>", "running", {{"<b>", 1, std::vector<float>{1.0F}}}});
+  data.processes.push_back({"</script>", "running", 0.0, 0, {{"<b>", 1, std::vector<float>{1.0F}}}});
   const std::string text = ReportJson(data);
   EXPECT_EQ(text.find('<'), std::string::npos);
   const auto json = nlohmann::json::parse(text);

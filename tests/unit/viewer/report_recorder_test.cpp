@@ -111,6 +111,18 @@ TEST(ProcessLog, KeepsQueuesAndRepairsInBoundedMemory) {
   EXPECT_TRUE(std::isnan(queue.back()));
 }
 
+TEST(ProcessLog, AnotherProcessOfTheNameIsARestart) {
+  ProcessLog log;
+  for (const int64_t pid : {40, 40, 57, 57, 58}) {
+    ProcessSample sample{"vo", "running", static_cast<double>(pid), 0, 1.0, 1.0, {}};
+    sample.pid = pid;
+    log.Add(sample);
+  }
+  ASSERT_EQ(log.Processes().size(), 1U);
+  EXPECT_EQ(log.Processes()[0].restarts, 2);
+  EXPECT_DOUBLE_EQ(log.Processes()[0].heard_s, 18.0);
+}
+
 TEST(ProcessLog, InventedProcessesAndNumbersDoNoHarm) {
   ProcessLog log;
   for (int i = 0; i < 1000; ++i) {

@@ -7,6 +7,7 @@
 #include "tests/unit/viewer/report_columns.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"
+#include "viewer_headless/report/observers.h"
 
 namespace plslam {
 namespace {
@@ -163,6 +164,58 @@ TEST(MapTables, WhatIsLeftOutIsSaid) {
   EXPECT_THAT(Numbers<int32_t>(tables.edges, "shared"), ElementsAre(40));
   ASSERT_EQ(notes.size(), 3U);
   EXPECT_THAT(notes[0], testing::HasSubstr("25 of 60 points"));
+}
+
+/// The numbers that PackObservers wrote, one by one.
+std::vector<uint64_t> Unpack(const std::string& bytes) {
+  std::vector<uint64_t> numbers;
+  uint64_t number = 0;
+  int shift = 0;
+  for (const char c : bytes) {
+    const auto byte = static_cast<unsigned char>(c);
+    number |= static_cast<uint64_t>(byte & 127) << shift;
+    shift += 7;
+    if (byte >= 128) continue;
+    numbers.push_back(number);
+    number = 0;
+    shift = 0;
+  }
+  return numbers;
+}
+
+TEST(PackObservers, IdsCountsAndRows) {
+  MapPoint a, b, c;
+  a.id = 3;
+  a.sights = {{100, 0}, {101, 0}, {400, 0}};
+  b.id = 300;
+  b.sights = {{99, 5}, {100, 7}};  // keyframe 99 is gone
+  c.id = 301;
+  RowOfKeyframe rows{{100, 5}, {101, 6}, {400, 305}};
+  EXPECT_THAT(Unpack(PackObservers(std::vector<const MapPoint*>{&a, &b, &c}, rows)),
+              ElementsAre(4, 3, 10, 1, 299, 297, 1, 0, 1, 0));
+  rows[100] = 2;
+  b.sights = {{100, 0}};
+  a.sights = {{101, 0}};
+  EXPECT_THAT(Unpack(PackObservers(std::vector<const MapPoint*>{&a, &b}, rows)), ElementsAre(4, 1, 12, 297, 1, 7))
+      << "back from row 6 to row 2";
+}
+
+TEST(PackSigma, StepsOfFivePercent) {
+  EXPECT_EQ(PackSigma(0.0), 0);
+  EXPECT_EQ(PackSigma(std::nan("")), 0);
+  EXPECT_EQ(PackSigma(1e-9), 1);
+  EXPECT_EQ(PackSigma(1e9), 255);
+  for (const double sigma_m : {0.0002, 0.013, 0.4, 7.0}) {
+    EXPECT_NEAR(1e-4 * std::pow(1.05, PackSigma(sigma_m) - 1) / sigma_m, 1.0, 0.026);
+  }
+}
+
+TEST(MapTables, ObserversThatAreTooManyAreLeftOut) {
+  std::vector<std::string> notes;
+  EXPECT_TRUE(MapTables(SmallMap(60), {}, &notes).observers);
+  EXPECT_THAT(notes, testing::IsEmpty());
+  EXPECT_FALSE(MapTables(SmallMap(60), {.observer_bytes = 50}, &notes).observers);
+  EXPECT_THAT(notes, ElementsAre(testing::HasSubstr("Who observes which landmark is left out")));
 }
 
 TEST(MapTables, EmptyMap) {

@@ -93,6 +93,23 @@ TEST(TopView, NothingAndNonsense) {
   EXPECT_EQ(DrawTopView({}, TopViewWindow(), {64, 64}).size(), cv::Size(64, 64));
 }
 
+TEST(TopView, TheWindowHoldsTheMiddleOfTheLandmarks) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 200; ++i) points.push_back({5.0 + 0.01 * i, 0, i % 20 == 0 ? 9000.0 : 10.0});
+  TopViewWindow window;
+  window.IncludeMiddle(points);
+  EXPECT_DOUBLE_EQ(window.side_m(), 4.0) << "landmarks alone are not looked at";
+  window.Include({{0, 0, 0}, {0, 0, 8}});
+  window.IncludeMiddle(points);
+  EXPECT_NEAR(window.centre_m().x(), 0.5 * 6.9, 0.1);
+  EXPECT_DOUBLE_EQ(window.centre_m().y(), 0.5 * 10.0) << "the far ones are none of the middle";
+  for (int i = 0; i < 9; ++i) window.IncludeMiddle(std::vector<Eigen::Vector3d>(100, {500, 0, 500}));
+  EXPECT_LT(window.side_m(), 1.25 * 1.3 * 16.0) << "nor are those further from the path than it is large";
+  const double side_m = window.side_m();
+  window.IncludeMiddle({20, {1e4, 0, 1e4}});
+  EXPECT_DOUBLE_EQ(window.side_m(), side_m) << "a few are no middle";
+}
+
 TEST(TopView, TheWindowNeverShrinks) {
   TopViewWindow window;
   double side_m = 0.0;

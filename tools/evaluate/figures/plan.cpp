@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/map/vertical.h"
+
 namespace plslam {
 namespace {
 
@@ -15,10 +17,11 @@ constexpr double kUpright = 0.75;
 /// A path is called longer than wide from here on.
 constexpr double kLong = 1.3;
 
-Eigen::Vector3d ExtentOf(const std::vector<Eigen::Vector3d>& positions) {
+Eigen::Vector3d ExtentAlong(const Eigen::Matrix3d& axes, const std::vector<Eigen::Vector3d>& positions) {
   if (positions.empty()) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d low = positions[0], high = positions[0];
-  for (const Eigen::Vector3d& p : positions) {
+  Eigen::Vector3d low = axes.transpose() * positions[0], high = low;
+  for (const Eigen::Vector3d& position : positions) {
+    const Eigen::Vector3d p = axes.transpose() * position;
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
@@ -34,14 +37,15 @@ std::vector<Eigen::Vector2d> ViewDirections::operator()(const std::vector<Eigen:
   return flat;
 }
 
-ViewDirections ViewOf(const std::vector<Eigen::Vector3d>& positions) {
-  const Eigen::Vector3d extent = ExtentOf(positions);
-  const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY(), z = Eigen::Vector3d::UnitZ();
+ViewDirections ViewOf(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& up_w) {
+  const Eigen::Matrix3d R_w_level = LevelRotation(up_w).conjugate().toRotationMatrix();
+  const Eigen::Vector3d extent = ExtentAlong(R_w_level, positions);
+  const Eigen::Vector3d x = R_w_level.col(0), y = R_w_level.col(1), z = R_w_level.col(2);
   const bool level = extent.y() <= kUpright * std::max(extent.x(), extent.z());
   if (!level && extent.x() < extent.z()) return {z, -y, "z [m]", "-y [m]"};
   if (!level) return {x, -y, "x [m]", "-y [m]"};
   if (extent.z() > kLong * extent.x()) return {z, -x, "z [m]", "-x [m]"};
-  return {};
+  return {x, z, "x [m]", "z [m]"};
 }
 
 Plan PlanAround(const std::vector<Eigen::Vector2d>& positions, double top_pt) {

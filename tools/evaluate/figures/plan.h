@@ -7,9 +7,9 @@
 
 namespace plslam {
 
-/// Directions of the drawing in w, so that nothing is mirrored. From above: x to the right and z (forward) up, or, where the
-/// path is longer than wide, z to the right and -x (left) up. From the side, with -y up, where a path climbs as far as it
-/// leads away.
+/// Directions of the drawing in w, so that nothing is mirrored. From above, in the levelled frame (LevelRotation): x to the
+/// right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the side, with -y up,
+/// where a path climbs as far as it leads away.
 struct ViewDirections {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
@@ -20,8 +20,8 @@ struct ViewDirections {
   std::vector<Eigen::Vector2d> operator()(const std::vector<Eigen::Vector3d>& path) const;
 };
 
-/// No positions: from above.
-ViewDirections ViewOf(const std::vector<Eigen::Vector3d>& positions);
+/// No positions: from above. `up_w` is where up is in w.
+ViewDirections ViewOf(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& up_w);
 
 /// Axes of equal scale at column width around the positions, below `top_pt`, and the height of the figure with them.
 struct Plan {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/map/vertical.h"
 #include "tools/evaluate/figures/plan.h"
 
 namespace plslam {
@@ -112,7 +113,7 @@ std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3
 Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map) {
   std::vector<Eigen::Vector3d> all;
   for (const NamedPath& path : paths) all.insert(all.end(), path.positions_w.begin(), path.positions_w.end());
-  const ViewDirections view = ViewOf(all);
+  const ViewDirections view = ViewOf(all, map != nullptr ? VerticalOf(*map).up_w : Vertical().up_w);
   ShownLandmarks shown;
   // How high the legend is does not change the ranges.
   if (map != nullptr) shown = LandmarksWithin(PlanAround(view(all), 0.0), *map, view);
@@ -134,7 +135,7 @@ Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, c
 Drawing CovisibilityFigure(const std::string& title, const Map& map) {
   std::vector<Eigen::Vector3d> all;
   for (const auto& [id, keyframe] : map.keyframes()) all.push_back(keyframe.T_w_kf.translation());
-  const ViewDirections view = ViewOf(all);
+  const ViewDirections view = ViewOf(all, VerticalOf(map).up_w);
   const Stroke covisible{{150, 214, 150}, 0.4, false}, essential{{20, 140, 60}, 0.6, false};
   const Stroke tree{{60, 60, 60}, 0.6, false}, loop{{214, 39, 40}, 1.3, false};
   const Edges loops = LoopEdges(map, view);

@@ -1,0 +1,124 @@
+#include "core/map/vertical.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace plslam {
+namespace {
+
+constexpr double kRad_per_deg = M_PI / 180.0;
+/// Nearer to upright than to level, as the cameras have it.
+constexpr double kNear_rad = 45.0 * kRad_per_deg;
+/// Walls are built so well, and maps are bent so much: no line is believed to be better.
+constexpr double kLeastSigma_rad = 1.0 * kRad_per_deg;
+/// Reach of a vote, and of the weights of the last mean.
+constexpr double kWide_rad = 4.0 * kRad_per_deg;
+constexpr double kNarrow_rad = 2.0 * kRad_per_deg;
+constexpr double kAgreeing_rad = 3.0 * kRad_per_deg;
+constexpr int kMeans = 10;
+constexpr size_t kMaxCandidates = 300;
+constexpr int64_t kLeastLines = 8;
+constexpr double kLeastShare = 0.2;
+
+struct Direction {
+  Eigen::Vector3d d;
+  double weight;
+};
+
+double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+/// Variance of the direction of a line about each axis across it.
+double Variance(const MapLine& line, const Eigen::Vector3d& d, double length_m) {
+  const Eigen::Matrix3d sum = line.covariance_p + line.covariance_q;
+  return std::max(0.0, 0.5 * (sum.trace() - d.dot(sum * d))) / (length_m * length_m);
+}
+
+std::vector<Direction> DirectionsNear(const Map& map, const Eigen::Vector3d& about_w) {
+  std::vector<Direction> directions;
+  for (const auto& [id, line] : map.lines()) {
+    const Eigen::Vector3d v = line.segment_w.q - line.segment_w.p;
+    const double length_m = v.norm();
+    if (!std::isfinite(length_m) || length_m <= 0.0) continue;
+    const Eigen::Vector3d d = v / (v.dot(about_w) < 0.0 ? -length_m : length_m);
+    const double weight = 1.0 / (kLeastSigma_rad * kLeastSigma_rad + Variance(line, d, length_m));
+    if (std::isfinite(weight) && Angle(d, about_w) < kNear_rad) directions.push_back({d, weight});
+  }
+  return directions;
+}
+
+/// Of two unit vectors, by their distance, which is their angle where it is small: many pairs are asked for.
+double TukeyWeight(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double reach_rad) {
+  const double rest = 1.0 - (a - b).squaredNorm() / (reach_rad * reach_rad);
+  return rest > 0.0 ? rest * rest : 0.0;
+}
+
+double Votes(const std::vector<Direction>& directions, const Eigen::Vector3d& up) {
+  double votes = 0.0;
+  for (const Direction& direction : directions) {
+    votes += direction.weight * TukeyWeight(direction.d, up, kWide_rad);
+  }
+  return votes;
+}
+
+Eigen::Vector3d MostVoted(const std::vector<Direction>& directions) {
+  const size_t step = (directions.size() + kMaxCandidates - 1) / kMaxCandidates;
+  Eigen::Vector3d best = directions.front().d;
+  double most = -1.0;
+  for (size_t i = 0; i < directions.size(); i += step) {
+    const double votes = Votes(directions, directions[i].d);
+    if (votes <= most) continue;
+    most = votes;
+    best = directions[i].d;
+  }
+  return best;
+}
+
+Eigen::Vector3d Refine(const std::vector<Direction>& directions, Eigen::Vector3d up) {
+  for (int i = 0; i < kMeans; ++i) {
+    const double reach = i < kMeans / 2 ? kWide_rad : kNarrow_rad;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Direction& direction : directions) {
+      sum += direction.weight * TukeyWeight(direction.d, up, reach) * direction.d;
+    }
+    // The narrow reach may hold none of a loose bundle.
+    if (sum.norm() > 0.0) up = sum.normalized();
+  }
+  return up;
+}
+
+}  // namespace
+
+Eigen::Vector3d MeanUpOfCameras(const Map& map) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const auto& [id, keyframe] : map.keyframes()) sum -= keyframe.T_w_kf.rotation() * Eigen::Vector3d::UnitY();
+  const double least = 0.1 * static_cast<double>(map.keyframes().size());
+  return sum.norm() > least ? sum.normalized() : -Eigen::Vector3d::UnitY();
+}
+
+std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w) {
+  const std::vector<Direction> directions = DirectionsNear(map, about_w);
+  if (directions.empty()) return std::nullopt;
+  Vertical vertical;
+  vertical.up_w = Refine(directions, MostVoted(directions));
+  double all = 0.0, agreeing = 0.0;
+  for (const Direction& direction : directions) {
+    all += direction.weight;
+    if (Angle(direction.d, vertical.up_w) > kAgreeing_rad) continue;
+    agreeing += direction.weight;
+    ++vertical.n_lines;
+  }
+  if (vertical.n_lines < kLeastLines || agreeing < kLeastShare * all) return std::nullopt;
+  return vertical;
+}
+
+Vertical VerticalOf(const Map& map) {
+  const Eigen::Vector3d mean_w = MeanUpOfCameras(map);
+  return VerticalFromLines(map, mean_w).value_or(Vertical{mean_w, 0});
+}
+
+Eigen::Quaterniond LevelRotation(const Eigen::Vector3d& up_w) {
+  return Eigen::Quaterniond::FromTwoVectors(up_w, -Eigen::Vector3d::UnitY());
+}
+
+}  // namespace plslam

@@ -1,0 +1,116 @@
+#include "core/map/vertical.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace plslam {
+namespace {
+
+constexpr double kDeg = M_PI / 180.0;
+
+/// A map whose w is turned by `q_w_level` from a world with up -y: cameras that lean by `lean_deg` at most, and lines.
+class LeaningMap {
+ public:
+  explicit LeaningMap(const Eigen::Quaterniond& q_w_level, double lean_deg = 8.0) : q_w_level_(q_w_level) {
+    for (int64_t id = 0; id < 30; ++id) {
+      MapKeyframe keyframe;
+      keyframe.id = id;
+      const Eigen::Quaterniond heading = ExpSO3({0, 0.2 * static_cast<double>(id), 0});
+      keyframe.T_w_kf = SE3(q_w_level_ * heading * ExpSO3({lean_deg * kDeg, 0, lean_deg * kDeg * Uniform()}),
+                            {1.0 * static_cast<double>(id), 0, 0});
+      map_.Put(keyframe);
+    }
+  }
+
+  /// Lines along a direction of the level world, each turned by a random angle of this standard deviation.
+  void AddLines(int n, const Eigen::Vector3d& direction, double sigma_deg) {
+    for (int i = 0; i < n; ++i) {
+      const Eigen::Vector3d turn = sigma_deg * kDeg * Eigen::Vector3d(Normal(), Normal(), Normal());
+      AddLine((2.0 + Uniform()) * (ExpSO3(turn) * direction.normalized()));
+    }
+  }
+
+  void AddLinesAnywhere(int n) {
+    for (int i = 0; i < n; ++i) AddLine(Eigen::Vector3d(Normal(), Normal(), Normal()).normalized());
+  }
+
+  Eigen::Vector3d up_w() const { return q_w_level_ * -Eigen::Vector3d::UnitY(); }
+  const Map& map() const { return map_; }
+
+ private:
+  double Normal() { return std::normal_distribution<double>()(random_); }
+  double Uniform() { return std::uniform_real_distribution<double>(-1.0, 1.0)(random_); }
+
+  void AddLine(const Eigen::Vector3d& v_level) {
+    MapLine line;
+    line.id = next_id_++;
+    line.segment_w.p = Eigen::Vector3d(10.0 * Normal(), Normal(), 10.0 * Normal());
+    // Upwards and downwards, as the brighter side has it.
+    line.segment_w.q = line.segment_w.p + (line.id % 2 == 0 ? 1.0 : -1.0) * (q_w_level_ * v_level);
+    map_.Put(line);
+  }
+
+  Eigen::Quaterniond q_w_level_;
+  Map map_;
+  int64_t next_id_ = 0;
+  std::mt19937 random_{11};
+};
+
+double AngleDeg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::acos(std::min(1.0, a.dot(b))) / kDeg;
+}
+
+TEST(Vertical, TiltedMapIsRecoveredFromItsLines) {
+  for (const double tilt_deg : {0.0, 7.0, 25.0}) {
+    LeaningMap leaning(ExpSO3({0.8 * tilt_deg * kDeg, 0.4, 0.6 * tilt_deg * kDeg}));
+    leaning.AddLines(120, {0, 1, 0}, 0.7);
+    leaning.AddLines(150, {1, 0, 0.2}, 0.7);
+    leaning.AddLines(60, {0.3, 1, 0}, 1.0);  // a slanted roof, 17 degrees off
+    leaning.AddLinesAnywhere(100);
+    const Vertical vertical = VerticalOf(leaning.map());
+    EXPECT_GT(vertical.n_lines, 80) << tilt_deg;
+    EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 0.3) << "tilted by " << tilt_deg << " degrees";
+    EXPECT_GT(AngleDeg(MeanUpOfCameras(leaning.map()), leaning.up_w()), 1.0) << "the cameras alone would be worse";
+  }
+}
+
+TEST(Vertical, WithoutLinesTheCamerasTell) {
+  const LeaningMap leaning(ExpSO3({0.3, 0, 0}), 0.0);
+  EXPECT_FALSE(VerticalFromLines(leaning.map(), leaning.up_w()));
+  const Vertical vertical = VerticalOf(leaning.map());
+  EXPECT_EQ(vertical.n_lines, 0);
+  EXPECT_LT(AngleDeg(vertical.up_w, leaning.up_w()), 1e-5);
+}
+
+TEST(Vertical, NothingUprightIsNone) {
+  LeaningMap level(Eigen::Quaterniond::Identity());
+  level.AddLines(200, {1, 0, 0}, 1.0);
+  level.AddLines(7, {0, 1, 0}, 0.1);
+  EXPECT_FALSE(VerticalFromLines(level.map(), level.up_w())) << "seven lines are chance";
+  LeaningMap cloud(Eigen::Quaterniond::Identity());
+  cloud.AddLinesAnywhere(3000);
+  EXPECT_FALSE(VerticalFromLines(cloud.map(), cloud.up_w())) << "no direction stands out";
+}
+
+TEST(Vertical, EmptyMapAndNonsense) {
+  EXPECT_EQ(VerticalOf(Map()).up_w, Eigen::Vector3d(0, -1, 0));
+  Map map;
+  for (int64_t id = 0; id < 20; ++id) {
+    MapLine line;
+    line.id = id;
+    if (id % 2 == 0) line.segment_w.q = {0, std::nan(""), 0};
+    map.Put(line);
+  }
+  EXPECT_FALSE(VerticalFromLines(map, {0, -1, 0}));
+}
+
+TEST(Vertical, LevelRotationPutsUpToMinusY) {
+  const Eigen::Vector3d up_w = Eigen::Vector3d(0.2, -0.9, 0.3).normalized();
+  EXPECT_LT((LevelRotation(up_w) * up_w - Eigen::Vector3d(0, -1, 0)).norm(), 1e-12);
+  EXPECT_LT(LevelRotation({0, -1, 0}).angularDistance(Eigen::Quaterniond::Identity()), 1e-12);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -11,6 +11,7 @@
 #include "core/bus/map_channel.h"
 #include "core/bus/process.h"
 #include "core/geometry/rectifier.h"
+#include "core/io/folder_lock.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -28,7 +29,7 @@ namespace plslam {
 /// Never needed by the others: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
-  /// Throws std::runtime_error where the output folder cannot be written.
+  /// Throws std::runtime_error where the output folder cannot be written, or another process has it (FolderLock).
   ViewerNode(bus::Process& process, const ViewerOptions& options);
   /// Writes what is there and not yet written; a failure is logged and becomes exit code 1.
   ~ViewerNode();
@@ -57,6 +58,7 @@ class ViewerNode {
 
   bus::Process& process_;
   ViewerOptions options_;
+  std::optional<FolderLock> lock_;
   Recorder recorder_;
   std::unique_ptr<bus::MapSubscriber> map_;
   std::unique_ptr<Rectifier> rectifier_;

@@ -11,6 +11,8 @@ Process::~Process() = default;
 
 void Process::SetState(const std::string& state, const std::string& reason) { impl_->status.SetState(state, reason); }
 
+void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
+
 void Process::SetConfiguration(const std::string& yaml) { impl_->status.SetConfiguration(yaml); }
 
 void Process::SetCounter(const std::string& name, double value) { impl_->status.SetCounter(name, value); }

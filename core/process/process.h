@@ -29,6 +29,8 @@ class Process {
   /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory. RunProcess
   /// sets "ready" after `make_node` where the node has set nothing itself.
   void SetState(const std::string& state, const std::string& reason = "");
+  /// What there is to say beside the state, which stays; published at once.
+  void SetReason(const std::string& reason);
   /// Effective configuration of the node's own sections; that of the bus is put in front. Where all of it does not
   /// fit into a message it is cut at a line, which the last line then says.
   void SetConfiguration(const std::string& yaml);

@@ -33,6 +33,9 @@ struct ProcessArguments {
 /// Log lines go to stderr, one each; stdout is for results.
 void SetUpLogging(const std::string& process);
 
+/// A line on standard error. Where that is a file on a full disk the line is lost, and nothing more: fmt::print would throw.
+void PrintError(const std::string& line);
+
 /// What an exception says, on one line.
 std::string OneLine(std::string text);
 

@@ -68,11 +68,11 @@ class ProcessRunner {
 
   int Fail(const std::string& what, std::optional<Process>& process) const {
     const std::string line = OneLine(what);
-    fmt::print(stderr, "{}: error: {}\n", spec_.name, line);
+    PrintError(fmt::format("{}: error: {}", spec_.name, line));
     try {
       if (process) process->SetState("failed", line);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "{}: error: the failure could not be told: {}\n", spec_.name, OneLine(error.what()));
+      PrintError(fmt::format("{}: error: the failure could not be told: {}", spec_.name, OneLine(error.what())));
     }
     return 1;
   }
@@ -97,7 +97,7 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    fmt::print(stderr, "{}: error: {} (--help tells the options)\n", spec.name, OneLine(error.what()));
+    PrintError(fmt::format("{}: error: {} (--help tells the options)", spec.name, OneLine(error.what())));
     return 1;
   }
   SetUpLogging(spec.name);

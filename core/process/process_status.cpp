@@ -100,6 +100,15 @@ void StatusPublisher::SetState(const std::string& state, const std::string& reas
   Publish();
 }
 
+void StatusPublisher::SetReason(const std::string& reason) {
+  {
+    const std::scoped_lock lock(mutex_);
+    if (reason_ == reason) return;
+    reason_ = reason;
+  }
+  Publish();
+}
+
 std::string StatusPublisher::state() const {
   const std::scoped_lock lock(mutex_);
   return state_;

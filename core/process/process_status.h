@@ -25,6 +25,8 @@ class StatusPublisher {
 
   /// Publishes at once where this is news.
   void SetState(const std::string& state, const std::string& reason = "");
+  /// The same of what there is to say beside the state, which stays.
+  void SetReason(const std::string& reason);
   std::string state() const;
   void SetConfiguration(const std::string& yaml);
   void SetCounter(const std::string& name, double value);

@@ -75,26 +75,19 @@ void MappingNode::Queue(const Change& change) {
 
 void MappingNode::OnCamera(const camera_t& message) {
   std::vector<uint8_t> bytes = bus::RigBytes(message);
-  if (bytes == camera_bytes_) return;
-  const bool first = camera_bytes_.empty();
+  if (other_camera_ || bytes == camera_bytes_) return;
   const std::optional<RigCalibration> rig = bus::FromMessage(message);
   if (!rig) {
     spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
     return;
   }
-  if (!first) {
-    if (!std::exchange(other_camera_, true)) {
-      spdlog::error("another camera '{}': its keyframes do not go into this map", message.rig_name);
-    }
-    return;
-  }
   camera_bytes_ = std::move(bytes);
-  const StereoCamera camera = Rectify(*rig).camera;
-  if (!restored_) return Queue([this, camera] { camera_ = camera; });
-  // That of the state is in use already.
-  other_camera_ = CameraBytes(camera) != CameraBytes(*camera_);
+  // That of a state is in use already.
+  if (!camera_) return Queue([&] { camera_ = Rectify(*rig).camera; });
+  const std::string difference = CameraDifference(*camera_, *rig);
+  other_camera_ = !difference.empty();
   if (other_camera_) {
-    spdlog::error("'{}' is another camera than before the restart: its keyframes do not go into this map", rig->name);
+    spdlog::error("another camera '{}' ({}): its keyframes do not go into this map", rig->name, difference);
   }
 }
 
@@ -138,7 +131,11 @@ void MappingNode::OnTick() {
 
 void MappingNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
-  if (ours && message.verb == "save") Queue([&] { queue_.Save(message.argument); });
+  if (!ours || message.verb != "save") return;
+  // The worker waits until then, and whoever asks should not.
+  if (!camera_)
+    return TellOfSave(message.argument + ": is not written: no camera has been heard of, so there is no map");
+  Queue([&] { queue_.Save(message.argument); });
 }
 
 void MappingNode::WorkUntilStopped() {
@@ -327,11 +324,19 @@ void MappingNode::Save(const std::string& path) {
     stored.rig = CameraBytes(*camera_);
     WriteMapFile(path, stored);
     spdlog::info("the map is in {}", path);
-    process_.SetCounter("map.saves", static_cast<double>(++n_saves_));
+    TellOfSave("");
   } catch (const std::exception& error) {
-    spdlog::error("the map cannot be saved: {}", error.what());
-    process_.SetCounter("map.failed_saves", static_cast<double>(++n_failed_saves_));
+    TellOfSave(error.what());
   }
+}
+
+/// To whoever has asked for it, by the status: the reason of a failure stands there before the failure is counted.
+void MappingNode::TellOfSave(const std::string& failure) {
+  const bool saved = failure.empty();
+  if (!saved) spdlog::error("the map could not be saved: {}", failure);
+  process_.SetReason(saved ? "" : "the map could not be saved: " + failure);
+  int64_t& count = saved ? n_saves_ : n_failed_saves_;
+  process_.SetCounter(saved ? "map.saves" : "map.failed_saves", static_cast<double>(++count));
 }
 
 /// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.

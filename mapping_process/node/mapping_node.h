@@ -29,7 +29,7 @@ class status_t;
 ///
 /// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
-/// map is of one camera: keyframes of sessions that began with another are counted and left.
+/// map is of one camera (`CameraDifference`): keyframes of sessions that began with another are counted and left.
 ///
 /// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on
 /// exactly from there, takes from the histories of the others what came after, and so comes to the same map, of a lockstep
@@ -72,6 +72,7 @@ class MappingNode {
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;
   void Save(const std::string& path);
+  void TellOfSave(const std::string& failure);
   void KeepState();
   void Publish(Stages stage_ms);
   void CountMap();

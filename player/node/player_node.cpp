@@ -244,7 +244,7 @@ void PlayerNode::PassOver(const LoadedFrame& frame) {
   if (!options_.skip_bad) {
     PublishStream("end", n_sent_);
     process_.bus().Flush(kFlushTick);
-    throw DatasetError(frame.error);
+    throw DatasetError(frame.error + " (--skip-bad passes over frames that cannot be read)");
   }
   spdlog::warn("passed over: {}", frame.error);
 }

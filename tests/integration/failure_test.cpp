@@ -4,11 +4,17 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <optional>
 
+#include "core/datasets/open_dataset.h"
 #include "core/io/maps/map_file.h"
+#include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
 
 namespace plslam {
 namespace {
@@ -76,6 +82,65 @@ TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {
   EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: interrupted before there was a map to save as "));
 }
 
+TEST(RunFailure, MapWithoutKeyframesIsNotWrittenOverTheOneThatWasThere) {
+  WholeRun first, run;
+  const std::string map = (first.folder() / "room.plmap").string();
+  const std::string world = "synthetic:room?size=160x120&frames=10";
+  ASSERT_EQ(first.Run({"run", world, "--save-map", map}), 0) << first.Logs();
+  const std::string before = ReadText(map);
+  const std::filesystem::path images = run.folder() / "covered";
+  WriteImageFolder(*OpenDataset(world, ""), std::vector<test::ChosenFrame>(10, {0, true}), images);
+  EXPECT_EQ(run.Run({"run", images.string(), "--save-map", map}), 1) << run.Logs();
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: the map could not be saved: " + map + ": is not written: "));
+  EXPECT_TRUE(ReadText(map) == before);
+  EXPECT_EQ(run.Summary()["frames"], 10) << "the rest is there";
+}
+
+TEST(RunFailure, UnreadableImageEndsTheRunAndTheMapIsSaved) {
+  WholeRun whole, run;
+  const auto room = OpenDataset("synthetic:room?size=376x240&frames=60", "");
+  std::vector<test::ChosenFrame> frames;
+  for (int i = 0; i < 60; ++i) frames.push_back({i, false});
+  const std::filesystem::path images = run.folder() / "images";
+  WriteImageFolder(*room, frames, images);
+  const std::string expected = (whole.folder() / "a.plmap").string(), map = (run.folder() / "a.plmap").string();
+  ASSERT_EQ(whole.Run({"run", images.string(), "--stop", "40", "--save-map", expected}), 0) << whole.Logs();
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(images)) {
+    if (entry.path().filename() == "000040.png") std::filesystem::resize_file(entry.path(), 100);
+  }
+  EXPECT_EQ(run.Run({"run", images.string(), "--save-map", map}), 1) << run.Logs();
+  const std::string reason = run.Summary()["reason"];
+  EXPECT_THAT(reason, HasSubstr("000040.png"));
+  EXPECT_THAT(reason, HasSubstr("--skip-bad"));
+  EXPECT_THAT(reason, HasSubstr("the map of what came before is saved as " + map));
+  EXPECT_EQ(run.Summary()["frames"], 40);
+  EXPECT_EQ(run.Summary()["completed"], false);
+  EXPECT_EQ(ReadMapFile(map).map.Totals(), ReadMapFile(expected).map.Totals()) << "that of the frames before";
+  EXPECT_TRUE(run.Read("map.ply") == whole.Read("map.ply"));
+  EXPECT_EQ(run.Read("trajectory.tum"), whole.Read("trajectory.tum"));
+}
+
+TEST(RunFailure, SecondRunIntoTheSameFolderIsRefused) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const std::string log = (run.folder() / "second.log").string();
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"plslam", "run", "synthetic:room", "--out", run.out().string()},
+        std::vector<std::string>{"viewer_headless", "--out", run.out().string()}}) {
+    ChildProcess second(test::BinaryFolder() / command[0], {command.begin() + 1, command.end()}, log);
+    std::optional<ChildExit> end;
+    ASSERT_TRUE(WholeRun::WaitFor([&] { return (end = second.Poll()).has_value(); }));
+    EXPECT_EQ(end->code, 1) << command[0];
+  }
+  const std::string told = "process " + std::to_string(run.process().pid()) + " (";
+  EXPECT_THAT(ReadText(log), HasSubstr("plslam: error: " + run.out().string() + ": " + told));
+  EXPECT_THAT(ReadText(log), HasSubstr("viewer: error: " + run.out().string() + ": " + told));
+  EXPECT_THAT(ReadText(log), HasSubstr("synthetic:room?frames=400&size=376x240 --record")) << "its command line";
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+}
+
 TEST(RunFailure, KilledRecorderGoesOnInAnotherFile) {
   WholeRun run;
   run.Start(LongRun(run));
@@ -103,6 +168,11 @@ TEST(RunFailure, ResultsStayUntilTheNextRunIsAccepted) {
     EXPECT_TRUE(std::filesystem::exists(run.out() / "overlays/000000.png"));
     EXPECT_THAT(run.Logs(), HasSubstr("is still of the run before"));
   }
+  const std::string text = (run.folder() / "text.plmap").string();
+  std::ofstream(text) << "hello";
+  EXPECT_EQ(run.Run({"run", world, "--map", text}), 1);
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: " + text + ": is no map file"));
+  EXPECT_EQ(run.Read("summary.json"), summary);
   ASSERT_EQ(run.Run({"run", world}), 0) << run.Logs();
   EXPECT_FALSE(std::filesystem::exists(run.out() / "overlays/000000.png"));
   EXPECT_EQ(run.Read("trajectory.kitti"), path) << "written anew";
@@ -215,7 +285,24 @@ TEST(RunFailure, UnknownOptionStopsBeforeTheFirstFrame) {
   EXPECT_EQ(run.Run({"run", "synthetic:room", "--set", "vo.features.orb.max_point=800"}), 1);
   EXPECT_THAT(run.Logs(), HasSubstr("unknown key 'vo.features.orb.max_point'; the nearest known one is "
                                     "'vo.features.orb.max_points'"));
-  EXPECT_EQ(run.Summary()["frames"], 0);
+  EXPECT_FALSE(std::filesystem::exists(run.out())) << "it came to nothing";
+  EXPECT_EQ(run.Run({"run", "/nonexistent/sequence"}), 1);
+  EXPECT_EQ(run.Logs().find("is still of the run before"), std::string::npos) << run.Logs();
+  EXPECT_FALSE(std::filesystem::exists(run.out()));
+}
+
+TEST(RunFailure, BusOfTheConfigurationFileIsUsed) {
+  WholeRun run;
+  const RunWatcher watcher;
+  const std::string file = (run.folder() / "bus.yaml").string();
+  std::ofstream(file) << "bus:\n  url: " << watcher.url() << "\nplayer:\n  stop: 5\n";
+  EXPECT_EQ(run.Run({"run", "synthetic:room?size=160x120", "--config", file}), 0) << run.Logs();
+  EXPECT_EQ(watcher.Get().newest_frame, 4);
+  std::ofstream(file) << "bus:\n  url: nonsense\n";
+  WholeRun wrong;
+  EXPECT_EQ(wrong.Run({"run", "synthetic:room?size=160x120", "--config", file}), 1);
+  EXPECT_THAT(wrong.Logs(), HasSubstr("nonsense"));
+  EXPECT_FALSE(std::filesystem::exists(wrong.out()));
 }
 
 TEST(RunFailure, LauncherThatIsKilledTakesAllWithIt) {

@@ -178,6 +178,8 @@ TEST(SavedMap, OfAnotherCameraOrForeignBytesIsRefusedInOneSentence) {
   ASSERT_EQ(first.Run({"run", "synthetic:room?size=376x240&frames=20", "--save-map", map}), 0) << first.Logs();
   EXPECT_NE(second.Run({"run", "synthetic:room?size=320x240&frames=20", "--map", map, "--max-restarts", "0"}), 0);
   EXPECT_THAT(second.Logs(), testing::HasSubstr("another camera"));
+  EXPECT_THAT(second.Logs(), testing::HasSubstr("width_px 320 instead of 376"));
+  EXPECT_FALSE(std::filesystem::exists(second.out())) << "nothing was begun";
   const std::string foreign = (third.folder() / "foreign.plmap").string();
   std::filesystem::copy_file(second.folder() / "plslam.log", foreign);
   EXPECT_NE(third.Run({"run", "synthetic:room?size=376x240&frames=20", "--map", foreign, "--max-restarts", "0"}), 0);

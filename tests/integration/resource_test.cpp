@@ -103,6 +103,43 @@ void ExpectNoFilm(int kib, int filled_kib) {
 TEST(Resources, FilmOnAFullDiskIsToldAndAllElseIsWritten) { ExpectNoFilm(64, 64); }
 
 TEST(Resources, FilmThatFillsTheDiskIsToldAndNotHalfThere) { ExpectNoFilm(64, 8); }
+// The outputs lie on another disk: what cannot be written is told by the sentence itself.
+TEST(Resources, FullDiskUnderTheMapIsTheReasonThatIsTold) {
+  const WholeRun run;
+  const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
+  const auto code = OnASmallDisk(
+      disk, 16,
+      fmt::format("{} run '{}' --out '{}' --save-map '{}/room.plmap'; code=\\$?; cp -r '{}' '{}'; exit \\$code",
+                  Plslam(), kWorld, run.out().string(), disk.string(), disk.string(), found.string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadFile(run.folder() / "disk.sh.log");
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(log,
+              testing::ContainsRegex("room.plmap: cannot be written: No space left on device .it has [0-9]+ bytes"));
+  EXPECT_TRUE(fs::is_empty(found));
+}
+
+TEST(Resources, FullDiskUnderTheRecordingEndsTheRunOnceAndSavesTheMap) {
+  const WholeRun run;
+  const fs::path disk = run.folder() / "disk", found = run.folder() / "found";
+  const std::string map = (run.folder() / "room.plmap").string();
+  const auto code = OnASmallDisk(
+      disk, 400,
+      // Logs and all are on the disk that gets full.
+      fmt::format(
+          "{0} run '{1}' --out '{2}/out' --record '{2}/run.lcm' --save-map '{3}'; code=\\$?; cp -r '{2}' '{4}'; "
+          "exit \\$code",
+          Plslam(), kLongWorld, disk.string(), map, found.string()));
+  if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+  const std::string log = ReadFile(run.folder() / "disk.sh.log");
+  EXPECT_EQ(*code, 1) << log;
+  EXPECT_THAT(log, HasSubstr("recorder ended with exit code 1"));
+  EXPECT_THAT(log, HasSubstr("run.lcm: cannot be written: No space left on device"));
+  EXPECT_THAT(log, HasSubstr("is saved as " + map));
+  EXPECT_TRUE(fs::exists(map)) << log;
+  EXPECT_FALSE(fs::exists(found / "run.lcm.2"));
+  EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
+}
 
 TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
   const WholeRun run;

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/process/process_arguments.h"
 #include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
@@ -34,9 +35,9 @@ int main(int argc, char** argv) {
     return command();
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);
-    fmt::print(stderr, "plslam: error: {} (--help tells the options)\n", error.what());
+    plslam::bus::PrintError(fmt::format("plslam: error: {} (--help tells the options)", error.what()));
   } catch (const std::exception& error) {
-    fmt::print(stderr, "plslam: error: {}\n", error.what());
+    plslam::bus::PrintError(fmt::format("plslam: error: {}", error.what()));
   }
   return 1;
 }

@@ -41,12 +41,21 @@ int Record(const RecordOptions& options) {
     if (interrupted) return 0;
   }
   status.SetState("ready");
-  recorder.Run();
-  {
-    const std::scoped_lock lock(mutex);
-    running = nullptr;
+  const auto end = [&](const char* state, const std::string& reason) {
+    {
+      const std::scoped_lock lock(mutex);
+      running = nullptr;
+    }
+    status.SetState(state, reason);
+  };
+  try {
+    recorder.Run();
+  } catch (const std::exception& error) {
+    // The log of this process may be on the same full disk.
+    end("failed", error.what());
+    throw;
   }
-  status.SetState("stopping");
+  end("stopping", "");
   fmt::print("{} events in {}\n", recorder.events(), options.file);
   return 0;
 }

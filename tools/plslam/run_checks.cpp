@@ -7,11 +7,19 @@
 #include <cerrno>
 #include <cstring>
 #include <initializer_list>
+#include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "core/bus/options.h"
+#include "core/datasets/open_dataset.h"
+#include "core/geometry/rectification.h"
 #include "core/io/files/atomic_file.h"
+#include "core/io/maps/map_camera.h"
+#include "core/io/maps/map_file.h"
+#include "core/process/process_arguments.h"
+#include "player/options.h"
 #include "tools/plslam/process_table.h"
 
 namespace plslam {
@@ -70,6 +78,39 @@ void CheckFilesToWrite(const RunOptions& options) {
   }
   // A map may be saved over the one that the run went on from: it is replaced when it is whole.
   if (!options.record.empty()) CheckIsNot("--record", options.record, options.map);
+}
+
+void ReadConfiguration(RunOptions* options) {
+  bus::ProcessArguments arguments;
+  arguments.config_file = options->config_file;
+  arguments.overrides = options->overrides;
+  const Config config = arguments.MakeConfig();
+  bus::BusOptions bus;
+  PlayerOptions player;
+  config.Read("bus", bus);
+  config.Read("player", player);
+  const auto take = [](std::string* option, const std::string& configured) {
+    if (option->empty()) *option = configured;
+  };
+  take(&options->url, bus.url);
+  take(&options->prefix, bus.prefix);
+  take(&options->map_prefix, bus.map_prefix);
+  take(&options->kind, player.kind);
+  take(&options->pace, player.pace);
+  if (options->map_prefix.empty()) return;
+  if (options->url.empty()) {
+    throw std::runtime_error("bus.map_prefix: robots that share a map share a bus: name it by --url or bus.url");
+  }
+  if (!options->map.empty() || !options->save_map.empty()) {
+    throw std::runtime_error("bus.map_prefix: --map and --save-map are of a map of its own, and this one is shared");
+  }
+}
+
+void CheckMapToGoOnFrom(const RunOptions& options) {
+  if (options.map.empty()) return;
+  const StoredMap stored = ReadMapFile(options.map.string());
+  const std::unique_ptr<Dataset> dataset = OpenDataset(options.dataset, options.kind);
+  CheckCamera(stored, Rectify(dataset->rig()).camera, options.map.string());
 }
 
 std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {

@@ -10,6 +10,13 @@ namespace plslam {
 /// is none of those that are read. Throws std::runtime_error with one sentence.
 void CheckFilesToWrite(const RunOptions& options);
 
+/// What the configuration file and `--set` say of the bus and the player counts where the command line says nothing: it is put into
+/// `options`. Throws ConfigError for what no bus and no player takes, and std::runtime_error for what does not go together.
+void ReadConfiguration(RunOptions* options);
+
+/// That the map to go on from is one, whole, and of the camera of the dataset. Throws std::runtime_error with one sentence.
+void CheckMapToGoOnFrom(const RunOptions& options);
+
 /// Now, as files that are written in the folder of outputs from here on will have it: times of files step by milliseconds behind
 /// the clock, and a file server has a clock of its own. The folder exists. Throws std::runtime_error where nothing can be written.
 std::filesystem::file_time_type FileTimeNow(const RunOptions& options);

@@ -8,6 +8,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
+#include "tools/plslam/output_folder.h"
 #include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_checks.h"
 #include "tools/plslam/run_files.h"
@@ -53,21 +54,33 @@ void Warn(const RunOptions& options, const RunSummary& summary) {
              summary.recordings.front(), others);
 }
 
-/// Nothing was played: what the folder holds of an earlier run stays, and its summary with it.
-bool KeepsOldOutputs(const RunOptions& options, const RunSession& session) {
-  return !session.accepted() && std::filesystem::exists(options.out / "summary.json");
+/// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the folder is this
+/// run's from here on; of a start that failed nothing is left but logs that its sentence points at.
+void TakeFolder(const RunOptions& options, const RunSession& session, const RunSummary& summary,
+                OutputFolder* folder) {
+  const bool points_at_logs = summary.reason.find((options.out / "logs").string()) != std::string::npos;
+  if (session.accepted() || session.ended_well() || points_at_logs) folder->Keep();
 }
 
-int Report(const RunOptions& options, const RunSession& session) {
+int Report(const RunOptions& options, const RunSession& session, OutputFolder* folder) {
   RunSummary summary = session.Summary();
   summary.version = VersionText();
-  const bool keeps_old = KeepsOldOutputs(options, session);
+  const bool keeps_old = !session.accepted() && folder->has_results();
+  TakeFolder(options, session, summary, folder);
   if (session.accepted()) {
     summary.accuracy = EvaluateRunFiles(options.out, AllFrames(summary));
     summary.live_ate_m = LiveError_m(options.out);
   }
   const nlohmann::json json = SummaryToJson(summary);
-  if (!keeps_old) WriteSummary(options.out, json);
+  std::string reason = summary.reason;
+  bool written = true;
+  try {
+    if (!keeps_old && folder->is_kept()) WriteSummary(options.out, json);
+  } catch (const std::exception& error) {
+    // The same full disk may be what the run ended by.
+    written = false;
+    reason += (reason.empty() ? "" : "; ") + std::string(error.what());
+  }
   Warn(options, summary);
   if (options.json) {
     fmt::print("{}\n", JsonText(json));
@@ -75,15 +88,17 @@ int Report(const RunOptions& options, const RunSession& session) {
     fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
-  if (session.ended_well() && !keeps_old) return 0;
-  fmt::print(stderr, "plslam: error: {}{}\n", summary.reason,
+  if (session.ended_well() && !keeps_old && written) return 0;
+  fmt::print(stderr, "plslam: error: {}{}\n", reason,
              keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : "");
   return 1;
 }
 
 int Run(RunOptions options) {
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
-  MakeFolder((options.out / "logs").string());
+  ReadConfiguration(&options);
+  CheckMapToGoOnFrom(options);
+  OutputFolder folder(options.out);
   CheckFilesToWrite(options);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
@@ -95,7 +110,7 @@ int Run(RunOptions options) {
   door.Open(&session);
   session.Run();
   door.Open(nullptr);
-  return Report(options, session);
+  return Report(options, session, &folder);
 }
 
 void AddOptions(CLI::App* sub, RunOptions* o) {

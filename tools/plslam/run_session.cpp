@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "core/io/files/shared_file.h"
 #include "core/process/worker.h"
@@ -23,6 +24,10 @@ constexpr seconds kRunSaveLimit{60};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
+}
+
+std::string Joined(const std::string& a, const std::string& b) {
+  return a + (a.empty() || b.empty() ? "" : "; ") + b;
 }
 
 }  // namespace
@@ -49,6 +54,7 @@ Supervisor::Options RunSession::SupervisorOptions() {
   options.arguments_of_restart = [this](const std::string& name, int restart, std::vector<std::string> arguments) {
     return ArgumentsOfRestart(options_, {name, restart, monitor_.statistics().newest_frame()}, std::move(arguments));
   };
+  options.last_word = [this](pid_t pid) { return monitor_.FailureOf(pid); };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
   return options;
 }
@@ -78,12 +84,16 @@ void RunSession::Interrupt() {
     if (phase_ == Phase::kStarting) {
       return BeginStop(fmt::format("interrupted before there was a map to save as {}", options_.save_map.string()));
     }
-    if (phase_ == Phase::kSaving) return;
-    supervisor_.Interrupt("player");
-    phase_ = Phase::kSaving;
-    phase_began_ = Clock::now();
-    wall_s_ = SecondsSince(playing_since_);
+    if (phase_ != Phase::kSaving) BeginSave(Clock::now());
   });
+}
+
+/// Of what there is, before the end of the stream.
+void RunSession::BeginSave(Clock::time_point now) {
+  supervisor_.Interrupt("player");
+  phase_ = Phase::kSaving;
+  phase_began_ = now;
+  wall_s_ = SecondsSince(playing_since_);
 }
 
 void RunSession::StartRows(bool last) {
@@ -98,7 +108,7 @@ void RunSession::Tick() {
   const auto now = Clock::now();
   TellReadiness(now);
   supervisor_.Tick(now);
-  if (phase_ != Phase::kStopping && !supervisor_.failure().empty()) BeginStop(supervisor_.failure());
+  if (phase_ != Phase::kStopping && !supervisor_.failed().empty()) CheckFailed(now);
   if (!accepted_) CheckAccepted();
   if (phase_ == Phase::kStarting) CheckStarted(now);
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
@@ -130,6 +140,17 @@ void RunSession::CheckAccepted() {
   if (!plays && monitor_.statistics().frames() == 0) return;
   accepted_ = true;
   RemoveOldOutputs(options_, files_began_);
+}
+
+/// Before anything was played there is nothing to save.
+void RunSession::CheckFailed(Clock::time_point now) {
+  if (!failed_at_) failed_at_ = now;
+  if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
+  // A player that cannot read an image says that the stream ends there: what came before is handled as always.
+  const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kSettleLimit;
+  if (supervisor_.failed() == "player" && monitor_.statistics().frames() > 0 && goes_on) return;
+  if (!lacks_map_ || supervisor_.failed() == "mapping") return BeginStop("");
+  if (phase_ != Phase::kSaving) BeginSave(now);
 }
 
 void RunSession::CheckStarted(Clock::time_point now) {
@@ -167,14 +188,18 @@ void RunSession::CheckSettled(Clock::time_point now) {
 void RunSession::CheckSaved(Clock::time_point now) {
   if (lacks_map_ && save_.result() != SaveNode::Result::kSaved) {
     save_.Send(std::filesystem::absolute(options_.save_map));
-    const bool failed = save_.result() == SaveNode::Result::kFailed;
-    if (!failed && now - phase_began_ < kRunSaveLimit) return;
-    return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),
-                                 (options_.out / "logs").string()));
+    const std::string interrupted = interrupted_ ? "interrupted" : "";
+    if (save_.result() == SaveNode::Result::kFailed) return BeginStop(Joined(interrupted, save_.reason()));
+    if (now - phase_began_ < kRunSaveLimit) return;
+    return BeginStop(Joined(
+        interrupted, fmt::format("the map could not be saved as {} within {} s; see {}", options_.save_map.string(),
+                                 kRunSaveLimit.count(), (options_.out / "logs").string())));
   }
-  lacks_map_ = false;
-  completed_ = !interrupted_;
-  BeginStop(interrupted_ ? "interrupted" : "");
+  const bool saved = std::exchange(lacks_map_, false);
+  completed_ = !interrupted_ && !failed_at_;
+  BeginStop(interrupted_          ? "interrupted"
+            : failed_at_ && saved ? "the map of what came before is saved as " + options_.save_map.string()
+                                  : "");
 }
 
 void RunSession::BeginStop(const std::string& reason) {
@@ -185,10 +210,13 @@ void RunSession::BeginStop(const std::string& reason) {
   supervisor_.Stop(Clock::now());
 }
 
-/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more.
+/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more. All have had
+/// the time to say why they failed.
 void RunSession::EndStop() {
-  if (HasResult() && !supervisor_.failure().empty()) {
-    reason_ += (reason_.empty() ? "" : "; ") + supervisor_.failure();
+  if (failed_at_) {
+    reason_ = Joined(supervisor_.failure(), reason_);
+  } else if (HasResult() && !supervisor_.failed().empty()) {
+    reason_ = Joined(reason_, supervisor_.failure());
     completed_ = false;
   }
   bus_.Stop();

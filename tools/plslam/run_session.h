@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "tools/plslam/node/history_node.h"
@@ -16,7 +17,8 @@
 namespace plslam {
 
 /// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
-/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything.
+/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything. A process that fails
+/// ends the run early: what the player has sent before an image that it cannot read is handled to its end, and the map is saved.
 class RunSession {
  public:
   /// `options.url` and `options.out` are set.
@@ -32,7 +34,7 @@ class RunSession {
   /// Dataset and configuration were taken by all processes, and the outputs of earlier runs are gone.
   bool accepted() const { return accepted_; }
   /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended well.
-  bool ended_well() const { return HasResult() && supervisor_.failure().empty(); }
+  bool ended_well() const { return HasResult() && supervisor_.failed().empty(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -45,6 +47,8 @@ class RunSession {
   void TellReadiness(Clock::time_point now);
   bool AllReady() const;
   void CheckAccepted();
+  void CheckFailed(Clock::time_point now);
+  void BeginSave(Clock::time_point now);
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
@@ -70,6 +74,7 @@ class RunSession {
   bool completed_ = false;
   bool interrupted_ = false;
   bool lacks_map_ = false;  ///< it was to be saved, and is not yet
+  std::optional<Clock::time_point> failed_at_;
   bool accepted_ = false;
   const std::filesystem::file_time_type files_began_;
   double wall_s_ = 0.0;

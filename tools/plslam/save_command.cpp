@@ -39,11 +39,13 @@ int Save(const SaveOptions& options) {
     fmt::print("the map is in {}\n", path);
     return 0;
   }
+  if (request.result() == SaveNode::Result::kFailed) {
+    fmt::print(stderr, "plslam: error: {}\n", request.reason());
+    return 1;
+  }
   fmt::print(stderr, "plslam: error: {}: {}\n", path,
              !request.heard() ? fmt::format("no mapping_process is heard on {}", bus_options.url)
-             : request.result() == SaveNode::Result::kFailed
-                 ? "mapping_process could not save the map; its log says why"
-                 : "mapping_process has not answered");
+                              : "mapping_process has not answered");
   return 1;
 }
 

@@ -77,9 +77,9 @@ void Supervisor::HurryUp(Child* child, TimePoint now) const {
   }
 }
 
-/// A player that says what is wrong with its dataset would say so again.
+/// A player that says what is wrong with its dataset would say so again, and a recorder that its disk is full.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
-  const bool crashed = child.ending != Ending::kMayEnd || end.code > 128;
+  const bool crashed = child.ending == Ending::kRestart || end.code > 128;
   return !stopping_since_ && crashed && child.ready && child.report.restarts < options_.max_restarts;
 }
 
@@ -106,17 +106,28 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
     ++child->failed_starts;
     return;
   }
-  Fail(*child, end.code);
+  Fail(*child, end.code, pid);
 }
 
 /// The first failure is told: others often follow from it.
-void Supervisor::Fail(const Child& child, int exit_code) {
+void Supervisor::Fail(const Child& child, int exit_code, pid_t pid) {
   if (!failure_.empty()) return;
-  const std::string last = LastLine(LogOf(child.name));
   const bool cut_off = child.signal != 0 && exit_code == 128 + child.signal;
-  failure_ =
-      fmt::format("{} {} exit code {}{}{}", child.name, cut_off ? "was cut off while it stopped:" : "ended with",
-                  exit_code, last.empty() ? "" : ": ", last);
+  failure_ = fmt::format("{} {} exit code {}", child.name, cut_off ? "was cut off while it stopped:" : "ended with",
+                         exit_code);
+  failed_ = child.name;
+  failed_pid_ = pid;
+}
+
+/// Its log says why; where that has no error, since the disk is full, what it said to others, which comes a little later.
+std::string Supervisor::failure() const {
+  if (failure_.empty()) return failure_;
+  std::string why = LastLine(LogOf(failed_));
+  if (why.find("error: ") == std::string::npos && options_.last_word) {
+    const std::string word = options_.last_word(failed_pid_);
+    if (!word.empty()) why = word;
+  }
+  return why.empty() ? failure_ : failure_ + ": " + why;
 }
 
 void Supervisor::Interrupt(const std::string& name) {
@@ -133,7 +144,9 @@ void Supervisor::Stop(TimePoint now) {
   stopping_since_ = now;
   for (Child& child : children_) {
     // One that has crashed and would be back in a moment does not write anything any more.
-    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) Fail(child, child.report.exit_code.value_or(0));
+    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) {
+      Fail(child, child.report.exit_code.value_or(0), -1);
+    }
     SendSignal(&child, SIGINT);
   }
 }

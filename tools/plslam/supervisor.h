@@ -45,6 +45,8 @@ class Supervisor {
         arguments_of_restart;
     /// A process with this id has ended. May be empty.
     std::function<void(pid_t pid)> on_exit;
+    /// What a process with this id said of its own failure: its log may be on a full disk. May be empty.
+    std::function<std::string(pid_t pid)> last_word{};
     std::chrono::milliseconds patience_with_writers{60000};  ///< after SIGINT, in place of `patience`
   };
 
@@ -52,7 +54,9 @@ class Supervisor {
   enum class Ending {
     kRestart,  ///< it must run until stopped; where it ends it is started again
     kMayEnd,   ///< it may end with exit code 0; ended by a signal it is started again, any other code fails the run
-    kWritesAtTheEnd,  ///< as kRestart; when it is stopped it still writes what the run is for, which may take long
+    /// It must run until stopped, and then still writes what the run is for, which may take long. Ended by a signal it is started
+    /// again; ended by an error of its own (a full disk) it fails the run, since it would end by it again.
+    kWritesAtTheEnd,
   };
 
   explicit Supervisor(Options options);
@@ -68,7 +72,9 @@ class Supervisor {
   /// Looks after all of them; call it often.
   void Tick(TimePoint now);
   /// Why the run cannot go on, or what went wrong while it was stopped; empty where all is well.
-  const std::string& failure() const { return failure_; }
+  std::string failure() const;
+  /// The process that this is about.
+  const std::string& failed() const { return failed_; }
 
   /// Asks one process to end (SIGINT), and does not start it again.
   void Interrupt(const std::string& name);
@@ -101,14 +107,16 @@ class Supervisor {
   bool MayRestart(const Child& child, const ChildExit& end) const;
   void HandleExit(Child* child, const ChildExit& end, TimePoint now);
   bool IsWell(const Child& child, const ChildExit& end) const;
-  void Fail(const Child& child, int exit_code);
+  void Fail(const Child& child, int exit_code, pid_t pid);
   static void SendSignal(Child* child, int signal);
   void HurryUp(Child* child, TimePoint now) const;
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }
 
   Options options_;
   std::vector<Child> children_;
-  std::string failure_;
+  std::string failure_;  ///< without the reason
+  std::string failed_;
+  pid_t failed_pid_ = -1;
   std::optional<TimePoint> stopping_since_;
 };
 

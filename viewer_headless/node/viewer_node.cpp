@@ -37,6 +37,7 @@ constexpr size_t kRateTicks = 12;
 ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
     : process_(process), options_(options), on_terminal_(!options.quiet && isatty(STDOUT_FILENO) != 0) {
   PrepareOutputFolder(options_.out);
+  lock_.emplace(options_.out);
   if (options_.overlay_every > 0) PrepareOutputFolder(options_.out + "/overlays");
   Subscribe();
 }

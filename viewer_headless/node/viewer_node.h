@@ -10,6 +10,7 @@
 
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
+#include "core/io/files/folder_lock.h"
 #include "core/process/process.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
@@ -30,7 +31,7 @@ namespace plslam {
 /// Never needed by the others: it only reads ordered channels from their histories.
 class ViewerNode {
  public:
-  /// Throws std::runtime_error where the output folder cannot be written.
+  /// Throws std::runtime_error where the output folder cannot be written, or another process has it (FolderLock).
   ViewerNode(bus::Process& process, const ViewerOptions& options);
   /// Writes what is there and not yet written. What could not be delivered is said once more, as the last word.
   ~ViewerNode();
@@ -63,6 +64,7 @@ class ViewerNode {
 
   bus::Process& process_;
   ViewerOptions options_;
+  std::optional<FolderLock> lock_;
   Recorder recorder_;
   std::unique_ptr<bus::MapSubscriber> map_;
   std::unique_ptr<Rectifier> rectifier_;

@@ -4,7 +4,9 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <vector>
 
 #include <lcm/eventlog.h>
@@ -29,7 +31,18 @@ LogWriter::LogWriter(const std::string& path) : path_(path) {
   impl_ = std::make_unique<Impl>(Impl{{log, &lcm_eventlog_destroy}});
 }
 
-LogWriter::~LogWriter() = default;
+LogWriter::~LogWriter() {
+  impl_.reset();
+  std::error_code no_file;
+  const bool empty =
+      std::filesystem::is_regular_file(path_, no_file) && std::filesystem::file_size(path_, no_file) == 0;
+  if (failed_ && empty) std::filesystem::remove(path_, no_file);
+}
+
+void LogWriter::Fail() {
+  failed_ = true;
+  throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
+}
 
 void LogWriter::Write(std::string_view channel, ByteView data, int64_t timestamp_us) {
   std::string name(channel);
@@ -39,14 +52,12 @@ void LogWriter::Write(std::string_view channel, ByteView data, int64_t timestamp
   event.channel = name.data();
   event.datalen = static_cast<int32_t>(data.size());
   event.data = const_cast<uint8_t*>(data.data());  // LCM's C interface is not const-correct
-  if (lcm_eventlog_write_event(impl_->log.get(), &event) != 0) {
-    throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
-  }
+  if (lcm_eventlog_write_event(impl_->log.get(), &event) != 0) Fail();
   ++events_;
 }
 
 void LogWriter::Flush() {
-  if (fflush(impl_->log->f) != 0) throw std::runtime_error(path_ + ": cannot be written: " + std::strerror(errno));
+  if (fflush(impl_->log->f) != 0) Fail();
 }
 
 LogRecorder::LogRecorder(const BusOptions& options, const std::string& path)

@@ -12,7 +12,7 @@
 namespace plslam::bus {
 
 /// Writes LCM event logs that lcm-logplayer reads. Throws std::runtime_error with one sentence where the file cannot
-/// be written.
+/// be written; what could be written stays, but no empty file.
 class LogWriter {
  public:
   explicit LogWriter(const std::string& path);
@@ -27,8 +27,11 @@ class LogWriter {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+  [[noreturn]] void Fail();
+
   std::string path_;
   int64_t events_ = 0;
+  bool failed_ = false;
 };
 
 /// Records everything on the bus into an LCM log (`plslam record`). Unlike lcm-logger it is a full reader of the

@@ -7,11 +7,15 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/geometry/rectification.h"
+
 namespace plslam {
 namespace {
 
 constexpr std::array<const char*, 6> kNames{"f_px", "cx_px", "cy_px", "baseline_m", "width_px", "height_px"};
 constexpr double kLargestSize_px = 1e6;
+constexpr double kSame_px = 1e-4;
+constexpr double kLargeDisparity_px = 100.0;
 
 using Numbers = std::array<double, kNames.size()>;
 
@@ -56,14 +60,33 @@ StereoCamera MapCamera(const StoredMap& stored, const std::string& path) {
   return {numbers[0], numbers[1], numbers[2], numbers[3], static_cast<int>(numbers[4]), static_cast<int>(numbers[5])};
 }
 
-void CheckCamera(const StoredMap& stored, const StereoCamera& camera, const std::string& path) {
-  const Numbers was = NumbersOf(stored, path);
-  const Numbers is = NumbersOf(camera);
-  for (size_t i = 0; i < is.size(); ++i) {
-    if (was[i] == is[i]) continue;
-    throw std::runtime_error(fmt::format("{}: the map was made with another camera: {} {} instead of {} (rectified)",
-                                         path, kNames[i], was[i], is[i]));
+std::string CameraDifference(const StereoCamera& was, const StereoCamera& is) {
+  const Numbers a = NumbersOf(was), b = NumbersOf(is);
+  // The error of a disparity of 100 px is that of f b, of which the focal length has been judged by itself.
+  const double baseline_tolerance_m = std::abs(was.baseline_m) * kSame_px / kLargeDisparity_px;
+  const Numbers tolerances{kSame_px, kSame_px, kSame_px, baseline_tolerance_m, 0.0, 0.0};
+  std::string text;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(a[i] - b[i]) <= tolerances[i]) continue;
+    // With all their digits: two numbers that differ must not look the same.
+    text += fmt::format("{}{} {} instead of {}", text.empty() ? "" : ", ", kNames[i], b[i], a[i]);
   }
+  return text;
+}
+
+std::string CameraDifference(const StereoCamera& was, const RigCalibration& is) {
+  try {
+    return CameraDifference(was, Rectify(is).camera);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+}
+
+void CheckCamera(const StoredMap& stored, const StereoCamera& camera, const std::string& path) {
+  const std::string difference = CameraDifference(MapCamera(stored, path), camera);
+  if (difference.empty()) return;
+  throw std::runtime_error(
+      fmt::format("{}: the map was made with another camera (rectified): this one has {}", path, difference));
 }
 
 }  // namespace plslam

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/calibration.h"
 #include "core/geometry/stereo_camera.h"
 #include "core/io/maps/map_file.h"
 
@@ -17,7 +18,14 @@ std::vector<uint8_t> CameraBytes(const StereoCamera& camera);
 /// of its camera or the values cannot be.
 StereoCamera MapCamera(const StoredMap& stored, const std::string& path);
 
-/// The rectified camera that a map was made with must be this one to the last bit, since its keyframes are seen through it.
+/// What keeps two rectified cameras from being the same: "f_px 458.65 instead of 460.1, ..."; empty where nothing does. Images
+/// have the same size, and none of the other numbers moves a point of a disparity up to 100 px by more than 1e-4 px, a thousandth of what features
+/// are measured to: a calibration that is written with fewer digits stays the same camera.
+std::string CameraDifference(const StereoCamera& was, const StereoCamera& is);
+/// Of a rig when it is rectified, or why it cannot be.
+std::string CameraDifference(const StereoCamera& was, const RigCalibration& is);
+
+/// The rectified camera that a map was made with must be the same (`CameraDifference`), since its keyframes are seen through it.
 /// Throws std::runtime_error with one sentence that names the file and what differs.
 void CheckCamera(const StoredMap& stored, const StereoCamera& camera, const std::string& path);
 

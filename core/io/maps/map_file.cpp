@@ -161,6 +161,7 @@ StoredMap DecodeMap(std::span<const uint8_t> bytes) {
 }
 
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
+  if (stored.map.keyframes().empty()) throw std::runtime_error(path + ": is not written: the map has no keyframe");
   const std::vector<uint8_t> bytes = NamingFile(path, [&] { return EncodeMap(stored); });
   WriteFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }

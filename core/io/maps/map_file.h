@@ -47,7 +47,8 @@ std::vector<uint8_t> EncodeMap(const StoredMap& stored);
 /// ascend, sights of features that a keyframe does not have). Needs memory in proportion to the bytes.
 StoredMap DecodeMap(std::span<const uint8_t> bytes);
 
-/// Beside the file and renamed.
+/// Beside the file and renamed. Throws std::runtime_error, which names the file, where it cannot be written, and where the map has
+/// no keyframe: a file that was there stays.
 void WriteMapFile(const std::string& path, const StoredMap& stored);
 
 /// Errors name the file.

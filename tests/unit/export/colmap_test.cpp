@@ -156,6 +156,35 @@ TEST(MapCamera, IsWhatMappingStored) {
   EXPECT_EQ(camera.height_px, 480);
 }
 
+TEST(MapCamera, WrittenWithFewerDigitsIsTheSame) {
+  const StereoCamera exact{458.65412345678, 367.21512345678, 248.37512345678, 0.110073808127187, 752, 480};
+  const StereoCamera rounded{458.65412, 367.21512, 248.37512, 0.11007381, 752, 480};
+  EXPECT_EQ(CameraDifference(exact, exact), "");
+  EXPECT_EQ(CameraDifference(exact, rounded), "");
+  EXPECT_EQ(CameraDifference(rounded, exact), "");
+  StoredMap stored = test::SmallStoredMap();
+  stored.rig = CameraBytes(exact);
+  EXPECT_NO_THROW(CheckCamera(stored, rounded, "a.plmap"));
+}
+
+TEST(MapCamera, WhatDiffersIsNamedWithDigitsThatDiffer) {
+  const StereoCamera camera{400.0, 320.0, 240.0, 0.12, 640, 480};
+  StereoCamera other = camera;
+  other.f_px = 400.0002;
+  EXPECT_EQ(CameraDifference(camera, other), "f_px 400.0002 instead of 400");
+  other = camera;
+  other.cy_px = 239.9998;
+  other.width_px = 641;
+  EXPECT_EQ(CameraDifference(camera, other), "cy_px 239.9998 instead of 240, width_px 641 instead of 640");
+  other = camera;
+  // 2e-4 px at a disparity of 100 px.
+  other.baseline_m = 0.12 * (1.0 + 2e-6);
+  EXPECT_THAT(CameraDifference(camera, other), HasSubstr("baseline_m 0.12000024"));
+  StoredMap stored = test::SmallStoredMap();
+  EXPECT_THAT([&] { CheckCamera(stored, other, "a.plmap"); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("a.plmap: the map was made with another camera")));
+}
+
 TEST(MapCamera, WhatCannotBeIsToldInASentence) {
   StoredMap stored = test::SmallStoredMap();
   const auto told = [&] {

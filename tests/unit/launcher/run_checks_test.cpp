@@ -5,7 +5,14 @@
 
 #include <chrono>
 
+#include "core/config/config.h"
+#include "core/datasets/open_dataset.h"
+#include "core/geometry/rectification.h"
+#include "core/io/maps/map_camera.h"
+#include "core/io/maps/map_file.h"
 #include "tests/support/text_file.h"
+#include "tests/unit/map_file/stored_maps.h"
+#include "tools/plslam/output_folder.h"
 
 namespace plslam {
 namespace {
@@ -49,6 +56,87 @@ TEST(FilesToWrite, WhatIsReadIsNotWritten) {
   options.record.clear();
   options.save_map = options.map;
   EXPECT_EQ(WhyNot(options), "") << "a map may be saved over the one that the run went on from";
+}
+
+TEST(Configuration, OfTheFileCountsWhereTheCommandLineSaysNothing) {
+  const ScratchFolder folder;
+  RunOptions options;
+  options.config_file = folder.Write("a.yaml",
+                                     "bus:\n  url: udpm://239.255.76.67:7700?ttl=0\n  prefix: team/\n"
+                                     "player:\n  kind: images\n  pace: realtime\n");
+  options.prefix = "mine/";
+  ReadConfiguration(&options);
+  EXPECT_EQ(options.url, "udpm://239.255.76.67:7700?ttl=0");
+  EXPECT_EQ(options.prefix, "mine/");
+  EXPECT_EQ(options.kind, "images");
+  EXPECT_EQ(options.pace, "realtime");
+}
+
+TEST(Configuration, OfBusAndPlayerIsCheckedBeforeAnythingIsTouched) {
+  const ScratchFolder folder;
+  RunOptions options;
+  options.config_file = folder.Write("a.yaml", "player:\n  paces: realtime\n");
+  EXPECT_THAT([&] { ReadConfiguration(&options); }, testing::ThrowsMessage<ConfigError>(HasSubstr("'player.paces'")));
+  options.config_file = folder.Write("b.yaml", "bus:\n  map_prefix: team/\n");
+  EXPECT_THAT([&] { ReadConfiguration(&options); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("--url or bus.url")));
+}
+
+TEST(MapToGoOnFrom, IsReadAndComparedWithTheCameraOfTheDataset) {
+  const ScratchFolder folder;
+  RunOptions options;
+  options.dataset = "synthetic:room?size=160x120&frames=4";
+  const auto why_not = [&] {
+    try {
+      CheckMapToGoOnFrom(options);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(why_not(), "") << "none is asked for";
+  options.map = folder.Path("a.plmap");
+  StoredMap stored = test::RandomStoredMap(1, 20);
+  stored.rig = CameraBytes({400.0, 320.0, 240.0, 0.12, 640, 480});
+  WriteMapFile(options.map, stored);
+  EXPECT_THAT(why_not(), testing::AllOf(HasSubstr("another camera"), HasSubstr("width_px 160 instead of 640")));
+  stored.rig = CameraBytes(Rectify(OpenDataset(options.dataset, "")->rig()).camera);
+  WriteMapFile(options.map, stored);
+  EXPECT_EQ(why_not(), "");
+  std::filesystem::resize_file(options.map, std::filesystem::file_size(options.map) - 1);
+  EXPECT_THAT(why_not(), HasSubstr("it was cut off or damaged"));
+  folder.Write("a.plmap", "hello");
+  EXPECT_THAT(why_not(), HasSubstr("a.plmap: is no map file"));
+}
+
+TEST(OutputFolderTest, WhatComesToNothingLeavesNothing) {
+  const ScratchFolder folder;
+  folder.Write("notes.txt", "of the user");
+  {
+    const OutputFolder made(folder.Path("a/b/"));
+    folder.Write("a/b/logs/vo.log", "vo: error: no");
+    EXPECT_FALSE(made.has_results());
+  }
+  EXPECT_FALSE(exists(folder.Path("a")));
+  EXPECT_TRUE(exists(folder.Path("notes.txt")));
+  {
+    OutputFolder kept(folder.Path("a/b"));
+    kept.Keep();
+    folder.Write("a/b/logs/vo.log", "");
+    folder.Write("a/b/summary.json", "{}");
+  }
+  EXPECT_TRUE(exists(folder.Path("a/b/logs/vo.log")));
+  { EXPECT_TRUE(OutputFolder(folder.Path("a/b")).has_results()); }
+  EXPECT_TRUE(exists(folder.Path("a/b/summary.json"))) << "of a run before";
+}
+
+TEST(OutputFolderTest, OfAnotherRunIsLeftAlone) {
+  const ScratchFolder folder;
+  OutputFolder first(folder.Path("a"));
+  folder.Write("a/logs/vo.log", "of the first");
+  EXPECT_THAT([&] { OutputFolder(folder.Path("a")); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("writes its results there")));
+  EXPECT_TRUE(exists(folder.Path("a/logs/vo.log")));
 }
 
 TEST(OldOutputs, OnlyWhatARunWritesAndWhatIsOldGoes) {

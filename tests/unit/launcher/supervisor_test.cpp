@@ -269,15 +269,33 @@ TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
   std::filesystem::current_path("/");
 }
 
+TEST_F(SupervisorTest, WriterThatEndsByAnErrorOfItsOwnIsNotStartedAgain) {
+  Script("full", "exit 1");
+  Supervisor::Options options;
+  options.bin = options.logs = folder_;
+  std::string word;
+  options.last_word = [&](pid_t pid) { return pid > 0 ? word : "of nobody"; };
+  Supervisor supervisor(options);
+  supervisor.Start("recorder", "full", {}, Ending::kWritesAtTheEnd);
+  supervisor.SetReady("recorder", Clock::now());
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return !supervisor.failure().empty(); }));
+  EXPECT_EQ(supervisor.failed(), "recorder");
+  EXPECT_EQ(supervisor.failure(), "recorder ended with exit code 1") << "its log is on the full disk";
+  word = "run.lcm: cannot be written: No space left on device";
+  EXPECT_EQ(supervisor.failure(), "recorder ended with exit code 1: " + word);
+  EXPECT_EQ(supervisor.restarts(), 0);
+  EXPECT_TRUE(Stopped(supervisor));
+}
+
 TEST_F(SupervisorTest, WriterThatHasCrashedAndIsNotBackIsToldAtTheStop) {
-  Script("crash", "exit 3");
+  Script("crash", "kill -9 $$");
   Supervisor supervisor = MakePatient();
   supervisor.Start("viewer", "crash", {}, Ending::kWritesAtTheEnd);
   supervisor.SetReady("viewer", Clock::now());
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("viewer") < 0; }));
   EXPECT_EQ(supervisor.failure(), "");
   EXPECT_TRUE(Stopped(supervisor));
-  EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 3");
+  EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 137");
 }
 
 TEST_F(SupervisorTest, UsedTimeAndMemoryAreReported) {

@@ -112,6 +112,14 @@ TEST(MapFile, FilesHoldTheSameBytes) {
   EXPECT_FALSE(std::filesystem::exists(file.path() + ".part"));
 }
 
+TEST(MapFile, AMapWithoutKeyframesIsNotWrittenOverAnother) {
+  const TemporaryFile file("map.plmap");
+  WriteMapFile(file.path(), RandomStoredMap(3, 20));
+  const std::vector<uint8_t> bytes = file.Read();
+  EXPECT_THAT(ErrorOf([&] { WriteMapFile(file.path(), {}); }), HasSubstr("is not written: the map has no keyframe"));
+  EXPECT_EQ(file.Read(), bytes);
+}
+
 TEST(MapFile, RotationsThatAreUnitToRoundingComeBackBitByBit) {
   StoredMap stored;
   MapKeyframe keyframe;

@@ -68,8 +68,8 @@ const std::vector<Arrow> kArrows = {
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",
-     {"core/", "tools/evaluate/", "tools/export/export_command.h", "tools/doctor/doctor_command.h",
-      "tools/rectify_check/rectify_check_command.h"}},
+     {"core/", "player/options.h", "tools/evaluate/", "tools/export/export_command.h",
+      "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };

@@ -131,6 +131,11 @@ std::string MonitorNode::StateOf(int64_t pid) const {
   return found == processes_.end() ? "" : found->second.state;
 }
 
+std::string MonitorNode::FailureOf(int64_t pid) const {
+  const auto found = processes_.find({host_, pid});
+  return found == processes_.end() || found->second.state != "failed" ? "" : found->second.reason;
+}
+
 Lag MonitorNode::LagAt(double now_s) const {
   Lag lag{"", longest_queue_};
   double furthest = kWorthSaying;

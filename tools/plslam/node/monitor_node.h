@@ -49,6 +49,8 @@ class MonitorNode {
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
   /// Of a process of this host; empty where it has not been heard.
   std::string StateOf(int64_t pid) const;
+  /// What a process of this host said of its own failure; empty where it said nothing.
+  std::string FailureOf(int64_t pid) const;
 
   /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
   int64_t total_frames() const { return total_frames_; }

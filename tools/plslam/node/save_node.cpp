@@ -26,7 +26,9 @@ void SaveNode::OnStatus(const status_t& message) {
     return;
   }
   if (saves > saves_) result_ = Result::kSaved;
-  if (failed > failed_) result_ = Result::kFailed;
+  if (failed <= failed_) return;
+  result_ = Result::kFailed;
+  reason_ = message.reason;
 }
 
 void SaveNode::Send(const std::filesystem::path& path) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "core/bus/bus.h"
 
@@ -22,6 +23,8 @@ class SaveNode {
 
   bool heard() const { return heard_; }
   Result result() const { return result_; }
+  /// What mapping_process said of a failed save.
+  const std::string& reason() const { return reason_; }
 
  private:
   void OnStatus(const status_t& message);
@@ -34,6 +37,7 @@ class SaveNode {
   double saves_ = 0.0;
   double failed_ = 0.0;
   Result result_ = Result::kPending;
+  std::string reason_;
 };
 
 }  // namespace plslam

@@ -327,6 +327,8 @@ bus::ProcessSpec VoSpec() {
     config.Read("vo", options);
     return std::make_shared<VoNode>(process, options);
   };
+  spec.waits_for = "a camera and frames of a player";
+  spec.results = {{"frames", "frames tracked"}, {"frames.lost", "of them lost"}, {"keyframes", "keyframes"}};
   return spec;
 }
 

@@ -127,6 +127,10 @@ std::string MonitorNode::StateOf(int64_t pid) const {
   return found == processes_.end() ? "" : found->second.state;
 }
 
+bool MonitorNode::Hears(const std::string& process) const {
+  return std::ranges::any_of(processes_, [&](const auto& p) { return p.second.process == process; });
+}
+
 Lag MonitorNode::LagAt(double now_s) const {
   Lag lag{"", longest_queue_};
   double furthest = kWorthSaying;

@@ -49,6 +49,8 @@ class MonitorNode {
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
   /// Of a process of this host; empty where it has not been heard.
   std::string StateOf(int64_t pid) const;
+  /// A process of this name has been heard, on any host.
+  bool Hears(const std::string& process) const;
 
   /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
   int64_t total_frames() const { return total_frames_; }

@@ -17,6 +17,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
+/// For the first word of the mapping_process that several robots share, which says one every second.
+constexpr seconds kSharedMapLimit{10};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
 constexpr seconds kRunSaveLimit{60};
@@ -50,6 +52,9 @@ Supervisor::Options RunSession::SupervisorOptions() {
     return ArgumentsOfRestart(options_, {name, restart, monitor_.statistics().newest_frame()}, std::move(arguments));
   };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
+  options.on_restart = [this](const std::string& name, const std::string& how, int restart) {
+    TellOfRestart(name, how, restart);
+  };
   return options;
 }
 
@@ -74,8 +79,10 @@ void RunSession::Interrupt() {
   bus_.Post([this] {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
+    const bool saves = lacks_map_ && phase_ != Phase::kStarting;
+    TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
     if (!lacks_map_) return BeginStop("interrupted");
-    if (phase_ == Phase::kStarting) {
+    if (!saves) {
       return BeginStop(fmt::format("interrupted before there was a map to save as {}", options_.save_map.string()));
     }
     if (phase_ == Phase::kSaving) return;
@@ -123,6 +130,11 @@ bool RunSession::AllReady() const {
   });
 }
 
+bool RunSession::HearsSharedMap() const {
+  const bool shared = !options_.map_prefix.empty() && !options_.no_mapping;
+  return !shared || monitor_.Hears("mapping");
+}
+
 /// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the folder.
 void RunSession::CheckAccepted() {
   const std::string player = monitor_.StateOf(supervisor_.pid("player"));
@@ -133,11 +145,17 @@ void RunSession::CheckAccepted() {
 }
 
 void RunSession::CheckStarted(Clock::time_point now) {
-  if (AllReady()) {
+  const bool all_ready = AllReady();
+  if (all_ready && HearsSharedMap()) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
     StartRows(true);
+  } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
+    BeginStop(fmt::format(
+        "no mapping_process with the prefix {0} was heard on {1}: start `mapping_process --prefix {0} --url {1}` and "
+        "`loop_process --prefix {0} --url {1}` before, or leave out --map-prefix",
+        options_.map_prefix, options_.url));
   } else if (now - phase_began_ > kStartLimit) {
     BeginStop(fmt::format("not all processes were ready after {} s; see {}", kStartLimit.count(),
                           (options_.out / "logs").string()));
@@ -171,8 +189,25 @@ void RunSession::CheckSaved(Clock::time_point now) {
                                  (options_.out / "logs").string()));
   }
   lacks_map_ = false;
+  // One that has been killed meanwhile writes its files once more.
+  if (!interrupted_ && monitor_.StateOf(supervisor_.pid("viewer")) != "finished") {
+    phase_ = Phase::kPlaying;
+    return;
+  }
   completed_ = !interrupted_;
   BeginStop(interrupted_ ? "interrupted" : "");
+}
+
+/// A warning: also of a run that is to be quiet.
+void RunSession::TellOfRestart(const std::string& name, const std::string& how, int restart) {
+  const auto rows = ProcessTable();
+  const auto row = std::ranges::find(rows, name, &ProcessRow::name);
+  progress_line_.Say(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
+                                 options_.max_restarts));
+}
+
+void RunSession::TellOfStop(const std::string& what) {
+  if (!options_.quiet) progress_line_.Say(what + " (Ctrl-C again ends at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {

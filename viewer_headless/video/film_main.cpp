@@ -20,6 +20,6 @@ int main(int argc, char** argv) {
     return app.exit(e) == 0 ? 0 : 1;
   }
   // It ends when its input ends: a signal to all of a group lets the viewer finish the film.
-  for (const int number : {SIGINT, SIGTERM, SIGPIPE}) signal(number, SIG_IGN);
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) signal(number, SIG_IGN);
   return plslam::WriteFilm(file, stdin, stdout);
 }

@@ -82,13 +82,12 @@ void SignalWatcher::Take(int signal) {
       return;
     }
     alarm(kGraceWithoutLauncher_s);
-    if (last_signal_ != 0) return;  // it is stopping already
+    if (stopping_) return;
   }
   const auto now = Clock::now();
   const auto since_last = now - std::exchange(last_at_, now);
-  const int last = std::exchange(last_signal_, signal);
-  if (last == 0) return on_stop_(SignalName(signal));
-  if (signal == SIGHUP || (signal == last && since_last < kSameMoment)) return;
+  if (!std::exchange(stopping_, true)) return on_stop_(SignalName(signal));
+  if (signal == SIGHUP || since_last < kSameMoment) return;
   EndAtOnce(signal);
 }
 

@@ -23,9 +23,9 @@ std::string SignalName(int signal);
 /// Make it before other threads: they inherit the blocked signals. The destructor restores the mask.
 ///
 /// A process by itself is stopped by SIGINT, SIGTERM and SIGHUP (unless that was ignored from the start, as `nohup` does).
-/// The first one calls `on_stop`, a second one ends the process at once, for a user whose process hangs. One that comes
-/// twice at the same moment is one order (`timeout` and shells send it to the process and to its group), and SIGHUP is never a
-/// second one: a terminal that closes is not an impatient user.
+/// The first one calls `on_stop`, a second one ends the process at once, for a user whose process hangs. Those that come at the
+/// same moment are one order (`timeout` and shells send one to the process and one to its group), and SIGHUP is never a second
+/// one: a terminal that closes is not an impatient user.
 ///
 /// A process that has a launcher is stopped by `kStopOrder` alone as long as the launcher lives: a signal to the launcher
 /// and all its processes is an order to the launcher, which may still need them. When the launcher is gone, SIGTERM (from the
@@ -53,7 +53,7 @@ class SignalWatcher {
   sigset_t previous_mask_{};
   int signal_fd_ = -1;
   int stop_fd_ = -1;
-  int last_signal_ = 0;  ///< of the watching thread; 0: none has come
+  bool stopping_ = false;  // these two are the watching thread's
   Clock::time_point last_at_;
   std::thread thread_;
 };

@@ -21,11 +21,12 @@ struct ProcessReport {
   int restarts = 0;
   /// Of the last start; nothing while it runs.
   std::optional<int> exit_code;
-  int exit_signal = 0;  ///< that ended it; 0: none
   /// Longest time from the end of a process until the one in its place was ready.
   double slowest_restart_s = 0.0;
   /// What waited in its queues at most, as its status told; the supervisor does not know.
   double longest_queue = 0.0;
+  /// That ended it; 0: none.
+  int exit_signal = 0;
 };
 
 /// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets
@@ -49,7 +50,7 @@ class Supervisor {
     std::function<void(pid_t pid)> on_exit;
     std::chrono::milliseconds patience_with_writers{60000};  ///< in place of `patience`
     /// A process has ended ("was ended by SIGKILL") and will be started again for the `restart`-th time. May be empty.
-    std::function<void(const std::string& name, const std::string& how, int restart)> on_restart;
+    std::function<void(const std::string& name, const std::string& how, int restart)> on_restart = nullptr;
   };
 
   /// What a process may do by itself.

@@ -144,6 +144,19 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
   EXPECT_TRUE(WholeRun::WaitFor([&] { return AllGone(pids); }));
 }
 
+TEST(RunFailure, InterruptWhileTheViewerIsStartedAgainWritesWhatWasPlayed) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  ASSERT_EQ(kill(run.PidOf("viewer_headless"), SIGKILL), 0);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "viewer_headless was ended by SIGKILL"); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  const std::string path = run.Read("trajectory.tum");
+  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), 10);
+  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), run.Summary()["frames"].get<int>());
+}
+
 TEST(RunFailure, ProcessesThatAreKilledBeforeTheyAreReadyAreStartedAgain) {
   for (const char* executable : {"player", "mapping_process", "loop_process", "viewer_headless"}) {
     WholeRun run;

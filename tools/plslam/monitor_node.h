@@ -22,7 +22,8 @@ struct ProcessStatus {
   std::string reason;
   std::string configuration;
   MessageCounts messages;
-  double queue = 0.0;  ///< longest of its queues
+  double queue = 0.0;   ///< longest of its queues
+  double frames = 0.0;  ///< that it has handled
   double heard_s = 0.0;
 };
 
@@ -49,6 +50,8 @@ class MonitorNode {
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
   /// Of a process of this host; empty where it has not been heard.
   std::string StateOf(int64_t pid) const;
+  /// Frames that a process of this host has told of; 0 where it has not been heard.
+  int64_t FramesOf(int64_t pid) const;
   /// A process of this name has been heard, on any host.
   bool Hears(const std::string& process) const;
 

@@ -22,6 +22,8 @@ constexpr seconds kSharedMapLimit{10};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
 constexpr seconds kRunSaveLimit{60};
+/// For a viewer that was started again shortly before the run is interrupted.
+constexpr seconds kCatchUpLimit{20};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
@@ -81,13 +83,14 @@ void RunSession::Interrupt() {
     interrupted_ = true;
     const bool saves = lacks_map_ && phase_ != Phase::kStarting;
     TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
-    if (!lacks_map_) return BeginStop("interrupted");
-    if (!saves) {
-      return BeginStop(fmt::format("interrupted before there was a map to save as {}", options_.save_map.string()));
+    if (phase_ == Phase::kStarting) {
+      return BeginStop(lacks_map_ ? fmt::format("interrupted before there was a map to save as {}",
+                                                options_.save_map.string())
+                                  : "interrupted");
     }
-    if (phase_ == Phase::kSaving) return;
+    if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt("player");
-    phase_ = Phase::kSaving;
+    phase_ = Phase::kSettling;
     phase_began_ = Clock::now();
     wall_s_ = SecondsSince(playing_since_);
   });
@@ -174,8 +177,22 @@ void RunSession::CheckPlayed(Clock::time_point now) {
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
+/// One that has been started again hears once more what was said before, and must not write less than that.
+bool RunSession::ViewerHasCaughtUp() const {
+  const auto reports = supervisor_.reports();
+  const auto viewer = std::ranges::find(reports, "viewer", &ProcessReport::name);
+  const bool started_again = viewer->restarts > 0 || supervisor_.pid("viewer") < 0;
+  return !started_again || monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames();
+}
+
 void RunSession::CheckSettled(Clock::time_point now) {
-  if (!monitor_.has_all() && now - phase_began_ < kSettleLimit) return;
+  const bool settled = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
+  if (!settled && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kSettleLimit)) return;
+  if (interrupted_ && !settled) {
+    interrupted_ = false;  // what the run is for is not there
+    return BeginStop(fmt::format("interrupted before the viewer, which was started again, had all poses; see {}",
+                                 (options_.out / "logs").string()));
+  }
   phase_ = Phase::kSaving;
   phase_began_ = now;
 }

@@ -52,6 +52,7 @@ class RunSession {
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
+  bool ViewerHasCaughtUp() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void TellOfRestart(const std::string& name, const std::string& how, int restart);
   void TellOfStop(const std::string& what);

@@ -192,7 +192,9 @@ bus::ProcessSpec LoopSpec() {
     return std::make_shared<LoopNode>(process, options);
   };
   spec.waits_for = "keyframes of vo_process and the map of mapping_process";
-  spec.results = {{"loop.keyframes", "keyframes looked at"}, {"loops", "loops"}, {"relocalisation.found", "trackers found again"}};
+  spec.results = {{"loop.keyframes", "keyframes looked at"},
+                  {"loops", "loops"},
+                  {"relocalisation.found", "trackers found again"}};
   return spec;
 }
 

@@ -76,10 +76,10 @@ class ProcessRunner {
 
   void TellReady(Process& process) const {
     const BusOptions& options = process.bus().options();
-    process.impl_->terminal.Tell(fmt::format(
-        "ready on {}{}{}", EffectiveUrl(options.url),
-        options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix),
-        spec_.waits_for.empty() ? "" : fmt::format(", waiting for {}", spec_.waits_for)));
+    process.impl_->terminal.Tell(
+        fmt::format("ready on {}{}{}", EffectiveUrl(options.url),
+                    options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix),
+                    spec_.waits_for.empty() ? "" : fmt::format(", waiting for {}", spec_.waits_for)));
   }
 
   /// ": 400 frames sent, 0 late".

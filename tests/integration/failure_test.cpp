@@ -144,6 +144,20 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
   EXPECT_TRUE(WholeRun::WaitFor([&] { return AllGone(pids); }));
 }
 
+TEST(RunFailure, InterruptWhileTheMapperIsStartedAgainSavesTheMap) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  std::vector<std::string> arguments = LongRun(run);
+  arguments.insert(arguments.end(), {"--save-map", map});
+  run.Start(arguments);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  ASSERT_EQ(kill(run.PidOf("mapping_process"), SIGKILL), 0);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "mapping_process was ended by SIGKILL"); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
+}
+
 TEST(RunFailure, InterruptWhileTheViewerIsStartedAgainWritesWhatWasPlayed) {
   WholeRun run;
   run.Start(LongRun(run));

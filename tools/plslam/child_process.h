@@ -11,7 +11,7 @@ namespace plslam {
 
 /// Who ends a process, beside itself.
 enum class EndedBy {
-  kAnybody,   ///< whoever sends it a signal
+  kAnybody,  ///< whoever sends it a signal
   kLauncher,  ///< us alone: SIGINT, SIGTERM and SIGHUP wait, blocked, until the process deals with them (bus::SignalWatcher)
 };
 

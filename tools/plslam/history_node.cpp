@@ -20,6 +20,7 @@
 #include "core/bus/process_usage.h"
 #include "core/bus/wire.h"
 #include "core/bus/worker.h"
+#include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
@@ -152,6 +153,12 @@ void HistoryKeeper::Store::Fail(const std::string& why) {
 
 HistoryKeeper::HistoryKeeper(bus::Bus& bus, const std::filesystem::path& folder)
     : bus_(bus), store_(std::make_shared<Store>(folder.string(), bus.source())) {
+  bus_.Subscribe<camera_t>(bus::kCamera, [this, own = bus.source()](const camera_t& m) {
+    if (m.header.source == own) return;
+    camera_ = std::make_unique<camera_t>(m);
+    player_gone_ = false;
+  });
+  bus_.Every(std::chrono::milliseconds(1000), [this] { SayCamera(); });
   bus_.Subscribe<status_t>(bus::kStatus, [this, host = bus::HostName()](const status_t& m) {
     if (m.host != host) return;  // ids of its processes mean nothing here
     if (sources_.size() < kMaxRecordedProcesses || sources_.contains(m.pid)) sources_[m.pid] = m.header.source;
@@ -177,9 +184,14 @@ void HistoryKeeper::Stop() {
   store_->changed.notify_all();
 }
 
+void HistoryKeeper::SayCamera() {
+  if (player_gone_) bus_.Publish(bus::kCamera, camera_t(*camera_));
+}
+
 void HistoryKeeper::OnExit(pid_t pid) {
   const auto found = sources_.find(pid);
   if (found == sources_.end()) return;
+  if (camera_ && camera_->header.source == found->second) player_gone_ = true;
   store_->Bury(found->second);
   // What its own bus had put on disk, and can remove no more.
   std::error_code ignored;

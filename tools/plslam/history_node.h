@@ -13,11 +13,13 @@
 #include "core/bus/bus.h"
 
 namespace plslam {
+class camera_t;
 
 /// Keeps what the other processes have said on the channels whose publishers keep everything (poses, keyframes, loops, true
 /// poses), and says it in their place when one of them has died: its history has gone with it, and a process that starts
 /// later could not have it any more. Sessions, times and the order stay; the publisher is then this one, so whoever has
-/// heard it before hears it twice, and passes it over by session and number.
+/// heard it before hears it twice, and passes it over by session and number. The camera of a player that has ended is said once a
+/// second, as by the player itself: a mapping_process that is started again does nothing without it.
 ///
 /// Lies in a file without a name, which goes with this process. Where the disk takes no more, nothing is kept from there
 /// on, and `problem` says why: the run goes on.
@@ -51,9 +53,13 @@ class HistoryKeeper {
 
   void Work();
   bool SayAgain(const Entry& entry);
+  void SayCamera();
 
   bus::Bus& bus_;
-  std::map<int64_t, int64_t> sources_;  // by process id; on the thread of the bus
+  // On the thread of the bus.
+  std::map<int64_t, int64_t> sources_;  ///< by process id
+  std::unique_ptr<camera_t> camera_;
+  bool player_gone_ = false;
   std::shared_ptr<Store> store_;
   std::atomic<int64_t> said_again_{0};
   std::thread worker_;

@@ -41,7 +41,8 @@ FrameReport FromMessage(const pose_t& message) {
 }
 
 ProcessStatus FromMessage(const status_t& message) {
-  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, 0.0, bus::NowS()};
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, 0.0,
+                       bus::NowS()};
   const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
   status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
   status.frames = bus::CounterOf(message, "frames");

@@ -175,7 +175,8 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "  plslam run synthetic:room --out out/room\n"
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
       "  plslam run /data/euroc/MH_01 --config config/euroc.yaml --record out/mh01.lcm\n"
-      "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map saved,\n"
+      "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
+      "saved,\n"
       "with --save-map); a second signal ends everything at once.");
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }

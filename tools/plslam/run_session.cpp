@@ -81,12 +81,13 @@ void RunSession::Interrupt() {
   bus_.Post([this] {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
-    const bool saves = lacks_map_ && phase_ != Phase::kStarting;
+    const bool has_map = monitor_.map().version() > 0 || monitor_.statistics().keyframes() > 0;
+    const bool saves = lacks_map_ && has_map;
     TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
-    if (phase_ == Phase::kStarting) {
-      return BeginStop(lacks_map_ ? fmt::format("interrupted before there was a map to save as {}",
-                                                options_.save_map.string())
-                                  : "interrupted");
+    if (phase_ == Phase::kStarting || (lacks_map_ && !has_map)) {
+      return BeginStop(
+          lacks_map_ ? fmt::format("interrupted before there was a map to save as {}", options_.save_map.string())
+                     : "interrupted");
     }
     if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt("player");
@@ -185,6 +186,11 @@ bool RunSession::ViewerHasCaughtUp() const {
   return !started_again || monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames();
 }
 
+/// One that has been started again has none before it has heard the first keyframe once more.
+bool RunSession::MapperHasMap() const {
+  return monitor_.statistics().keyframes() == 0 || monitor_.StateOf(supervisor_.pid("mapping")) == "running";
+}
+
 void RunSession::CheckSettled(Clock::time_point now) {
   const bool settled = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
   if (!settled && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kSettleLimit)) return;
@@ -199,7 +205,7 @@ void RunSession::CheckSettled(Clock::time_point now) {
 
 void RunSession::CheckSaved(Clock::time_point now) {
   if (lacks_map_ && save_.result() != SaveNode::Result::kSaved) {
-    save_.Send(std::filesystem::absolute(options_.save_map));
+    if (MapperHasMap()) save_.Send(std::filesystem::absolute(options_.save_map));
     const bool failed = save_.result() == SaveNode::Result::kFailed;
     if (!failed && now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(fmt::format("the map could not be saved as {}; see {}", options_.save_map.string(),

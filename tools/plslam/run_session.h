@@ -53,6 +53,7 @@ class RunSession {
   void CheckSettled(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
   bool ViewerHasCaughtUp() const;
+  bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void TellOfRestart(const std::string& name, const std::string& how, int restart);
   void TellOfStop(const std::string& what);

@@ -133,8 +133,8 @@ TEST_F(SupervisorTest, OneThatIsKilledBeforeItIsReadyIsStartedAgainAndThatIsTold
   for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
     std::filesystem::remove("starts");
     std::vector<std::string> told;
-    Supervisor supervisor({folder_, folder_, 3, milliseconds(1), milliseconds(5000), nullptr, nullptr, milliseconds(60000),
-                           [&](const std::string& name, const std::string& how, int restart) {
+    Supervisor supervisor({folder_, folder_, 3, milliseconds(1), milliseconds(5000), nullptr, nullptr,
+                           milliseconds(60000), [&](const std::string& name, const std::string& how, int restart) {
                              told.push_back(name + " " + how + " " + std::to_string(restart));
                            }});
     supervisor.Start("a", "killed", {}, ending);
@@ -254,7 +254,8 @@ TEST_F(SupervisorTest, ErrorsWhileStoppingAreFailures) {
        {Row{"exit 0", ""}, Row{"echo 'no space left'; exit 1", "a ended with exit code 1: no space left"},
         Row{"kill -SEGV $$", "a was ended by SIGSEGV"}}) {
     for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
-      Script("stops", std::string("trap \"") + row.at_the_order + "\" USR1; echo up > up; while :; do sleep 0.01; done");
+      Script("stops",
+             std::string("trap \"") + row.at_the_order + "\" USR1; echo up > up; while :; do sleep 0.01; done");
       std::filesystem::current_path(folder_);
       std::filesystem::remove("up");
       Supervisor supervisor = Make();

@@ -15,5 +15,6 @@ int main(int argc, char** argv) {
   spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
     return std::make_shared<plslam::PlayerNode>(process, command_line.Options(config));
   };
+  spec.results = {{"frames.sent", "frames sent"}, {"frames.bad", "unreadable"}, {"frames.late", "late"}};
   return plslam::bus::RunProcess(argc, argv, spec);
 }

@@ -51,6 +51,8 @@ bus::ProcessSpec ViewerProcess() {
     process.SetConfiguration(ToYaml("viewer", options));
     return std::make_shared<ViewerNode>(process, options);
   };
+  spec.waits_for = "poses of vo_process";
+  spec.results = {{"frames", "frames"}, {"keyframes", "keyframes"}};
   return spec;
 }
 

@@ -1,5 +1,9 @@
 #include "core/process/process.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+#include <cstdio>
+
 #include "core/process/process_impl.h"
 
 namespace plslam::bus {
@@ -9,7 +13,10 @@ Process::Process(const std::string& name, const BusOptions& options)
 
 Process::~Process() = default;
 
-void Process::SetState(const std::string& state, const std::string& reason) { impl_->status.SetState(state, reason); }
+void Process::SetState(const std::string& state, const std::string& reason) {
+  impl_->status.SetState(state, reason);
+  impl_->terminal.TellState(state, reason);
+}
 
 void Process::SetReason(const std::string& reason) { impl_->status.SetReason(reason); }
 
@@ -21,6 +28,34 @@ void Process::Finish(int exit_code) {
   impl_->exit_code = exit_code;
   impl_->finished = true;
   bus_->Stop();
+}
+
+void ProcessTerminal::Begin(const std::string& program) {
+  const std::scoped_lock lock(mutex_);
+  program_ = program;
+}
+
+void ProcessTerminal::Tell(const std::string& words) {
+  const std::scoped_lock lock(mutex_);
+  Print(words);
+}
+
+// A state comes with many reasons, one after the other (the frame that is waited for, say): the first tells enough.
+void ProcessTerminal::TellState(const std::string& state, const std::string& reason) {
+  const std::scoped_lock lock(mutex_);
+  const bool news = state != state_ || (reason_.empty() && !reason.empty());
+  const bool told_elsewhere = state == "ready" || state == "stopping" || state == "failed";
+  if (state != state_) reason_.clear();
+  if (!reason.empty()) reason_ = reason;
+  state_ = state;
+  if (news && !told_elsewhere) Print(reason.empty() ? state : fmt::format("{}, {}", state, reason));
+}
+
+void ProcessTerminal::Print(const std::string& words) const {
+  if (program_.empty()) return;
+  // Over a progress line of the same process. A terminal that has gone is no error.
+  const char* begin = isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "";
+  std::fputs(fmt::format("{}{}: {}\n", begin, program_, words).c_str(), stderr);
 }
 
 }  // namespace plslam::bus

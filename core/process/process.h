@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/bus/bus.h"
@@ -26,8 +27,9 @@ class Process {
   Bus& bus() { return *bus_; }
   const std::string& name() const { return name_; }
 
-  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory. RunProcess
-  /// sets "ready" after `make_node` where the node has set nothing itself.
+  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory, and told on the
+  /// terminal of a process that was started by hand. RunProcess sets "ready" after `make_node` where the node has set nothing
+  /// itself.
   void SetState(const std::string& state, const std::string& reason = "");
   /// What there is to say beside the state, which stays; published at once.
   void SetReason(const std::string& reason);
@@ -57,11 +59,15 @@ struct ProcessSpec {
   std::function<void(CLI::App* app)> add_options;
   /// Makes the node: reads its options from the configuration, subscribes, returns what must live until the end.
   std::function<std::shared_ptr<void>(Process&, const Config&)> make_node;
+  /// For the terminal: what it needs from others to begin ("a camera and frames"); may be empty.
+  std::string waits_for;
+  /// For the terminal: counters of the status that say what it has done, each with its noun ("frames.sent", "frames sent").
+  std::vector<std::pair<std::string, std::string>> results;
 };
 
 /// The one main of all processes: command line (`--config FILE`, `--set KEY=VALUE`, `--url`, `--prefix`, `--help`,
-/// `--version`), configuration, bus, node, run loop. SIGINT and SIGTERM end it cleanly (exit code 0), a second one at
-/// once; an exception becomes one line on stderr, state "failed", and exit code 1.
+/// `--version`), configuration, bus, node, run loop. SIGINT, SIGTERM and SIGHUP end it cleanly (exit code 0), a second
+/// one at once (SignalWatcher); an exception becomes one line on stderr, state "failed", and exit code 1.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 }  // namespace plslam::bus

@@ -25,8 +25,8 @@ struct ProcessArguments {
 
   /// File, overrides, URL and prefix in one. Throws ConfigError.
   Config MakeConfig() const;
-  /// Makes the kernel end this process with the one that started it (`--parent`). Throws std::runtime_error where that
-  /// one has gone already.
+  /// Makes the kernel end this process (SIGTERM) with the one that started it (`--parent`). Throws std::runtime_error where
+  /// that one has gone already.
   void EndWithParent() const;
 };
 

@@ -1,16 +1,38 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
+#include <string>
 
 #include "core/process/process.h"
 #include "core/process/process_status.h"
 
 namespace plslam::bus {
 
+/// What a process that was started by hand says on its terminal, one sentence a line. Silent until `Begin`: a launcher speaks
+/// for the processes that it starts. Safe from any thread.
+class ProcessTerminal {
+ public:
+  /// `program`: its name, in front of each line.
+  void Begin(const std::string& program);
+  void Tell(const std::string& words);
+  /// Tells what nobody else tells: not that it is ready or stops, and no failure.
+  void TellState(const std::string& state, const std::string& reason);
+
+ private:
+  void Print(const std::string& words) const;
+
+  std::mutex mutex_;
+  std::string program_;
+  std::string state_;
+  std::string reason_;
+};
+
 struct Process::Impl {
   Impl(const std::string& name, const BusOptions& options, Bus& bus) : status(name, options, bus) {}
 
   StatusPublisher status;
+  ProcessTerminal terminal;
   std::atomic<int> exit_code{0};
   std::atomic<bool> finished{false};
 };

@@ -3,9 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 
+#include "core/bus/transport/transport.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/process/process_memory.h"
@@ -16,7 +19,9 @@ namespace plslam::bus {
 /// One run of a process, from parsed arguments to exit code.
 class ProcessRunner {
  public:
-  ProcessRunner(const ProcessSpec& spec, const ProcessArguments& arguments) : spec_(spec), arguments_(arguments) {}
+  /// `program`: the name of the executable.
+  ProcessRunner(const ProcessSpec& spec, const ProcessArguments& arguments, const std::string& program)
+      : spec_(spec), arguments_(arguments), program_(program) {}
 
   int Run() {
     std::optional<Process> process;
@@ -26,8 +31,9 @@ class ProcessRunner {
       BusOptions bus_options;
       config.Read("bus", bus_options);
       // Before the bus, whose threads must inherit the blocked signals.
-      SignalWatcher signals([this](int signal) { OnSignal(signal); });
+      const SignalWatcher signals([this](const std::string& signal) { OnSignal(signal); }, arguments_.parent);
       process.emplace(spec_.name, bus_options);
+      if (arguments_.parent == 0) process->impl_->terminal.Begin(program_);
       return RunNode(config, *process);
     } catch (const std::exception& error) {
       return Fail(error.what(), process);
@@ -37,8 +43,8 @@ class ProcessRunner {
   }
 
  private:
-  void OnSignal(int signal) {
-    spdlog::info("{}: stopping", signal == SIGINT ? "SIGINT" : "SIGTERM");
+  void OnSignal(const std::string& signal) {
+    spdlog::info("{}: stopping", signal);
     const std::scoped_lock lock(mutex_);
     signalled_ = true;
     if (running_ != nullptr) running_->bus().Stop();
@@ -59,11 +65,30 @@ class ProcessRunner {
     if (!SetRunning(&process)) return 0;
     std::shared_ptr<void> node = spec_.make_node(process, config);
     if (process.impl_->status.state() == "starting") process.SetState("ready");
+    TellReady(process);
     process.bus().Run();
     process.SetState("stopping");
     node.reset();
     if (process.impl_->finished) process.bus().Flush(std::chrono::milliseconds(1000));
+    process.impl_->terminal.Tell("ended" + ResultsOf(process));
     return process.impl_->exit_code;
+  }
+
+  void TellReady(Process& process) const {
+    const BusOptions& options = process.bus().options();
+    process.impl_->terminal.Tell(
+        fmt::format("ready on {}{}{}", EffectiveUrl(options.url),
+                    options.prefix.empty() ? "" : fmt::format(" with the prefix {}", options.prefix),
+                    spec_.waits_for.empty() ? "" : fmt::format(", waiting for {}", spec_.waits_for)));
+  }
+
+  /// ": 400 frames sent, 0 late".
+  std::string ResultsOf(Process& process) const {
+    std::string text;
+    for (const auto& [counter, noun] : spec_.results) {
+      text += fmt::format("{}{:.0f} {}", text.empty() ? ": " : ", ", process.impl_->status.counter(counter), noun);
+    }
+    return text;
   }
 
   int Fail(const std::string& what, std::optional<Process>& process) const {
@@ -79,6 +104,7 @@ class ProcessRunner {
 
   const ProcessSpec& spec_;
   const ProcessArguments& arguments_;
+  const std::string program_;
   std::mutex mutex_;
   Process* running_ = nullptr;
   bool signalled_ = false;
@@ -91,8 +117,8 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   arguments.AddTo(&app);
   if (spec.add_options) spec.add_options(&app);
   app.footer((spec.examples.empty() ? "" : fmt::format("Examples:\n{}\n", spec.examples)) +
-             "Exit code 0 when done, or ended by SIGINT or SIGTERM; 1 when not, and one sentence on standard error "
-             "says why.");
+             "Exit code 0 when done, or ended by SIGINT, SIGTERM or SIGHUP; 1 when not, and one sentence on standard "
+             "error says why.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -103,7 +129,8 @@ int RunProcess(int argc, char** argv, const ProcessSpec& spec) {
   SetUpLogging(spec.name);
   signal(SIGPIPE, SIG_IGN);
   KeepFreedMemory();
-  return ProcessRunner(spec, arguments).Run();
+  const std::string program = argc > 0 ? std::filesystem::path(argv[0]).filename().string() : spec.name;
+  return ProcessRunner(spec, arguments, program).Run();
 }
 
 }  // namespace plslam::bus

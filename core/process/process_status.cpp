@@ -124,6 +124,12 @@ void StatusPublisher::SetCounter(const std::string& name, double value) {
   counters_[name] = value;
 }
 
+double StatusPublisher::counter(const std::string& name) const {
+  const std::scoped_lock lock(mutex_);
+  const auto found = counters_.find(name);
+  return found == counters_.end() ? 0.0 : found->second;
+}
+
 double CounterOf(const status_t& status, const std::string& name) {
   for (const counter_t& counter : status.counters) {
     if (counter.name == name) return counter.value;

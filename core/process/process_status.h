@@ -30,6 +30,8 @@ class StatusPublisher {
   std::string state() const;
   void SetConfiguration(const std::string& yaml);
   void SetCounter(const std::string& name, double value);
+  /// 0 where there is none of this name.
+  double counter(const std::string& name) const;
 
  private:
   void Publish();

@@ -191,6 +191,10 @@ bus::ProcessSpec LoopSpec() {
     config.Read("loop", options);
     return std::make_shared<LoopNode>(process, options);
   };
+  spec.waits_for = "keyframes of vo_process and the map of mapping_process";
+  spec.results = {{"loop.keyframes", "keyframes looked at"},
+                  {"loops", "loops"},
+                  {"relocalisation.found", "trackers found again"}};
   return spec;
 }
 

@@ -393,6 +393,11 @@ bus::ProcessSpec MappingSpec() {
     config.Read("mapping", options);
     return std::make_shared<MappingNode>(process, options);
   };
+  spec.waits_for = "keyframes of vo_process";
+  spec.results = {{"map.keyframes", "keyframes in the map"},
+                  {"map.points", "points"},
+                  {"map.lines", "lines"},
+                  {"map.loops", "loops"}};
   return spec;
 }
 

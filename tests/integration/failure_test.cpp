@@ -3,9 +3,11 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <thread>
 
 #include "core/datasets/open_dataset.h"
 #include "core/io/maps/map_file.h"
@@ -15,6 +17,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
+#include "tools/plslam/bus_url.h"
 
 namespace plslam {
 namespace {
@@ -71,6 +74,131 @@ TEST(RunFailure, InterruptSavesTheMapWhereThatWasAskedFor) {
   EXPECT_EQ(run.Summary()["reason"], "interrupted");
   EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
   EXPECT_FALSE(run.Read("trajectory.tum").empty());
+}
+
+void SignalAll(const WholeRun& run, int signal) {
+  for (const pid_t pid : run.Pids()) kill(pid, signal);
+}
+
+bool HasLine(const WholeRun& run, const std::string& text) { return run.Logs().find(text) != std::string::npos; }
+
+/// Nothing with one of these ids runs any more, but for those that wait to be reaped.
+bool AllGone(const std::vector<pid_t>& pids) {
+  return std::ranges::none_of(
+      pids, [](pid_t pid) { return std::filesystem::exists("/proc/" + std::to_string(pid) + "/exe"); });
+}
+
+// `systemctl stop`, a closing session, `scancel`: all processes get the signal, and the launcher's order besides.
+TEST(RunFailure, SignalToAllProcessesAtOnceIsOneOrder) {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
+    WholeRun run;
+    const std::string map = (run.folder() / "room.plmap").string();
+    std::vector<std::string> arguments = LongRun(run);
+    if (signal != SIGINT) arguments.insert(arguments.end(), {"--save-map", map});
+    run.Start(arguments);
+    ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+    SignalAll(run, signal);
+    EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+    const nlohmann::json summary = run.Summary();
+    EXPECT_EQ(summary["reason"], "interrupted");
+    for (const auto& [name, process] : summary["processes"].items()) EXPECT_EQ(process["exit_code"], 0) << name;
+    EXPECT_FALSE(run.Read("trajectory.tum").empty());
+    EXPECT_FALSE(run.Read("report.html").empty());
+    if (signal != SIGINT) {
+      EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
+    }
+    EXPECT_THAT(run.Logs(), HasSubstr("plslam: stopping"));
+    EXPECT_FALSE(std::filesystem::exists(run.out() / ".vo_state"));
+  }
+}
+
+TEST(RunFailure, ClosedTerminalEndsTheRunAsAnInterruptDoes) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  // The terminal: its other end is closed while the run goes on, and the session gets SIGHUP.
+  std::vector<std::string> arguments = {"-qefc", test::BinaryFolder() / "plslam"};
+  for (const std::string& word : LongRun(run)) arguments[1] += " '" + word + "'";
+  arguments[1] += " --save-map '" + map + "' --out '" + run.out().string() + "'";
+  arguments.push_back("/dev/null");
+  ChildProcess terminal("/usr/bin/script", arguments, run.folder() / "terminal.log");
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  terminal.Signal(SIGKILL);
+  EXPECT_TRUE(WholeRun::WaitFor([&] { return std::filesystem::exists(run.out() / "summary.json"); })) << run.Logs();
+  EXPECT_EQ(run.Summary()["reason"], "interrupted") << run.Logs();
+  EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
+  EXPECT_FALSE(std::filesystem::exists(run.out() / ".vo_state"));
+}
+
+TEST(RunFailure, SecondInterruptLeavesNoProcess) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  const pid_t viewer = run.PidOf("viewer_headless");
+  kill(viewer, SIGSTOP);  // would be waited for, for a minute
+  const std::vector<pid_t> pids = run.Pids();
+  EXPECT_EQ(pids.size(), 7U);
+  run.process().Signal(SIGINT);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "plslam: stopping (Ctrl-C again ends at once)"); }));
+  // Not in the moment of the first, which would count as the same order.
+  EXPECT_TRUE(WholeRun::WaitFor([&] {
+    run.process().Signal(SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return run.ended();
+  }));
+  EXPECT_EQ(run.Wait(5), 128 + SIGINT) << run.Logs();
+  EXPECT_TRUE(WholeRun::WaitFor([&] { return AllGone(pids); }));
+}
+
+TEST(RunFailure, InterruptWhileTheMapperIsStartedAgainSavesTheMap) {
+  WholeRun run;
+  const std::string map = (run.folder() / "room.plmap").string();
+  std::vector<std::string> arguments = LongRun(run);
+  arguments.insert(arguments.end(), {"--save-map", map});
+  run.Start(arguments);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  ASSERT_EQ(kill(run.PidOf("mapping_process"), SIGKILL), 0);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "mapping_process was ended by SIGKILL"); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  EXPECT_GE(ReadMapFile(map).map.keyframes().size(), 1U);
+}
+
+TEST(RunFailure, InterruptWhileTheViewerIsStartedAgainWritesWhatWasPlayed) {
+  WholeRun run;
+  run.Start(LongRun(run));
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
+  ASSERT_EQ(kill(run.PidOf("viewer_headless"), SIGKILL), 0);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "viewer_headless was ended by SIGKILL"); })) << run.Logs();
+  run.process().Signal(SIGINT);
+  EXPECT_EQ(run.Wait(60), 0) << run.Logs();
+  const std::string path = run.Read("trajectory.tum");
+  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), 10);
+  EXPECT_GE(std::count(path.begin(), path.end(), '\n'), run.Summary()["frames"].get<int>());
+}
+
+TEST(RunFailure, ProcessesThatAreKilledBeforeTheyAreReadyAreStartedAgain) {
+  for (const char* executable : {"player", "mapping_process", "loop_process", "viewer_headless"}) {
+    WholeRun run;
+    run.Start({"run", "synthetic:room?frames=20&size=160x120"});
+    pid_t pid = -1;
+    ASSERT_TRUE(WholeRun::WaitFor([&] { return (pid = run.PidOf(executable)) > 0; })) << run.Logs();
+    ASSERT_EQ(kill(pid, SIGKILL), 0);
+    EXPECT_EQ(run.Wait(), 0) << run.Logs();
+    EXPECT_EQ(run.Summary()["tracked_frames"], 20) << run.Logs();
+    EXPECT_THAT(run.Logs(), HasSubstr(std::string("plslam: warning: ") + executable +
+                                      " was ended by SIGKILL and is started again (1 of 5)\n"));
+  }
+}
+
+TEST(RunFailure, MapOfSeveralRobotsThatNobodyServesIsAnError) {
+  const PrivatePort port;
+  WholeRun run;
+  EXPECT_EQ(run.Run({"run", "synthetic:room?frames=20&size=160x120", "--url", port.Url(), "--prefix", "ann/",
+                     "--map-prefix", "team/"}),
+            1);
+  EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was heard on "));
+  EXPECT_THAT(run.Logs(), HasSubstr("`mapping_process --prefix team/ --url " + port.Url() + "`"));
+  EXPECT_EQ(run.Summary()["frames"], 0);
 }
 
 TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {

@@ -71,16 +71,25 @@ std::string WholeRun::Logs() const {
 }
 
 pid_t WholeRun::PidOf(const std::string& executable) const {
+  for (const pid_t pid : Pids()) {
+    if (pid == process_->pid()) continue;
+    std::error_code gone;
+    const auto exe = std::filesystem::read_symlink("/proc/" + std::to_string(pid) + "/exe", gone);
+    if (exe.filename() == executable) return pid;
+  }
+  return -1;
+}
+
+std::vector<pid_t> WholeRun::Pids() const {
+  std::vector<pid_t> pids = {process_->pid()};
+  const std::string parent = "\nPPid:\t" + std::to_string(process_->pid()) + "\n";
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
     std::istringstream name(entry.path().filename().string());
     pid_t pid = 0;
     if (!(name >> pid)) continue;
-    const std::string parent = "\nPPid:\t" + std::to_string(process_->pid()) + "\n";
-    if (ReadText(entry.path() / "status").find(parent) == std::string::npos) continue;
-    std::error_code gone;
-    if (std::filesystem::read_symlink(entry.path() / "exe", gone).filename() == executable) return pid;
+    if (ReadText(entry.path() / "status").find(parent) != std::string::npos) pids.push_back(pid);
   }
-  return -1;
+  return pids;
 }
 
 }  // namespace plslam::test

@@ -38,8 +38,11 @@ class WholeRun {
   /// Logs of all processes, for messages of failed tests.
   std::string Logs() const;
   const ChildProcess& process() const { return *process_; }
+  bool ended() const { return process_->Poll().has_value(); }
   /// Process id of a running executable that this run started; -1 where there is none.
   pid_t PidOf(const std::string& executable) const;
+  /// Of `plslam` itself and all processes that it has started and that run.
+  std::vector<pid_t> Pids() const;
 
  private:
   std::filesystem::path folder_;

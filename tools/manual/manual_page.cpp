@@ -59,7 +59,7 @@ void AppendCommand(const HelpPage& page, std::string* out) {
 
 constexpr char kExitStatus[] =
     ".SH EXIT STATUS\n"
-    ".TP\n\\fB0\\fR\nDone, or ended by SIGINT or SIGTERM.\n"
+    ".TP\n\\fB0\\fR\nDone, or ended by SIGINT, SIGTERM or SIGHUP.\n"
     ".TP\n\\fB1\\fR\nNot done. One sentence on standard error says why, and names the file, line, key or value.\n";
 
 }  // namespace

@@ -32,18 +32,21 @@ struct SpawnWishes {
   posix_spawn_file_actions_t files{};
   posix_spawnattr_t attributes{};
 
-  explicit SpawnWishes(const std::filesystem::path& log) {
+  SpawnWishes(const std::filesystem::path& log, EndedBy ended_by) {
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&files, 1, log.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0644);
     posix_spawn_file_actions_adddup2(&files, 1, 2);
     posix_spawn_file_actions_addclosefrom_np(&files, 3);
     posix_spawnattr_init(&attributes);
-    sigset_t none, defaults;
-    sigemptyset(&none);
+    sigset_t blocked, defaults;
+    sigemptyset(&blocked);
     sigemptyset(&defaults);
-    for (const int signal : {SIGINT, SIGTERM, SIGPIPE}) sigaddset(&defaults, signal);
-    posix_spawnattr_setsigmask(&attributes, &none);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGPIPE}) sigaddset(&defaults, signal);
+    if (ended_by == EndedBy::kLauncher) {
+      for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&blocked, signal);
+    }
+    posix_spawnattr_setsigmask(&attributes, &blocked);
     posix_spawnattr_setsigdefault(&attributes, &defaults);
     posix_spawnattr_setpgroup(&attributes, 0);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
@@ -59,14 +62,14 @@ struct SpawnWishes {
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                           const std::filesystem::path& log, int niceness) {
+                           const std::filesystem::path& log, int niceness, EndedBy ended_by) {
   std::vector<std::string> words = {program.string()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
-  const SpawnWishes wishes(log);
+  const SpawnWishes wishes(log, ended_by);
   const int error = posix_spawn(&pid_, program.c_str(), &wishes.files, &wishes.attributes, argv.data(), environ);
   if (error != 0) {
     pid_ = -1;
@@ -93,7 +96,8 @@ std::optional<ChildExit> ChildProcess::Wait(int options) {
   }
   // Its ru_maxrss counts what we had when we started it.
   const double peak_mb = peak_memory_mb_.value_or(static_cast<double>(used.ru_maxrss) * 1024e-6);
-  exit_ = ChildExit{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  exit_ = ChildExit{signal == 0 ? WEXITSTATUS(status) : 128 + signal, signal,
                     Seconds(used.ru_utime) + Seconds(used.ru_stime), peak_mb};
   return exit_;
 }

@@ -9,9 +9,16 @@
 
 namespace plslam {
 
+/// Who ends a process, beside itself.
+enum class EndedBy {
+  kAnybody,  ///< whoever sends it a signal
+  kLauncher,  ///< us alone: SIGINT, SIGTERM and SIGHUP wait, blocked, until the process deals with them (bus::SignalWatcher)
+};
+
 /// How a process ended, and what it used.
 struct ChildExit {
-  int code = 0;  ///< exit code, or 128 + signal as shells count
+  int code = 0;    ///< exit code, or 128 + signal as shells count
+  int signal = 0;  ///< that ended it; 0: it ended by itself
   double cpu_s = 0.0;
   double peak_memory_mb = 0.0;  ///< as of the last `Poll` while it ran
 };
@@ -23,7 +30,7 @@ class ChildProcess {
   /// `niceness` is added to our own: 0 is as important as we are, 19 runs when nobody else wants to. Throws
   /// std::runtime_error that names the program where it cannot be started.
   ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-               const std::filesystem::path& log, int niceness = 0);
+               const std::filesystem::path& log, int niceness = 0, EndedBy ended_by = EndedBy::kAnybody);
   /// Kills it where it still runs.
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;

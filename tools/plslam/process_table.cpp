@@ -125,6 +125,8 @@ constexpr ProcessRow kTable[] = {
 
 std::span<const ProcessRow> ProcessTable() { return kTable; }
 
+std::string_view TitleOf(const ProcessRow& row) { return row.name == kRecorder ? row.name : row.executable; }
+
 int NicenessOf(const ProcessRow& row, const RunOptions& options) {
   return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
 }

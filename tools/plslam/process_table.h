@@ -36,6 +36,9 @@ struct ProcessRow {
 /// Where "vo" or "mapping" keeps what it needs after a crash; of this run only.
 std::filesystem::path StateFileOf(const RunOptions& options, const std::string& process);
 
+/// Its name in sentences: "mapping_process", but not "plslam" for the recorder.
+std::string_view TitleOf(const ProcessRow& row);
+
 /// Of the pace that `plslam run` was asked for.
 int NicenessOf(const ProcessRow& row, const RunOptions& options);
 

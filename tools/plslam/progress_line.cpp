@@ -27,14 +27,19 @@ void ProgressLine::Show(const Progress& progress) {
   if (!enabled_) return;
   winsize size{};
   const int width = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 1 ? size.ws_col - 1 : 79;
-  fmt::print(stderr, "\r\033[K{}", FormatProgress(progress, width));
+  std::fputs(fmt::format("\r\033[K{}", FormatProgress(progress, width)).c_str(), stderr);
   std::fflush(stderr);
   drawn_ = true;
 }
 
 void ProgressLine::Clear() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) std::fputs("\r\033[K", stderr);
   drawn_ = false;
+}
+
+void ProgressLine::Say(const std::string& sentence) {
+  Clear();
+  std::fputs(fmt::format("plslam: {}\n", sentence).c_str(), stderr);
 }
 
 }  // namespace plslam

@@ -24,7 +24,7 @@ struct Progress {
 /// One line of text, without a line end, at most `width` characters long.
 std::string FormatProgress(const Progress& progress, int width);
 
-/// Draws the line over itself on stderr where that is a terminal; otherwise is silent.
+/// Draws the line over itself on stderr where that is a terminal; otherwise is silent. A terminal that has gone is no error.
 class ProgressLine {
  public:
   explicit ProgressLine(bool enabled);
@@ -35,6 +35,8 @@ class ProgressLine {
 
   void Show(const Progress& progress);
   void Clear();
+  /// "plslam: SENTENCE" on a line of its own, which stays; on a terminal or not.
+  void Say(const std::string& sentence);
 
  private:
   bool enabled_;

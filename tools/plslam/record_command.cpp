@@ -28,11 +28,12 @@ int Record(const RecordOptions& options) {
   std::mutex mutex;
   bus::LogRecorder* running = nullptr;
   bool interrupted = false;
-  const bus::SignalWatcher signals([&](int) {
+  const auto stop = [&](const std::string&) {
     const std::scoped_lock lock(mutex);
     interrupted = true;
     if (running != nullptr) running->Stop();
-  });
+  };
+  const bus::SignalWatcher signals(stop, options.common.parent);
   bus::LogRecorder recorder(bus_options, options.file);
   bus::StatusPublisher status("recorder", bus_options, recorder.bus());
   {

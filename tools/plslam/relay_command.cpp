@@ -19,7 +19,7 @@ struct RelayOptions {
 int Relay(const RelayOptions& options) {
   bus::TcpqRelay* running = nullptr;
   std::mutex mutex;
-  const bus::SignalWatcher signals([&](int) {
+  const bus::SignalWatcher signals([&](const std::string&) {
     const std::scoped_lock lock(mutex);
     if (running != nullptr) running->Stop();
   });

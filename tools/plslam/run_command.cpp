@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cstdio>
 #include <memory>
 #include <mutex>
 
@@ -18,7 +20,7 @@
 namespace plslam {
 namespace {
 
-/// Hands a signal on to the session while there is one.
+/// Hands signals on to the session while there is one.
 class SessionDoor {
  public:
   void Open(RunSession* session) {
@@ -31,12 +33,19 @@ class SessionDoor {
     interrupted_ = true;
     if (session_ != nullptr) session_->Interrupt();
   }
+  void KillAll() {
+    const std::scoped_lock lock(mutex_);
+    if (session_ != nullptr) session_->KillAll();
+  }
 
  private:
   std::mutex mutex_;
   RunSession* session_ = nullptr;
   bool interrupted_ = false;
 };
+
+/// The terminal may have gone, or who read the other end of a pipe: the run and its files are as good without.
+void Print(std::FILE* to, const std::string& text) { std::fputs(text.c_str(), to); }
 
 /// What there is to know about the run beside its results.
 void Warn(const RunOptions& options, const RunSummary& summary) {
@@ -48,10 +57,11 @@ void Warn(const RunOptions& options, const RunSummary& summary) {
   if (summary.recordings.size() < 2) return;
   std::string others;
   for (size_t i = 1; i < summary.recordings.size(); ++i) others += (i > 1 ? ", " : "") + summary.recordings[i];
-  fmt::print(stderr,
-             "plslam: warning: the recorder was started again, so the recording of {} goes on in {}; what was said "
-             "between is in neither\n",
-             summary.recordings.front(), others);
+  Print(stderr,
+        fmt::format(
+            "plslam: warning: the recorder was started again, so the recording of {} goes on in {}; what was said "
+            "between is in neither\n",
+            summary.recordings.front(), others));
 }
 
 /// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the folder is this
@@ -83,14 +93,19 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   }
   Warn(options, summary);
   if (options.json) {
-    fmt::print("{}\n", JsonText(json));
+    Print(stdout, JsonText(json) + "\n");
   } else if (!options.quiet && summary.statistics->frames() > 0) {
-    fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
+    Print(stdout, fmt::format("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string()));
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
-  if (session.ended_well() && !keeps_old && written) return 0;
-  fmt::print(stderr, "plslam: error: {}{}\n", reason,
-             keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : "");
+  if (session.ended_well() && !keeps_old && written) {
+    if (!options.quiet && !summary.completed && summary.statistics->frames() == 0) {
+      Print(stderr, fmt::format("plslam: {} before the first frame\n", summary.reason));
+    }
+    return 0;
+  }
+  Print(stderr, fmt::format("plslam: error: {}{}\n", reason,
+                            keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : ""));
   return 1;
 }
 
@@ -100,9 +115,10 @@ int Run(RunOptions options) {
   CheckMapToGoOnFrom(options);
   OutputFolder folder(options.out);
   CheckFilesToWrite(options);
+  signal(SIGPIPE, SIG_IGN);
   SessionDoor door;
   // Before anything that starts threads, which must inherit the blocked signals.
-  const bus::SignalWatcher signals([&](int) { door.Interrupt(); });
+  const bus::SignalWatcher signals([&](const std::string&) { door.Interrupt(); }, 0, [&] { door.KillAll(); });
   const RunBus run_bus(options.url);
   options.url = run_bus.url();
   bus::Bus bus(run_bus.OptionsFor(options), "plslam");
@@ -179,8 +195,9 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "  plslam run synthetic:room --out out/room\n"
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
       "  plslam run /data/euroc/MH_01 --config config/plslam.yaml --record out/mh01.lcm\n"
-      "Exit code 0 when the stream was handled to its end, or ended by SIGINT or SIGTERM (and the map saved, with\n"
-      "--save-map); a second signal ends everything at once.");
+      "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
+      "saved,\n"
+      "with --save-map); a second signal ends everything at once.");
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }
 

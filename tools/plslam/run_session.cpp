@@ -18,9 +18,13 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr seconds kStartLimit{60};
+/// For the first word of the mapping_process that several robots share, which says one every second.
+constexpr seconds kSharedMapLimit{10};
 /// For the last messages of the launcher itself, once the viewer has everything.
 constexpr milliseconds kSettleLimit{2000};
 constexpr seconds kRunSaveLimit{60};
+/// For a viewer that was started again shortly before the run is interrupted.
+constexpr seconds kCatchUpLimit{20};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
@@ -56,6 +60,9 @@ Supervisor::Options RunSession::SupervisorOptions() {
   };
   options.last_word = [this](pid_t pid) { return monitor_.FailureOf(pid); };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
+  options.on_restart = [this](const std::string& name, const std::string& how, int restart) {
+    TellOfRestart(name, how, restart);
+  };
   return options;
 }
 
@@ -80,11 +87,19 @@ void RunSession::Interrupt() {
   bus_.Post([this] {
     if (phase_ == Phase::kStopping) return;
     interrupted_ = true;
-    if (!lacks_map_) return BeginStop("interrupted");
-    if (phase_ == Phase::kStarting) {
-      return BeginStop(fmt::format("interrupted before there was a map to save as {}", options_.save_map.string()));
+    const bool has_map = monitor_.map().version() > 0 || monitor_.statistics().keyframes() > 0;
+    const bool saves = lacks_map_ && has_map;
+    TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
+    if (phase_ == Phase::kStarting || (lacks_map_ && !has_map)) {
+      return BeginStop(
+          lacks_map_ ? fmt::format("interrupted before there was a map to save as {}", options_.save_map.string())
+                     : "interrupted");
     }
-    if (phase_ != Phase::kSaving) BeginSave(Clock::now());
+    if (phase_ != Phase::kPlaying) return;
+    supervisor_.Interrupt("player");
+    phase_ = Phase::kSettling;
+    phase_began_ = Clock::now();
+    wall_s_ = SecondsSince(playing_since_);
   });
 }
 
@@ -133,6 +148,11 @@ bool RunSession::AllReady() const {
   });
 }
 
+bool RunSession::HearsSharedMap() const {
+  const bool shared = !options_.map_prefix.empty() && !options_.no_mapping;
+  return !shared || monitor_.Hears("mapping");
+}
+
 /// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the folder.
 void RunSession::CheckAccepted() {
   const std::string player = monitor_.StateOf(supervisor_.pid("player"));
@@ -154,11 +174,17 @@ void RunSession::CheckFailed(Clock::time_point now) {
 }
 
 void RunSession::CheckStarted(Clock::time_point now) {
-  if (AllReady()) {
+  const bool all_ready = AllReady();
+  if (all_ready && HearsSharedMap()) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
     StartRows(true);
+  } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
+    BeginStop(fmt::format(
+        "no mapping_process with the prefix {0} was heard on {1}: start `mapping_process --prefix {0} --url {1}` and "
+        "`loop_process --prefix {0} --url {1}` before, or leave out --map-prefix",
+        options_.map_prefix, options_.url));
   } else if (now - phase_began_ > kStartLimit) {
     BeginStop(fmt::format("not all processes were ready after {} s; see {}", kStartLimit.count(),
                           (options_.out / "logs").string()));
@@ -166,28 +192,50 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  const pid_t viewer = supervisor_.pid("viewer");
-  // One that could not deliver everything says so, with its exit code, when it is stopped.
-  const std::string state = monitor_.StateOf(viewer);
-  if (state == "finished" || state == "failed") {
+  if (ViewerIsDone()) {
     phase_ = Phase::kSettling;
     phase_began_ = now;
     wall_s_ = SecondsSince(playing_since_);
     return;
   }
-  const std::string stall = stall_watch_.Look(monitor_.Signs(viewer, bus::NowS()), now);
+  const std::string stall = stall_watch_.Look(monitor_.Signs(supervisor_.pid("viewer"), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
+/// It has written what it could. One that could not deliver everything says so, with its exit code, when it is stopped.
+bool RunSession::ViewerIsDone() const {
+  const std::string state = monitor_.StateOf(supervisor_.pid("viewer"));
+  return state == "finished" || state == "failed";
+}
+
+/// One that has been started again hears once more what was said before, and must not write less than that.
+bool RunSession::ViewerHasCaughtUp() const {
+  const auto reports = supervisor_.reports();
+  const auto viewer = std::ranges::find(reports, "viewer", &ProcessReport::name);
+  const bool started_again = viewer->restarts > 0 || supervisor_.pid("viewer") < 0;
+  return !started_again || monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames();
+}
+
+/// One that has been started again has none before it has heard the first keyframe once more.
+bool RunSession::MapperHasMap() const {
+  return monitor_.statistics().keyframes() == 0 || monitor_.StateOf(supervisor_.pid("mapping")) == "running";
+}
+
 void RunSession::CheckSettled(Clock::time_point now) {
-  if (!monitor_.has_all() && now - phase_began_ < kSettleLimit) return;
+  const bool settled = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
+  if (!settled && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kSettleLimit)) return;
+  if (interrupted_ && !settled) {
+    interrupted_ = false;  // what the run is for is not there
+    return BeginStop(fmt::format("interrupted before the viewer, which was started again, had all poses; see {}",
+                                 (options_.out / "logs").string()));
+  }
   phase_ = Phase::kSaving;
   phase_began_ = now;
 }
 
 void RunSession::CheckSaved(Clock::time_point now) {
   if (lacks_map_ && save_.result() != SaveNode::Result::kSaved) {
-    save_.Send(std::filesystem::absolute(options_.save_map));
+    if (MapperHasMap()) save_.Send(std::filesystem::absolute(options_.save_map));
     const std::string interrupted = interrupted_ ? "interrupted" : "";
     if (save_.result() == SaveNode::Result::kFailed) return BeginStop(Joined(interrupted, save_.reason()));
     if (now - phase_began_ < kRunSaveLimit) return;
@@ -196,10 +244,27 @@ void RunSession::CheckSaved(Clock::time_point now) {
                                  kRunSaveLimit.count(), (options_.out / "logs").string())));
   }
   const bool saved = std::exchange(lacks_map_, false);
+  // One that has been killed meanwhile writes its files once more.
+  if (!interrupted_ && !failed_at_ && !ViewerIsDone()) {
+    phase_ = Phase::kPlaying;
+    return;
+  }
   completed_ = !interrupted_ && !failed_at_;
   BeginStop(interrupted_          ? "interrupted"
             : failed_at_ && saved ? "the map of what came before is saved as " + options_.save_map.string()
                                   : "");
+}
+
+/// A warning: also of a run that is to be quiet.
+void RunSession::TellOfRestart(const std::string& name, const std::string& how, int restart) {
+  const auto rows = ProcessTable();
+  const auto row = std::ranges::find(rows, name, &ProcessRow::name);
+  progress_line_.Say(fmt::format("warning: {} {} and is started again ({} of {})", TitleOf(*row), how, restart,
+                                 options_.max_restarts));
+}
+
+void RunSession::TellOfStop(const std::string& what) {
+  if (!options_.quiet) progress_line_.Say(what + " (Ctrl-C again ends at once)");
 }
 
 void RunSession::BeginStop(const std::string& reason) {

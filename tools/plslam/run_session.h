@@ -28,6 +28,8 @@ class RunSession {
   void Run();
   /// Ends the run early and cleanly, once the map is saved where that is asked for; from any thread.
   void Interrupt();
+  /// Ends all processes at once, with what they were doing; from any thread.
+  void KillAll() { supervisor_.KillAll(); }
 
   /// All but the accuracy.
   RunSummary Summary() const;
@@ -46,6 +48,7 @@ class RunSession {
   void Tick();
   void TellReadiness(Clock::time_point now);
   bool AllReady() const;
+  bool HearsSharedMap() const;
   void CheckAccepted();
   void CheckFailed(Clock::time_point now);
   void BeginSave(Clock::time_point now);
@@ -53,7 +56,12 @@ class RunSession {
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
+  bool ViewerIsDone() const;
+  bool ViewerHasCaughtUp() const;
+  bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
+  void TellOfRestart(const std::string& name, const std::string& how, int restart);
+  void TellOfStop(const std::string& what);
   void BeginStop(const std::string& reason);
   void EndStop();
   void ShowProgress(Clock::time_point now);

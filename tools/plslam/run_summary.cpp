@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/process/process_signals.h"
 #include "tools/plslam/yaml_to_json.h"
 
 namespace plslam {
@@ -105,6 +106,7 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
         {"slowest_restart_s", Rounded(report.slowest_restart_s, 1e-3)},
         {"longest_queue", report.longest_queue},
         {"exit_code", report.exit_code ? json(*report.exit_code) : json(nullptr)}};
+    if (report.exit_signal != 0) processes[report.name]["exit_signal"] = bus::SignalName(report.exit_signal);
   }
   return processes;
 }

@@ -6,7 +6,16 @@
 #include <algorithm>
 #include <fstream>
 
+#include "core/process/process_signals.h"
+
 namespace plslam {
+namespace {
+
+std::string HowItEnded(int exit_code, int signal) {
+  return signal != 0 ? "was ended by " + bus::SignalName(signal) : fmt::format("ended with exit code {}", exit_code);
+}
+
+}  // namespace
 
 Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
 
@@ -20,6 +29,7 @@ void Supervisor::Start(const std::string& name, const std::string& executable,
   child.ending = ending;
   child.niceness = niceness;
   Spawn(&child);
+  const std::scoped_lock lock(mutex_);
   children_.push_back(std::move(child));
 }
 
@@ -28,9 +38,13 @@ void Supervisor::Spawn(Child* child) {
   if (child->report.restarts > 0 && options_.arguments_of_restart) {
     arguments = options_.arguments_of_restart(child->name, child->report.restarts, std::move(arguments));
   }
-  child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name),
-                                                  child->niceness);
   child->start_at.reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    if (killed_) return;
+    child->process = std::make_unique<ChildProcess>(options_.bin / child->executable, arguments, LogOf(child->name),
+                                                    child->niceness, EndedBy::kLauncher);
+  }
   child->ready_again = false;
   child->report.exit_code.reset();
 }
@@ -56,7 +70,10 @@ pid_t Supervisor::pid(const std::string& name) const {
 void Supervisor::Tick(TimePoint now) {
   for (Child& child : children_) {
     if (child.process) {
-      if (const auto end = child.process->Poll()) HandleExit(&child, *end, now);
+      std::unique_lock lock(mutex_);
+      const auto end = child.process->Poll();
+      lock.unlock();
+      if (end) HandleExit(&child, *end, now);
     } else if (child.start_at && now >= *child.start_at && !stopping_since_) {
       ++child.report.restarts;
       Spawn(&child);
@@ -70,51 +87,59 @@ void Supervisor::HurryUp(Child* child, TimePoint now) const {
   const auto waited = now - *stopping_since_;
   const bool writes = child->ending == Ending::kWritesAtTheEnd;
   const auto patience = writes ? options_.patience_with_writers : options_.patience;
-  if (child->signal == SIGINT && waited > patience) {
-    SendSignal(child, SIGTERM);
-  } else if (child->signal == SIGTERM && waited > patience + options_.patience) {
-    SendSignal(child, SIGKILL);
-  }
+  if (!child->process || child->signal == SIGKILL || waited <= patience) return;
+  child->process->Signal(SIGKILL);
+  child->signal = SIGKILL;
 }
 
 /// A player that says what is wrong with its dataset would say so again, and a recorder that its disk is full.
 bool Supervisor::MayRestart(const Child& child, const ChildExit& end) const {
-  const bool crashed = child.ending == Ending::kRestart || end.code > 128;
-  return !stopping_since_ && crashed && child.ready && child.report.restarts < options_.max_restarts;
+  const bool crashed = end.signal != 0 || (child.ending == Ending::kRestart && child.ready);
+  return !stopping_since_ && crashed && child.report.restarts < options_.max_restarts;
 }
 
 /// It ended as it should, or by what we did to it.
 bool Supervisor::IsWell(const Child& child, const ChildExit& end) const {
   if (child.interrupted) return true;
   if (!stopping_since_) return child.ending == Ending::kMayEnd && end.code == 0;
-  // One that ends by a signal of ours has not written what it should, unless it had not even begun.
+  // One that is killed has not written what it should, unless it had not even begun. Others have nothing left to do.
   const bool lacks_files = child.ending == Ending::kWritesAtTheEnd && child.ready;
-  return end.code == 0 || (end.code == 128 + child.signal && !lacks_files);
+  const bool killed = end.signal == SIGKILL || (end.signal != 0 && end.signal == child.signal);
+  return end.code == 0 || (killed && !lacks_files);
 }
 
 void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
   const pid_t pid = child->process->pid();
-  child->process.reset();
+  {
+    const std::scoped_lock lock(mutex_);
+    child->process.reset();
+  }
   child->ended_at = now;
   if (options_.on_exit) options_.on_exit(pid);
   child->report.cpu_s += end.cpu_s;
   child->report.peak_memory_mb = std::max(child->report.peak_memory_mb, end.peak_memory_mb);
   child->report.exit_code = end.code;
+  child->report.exit_signal = end.signal;
   if (IsWell(*child, end)) return;
   if (MayRestart(*child, end)) {
     child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
     ++child->failed_starts;
+    if (options_.on_restart) {
+      options_.on_restart(child->name, HowItEnded(end.code, end.signal), child->report.restarts + 1);
+    }
     return;
   }
-  Fail(*child, end.code, pid);
+  Fail(*child, pid);
 }
 
 /// The first failure is told: others often follow from it.
-void Supervisor::Fail(const Child& child, int exit_code, pid_t pid) {
+void Supervisor::Fail(const Child& child, pid_t pid) {
   if (!failure_.empty()) return;
-  const bool cut_off = child.signal != 0 && exit_code == 128 + child.signal;
-  failure_ = fmt::format("{} {} exit code {}", child.name, cut_off ? "was cut off while it stopped:" : "ended with",
-                         exit_code);
+  const int signal = child.report.exit_signal;
+  const std::string how = signal != 0 && signal == child.signal
+                              ? fmt::format("was cut off ({}) while it stopped", bus::SignalName(signal))
+                              : HowItEnded(child.report.exit_code.value_or(0), signal);
+  failure_ = child.name + " " + how;
   failed_ = child.name;
   failed_pid_ = pid;
 }
@@ -135,7 +160,7 @@ void Supervisor::Interrupt(const std::string& name) {
     if (child.name != name) continue;
     child.interrupted = true;
     child.start_at.reset();
-    SendSignal(&child, SIGINT);
+    Order(&child);
   }
 }
 
@@ -144,17 +169,24 @@ void Supervisor::Stop(TimePoint now) {
   stopping_since_ = now;
   for (Child& child : children_) {
     // One that has crashed and would be back in a moment does not write anything any more.
-    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) {
-      Fail(child, child.report.exit_code.value_or(0), -1);
-    }
-    SendSignal(&child, SIGINT);
+    if (child.start_at && child.ending == Ending::kWritesAtTheEnd) Fail(child, -1);
+    Order(&child);
   }
 }
 
-void Supervisor::SendSignal(Child* child, int signal) {
-  if (!child->process) return;
-  child->process->Signal(signal);
-  child->signal = signal;
+/// Once: a second order would end it at once.
+void Supervisor::Order(Child* child) {
+  if (!child->process || child->signal != 0) return;
+  child->process->Signal(bus::kStopOrder);
+  child->signal = bus::kStopOrder;
+}
+
+void Supervisor::KillAll() {
+  const std::scoped_lock lock(mutex_);
+  killed_ = true;
+  for (const Child& child : children_) {
+    if (child.process) child.process->Signal(SIGKILL);
+  }
 }
 
 bool Supervisor::stopped() const {

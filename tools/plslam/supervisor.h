@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,11 +25,13 @@ struct ProcessReport {
   double slowest_restart_s = 0.0;
   /// What waited in its queues at most, as its status told; the supervisor does not know.
   double longest_queue = 0.0;
+  /// That ended it; 0: none.
+  int exit_signal = 0;
 };
 
 /// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets
-/// ready), and stops all of them: SIGINT, then SIGTERM, then SIGKILL. What goes wrong while they stop is a failure, too.
-/// Knows nothing of the bus; time is told by the caller.
+/// ready), and stops all of them: `bus::kStopOrder`, and SIGKILL where that is of no avail. What goes wrong while they stop is a
+/// failure, too. Knows nothing of messages; time is told by the caller.
 class Supervisor {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -38,7 +41,7 @@ class Supervisor {
     std::filesystem::path logs;  ///< folder for NAME.log
     int max_restarts = 5;        ///< of each process
     std::chrono::milliseconds first_pause{200};
-    std::chrono::milliseconds patience{5000};  ///< after each of SIGINT and SIGTERM
+    std::chrono::milliseconds patience{5000};  ///< after the order to stop
     /// Arguments of a process that is started again for the `restart`-th time, from those of its first start. May be empty:
     /// they stay.
     std::function<std::vector<std::string>(const std::string& name, int restart, std::vector<std::string> arguments)>
@@ -47,7 +50,9 @@ class Supervisor {
     std::function<void(pid_t pid)> on_exit;
     /// What a process with this id said of its own failure: its log may be on a full disk. May be empty.
     std::function<std::string(pid_t pid)> last_word{};
-    std::chrono::milliseconds patience_with_writers{60000};  ///< after SIGINT, in place of `patience`
+    std::chrono::milliseconds patience_with_writers{60000};  ///< in place of `patience`
+    /// A process has ended ("was ended by SIGKILL") and will be started again for the `restart`-th time. May be empty.
+    std::function<void(const std::string& name, const std::string& how, int restart)> on_restart = nullptr;
   };
 
   /// What a process may do by itself.
@@ -64,7 +69,8 @@ class Supervisor {
   /// `niceness` as in `ChildProcess`. Throws std::runtime_error where the program cannot be started.
   void Start(const std::string& name, const std::string& executable, const std::vector<std::string>& arguments,
              Ending ending, int niceness = 0);
-  /// From here on a crash of this process leads to a restart; before (while it reads its options) to a failure.
+  /// From here on an exit code of this process leads to a restart; before (while it reads its options) to a failure. One that
+  /// is ended by a signal is started again at any time.
   void SetReady(const std::string& name, TimePoint now);
   /// -1 where it does not run.
   pid_t pid(const std::string& name) const;
@@ -76,9 +82,11 @@ class Supervisor {
   /// The process that this is about.
   const std::string& failed() const { return failed_; }
 
-  /// Asks one process to end (SIGINT), and does not start it again.
+  /// Orders one process to end, and does not start it again.
   void Interrupt(const std::string& name);
   void Stop(TimePoint now);
+  /// Kills all that run, and starts nothing any more; from any thread.
+  void KillAll();
   /// True when nothing runs any more.
   bool stopped() const;
 
@@ -95,7 +103,7 @@ class Supervisor {
     bool ready = false;        ///< was, once
     bool ready_again = false;  ///< since the last start
     bool interrupted = false;  ///< it alone: however it ends is well
-    int signal = 0;            ///< the last one we sent to stop it
+    int signal = 0;            ///< the last one we sent to stop it; 0: none
     int failed_starts = 0;     ///< in a row, that did not get ready
     std::unique_ptr<ChildProcess> process;
     std::optional<TimePoint> start_at;
@@ -107,12 +115,14 @@ class Supervisor {
   bool MayRestart(const Child& child, const ChildExit& end) const;
   void HandleExit(Child* child, const ChildExit& end, TimePoint now);
   bool IsWell(const Child& child, const ChildExit& end) const;
-  void Fail(const Child& child, int exit_code, pid_t pid);
-  static void SendSignal(Child* child, int signal);
+  void Fail(const Child& child, pid_t pid);
+  static void Order(Child* child);
   void HurryUp(Child* child, TimePoint now) const;
   std::filesystem::path LogOf(const std::string& name) const { return options_.logs / (name + ".log"); }
 
   Options options_;
+  std::mutex mutex_;  ///< held where a process is started or reaped, so that `KillAll` meets none that is reaped
+  bool killed_ = false;
   std::vector<Child> children_;
   std::string failure_;  ///< without the reason
   std::string failed_;

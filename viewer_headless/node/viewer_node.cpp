@@ -165,7 +165,7 @@ void ViewerNode::OnTick() {
   // One quiet tick: the true poses of the last frames may come after their estimates.
   if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
     Write(true);
-    if (failure_.empty()) process_.SetState("finished");
+    if (failure_.empty()) process_.SetState("finished", "files in " + options_.out);
   }
 }
 
@@ -247,7 +247,7 @@ void ViewerNode::ShowProgress(bool last) {
   if (!on_terminal_) return;
   const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
   // Over the line before, and clear what is left of it.
-  fmt::print("\r{}\x1b[K{}", line, last ? "\n" : "");
+  std::fputs(fmt::format("\r{}\x1b[K{}", line, last ? "\n" : "").c_str(), stdout);
   std::fflush(stdout);
 }
 

@@ -534,6 +534,8 @@ bus::ProcessSpec VoSpec() {
       "  vo_process\n"
       "  vo_process --config config/plslam.yaml --set vo.features.features=points\n"
       "  vo_process --url udpm://239.255.76.67:7667?ttl=1 --prefix front/";
+  spec.waits_for = "a camera and frames of a player";
+  spec.results = {{"frames", "frames tracked"}, {"frames.lost", "of them lost"}, {"keyframes", "keyframes"}};
   spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
     VoOptions options;
     config.Read("vo", options);

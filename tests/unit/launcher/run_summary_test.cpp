@@ -172,6 +172,17 @@ TEST(MapStatistics, TheWholeMapAgainChangesNothing) {
   EXPECT_EQ(map.ObservationsPerLine(), 0.0);
 }
 
+TEST(RunSummary, SignalThatEndedAProcessIsNamed) {
+  const RunStatistics statistics = TwoFrames();
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.processes = {{"vo", 0.5, 80.0, 0, 0, 0.0, 0.0}, {"mapping", 0.5, 80.0, 0, 137, 0.0, 0.0, 9}};
+  const json processes = SummaryToJson(summary)["processes"];
+  EXPECT_FALSE(processes["vo"].contains("exit_signal"));
+  EXPECT_EQ(processes["mapping"]["exit_code"], 137);
+  EXPECT_EQ(processes["mapping"]["exit_signal"], "SIGKILL");
+}
+
 TEST(RunSummary, RunWithoutAFrame) {
   const RunStatistics statistics;
   RunSummary summary;

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/process/process_signals.h"
 #include "tests/support/text_file.h"
 
 namespace plslam {
@@ -74,19 +75,20 @@ TEST_F(SupervisorTest, OutputGoesToTheLogAndArgumentsArriveWhole) {
   EXPECT_EQ(supervisor.reports()[0].exit_code, 0);
 }
 
-TEST_F(SupervisorTest, ChildInheritsNoFilesAndNoBlockedSignals) {
+TEST_F(SupervisorTest, ChildInheritsNoFilesAndWaitsWithSignalsThatAreNotForIt) {
   Script("files", "[ -e /proc/$$/fd/37 ] && echo inherited; exec grep SigBlk /proc/self/status");
-  sigset_t interrupts, before;
-  sigemptyset(&interrupts);
-  sigaddset(&interrupts, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &interrupts, &before);
+  sigset_t blocked, before;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGUSR2);
+  pthread_sigmask(SIG_BLOCK, &blocked, &before);
   ASSERT_EQ(dup2(0, 37), 37);
   Supervisor supervisor = Make();
   supervisor.Start("a", "files", {}, Ending::kMayEnd);
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.stopped(); }));
   close(37);
   pthread_sigmask(SIG_SETMASK, &before, nullptr);
-  EXPECT_EQ(Read("a.log"), "SigBlk:\t0000000000000000\n");
+  // SIGHUP (1), SIGINT (2) and SIGTERM (15).
+  EXPECT_EQ(Read("a.log"), "SigBlk:\t0000000000004003\n");
 }
 
 TEST_F(SupervisorTest, NicenessIsAddedToOurOwnAndKeptByTheOneInItsPlace) {
@@ -121,7 +123,39 @@ TEST_F(SupervisorTest, CrashAfterReadyIsRestarted) {
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
   EXPECT_EQ(supervisor.failure(), "");
   EXPECT_TRUE(Stopped(supervisor));
-  EXPECT_EQ(supervisor.reports()[0].exit_code, 128 + SIGINT);
+  EXPECT_EQ(supervisor.reports()[0].exit_code, 128 + bus::kStopOrder);
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, OneThatIsKilledBeforeItIsReadyIsStartedAgainAndThatIsTold) {
+  Script("killed", "echo start >> starts; [ $(wc -l < starts) -ge 3 ] && exec sleep 100; kill -9 $$");
+  std::filesystem::current_path(folder_);
+  for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
+    std::filesystem::remove("starts");
+    std::vector<std::string> told;
+    Supervisor supervisor({folder_, folder_, 3, milliseconds(1), milliseconds(5000), nullptr, nullptr,
+                           milliseconds(60000), [&](const std::string& name, const std::string& how, int restart) {
+                             told.push_back(name + " " + how + " " + std::to_string(restart));
+                           }});
+    supervisor.Start("a", "killed", {}, ending);
+    ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
+    EXPECT_EQ(supervisor.failure(), "");
+    EXPECT_EQ(told, (std::vector<std::string>{"a was ended by SIGKILL 1", "a was ended by SIGKILL 2"}));
+    EXPECT_TRUE(Stopped(supervisor));
+  }
+  std::filesystem::current_path("/");
+}
+
+TEST_F(SupervisorTest, KillAllEndsTheStubbornAndStartsNothingAnyMore) {
+  Script("stubborn", "trap '' USR1; echo up > up; while :; do read x < fifo; done");
+  std::filesystem::current_path(folder_);
+  ASSERT_EQ(system("mkfifo fifo"), 0);
+  Supervisor supervisor = Make();
+  supervisor.Start("a", "stubborn", {}, Ending::kRestart);
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return std::filesystem::exists(folder_ / "up"); }));
+  std::thread([&] { supervisor.KillAll(); }).join();
+  ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 1; }));
+  EXPECT_TRUE(supervisor.stopped());
   std::filesystem::current_path("/");
 }
 
@@ -199,7 +233,7 @@ TEST_F(SupervisorTest, EndOfAProcessThatMustRunIsACrash) {
 }
 
 TEST_F(SupervisorTest, StubbornProcessIsKilledInTheEnd) {
-  Script("stubborn", "trap '' INT TERM; echo up > up; while :; do read x < fifo; done");
+  Script("stubborn", "trap '' USR1; echo up > up; while :; do read x < fifo; done");
   std::filesystem::current_path(folder_);
   ASSERT_EQ(system("mkfifo fifo"), 0);
   Supervisor supervisor = Make(0, milliseconds(20));
@@ -213,14 +247,15 @@ TEST_F(SupervisorTest, StubbornProcessIsKilledInTheEnd) {
 
 TEST_F(SupervisorTest, ErrorsWhileStoppingAreFailures) {
   struct Row {
-    const char* at_sigint;
+    const char* at_the_order;
     const char* failure;
   };
   for (const Row& row :
        {Row{"exit 0", ""}, Row{"echo 'no space left'; exit 1", "a ended with exit code 1: no space left"},
-        Row{"kill -SEGV $$", "a ended with exit code 139"}}) {
+        Row{"kill -SEGV $$", "a was ended by SIGSEGV"}}) {
     for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
-      Script("stops", std::string("trap \"") + row.at_sigint + "\" INT; echo up > up; while :; do sleep 0.01; done");
+      Script("stops",
+             std::string("trap \"") + row.at_the_order + "\" USR1; echo up > up; while :; do sleep 0.01; done");
       std::filesystem::current_path(folder_);
       std::filesystem::remove("up");
       Supervisor supervisor = Make();
@@ -241,7 +276,7 @@ TEST_F(SupervisorTest, EndByASignalOfOursIsAFailureOfThoseThatWriteAndHadBegun) 
     const char* failure;
   };
   for (const Row& row : {Row{Ending::kRestart, true, ""}, Row{Ending::kWritesAtTheEnd, false, ""},
-                         Row{Ending::kWritesAtTheEnd, true, "a was cut off while it stopped: exit code 130"}}) {
+                         Row{Ending::kWritesAtTheEnd, true, "a was cut off (SIGUSR1) while it stopped"}}) {
     Script("sleeper", "exec sleep 100");
     Supervisor supervisor = Make();
     supervisor.Start("a", "sleeper", {}, row.ending);
@@ -253,7 +288,7 @@ TEST_F(SupervisorTest, EndByASignalOfOursIsAFailureOfThoseThatWriteAndHadBegun) 
 
 TEST_F(SupervisorTest, OneThatStillWritesIsGivenTime) {
   Script("writer",
-         "trap 'until [ -e go ]; do sleep 0.01; done; exit 0' INT; echo up > up; while :; do sleep 0.01; done");
+         "trap 'until [ -e go ]; do sleep 0.01; done; exit 0' USR1; echo up > up; while :; do sleep 0.01; done");
   std::filesystem::current_path(folder_);
   Supervisor supervisor = Make();
   supervisor.Start("viewer", "writer", {}, Ending::kWritesAtTheEnd);

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <thread>
 
+#include "core/process/process_signals.h"
 #include "plslam/status_t.hpp"
 #include "tests/support/text_file.h"
 #include "tools/plslam/bus_url.h"
@@ -55,6 +56,15 @@ class ProcessTest : public testing::Test {
     return -1;
   }
 
+  /// Exit code; signals of one moment count as one, so it is sent until it is another moment.
+  int SignalUntilItEnds(int signal) const {
+    for (int i = 0; i < 100 && !child_->Poll(); ++i) {
+      child_->Signal(signal);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return child_->Poll() ? child_->Poll()->code : -1;
+  }
+
   bool WaitForLine(const std::string& text) const {
     const auto limit = Clock::now() + std::chrono::seconds(10);
     while (Log().find(text) == std::string::npos && Clock::now() < limit) std::this_thread::yield();
@@ -98,8 +108,82 @@ TEST_F(ProcessTest, SecondSignalEndsOneThatHangs) {
   ASSERT_TRUE(WaitForLine("hangs")) << Log();
   child_->Signal(SIGINT);
   ASSERT_TRUE(WaitForLine("SIGINT: stopping")) << Log();
+  EXPECT_EQ(SignalUntilItEnds(SIGTERM), 128 + SIGTERM) << Log();
+}
+
+TEST_F(ProcessTest, ClosedTerminalEndsItCleanlyAndIsNoSecondSignal) {
+  Start({"hang"});
+  ASSERT_TRUE(WaitForLine("hangs")) << Log();
   child_->Signal(SIGTERM);
-  EXPECT_EQ(Wait(), 128 + SIGTERM) << Log();
+  ASSERT_TRUE(WaitForLine("SIGTERM: stopping")) << Log();
+  for (int i = 0; i < 3; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    child_->Signal(SIGHUP);
+  }
+  EXPECT_EQ(SignalUntilItEnds(SIGTERM), 128 + SIGTERM) << Log();
+  Start({});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  child_->Signal(SIGHUP);
+  EXPECT_EQ(Wait(), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("SIGHUP: stopping"));
+}
+
+TEST_F(ProcessTest, NohupIsRespected) {
+  child_ = std::make_unique<ChildProcess>(
+      "/usr/bin/nohup", std::vector<std::string>{PLSLAM_TEST_PROGRAM, "--url", port_.Url()}, folder_ / "log");
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  child_->Signal(SIGHUP);
+  child_->Signal(SIGINT);
+  EXPECT_EQ(Wait(), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("SIGINT: stopping"));
+  EXPECT_THAT(Log(), testing::Not(HasSubstr("SIGHUP")));
+}
+
+TEST_F(ProcessTest, SignalsOfOneMomentAreOneOrder) {
+  Start({"slow-end"});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  for (int i = 0; i < 20; ++i) child_->Signal(i % 2 == 0 ? SIGINT : SIGTERM);
+  EXPECT_EQ(Wait(), 0) << Log();
+}
+
+TEST_F(ProcessTest, OneThatHasALauncherEndsByItsOrderAlone) {
+  Start({"--parent", std::to_string(getpid())});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    child_->Signal(signal);
+    ASSERT_TRUE(WaitForLine(bus::SignalName(signal) + ": passed over")) << Log();
+  }
+  EXPECT_FALSE(child_->Poll());
+  child_->Signal(bus::kStopOrder);
+  EXPECT_EQ(Wait(), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("SIGUSR1: stopping"));
+}
+
+TEST_F(ProcessTest, SignalsOfTheSameMomentDoNotSpoilTheOrder) {
+  Start({"slow-end", "--parent", std::to_string(getpid())});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  for (const int signal : {SIGTERM, SIGINT, bus::kStopOrder, SIGINT, SIGTERM, SIGHUP}) child_->Signal(signal);
+  EXPECT_EQ(Wait(), 0) << Log();
+}
+
+TEST_F(ProcessTest, EndsWhenItsLauncherIsKilled) {
+  const std::string line = std::string(PLSLAM_TEST_PROGRAM) + " --url " + port_.Url() + " --parent $$ & wait";
+  child_ = std::make_unique<ChildProcess>("/bin/sh", std::vector<std::string>{"-c", line}, folder_ / "log");
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  child_->Signal(SIGKILL);
+  EXPECT_TRUE(WaitForLine("SIGTERM: stopping")) << Log();
+  EXPECT_TRUE(WaitForLine("node is gone")) << Log();
+}
+
+TEST_F(ProcessTest, OneThatIsStartedByHandTellsWhatItWaitsForAndWhatItHasDone) {
+  Start({"own-state", "--prefix", "ann/"});
+  ASSERT_TRUE(WaitForLine("runs")) << Log();
+  child_->Signal(SIGINT);
+  EXPECT_EQ(Wait(), 0) << Log();
+  EXPECT_THAT(Log(), HasSubstr("process_test_program: running, because\n"));
+  EXPECT_THAT(Log(), HasSubstr("process_test_program: ready on " + port_.Url() +
+                               " with the prefix ann/, waiting for an order\n"));
+  EXPECT_THAT(Log(), HasSubstr("process_test_program: ended: 42 answers\n"));
 }
 
 TEST_F(ProcessTest, FinishGivesTheExitCode) {
@@ -222,7 +306,8 @@ TEST_F(ProcessTest, HelpAndVersion) {
 TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
   Start({"--parent", std::to_string(getpid())});
   ASSERT_TRUE(WaitForLine("runs")) << Log();
-  child_->Signal(SIGTERM);
+  EXPECT_THAT(Log(), testing::Not(HasSubstr("process_test_program"))) << "its launcher speaks for it";
+  child_->Signal(bus::kStopOrder);
   EXPECT_EQ(Wait(), 0);
   Start({"--parent", "1"});  // is not ours
   EXPECT_EQ(Wait(), 1);

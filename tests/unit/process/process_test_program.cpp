@@ -1,7 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
+#include <thread>
 
 #include "core/process/process.h"
 #include "plslam/command_t.hpp"
@@ -40,11 +42,18 @@ struct TestNode {
     if (mode == "throw-in-handler") process.bus().Post([] { throw std::runtime_error("a handler failed"); });
     if (mode == "throw-a-number") process.bus().Post([] { throw 5; });
     if (mode == "own-state") process.SetState("running", "because");
+    slow_end = mode == "slow-end";
     process.bus().Post([] { Say("runs"); });
   }
-  ~TestNode() { std::puts("node is gone"); }
+  ~TestNode() {
+    // Longer than signals that come one after the other take.
+    if (slow_end) std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::puts("node is gone");
+  }
   TestNode(const TestNode&) = delete;
   TestNode& operator=(const TestNode&) = delete;
+
+  bool slow_end = false;
 };
 
 }  // namespace
@@ -58,5 +67,7 @@ int main(int argc, char** argv) {
   spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
     return std::make_shared<TestNode>(process, config, mode);
   };
+  spec.waits_for = "an order";
+  spec.results = {{"answer", "answers"}};
   return plslam::bus::RunProcess(argc, argv, spec);
 }

@@ -1,4 +1,5 @@
 #include "viewer_headless/node/viewer_node.h"
+
 #include <arpa/inet.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -41,9 +41,11 @@ FrameReport FromMessage(const pose_t& message) {
 }
 
 ProcessStatus FromMessage(const status_t& message) {
-  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, bus::NowS()};
+  ProcessStatus status{message.process, message.state, message.reason, message.configuration, {}, 0.0, 0.0,
+                       bus::NowS()};
   const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
   status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
+  status.frames = bus::CounterOf(message, "frames");
   for (const counter_t& counter : message.counters) {
     if (counter.name.starts_with("queue.")) status.queue = std::max(status.queue, counter.value);
   }
@@ -134,6 +136,15 @@ std::string MonitorNode::StateOf(int64_t pid) const {
 std::string MonitorNode::FailureOf(int64_t pid) const {
   const auto found = processes_.find({host_, pid});
   return found == processes_.end() || found->second.state != "failed" ? "" : found->second.reason;
+}
+
+int64_t MonitorNode::FramesOf(int64_t pid) const {
+  const auto found = processes_.find({host_, pid});
+  return found == processes_.end() ? 0 : static_cast<int64_t>(found->second.frames);
+}
+
+bool MonitorNode::Hears(const std::string& process) const {
+  return std::ranges::any_of(processes_, [&](const auto& p) { return p.second.process == process; });
 }
 
 Lag MonitorNode::LagAt(double now_s) const {

@@ -22,7 +22,8 @@ struct ProcessStatus {
   std::string reason;
   std::string configuration;
   MessageCounts messages;
-  double queue = 0.0;  ///< longest of its queues
+  double queue = 0.0;   ///< longest of its queues
+  double frames = 0.0;  ///< that it has handled
   double heard_s = 0.0;
 };
 
@@ -51,6 +52,10 @@ class MonitorNode {
   std::string StateOf(int64_t pid) const;
   /// What a process of this host said of its own failure; empty where it said nothing.
   std::string FailureOf(int64_t pid) const;
+  /// Frames that a process of this host has told of; 0 where it has not been heard.
+  int64_t FramesOf(int64_t pid) const;
+  /// A process of this name has been heard, on any host.
+  bool Hears(const std::string& process) const;
 
   /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
   int64_t total_frames() const { return total_frames_; }

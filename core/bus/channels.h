@@ -53,10 +53,12 @@ inline constexpr Channel kGroundTruth{"GROUND_TRUTH",   "ground_truth_t", "playe
                                       Delivery::kEvery, Retention::kAll,  "true poses, for evaluation only"};
 inline constexpr Channel kPose{
     "POSE", "pose_t", "vo", Delivery::kEvery, Retention::kAll, "a pose for every frame; acknowledges it in lockstep"};
-inline constexpr Channel kTracks{
-    "TRACKS",         "tracks_t",
-    "vo",             Delivery::kEvery,
-    Retention::kUnacknowledged, "features of a frame in lockstep, for pictures"};
+inline constexpr Channel kTracks{"TRACKS",
+                                 "tracks_t",
+                                 "vo",
+                                 Delivery::kEvery,
+                                 Retention::kUnacknowledged,
+                                 "features of a frame in lockstep, for pictures"};
 inline constexpr Channel kTracksLive{"TRACKS_LIVE",     "tracks_t",       "vo",
                                      Delivery::kLatest, Retention::kNone, "features of a frame in real time"};
 inline constexpr Channel kKeyframe{

@@ -74,10 +74,10 @@ int FreePort() {
   return ntohs(address.sin_port);
 }
 
-TEST(Report, PutsTogetherWhatComesBitByBit) {
+TEST(Report, PutsTogetherWhatComesBitByBitAndTellsTheEndFromALostConnection) {
   if (Find("node").empty()) GTEST_SKIP() << "no node here: the page of reports is not tested";
   const std::string log = testing::TempDir() + "data_test " + std::to_string(getpid());
-  RunNode({"--test", Script("data_test.mjs")}, log);
+  RunNode({"--test", Script("data_test.mjs"), Script("live_test.mjs")}, log);
   std::filesystem::remove(log);
 }
 

@@ -70,12 +70,13 @@ Arguments MappingArguments(const RunOptions& options) {
 }
 
 // Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for the
-// adjustment of the one before. Live it is the tracker, beside the map. A millisecond of the others is nobody's.
+// adjustment of the one before, and behind it the tracker and whoever has pictures to draw of each frame. Live it is the tracker,
+// beside the map; the others are waited for by nobody.
 constexpr Niceness kFirst{0, 0};
 constexpr Niceness kFirstWhenLive{5, 0};
 constexpr Niceness kSourceOfFrames{8, 0};
 constexpr Niceness kStandsBack{8, 8};
-constexpr Niceness kLast{10, 10};
+constexpr Niceness kDrawsPictures{5, 10};
 
 Arguments NoArguments(const RunOptions&) { return {}; }
 
@@ -110,7 +111,7 @@ constexpr ProcessRow kTable[] = {
     {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kWritesAtTheEnd,
      false, Recorded, kFirst, RecorderArguments},
     {"viewer", "viewer_headless", "progress, trajectories, map file and pictures",
-     Supervisor::Ending::kWritesAtTheEnd, false, Always, kLast, ViewerArguments},
+     Supervisor::Ending::kWritesAtTheEnd, false, Always, kDrawsPictures, ViewerArguments},
     {kMapping, "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
      false, OwnMap, kFirst, MappingArguments},
     {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,

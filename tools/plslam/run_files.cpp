@@ -20,7 +20,8 @@ constexpr int64_t kMaxDifference_ns = 1'000'000;  // the truth was told for the 
 std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::filesystem::path& out,
                                                                   const char* estimate) {
   const auto estimate_path = out / estimate, truth_path = out / "groundtruth.tum";
-  if (!std::filesystem::exists(estimate_path) || !std::filesystem::exists(truth_path)) return std::nullopt;
+  if (!std::filesystem::is_regular_file(estimate_path) || !std::filesystem::is_regular_file(truth_path))
+    return std::nullopt;
   Trajectory truth = ReadTrajectory(truth_path, TrajectoryFormat::kTum);
   if (truth.empty()) return std::nullopt;
   return std::pair(ReadTrajectory(estimate_path, TrajectoryFormat::kTum), std::move(truth));
@@ -66,15 +67,15 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   EvaluateOptions options;
   options.max_difference_ns = kMaxDifference_ns;
   options.n_frames = n_frames;
-  if (std::filesystem::exists(keyframes_path)) {
+  if (std::filesystem::is_regular_file(keyframes_path)) {
     for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
       options.keyframe_t_ns.push_back(pose.t_ns);
     }
   }
-  if (std::filesystem::exists(out / "covariance.txt")) {
+  if (std::filesystem::is_regular_file(out / "covariance.txt")) {
     options.covariances = ReadPoseCovariances(out / "covariance.txt");
   }
-  if (std::filesystem::exists(out / "motion_covariance.txt")) {
+  if (std::filesystem::is_regular_file(out / "motion_covariance.txt")) {
     options.motion_covariances = ReadPoseCovariances(out / "motion_covariance.txt");
   }
   return nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));

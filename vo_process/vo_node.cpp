@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <exception>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <utility>
 
 #include "core/bus/convert.h"
 #include "core/bus/worker.h"
+#include "core/run/run_warnings.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/status_t.hpp"
@@ -26,6 +28,16 @@ constexpr size_t kMaxWaitingFrames = 8;
 constexpr size_t kRecentFrames = 16;
 // Time that goes back by less is of the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
+
+/// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
+bool IsNearlyBlack(const cv::Mat& image) {
+  constexpr int kEveryRow = 8;
+  constexpr double kDark = 8.0;
+  double sum = 0.0;
+  int rows = 0;
+  for (int row = 0; row < image.rows; row += kEveryRow, ++rows) sum += cv::mean(image.row(row))[0];
+  return rows > 0 && sum < kDark * rows;
+}
 
 }  // namespace
 
@@ -195,7 +207,9 @@ void VoNode::Track(const Frame& frame) {
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
+  LookAt(frame.images, result.features);
   TellOfRows();
+  TellOfWarnings();
   FinishIfDone();
 }
 
@@ -212,10 +226,39 @@ void VoNode::TellOfRows() {
       most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
     }
   }
+  Count(std::string(kCornerRows), most_px);
   spdlog::info(
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
       "but the calibration could be better",
       most_px);
+}
+
+/// Counts what tells of bad images and of a bad calibration.
+void VoNode::LookAt(const StereoImages& images, const StereoFeatures& features) {
+  if (IsNearlyBlack(images.left)) Count(std::string(kFramesDark), 1);
+  if (rig_->kind == RigCalibration::Kind::kRgbd) return;
+  const auto matched =
+      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); }) +
+      std::count_if(features.lines.begin(), features.lines.end(), [](const auto& l) { return l.HasDepth(); });
+  Count(std::string(kFeaturesSeen), static_cast<double>(features.points.size() + features.lines.size()));
+  Count(std::string(kFeaturesMatched), static_cast<double>(matched));
+}
+
+/// With the state, for who looks at the run while it goes on.
+void VoNode::TellOfWarnings() {
+  static constexpr int kEvery = 20;
+  if (static_cast<int64_t>(counts_["frames"]) % kEvery != 0) return;
+  RunFindings findings;
+  findings.features_seen = counts_[std::string(kFeaturesSeen)];
+  findings.features_matched = counts_[std::string(kFeaturesMatched)];
+  findings.corner_rows_px = counts_[std::string(kCornerRows)];
+  std::string warnings;
+  for (const RunWarning& warning : WarningsOf(findings)) {
+    warnings += (warnings.empty() ? "" : "; ") + warning.sentence;
+  }
+  if (warnings == warnings_) return;
+  warnings_ = std::move(warnings);
+  process_.SetState(state_, warnings_);
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
@@ -311,7 +354,7 @@ void VoNode::FinishIfDone() {
 
 void VoNode::SetState(const std::string& state) {
   if (state == std::exchange(state_, state)) return;
-  process_.SetState(state);
+  process_.SetState(state, warnings_);
 }
 
 bus::ProcessSpec VoSpec() {

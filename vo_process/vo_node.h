@@ -95,6 +95,8 @@ class VoNode {
   void FinishIfDone();
   void SetState(const std::string& state);
   void TellOfRows();
+  void LookAt(const StereoImages& images, const StereoFeatures& features);
+  void TellOfWarnings();
 
   bus::Process& process_;
   VoOptions options_;
@@ -114,6 +116,7 @@ class VoNode {
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;
+  std::string warnings_;  ///< what the state is told with
   bus::KeyframePublisher keyframes_;
   bus::PartnerWait map_wait_;
   /// Of loop_process, to the question where the camera is.

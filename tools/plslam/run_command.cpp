@@ -37,15 +37,17 @@ class SessionDoor {
   bool interrupted_ = false;
 };
 
-/// What there is to know about the run beside its results.
-void Warn(const RunSummary& summary) {
-  if (summary.recordings.size() < 2) return;
-  std::string others;
-  for (size_t i = 1; i < summary.recordings.size(); ++i) others += (i > 1 ? ", " : "") + summary.recordings[i];
-  fmt::print(stderr,
-             "plslam: warning: the recorder was started again, so the recording of {} goes on in {}; what was said "
-             "between is in neither\n",
-             summary.recordings.front(), others);
+constexpr int kWarned = 2;
+
+/// Where to look at what the run left behind, one line each.
+std::string WhereToLook(const RunOptions& options) {
+  const std::filesystem::path report = options.out / "report.html";
+  std::string text = std::filesystem::exists(report) ? fmt::format("  {:<10} {}\n", "report", report.string())
+                                                     : fmt::format("  {:<10} {}\n", "outputs", options.out.string());
+  if (!options.save_map.empty() && std::filesystem::exists(options.save_map)) {
+    text += fmt::format("  {:<10} {}\n", "saved map", options.save_map.string());
+  }
+  return text;
 }
 
 /// Nothing was played: what the folder holds of an earlier run stays, and its summary with it.
@@ -58,19 +60,23 @@ int Report(const RunOptions& options, const RunSession& session) {
   summary.version = VersionText();
   const bool keeps_old = KeepsOldOutputs(options, session);
   if (session.accepted()) {
-    summary.accuracy = EvaluateRunFiles(options.out, AllFrames(summary));
+    summary.accuracy = EvaluateRunFiles(options.out, summary.frames.all());
     summary.live_ate_m = LiveError_m(options.out);
+    summary.path_m = PathLength_m(options.out);
   }
   const nlohmann::json json = SummaryToJson(summary);
   if (!keeps_old) WriteSummary(options.out, json);
-  Warn(summary);
+  const nlohmann::json& warnings = json["warnings"];
+  for (const nlohmann::json& warning : warnings) {
+    fmt::print(stderr, "plslam: warning: {}\n", warning["sentence"].get<std::string>());
+  }
   if (options.json) {
     fmt::print("{}\n", JsonText(json));
-  } else if (!options.quiet && summary.statistics->frames() > 0) {
-    fmt::print("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string());
+  } else if (!options.quiet && summary.frames.answered() > 0) {
+    fmt::print("{}{}", SummaryToText(json, options.verbose), WhereToLook(options));
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
-  if (session.ended_well() && !keeps_old) return 0;
+  if (session.ended_well() && !keeps_old) return options.strict && !warnings.empty() ? kWarned : 0;
   fmt::print(stderr, "plslam: error: {}{}\n", summary.reason,
              keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : "");
   return 1;
@@ -137,7 +143,10 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->excludes("--save-map");
   sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")
       ->check(CLI::NonNegativeNumber);
-  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal");
+  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal; warnings and errors are told");
+  sub->add_flag("--verbose", o->verbose,
+                "also what the map is made of, all errors, and tables of times and processes");
+  sub->add_flag("--strict", o->strict, "exit code 2 where the finished run has warnings");
   sub->add_flag("--json", o->json, "the summary as JSON on standard output");
 }
 
@@ -160,7 +169,10 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
       "  plslam run /data/euroc/MH_01 --config config/euroc.yaml --record out/mh01.lcm\n"
       "Exit code 0 when the stream was handled to its end, or ended by SIGINT or SIGTERM (and the map saved, with\n"
-      "--save-map); a second signal ends everything at once.");
+      "--save-map); 1 when not, and one sentence on standard error says why; 2 with --strict when it was, but there "
+      "are\n"
+      "warnings, which are on standard error, in summary.json and in the report. A second signal ends everything at "
+      "once.");
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }
 

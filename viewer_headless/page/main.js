@@ -10,7 +10,7 @@ import { MapView } from "./map_view.js";
 import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
 import { Replay } from "./replay.js";
-import { showKicker, showNotes, showSummary } from "./summary.js";
+import { showKicker, showNotes, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
 const run = new Run();
@@ -65,6 +65,7 @@ function chooseLoop(loop, index) {
 
 function update(changed, state) {
   showSummary(run);
+  showWarnings(run);
   showKicker(run, state);
   showNotes(run);
   showAvailable(run);

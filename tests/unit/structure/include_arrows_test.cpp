@@ -32,6 +32,7 @@ const std::vector<Arrow> kArrows = {
      {"core/geometry/", "core/map/", "core/features/features.h", "core/optim/pose_graph", "core/config/fields.h"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
+    {"core/run/", {}},
     {"player/", {"core/"}},
     {"vo_process/", {"core/"}},
     {"mapping_process/", {"core/"}},

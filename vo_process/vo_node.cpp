@@ -237,11 +237,11 @@ void VoNode::TellOfRows() {
 void VoNode::LookAt(const StereoImages& images, const StereoFeatures& features) {
   if (IsNearlyBlack(images.left)) Count(std::string(kFramesDark), 1);
   if (rig_->kind == RigCalibration::Kind::kRgbd) return;
+  // Flat lines have no depth even where all is well.
   const auto matched =
-      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); }) +
-      std::count_if(features.lines.begin(), features.lines.end(), [](const auto& l) { return l.HasDepth(); });
-  Count(std::string(kFeaturesSeen), static_cast<double>(features.points.size() + features.lines.size()));
-  Count(std::string(kFeaturesMatched), static_cast<double>(matched));
+      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
+  Count(std::string(kPointsSeen), static_cast<double>(features.points.size()));
+  Count(std::string(kPointsMatched), static_cast<double>(matched));
 }
 
 /// With the state, for who looks at the run while it goes on.
@@ -249,8 +249,8 @@ void VoNode::TellOfWarnings() {
   static constexpr int kEvery = 20;
   if (static_cast<int64_t>(counts_["frames"]) % kEvery != 0) return;
   RunFindings findings;
-  findings.features_seen = counts_[std::string(kFeaturesSeen)];
-  findings.features_matched = counts_[std::string(kFeaturesMatched)];
+  findings.points_seen = counts_[std::string(kPointsSeen)];
+  findings.points_matched = counts_[std::string(kPointsMatched)];
   findings.corner_rows_px = counts_[std::string(kCornerRows)];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) {

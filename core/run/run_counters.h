@@ -9,17 +9,17 @@
 
 namespace plslam {
 
-/// Counters of statuses that tell how good the data of a run are. By vo: features of the left image, those of them that the right
+/// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that the right
 /// image has, too, frames that are nearly black, and by how many pixels rows of the right image differ in a corner. By the player,
 /// where the dataset has a ground truth: frames with a true pose, and without.
-inline constexpr std::string_view kFeaturesSeen = "features.seen";
-inline constexpr std::string_view kFeaturesMatched = "features.matched";
+inline constexpr std::string_view kPointsSeen = "points.seen";
+inline constexpr std::string_view kPointsMatched = "points.matched";
 inline constexpr std::string_view kFramesDark = "frames.dark";
 inline constexpr std::string_view kCornerRows = "rows.corner_px";
 inline constexpr std::string_view kTruthFrames = "truth.frames";
 inline constexpr std::string_view kTruthMissing = "truth.missing";
-inline constexpr std::array<std::string_view, 6> kRunCounters{kFeaturesSeen, kFeaturesMatched, kFramesDark,
-                                                              kCornerRows,   kTruthFrames,     kTruthMissing};
+inline constexpr std::array<std::string_view, 6> kRunCounters{kPointsSeen, kPointsMatched, kFramesDark,
+                                                              kCornerRows, kTruthFrames,   kTruthMissing};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -10,9 +10,9 @@ namespace {
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 constexpr double kEnoughTracked_percent = 90.0;
-/// The right image has 50 to 95 % of the features of the left one where the calibration is good.
+/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 %.
 constexpr double kFewMatched = 0.15;
-constexpr double kEnoughFeatures = 2000.0;
+constexpr double kEnoughPoints = 2000.0;
 constexpr double kManyDark = 0.1;
 constexpr double kManySkipped = 0.01;
 /// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
@@ -54,7 +54,7 @@ std::string PartsText(const FrameTally& t) {
 }
 
 bool LacksMatches(const RunFindings& f) {
-  return f.features_seen >= kEnoughFeatures && f.features_matched < kFewMatched * f.features_seen;
+  return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
 struct Row {
@@ -90,20 +90,18 @@ const Row kRows[] = {
     {"few_stereo_matches", LacksMatches,
      [](const RunFindings& f) {
        return fmt::format(
-           "the right images have only {:.1f} % of the features of the left ones: left and right may be exchanged, "
-           "not taken at "
-           "the same time, or badly calibrated; {} tells",
-           100.0 * f.features_matched / f.features_seen, CheckText(f));
+           "the right images have only {:.1f} % of the points of the left ones: left and right may be "
+           "exchanged, not taken at the same time, or badly calibrated; {} tells",
+           100.0 * f.points_matched / f.points_seen, CheckText(f));
      },
      [](const RunFindings& f) {
-       return Numbers{{"features", f.features_seen}, {"matched", f.features_matched}};
+       return Numbers{{"points", f.points_seen}, {"matched", f.points_matched}};
      }},
     {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px; },
      [](const RunFindings& f) {
        return fmt::format(
-           "rows of the right images differ from those of the left ones by up to {:.1f} px in the corners: they are "
-           "followed, but "
-           "the cameras should be calibrated anew; {} measures it",
+           "rows of the right images differ from those of the left ones by up to {:.1f} px in the "
+           "corners: they are followed, but the cameras should be calibrated anew; {} measures it",
            f.corner_rows_px, CheckText(f));
      },
      [](const RunFindings& f) {
@@ -132,9 +130,8 @@ const Row kRows[] = {
      [](const RunFindings& f) { return Count(f.frames.skipped) > kManySkipped * Count(f.frames.all()); },
      [](const RunFindings& f) {
        return fmt::format(
-           "{} of {} frames were passed over because tracking was slower than the data came: use --pace lockstep, "
-           "smaller images "
-           "or a faster machine",
+           "{} of {} frames were passed over because tracking was slower than the data came: use --pace "
+           "lockstep, smaller images or a faster machine",
            f.frames.skipped, f.frames.all());
      },
      [](const RunFindings& f) {
@@ -143,9 +140,8 @@ const Row kRows[] = {
     {"truth_of_other_times", [](const RunFindings& f) { return f.truth_missing > f.truth_frames; },
      [](const RunFindings& f) {
        return fmt::format(
-           "only {:.0f} of {:.0f} frames have a true pose although the dataset has a ground truth: it is of other "
-           "times, "
-           "perhaps of another run; logs/player.log has both spans",
+           "only {:.0f} of {:.0f} frames have a true pose although the dataset has a ground truth: it is "
+           "of other times, perhaps of another run; logs/player.log has both spans",
            f.truth_frames, f.truth_frames + f.truth_missing);
      },
      [](const RunFindings& f) {
@@ -158,9 +154,8 @@ const Row kRows[] = {
      },
      [](const RunFindings& f) {
        return fmt::format(
-           "the path is off by {} (ATE) while the true one extends over {}: the ground truth is of another run or "
-           "another "
-           "camera, or tracking went wrong",
+           "the path is off by {} (ATE) while the true one extends over {}: the ground truth is of "
+           "another run or another camera, or tracking went wrong",
            MetresText(*f.ate_m), MetresText(f.true_spread_m));
      },
      [](const RunFindings& f) {
@@ -170,9 +165,8 @@ const Row kRows[] = {
      [](const RunFindings& f) { return f.nees_poses >= kEnoughNees && f.nees_pose > kFarNees; },
      [](const RunFindings& f) {
        return fmt::format(
-           "errors are about {:.0f} times larger than the covariances say (mean NEES {:.3g}, 6 is expected): do not "
-           "rely on the "
-           "covariances, or on the ground truth",
+           "errors are about {:.0f} times larger than the covariances say (mean NEES {:.3g}, 6 is "
+           "expected): do not rely on the covariances, or on the ground truth",
            std::sqrt(f.nees_pose / 6.0), f.nees_pose);
      },
      [](const RunFindings& f) {
@@ -183,8 +177,8 @@ const Row kRows[] = {
        std::string others;
        for (size_t i = 1; i < f.recordings.size(); ++i) others += (i > 1 ? ", " : "") + f.recordings[i];
        return fmt::format(
-           "the recorder was started again, so the recording of {} goes on in {}; what was said between is in "
-           "neither",
+           "the recorder was started again, so the recording of {} goes on in {}; what was said between "
+           "is in neither",
            f.recordings.front(), others);
      },
      [](const RunFindings& f) {
@@ -195,8 +189,8 @@ const Row kRows[] = {
 }  // namespace
 
 void RunFindings::Take(const RunCounters& counters) {
-  features_seen = counters.Sum(kFeaturesSeen);
-  features_matched = counters.Sum(kFeaturesMatched);
+  points_seen = counters.Sum(kPointsSeen);
+  points_matched = counters.Sum(kPointsMatched);
   dark_frames = counters.Sum(kFramesDark);
   corner_rows_px = counters.Largest(kCornerRows);
   truth_frames = counters.Sum(kTruthFrames);

@@ -16,8 +16,8 @@ struct RunFindings {
   std::string dataset;
   FrameTally frames;
   /// See run_counters.h.
-  double features_seen = 0.0;
-  double features_matched = 0.0;
+  double points_seen = 0.0;
+  double points_matched = 0.0;
   double dark_frames = 0.0;
   double corner_rows_px = 0.0;
   double truth_frames = 0.0;

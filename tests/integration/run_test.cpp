@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "player/open_dataset.h"
+#include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
 
@@ -147,6 +149,38 @@ TEST(Run, RelayInPlaceOfMulticast) {
   EXPECT_EQ(run.Summary()["tracked_frames"], kFrames);
   relay.process().Signal(SIGINT);
   EXPECT_EQ(relay.Wait(), 0);
+}
+
+/// A dataset whose left images are the right ones, and the other way round.
+void WriteExchanged(const std::filesystem::path& folder) {
+  const auto world = OpenDataset("synthetic:room?frames=25&size=376x240", "");
+  std::vector<test::ChosenFrame> frames;
+  for (int i = 0; i < world->size(); ++i) frames.push_back({i, false});
+  test::WriteImageFolder(*world, frames, folder);
+  std::filesystem::rename(folder / "left", folder / "exchanged");
+  std::filesystem::rename(folder / "right", folder / "left");
+  std::filesystem::rename(folder / "exchanged", folder / "right");
+}
+
+TEST(Run, OneThatSawNothingIsNotToldLikeAGoodOne) {
+  WholeRun run;
+  const std::filesystem::path images = run.folder() / "images";
+  WriteExchanged(images);
+  ASSERT_EQ(run.Run({"run", images.string(), "--strict"}), 2) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["tracked_percent"], 0.0);
+  EXPECT_EQ(summary["initialising_frames"], 25);
+  ASSERT_EQ(summary["warnings"].size(), 2U) << summary["warnings"].dump(1);
+  EXPECT_EQ(summary["warnings"][0]["code"], "nothing_tracked");
+  EXPECT_EQ(summary["warnings"][1]["code"], "few_stereo_matches");
+  const std::string sentence = summary["warnings"][1]["sentence"];
+  EXPECT_NE(sentence.find("`plslam rectify-check " + images.string()), std::string::npos) << sentence;
+  EXPECT_NE(run.Logs().find("plslam: warning: " + sentence), std::string::npos) << run.Logs();
+  if (!std::filesystem::exists(run.out() / "report.html")) return;  // built without node
+  const std::string report = run.Read("report.html");
+  EXPECT_NE(report.find("\"tracked_percent\":0.0"), std::string::npos);
+  EXPECT_NE(report.find("\"code\":\"few_stereo_matches\""), std::string::npos);
 }
 
 }  // namespace

@@ -83,8 +83,8 @@ json WarningsToJson(const std::vector<RunWarning>& warnings) {
 }
 
 json DataToJson(const RunCounters& counters) {
-  return {{"features_seen", counters.Sum(kFeaturesSeen)},
-          {"features_matched", counters.Sum(kFeaturesMatched)},
+  return {{"points_seen", counters.Sum(kPointsSeen)},
+          {"points_matched", counters.Sum(kPointsMatched)},
           {"dark_frames", counters.Sum(kFramesDark)},
           {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)}};
 }
@@ -241,8 +241,9 @@ RunFindings FindingsOf(const RunSummary& summary) {
   findings.ate_m = number("/ate_m");
   // Null, and yet there are poses to compare: too large for a number.
   const bool too_large = !findings.ate_m && number("/poses/associated").value_or(0.0) > 0.0;
-  if (too_large) findings.ate_m = std::numeric_limits<double>::infinity();
-  findings.true_spread_m = number("/true_spread_m").value_or(0.0);
+  const double without = too_large ? std::numeric_limits<double>::infinity() : 0.0;
+  if (too_large) findings.ate_m = without;
+  findings.true_spread_m = number("/true_spread_m").value_or(without);
   findings.nees_pose = number("/nees_pose/mean").value_or(0.0);
   findings.nees_poses = static_cast<int64_t>(number("/nees_pose/n").value_or(0.0));
   return findings;

@@ -21,8 +21,8 @@ RunFindings GoodRun() {
   RunFindings findings;
   findings.dataset = "/data/kitti 03";
   findings.frames.tracked = 100;
-  findings.features_seen = 80'000;
-  findings.features_matched = 60'000;
+  findings.points_seen = 80'000;
+  findings.points_matched = 60'000;
   findings.ate_m = 0.06;
   findings.true_spread_m = 20.0;
   findings.nees_pose = 20'000.0;
@@ -48,8 +48,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "none of the 50 frames was tracked (50 init"},
       {"little_tracked", [](RunFindings& f) { f.frames = {.tracked = 12, .initialising = 100, .lost = 8}; },
        "only 12 of 120 frames were tracked (10.0 %; 100 initialising, 8 lost)"},
-      {"few_stereo_matches", [](RunFindings& f) { f.features_matched = 800; },
-       "only 1.0 % of the features of the left ones: left and right may be exchanged, not taken at the same time, or "
+      {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
+       "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly "
        "calibrated; `plslam rectify-check '/data/kitti 03'` tells"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
@@ -95,8 +95,8 @@ TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {
   findings.ate_m = 0.01;
   findings.true_spread_m = 0.001;
   EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a camera that stands";
-  findings.features_seen = 300;
-  findings.features_matched = 0;
+  findings.points_seen = 300;
+  findings.points_matched = 0;
   EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a white wall";
 }
 
@@ -109,14 +109,14 @@ TEST(RunWarnings, WhatIsTooLargeForANumberIsTold) {
 
 TEST(RunCounters, AreThoseOfAllProcesses) {
   RunCounters counters;
-  counters.Take(1, "features.seen", 10.0);
-  counters.Take(1, "features.seen", 20.0);
-  counters.Take(2, "features.seen", 5.0);
+  counters.Take(1, "points.seen", 10.0);
+  counters.Take(1, "points.seen", 20.0);
+  counters.Take(2, "points.seen", 5.0);
   counters.Take(1, "queue.frames", 5.0);
-  counters.Take(3, "features.seen", std::numeric_limits<double>::quiet_NaN());
+  counters.Take(3, "points.seen", std::numeric_limits<double>::quiet_NaN());
   counters.Take(1, "rows.corner_px", 3.0);
   counters.Take(2, "rows.corner_px", 4.0);
-  EXPECT_EQ(counters.Sum("features.seen"), 25.0);
+  EXPECT_EQ(counters.Sum("points.seen"), 25.0);
   EXPECT_EQ(counters.Sum("queue.frames"), 0.0);
   EXPECT_EQ(counters.Largest("rows.corner_px"), 4.0);
 }

@@ -103,7 +103,8 @@ void OrderedReader::SkipTo(int64_t seq) {
   while (expected_ < seq) {
     if (!buffer_.empty() && buffer_.begin()->first == expected_) return;  // deliver it first; asked again later
     const int64_t next = buffer_.empty() ? seq : std::min(seq, buffer_.begin()->first);
-    lost_ += std::max<int64_t>(0, two_way_ ? std::min({next, join_end_, counted_end_}) - expected_ : next - expected_);
+    lost_ +=
+        std::max<int64_t>(0, two_way_ ? std::min({next, join_end_, counted_end_}) - expected_ : next - expected_);
     expected_ = next;
   }
   asked_end_ = std::max(asked_end_, expected_);

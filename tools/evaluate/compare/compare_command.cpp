@@ -28,7 +28,9 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("runs", a.runs, "folders of runs; or folders of such folders, for all in them; what is no run is passed over")->required();
+  app.add_option("runs", a.runs,
+                 "folders of runs; or folders of such folders, for all in them; what is no run is passed over")
+      ->required();
   app.add_option(
          "--format", a.format,
          "what is printed: text, markdown, latex, csv, json; or trajectories converted to tum or kitti, in --out")
@@ -79,8 +81,8 @@ std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
   Named named;
   for (const std::string& name : names) AddNamed(name, &named);
   if (named.runs.empty()) {
-    throw std::runtime_error(
-        fmt::format("there is no run to compare, no folder with the summary.json of one: {}", NamesText(named.others)));
+    throw std::runtime_error(fmt::format("there is no run to compare, no folder with the summary.json of one: {}",
+                                         NamesText(named.others)));
   }
   if (!named.others.empty()) {
     fmt::print(stderr, "passed over {} that {}: {}\n", named.others.size(),

@@ -10,7 +10,7 @@ namespace {
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 constexpr double kEnoughTracked_percent = 90.0;
-/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 %.
+/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 to 8 %.
 constexpr double kFewMatched = 0.15;
 constexpr double kEnoughPoints = 2000.0;
 constexpr double kManyDark = 0.1;

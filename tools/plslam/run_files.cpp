@@ -63,7 +63,7 @@ std::optional<double> LiveError_m(const std::filesystem::path& out) {
 
 std::optional<double> PathLength_m(const std::filesystem::path& out) {
   const auto path = out / "trajectory.tum";
-  if (!std::filesystem::exists(path)) return std::nullopt;
+  if (!std::filesystem::is_regular_file(path)) return std::nullopt;
   const Trajectory trajectory = ReadTrajectory(path, TrajectoryFormat::kTum);
   double length_m = 0.0;
   for (size_t i = 1; i < trajectory.size(); ++i) {

@@ -12,8 +12,9 @@ std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& number
   const FrameRecord& newest = recorder.frames().rbegin()->second;
   line += fmt::format("  {} points  {} lines  keyframes {}  {}", newest.counts.tracked_points,
                       newest.counts.tracked_lines, recorder.keyframes(), TrackingStateName(newest.state));
-  if (recorder.lost_frames() > 0) line += fmt::format("  lost {}", recorder.lost_frames());
-  if (recorder.skipped_frames() > 0) line += fmt::format("  skipped {}", recorder.skipped_frames());
+  const FrameTally tally = recorder.Tally(false);
+  if (tally.lost > 0) line += fmt::format("  lost {}", tally.lost);
+  if (tally.skipped > 0) line += fmt::format("  skipped {}", tally.skipped);
   line += fmt::format("  gaps {}", numbers.gaps);
   if (numbers.gaps > 0) line += fmt::format(" ({} repaired)", numbers.repaired);
   return line;

@@ -7,25 +7,11 @@
 namespace plslam {
 namespace {
 
-constexpr std::array<const char*, 5> kStateNames{"initialising", "tracking", "weak", "lost", "recovered"};
 // Against a publisher that invents frames or names without end.
 constexpr size_t kMaxFrames = 20'000'000;
 constexpr size_t kMaxStages = 64;
 
-bool IsKnown(TrackingState state) {
-  return static_cast<int>(state) >= 0 && static_cast<size_t>(state) < kStateNames.size();
-}
-
 }  // namespace
-
-std::string TrackingStateName(TrackingState state) {
-  return IsKnown(state) ? kStateNames[static_cast<size_t>(state)] : "unknown";
-}
-
-bool HasPose(const FrameRecord& frame) {
-  if (frame.state == TrackingState::kInitialising) return frame.keyframe_id >= 0;
-  return frame.state != TrackingState::kLost;
-}
 
 PackedCovariance::PackedCovariance(const Matrix6d& covariance) {
   size_t k = 0;
@@ -48,7 +34,9 @@ Matrix6d PackedCovariance::Unpack() const {
 bool Recorder::AddPose(const FramePose& pose) {
   const bool finite = pose.T_odom_c.IsFinite() && pose.T_w_odom.IsFinite() && pose.covariance.allFinite() &&
                       pose.motion_covariance.allFinite();
-  if (!finite || !IsKnown(pose.state) || pose.frame_id < 0 || pose.counts.skipped_frames < 0) return false;
+  if (!finite || !IsTrackingState(static_cast<int>(pose.state)) || pose.frame_id < 0 ||
+      pose.counts.skipped_frames < 0)
+    return false;
   const auto found = frames_.find(pose.frame_id);
   if (found == frames_.end() && frames_.size() >= kMaxFrames) return false;
   if (found != frames_.end()) Count(found->second, -1);
@@ -71,8 +59,15 @@ bool Recorder::AddPose(const FramePose& pose) {
 
 void Recorder::Count(const FrameRecord& record, int sign) {
   if (record.keyframe_id >= 0) keyframes_ += sign;
-  if (record.state == TrackingState::kLost) lost_frames_ += sign;
-  skipped_frames_ += sign * int64_t{record.counts.skipped_frames};
+  tally_.Count(record.state, record.keyframe_id, sign);
+  tally_.skipped += sign * int64_t{record.counts.skipped_frames};
+}
+
+FrameTally Recorder::Tally(bool is_over) const {
+  FrameTally tally = tally_;
+  tally.unreadable = sent_.unreadable();
+  if (is_over) tally.unanswered = sent_.Unanswered(tally);
+  return tally;
 }
 
 void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
@@ -103,7 +98,7 @@ std::optional<std::pair<int64_t, int64_t>> Recorder::LastKeyframe() const {
 }
 
 bool Recorder::IsComplete() const {
-  return n_frames_ && static_cast<int64_t>(frames_.size()) + skipped_frames_ >= *n_frames_;
+  return n_frames_ && static_cast<int64_t>(frames_.size()) + tally_.skipped >= *n_frames_;
 }
 
 }  // namespace plslam

@@ -9,14 +9,9 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
+#include "core/run/frame_tally.h"
 
 namespace plslam {
-
-/// What the tracker says of itself; numbers of `pose_t.state`.
-enum class TrackingState { kInitialising = 0, kTracking = 1, kWeak = 2, kLost = 3, kRecovered = 4 };
-
-/// "initialising", "tracking", "weak", "lost", "recovered".
-std::string TrackingStateName(TrackingState state);
 
 /// Numbers of one frame that the tables and captions show.
 struct FrameCounts {
@@ -70,9 +65,8 @@ struct FrameRecord {
   std::vector<float> stages_ms;
 };
 
-/// Its pose is estimated, not just the place where nothing is known yet (initialising) or a guess (lost). The frame that founds
-/// a session has one, by definition.
-bool HasPose(const FrameRecord& frame);
+/// IsTracked.
+inline bool HasPose(const FrameRecord& frame) { return IsTracked(frame.state, frame.keyframe_id); }
 
 struct TruthRecord {
   int64_t t_ns = 0;
@@ -87,8 +81,13 @@ class Recorder {
   /// False where it is refused.
   bool AddPose(const FramePose& pose);
   bool AddTruth(int64_t frame_id, const TruthRecord& truth);
-  /// The stream has ended after `n_frames` frames.
-  void SetEnd(int64_t n_frames) { n_frames_ = n_frames; }
+  /// The stream has ended after `n_frames` frames; `n_bad` could not be read.
+  void SetEnd(int64_t n_frames, int64_t n_bad = 0) {
+    n_frames_ = n_frames;
+    sent_.OnStream(true, n_frames, n_bad);
+  }
+  /// What the player says while it plays: frames sent, and those it could not read.
+  void SetSent(int64_t sent, int64_t unreadable) { sent_.OnStatus(sent, unreadable); }
 
   /// Frames of the ended stream; nullopt while it runs.
   std::optional<int64_t> n_frames() const { return n_frames_; }
@@ -102,8 +101,8 @@ class Recorder {
   const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   int64_t keyframes() const { return keyframes_; }
-  int64_t lost_frames() const { return lost_frames_; }
-  int64_t skipped_frames() const { return skipped_frames_; }
+  /// What became of the frames so far. Those sent and not answered count once the run `is_over`: before that they are on their way.
+  FrameTally Tally(bool is_over) const;
 
  private:
   void Count(const FrameRecord& record, int sign);
@@ -114,8 +113,8 @@ class Recorder {
   std::vector<std::string> stage_names_;
   std::optional<int64_t> n_frames_;
   int64_t keyframes_ = 0;
-  int64_t lost_frames_ = 0;
-  int64_t skipped_frames_ = 0;
+  FrameTally tally_;
+  SentFrames sent_;
 };
 
 }  // namespace plslam

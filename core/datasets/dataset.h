@@ -29,6 +29,8 @@ class Dataset {
   /// True pose at the time of the pair; nullopt where unknown. Dense ground truth of another sensor is interpolated
   /// and moved to the left camera here.
   virtual std::optional<SE3> GroundTruth(int index) const = 0;
+  /// There is a recorded truth, of whatever frames: where most have none, it is of other times.
+  virtual bool HasRecordedTruth() const { return false; }
   /// What was passed over while opening, in sentences for the user ("3 images of cam0 have no partner in cam1").
   virtual std::vector<std::string> Notes() const { return {}; }
 };

@@ -19,6 +19,7 @@ class ImageListDataset : public Dataset {
   int size() const override { return static_cast<int>(list_.entries.size()); }
   int64_t t_ns(int index) const override { return Entry(index).t_ns; }
   std::vector<std::string> Notes() const override { return list_.notes; }
+  bool HasRecordedTruth() const override { return !list_.ground_truth.empty(); }
 
   StereoImages Read(int index) const override {
     const ImageList::Entry& entry = Entry(index);

@@ -11,6 +11,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/datasets/open_dataset.h"
 #include "core/process/worker.h"
+#include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -252,6 +253,10 @@ void PlayerNode::PassOver(const LoadedFrame& frame) {
 void PlayerNode::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(dataset_->rig())); }
 
 void PlayerNode::PublishTruth(const LoadedFrame& frame) {
+  if (dataset_->HasRecordedTruth()) {
+    int64_t& n = frame.T_w_l ? n_true_ : n_without_truth_;
+    process_.SetCounter(std::string(frame.T_w_l ? kTruthFrames : kTruthMissing), static_cast<double>(++n));
+  }
   if (!frame.T_w_l) return;
   ground_truth_t message;
   message.header = {};

@@ -65,6 +65,8 @@ class PlayerNode {
   int64_t n_sent_ = 0;
   int64_t n_bad_ = 0;
   int64_t n_late_ = 0;
+  int64_t n_true_ = 0;
+  int64_t n_without_truth_ = 0;
   bool running_ = false;
   std::thread sender_;
 };

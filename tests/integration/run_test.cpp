@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/datasets/open_dataset.h"
+#include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
 
@@ -147,6 +149,51 @@ TEST(Run, RelayInPlaceOfMulticast) {
   EXPECT_EQ(run.Summary()["tracked_frames"], kFrames);
   relay.process().Signal(SIGINT);
   EXPECT_EQ(relay.Wait(), 0);
+}
+
+/// 30 frames of a room as a folder of images, the lens covered in the first `n_covered` of them.
+void WriteImages(const std::filesystem::path& folder, int n_covered) {
+  const auto world = OpenDataset("synthetic:room?frames=30&size=376x240", "");
+  std::vector<test::ChosenFrame> frames;
+  for (int i = 0; i < world->size(); ++i) frames.push_back({i, i < n_covered});
+  test::WriteImageFolder(*world, frames, folder);
+}
+
+std::vector<std::string> WarningsOf(const nlohmann::json& summary) {
+  std::vector<std::string> codes;
+  for (const nlohmann::json& warning : summary["warnings"]) codes.push_back(warning["code"]);
+  return codes;
+}
+
+TEST(Run, OneThatSawLittleIsNotToldLikeAGoodOne) {
+  WholeRun run;
+  const std::filesystem::path images = run.folder() / "images";
+  WriteImages(images, 27);
+  ASSERT_EQ(run.Run({"run", images.string(), "--strict"}), 2) << run.Logs();
+  const nlohmann::json summary = run.Summary();
+  EXPECT_EQ(summary["completed"], true);
+  EXPECT_EQ(summary["tracked_percent"], 10.0);
+  EXPECT_EQ(summary["initialising_frames"], 27);
+  EXPECT_THAT(WarningsOf(summary), testing::ElementsAre("little_tracked", "dark_images"));
+  for (const nlohmann::json& warning : summary["warnings"]) {
+    EXPECT_THAT(run.Logs(), testing::HasSubstr("plslam: warning: " + warning["sentence"].get<std::string>()));
+  }
+  if (!std::filesystem::exists(run.out() / "report.html")) return;  // built without node
+  const std::string report = run.Read("report.html");
+  EXPECT_NE(report.find("\"tracked_percent\":10.0"), std::string::npos);
+  EXPECT_NE(report.find("\"code\":\"little_tracked\""), std::string::npos);
+}
+
+TEST(Run, ExchangedImagesAreTold) {
+  WholeRun run;
+  const std::filesystem::path images = run.folder() / "images";
+  WriteImages(images, 0);
+  std::filesystem::rename(images / "left", images / "exchanged");
+  std::filesystem::rename(images / "right", images / "left");
+  std::filesystem::rename(images / "exchanged", images / "right");
+  ASSERT_EQ(run.Run({"run", images.string()}), 0) << run.Logs();
+  EXPECT_THAT(WarningsOf(run.Summary()), testing::Contains("few_stereo_matches"));
+  EXPECT_THAT(run.Logs(), testing::HasSubstr("`plslam rectify-check '" + images.string() + "'` tells"));
 }
 
 }  // namespace

@@ -147,6 +147,11 @@ await runChecks(check, browser, async (page) => {
   console.log(`     open after ${Date.now() - start} ms`);
   if (picture) writeFileSync(picture, await browser.screenshot());
   check.that((await page.text("#dataset")).length > 0, `the run has a name: '${await page.text("#dataset")}'`);
+  const [tracked, warnings, hidden] = await browser.run(`const box = document.getElementById("warnings");
+    return [plslam.run.facts.tracked_percent, plslam.run.facts.warnings.length, box.hidden];`);
+  const summary = await page.text("#summary");
+  check.that(summary.includes(`${tracked === 100 ? "100" : tracked.toFixed(1)} %`), `${tracked} % tracked are told as such`);
+  check.that(hidden === (warnings === 0), `${warnings} warnings, and a box only where there are some`);
   await checkMap(page);
   if (what === "all") {
     await checkColours(page);

@@ -5,6 +5,7 @@ import { countUpTo, Run } from "../../viewer_headless/page/data.js";
 import { fitView, worthSeeing } from "../../viewer_headless/page/framing.js";
 import { unpackObservers, unpackSigma } from "../../viewer_headless/page/observers.js";
 import { WallClock } from "../../viewer_headless/page/wall_clock.js";
+import { notTracked } from "../../viewer_headless/page/summary.js";
 
 function column(Type, name, width, values) {
   return { type: name, width, data: Buffer.from(Type.from(values).buffer).toString("base64") };
@@ -127,4 +128,23 @@ test("the clock of the host follows that of the recording", () => {
   assert.equal(clock.wallAt(1.5), 2.5);
   assert.deepEqual([clock.timeAt(0), clock.timeAt(9), clock.wallAt(-1), clock.wallAt(9)], [0, 2, 1, 3]);
   assert.equal(new WallClock(new Run()).timeAt(1), null);
+});
+
+test("frames that are not tracked are told by what became of them", () => {
+  const none = { initialising_frames: 0, lost_frames: 0, skipped_frames: 0, bad_frames: 0, unanswered_frames: 0 };
+  assert.equal(notTracked(none), "none lost");
+  assert.equal(notTracked({ ...none, initialising_frames: 90 }), "90 initialising");
+  assert.equal(notTracked({ ...none, lost_frames: 2, skipped_frames: 3, bad_frames: 4, unanswered_frames: 5 }),
+    "2 lost, 3 skipped, 4 unreadable, 5 unanswered");
+});
+
+test("warnings come with the path, and stay until the next", () => {
+  const run = new Run();
+  const path = { p: f32(3, [0, 0, 0]), q: f32(4, [0, 0, 0, 1]) };
+  const map = { points: {}, segments: {}, keyframes: {}, edges: {}, loop_edges: {} };
+  run.take(message({ whole: true, facts: { warnings: [{ sentence: "dark" }] }, frames: rows([0], 1, [5]), path, map }));
+  run.take(message({ first_row: 1, facts: { warnings: [] }, frames: rows([1], 1, [5]) }));
+  assert.equal(run.facts.warnings.length, 1);
+  run.take(message({ first_row: 2, facts: { warnings: [] }, path, map }));
+  assert.equal(run.facts.warnings.length, 0);
 });

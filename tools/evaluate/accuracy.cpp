@@ -29,9 +29,20 @@ std::string Note(const Accuracy& accuracy, const EvaluateOptions& options) {
     return fmt::format("no pose of the estimate is within {:g} s of a true one",
                        1e-9 * static_cast<double>(options.max_difference_ns));
   }
+  if (!std::isfinite(accuracy.ate_m.rmse)) {
+    return "positions are so far apart that no error can be computed: are both in metres, and of the same run?";
+  }
   if (accuracy.pairs.size() == 1) return "one pose only: nothing can be said about motion";
   if (accuracy.true_path_m == 0.0) return "the true path has no length: nothing can be said per metre";
   return "";
+}
+
+double TrueSpread_m(const PosePairs& pairs) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const PosePair& pair : pairs) mean += pair.truth.translation() / static_cast<double>(pairs.size());
+  double sum_m2 = 0.0;
+  for (const PosePair& pair : pairs) sum_m2 += (pair.truth.translation() - mean).squaredNorm();
+  return pairs.empty() ? 0.0 : std::sqrt(sum_m2 / static_cast<double>(pairs.size()));
 }
 
 double Coverage(const Accuracy& accuracy, int64_t n_frames) {
@@ -63,6 +74,7 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
   a.coverage_percent = Coverage(a, options.n_frames);
   if (!a.pairs.empty()) {
     a.true_path_m = TruePath_m(a.pairs).back();
+    a.true_spread_m = TrueSpread_m(a.pairs);
     a.duration_s = 1e-9 * static_cast<double>(a.pairs.back().t_ns - a.pairs.front().t_ns);
   }
   a.alignment_kind = options.alignment;

@@ -46,7 +46,7 @@ struct RelativeErrorSummary {
 };
 
 /// Everything that can be said about an estimate with the truth at hand. Never NaN: what has no samples is zero, and
-/// its count says so.
+/// its count says so. What is too large for a number is infinite, and the note says so.
 struct Accuracy {
   int estimated_poses = 0;
   int true_poses = 0;
@@ -54,6 +54,8 @@ struct Accuracy {
   /// Poses found in the estimate, of `n_frames` or of the true poses.
   double coverage_percent = 0.0;
   double true_path_m = 0.0;
+  /// Root mean square of the distances of the true positions, of the pairs, from their mean.
+  double true_spread_m = 0.0;
   double duration_s = 0.0;
   Alignment alignment_kind = Alignment::kSe3;
   Similarity alignment;
@@ -74,7 +76,7 @@ struct Accuracy {
 
 Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options);
 
-/// `ate_m` (rmse) first, null where nothing is associated; the counts, errors and tables by name. Leaves the pairs out.
+/// `ate_m` (rmse) first, null where nothing is associated or it is no finite number (so are all others then); the counts, errors and tables by name. Leaves the pairs out.
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
 
 }  // namespace plslam

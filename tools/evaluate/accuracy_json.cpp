@@ -1,5 +1,7 @@
 #include "tools/evaluate/accuracy.h"
 
+#include <cmath>
+
 namespace plslam {
 namespace {
 
@@ -57,6 +59,14 @@ Json AlignmentJson(const Accuracy& a) {
           {"q_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
+/// A JSON file would have null for them anyway; who reads the object is to see the same.
+void NullWhatIsNotFinite(Json& json) {
+  if (json.is_number_float() && !std::isfinite(json.get<double>())) json = nullptr;
+  if (json.is_structured()) {
+    for (Json& member : json) NullWhatIsNotFinite(member);
+  }
+}
+
 }  // namespace
 
 nlohmann::ordered_json ToJson(const Accuracy& a) {
@@ -64,6 +74,7 @@ nlohmann::ordered_json ToJson(const Accuracy& a) {
             {"coverage_percent", a.coverage_percent},
             {"poses", {{"estimated", a.estimated_poses}, {"true", a.true_poses}, {"associated", a.pairs.size()}}},
             {"true_path_m", a.true_path_m},
+            {"true_spread_m", a.true_spread_m},
             {"duration_s", a.duration_s},
             {"alignment", AlignmentJson(a)},
             {"ate_translation_m", StatisticsJson(a.ate_m)},
@@ -79,6 +90,7 @@ nlohmann::ordered_json ToJson(const Accuracy& a) {
     json["clock"] = {{"offset_s", a.clock->offset_s}, {"ate_m", a.clock->ate_m}, {"ate_now_m", a.clock->ate_now_m}};
   }
   if (!a.note.empty()) json["note"] = a.note;
+  NullWhatIsNotFinite(json);
   return json;
 }
 

@@ -7,7 +7,7 @@
 namespace plslam {
 namespace {
 
-std::string Value(int n, double value) { return n > 0 ? fmt::format("{:.4f}", value) : "-"; }
+std::string Value(int n, double value) { return n > 0 && std::isfinite(value) ? fmt::format("{:.4f}", value) : "-"; }
 
 std::string StatisticsRow(const std::string& name, const Statistics& s) {
   return fmt::format("{:<26}{:>8}{:>12}{:>12}{:>12}{:>12}\n", name, s.n, Value(s.n, s.rmse), Value(s.n, s.mean),
@@ -17,7 +17,8 @@ std::string StatisticsRow(const std::string& name, const Statistics& s) {
 std::string Head(const Accuracy& a) {
   std::string text = fmt::format("poses       {} estimated, {} true, {} associated; coverage {:.1f} %\n",
                                  a.estimated_poses, a.true_poses, a.pairs.size(), a.coverage_percent);
-  text += fmt::format("true path   {:.3f} m in {:.3f} s\n", a.true_path_m, a.duration_s);
+  text += fmt::format("true path   {} m in {:.3f} s\n",
+                      std::isfinite(a.true_path_m) ? fmt::format("{:.3f}", a.true_path_m) : "-", a.duration_s);
   text += fmt::format("alignment   {}", AlignmentName(a.alignment_kind));
   if (a.alignment_kind == Alignment::kSim3) text += fmt::format(", scale {:.6f}", a.alignment.scale);
   text += '\n';

@@ -22,8 +22,7 @@ int main(int argc, char** argv) {
       "  plslam export out/mh01.plmap --format ply colmap\n"
       "  plslam doctor\n"
       "plslam COMMAND --help tells the options of each. Exit code 0: done; 1: not done, and one sentence on standard "
-      "error "
-      "says why.");
+      "error says why; 2, with --strict: a run that is done, with warnings.");
   plslam::Command command;
   for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
                          plslam::AddSaveCommand, plslam::AddExportCommand, plslam::AddRelayCommand,

@@ -4,14 +4,32 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 
 namespace plslam {
 
+namespace {
+
+/// Before, the rate tells little.
+constexpr int64_t kEnoughFrames = 20;
+
+/// "45 s", "12 min", "3 h 20 min".
+std::string DurationText(double seconds) {
+  if (seconds < 99.5) return fmt::format("{:.0f} s", seconds);
+  const auto minutes = static_cast<int64_t>(std::lround(seconds / 60.0));
+  return minutes < 100 ? fmt::format("{} min", minutes) : fmt::format("{} h {} min", minutes / 60, minutes % 60);
+}
+
+}  // namespace
+
 std::string FormatProgress(const Progress& p, int width) {
   const std::string total = p.total_frames >= 0 ? fmt::format("/{}", p.total_frames) : "";
-  std::string line = fmt::format("frame {}{}  {:.1f}/s  {}  points {}  lines {}  keyframes {}", p.frames, total,
-                                 p.rate_hz, p.state, p.tracked_points, p.tracked_lines, p.keyframes);
+  const double left = static_cast<double>(p.total_frames - p.frames);
+  const bool knows_left = left > 0.0 && p.frames >= kEnoughFrames && p.rate_hz > 0.0;
+  const std::string rest = knows_left ? fmt::format("  {} left", DurationText(left / p.rate_hz)) : "";
+  std::string line = fmt::format("frame {}{}  {:.1f}/s{}  {}  points {}  lines {}  keyframes {}", p.frames, total,
+                                 p.rate_hz, rest, p.state, p.tracked_points, p.tracked_lines, p.keyframes);
   if (p.skipped_frames > 0) line += fmt::format("  skipped {}", p.skipped_frames);
   line += fmt::format("  gaps {}", p.lost_messages);
   if (p.restarts > 0) line += fmt::format("  restarts {}", p.restarts);

@@ -44,24 +44,20 @@ class SessionDoor {
   bool interrupted_ = false;
 };
 
+constexpr int kWarned = 2;
+
 /// The terminal may have gone, or who read the other end of a pipe: the run and its files are as good without.
 void Print(std::FILE* to, const std::string& text) { std::fputs(text.c_str(), to); }
 
-/// What there is to know about the run beside its results.
-void Warn(const RunOptions& options, const RunSummary& summary) {
-  if (summary.missing_pictures > 0) {
-    fmt::print(stderr,
-               "plslam: warning: {} frames lack their picture in the report, the film or the overlays; {} says why\n",
-               summary.missing_pictures, (options.out / "logs" / "viewer.log").string());
+/// Where to look at what the run left behind, one line each.
+std::string WhereToLook(const RunOptions& options) {
+  const std::filesystem::path report = options.out / "report.html";
+  std::string text = std::filesystem::exists(report) ? fmt::format("  {:<10} {}\n", "report", report.string())
+                                                     : fmt::format("  {:<10} {}\n", "outputs", options.out.string());
+  if (!options.save_map.empty() && std::filesystem::exists(options.save_map)) {
+    text += fmt::format("  {:<10} {}\n", "saved map", options.save_map.string());
   }
-  if (summary.recordings.size() < 2) return;
-  std::string others;
-  for (size_t i = 1; i < summary.recordings.size(); ++i) others += (i > 1 ? ", " : "") + summary.recordings[i];
-  Print(stderr,
-        fmt::format(
-            "plslam: warning: the recorder was started again, so the recording of {} goes on in {}; what was said "
-            "between is in neither\n",
-            summary.recordings.front(), others));
+  return text;
 }
 
 /// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the folder is this
@@ -78,8 +74,9 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   const bool keeps_old = !session.accepted() && folder->has_results();
   TakeFolder(options, session, summary, folder);
   if (session.accepted()) {
-    summary.accuracy = EvaluateRunFiles(options.out, AllFrames(summary));
+    summary.accuracy = EvaluateRunFiles(options.out, summary.frames.all());
     summary.live_ate_m = LiveError_m(options.out);
+    summary.path_m = PathLength_m(options.out);
   }
   const nlohmann::json json = SummaryToJson(summary);
   std::string reason = summary.reason;
@@ -91,18 +88,21 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
     written = false;
     reason += (reason.empty() ? "" : "; ") + std::string(error.what());
   }
-  Warn(options, summary);
+  const nlohmann::json& warnings = json["warnings"];
+  for (const nlohmann::json& warning : warnings) {
+    Print(stderr, fmt::format("plslam: warning: {}\n", warning["sentence"].get<std::string>()));
+  }
   if (options.json) {
     Print(stdout, JsonText(json) + "\n");
-  } else if (!options.quiet && summary.statistics->frames() > 0) {
-    Print(stdout, fmt::format("{}\nOutputs are in {}\n", SummaryToText(json), options.out.string()));
+  } else if (!options.quiet && summary.frames.answered() > 0) {
+    Print(stdout, SummaryToText(json, options.verbose) + WhereToLook(options));
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
   if (session.ended_well() && !keeps_old && written) {
-    if (!options.quiet && !summary.completed && summary.statistics->frames() == 0) {
+    if (!options.quiet && !summary.completed && summary.frames.answered() == 0) {
       Print(stderr, fmt::format("plslam: {} before the first frame\n", summary.reason));
     }
-    return 0;
+    return options.strict && !warnings.empty() ? kWarned : 0;
   }
   Print(stderr, fmt::format("plslam: error: {}{}\n", reason,
                             keeps_old ? fmt::format(" ({} is still of the run before)", options.out.string()) : ""));
@@ -173,7 +173,10 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
       ->excludes("--save-map");
   sub->add_option("--max-restarts", o->max_restarts, "starts of a crashed process again")
       ->check(CLI::NonNegativeNumber);
-  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal");
+  sub->add_flag("--quiet", o->quiet, "no progress, no summary on the terminal; warnings and errors are told");
+  sub->add_flag("--verbose", o->verbose,
+                "also what the map is made of, all errors, and tables of times and processes");
+  sub->add_flag("--strict", o->strict, "exit code 2 where the finished run has warnings");
   sub->add_flag("--json", o->json, "the summary as JSON on standard output");
 }
 
@@ -197,7 +200,10 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "  plslam run /data/euroc/MH_01 --config config/plslam.yaml --record out/mh01.lcm\n"
       "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
       "saved,\n"
-      "with --save-map); a second signal ends everything at once.");
+      "with --save-map); 1 when not, and one sentence on standard error says why; 2 with --strict when it was, but "
+      "there\n"
+      "are warnings, which are on standard error, in summary.json and in the report. A second signal ends everything "
+      "at once.");
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }
 

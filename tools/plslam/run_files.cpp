@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cctype>
+#include <cmath>
 #include <utility>
 
 #include "core/io/files/atomic_file.h"
@@ -57,7 +58,19 @@ std::optional<double> LiveError_m(const std::filesystem::path& out) {
   EvaluateOptions options;
   options.max_difference_ns = kMaxDifference_ns;
   const Accuracy accuracy = EvaluateTrajectory(both->first, both->second, options);
-  return accuracy.pairs.empty() ? std::nullopt : std::optional(accuracy.ate_m.rmse);
+  const bool known = !accuracy.pairs.empty() && std::isfinite(accuracy.ate_m.rmse);
+  return known ? std::optional(accuracy.ate_m.rmse) : std::nullopt;
+}
+
+std::optional<double> PathLength_m(const std::filesystem::path& out) {
+  const auto path = out / "trajectory.tum";
+  if (!std::filesystem::is_regular_file(path)) return std::nullopt;
+  const Trajectory trajectory = ReadTrajectory(path, TrajectoryFormat::kTum);
+  double length_m = 0.0;
+  for (size_t i = 1; i < trajectory.size(); ++i) {
+    length_m += (trajectory[i].T_a_b.translation() - trajectory[i - 1].T_a_b.translation()).norm();
+  }
+  return !trajectory.empty() && std::isfinite(length_m) ? std::optional(length_m) : std::nullopt;
 }
 
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames) {

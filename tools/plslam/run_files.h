@@ -16,8 +16,11 @@ std::filesystem::path DefaultOut(const std::string& dataset);
 std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out, int64_t n_frames);
 
 /// Absolute error of `trajectory_live.tum`, in metres. Nothing where there is no such file, no ground truth
-/// or no pose that has a true one.
+/// or no pose that has a true one, or the error is no finite number.
 std::optional<double> LiveError_m(const std::filesystem::path& out);
+
+/// Length of `trajectory.tum`, in metres. Nothing where there is no such file, no pose in it, or no finite length.
+std::optional<double> PathLength_m(const std::filesystem::path& out);
 
 /// For people; bytes that are not UTF-8 (names, sentences of others) are replaced.
 std::string JsonText(const nlohmann::json& json);

@@ -38,6 +38,8 @@ struct RunOptions {
   /// Event log of all traffic; empty: none.
   std::filesystem::path record;
   bool quiet = false;
+  bool verbose = false;
+  bool strict = false;
   bool json = false;
   int max_restarts = 5;
 };

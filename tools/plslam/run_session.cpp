@@ -157,7 +157,7 @@ bool RunSession::HearsSharedMap() const {
 void RunSession::CheckAccepted() {
   const std::string player = monitor_.StateOf(supervisor_.pid("player"));
   const bool plays = player == "ready" || player == "running" || player == "finished";
-  if (!plays && monitor_.statistics().frames() == 0) return;
+  if (!plays && monitor_.statistics().frames().answered() == 0) return;
   accepted_ = true;
   RemoveOldOutputs(options_, files_began_);
 }
@@ -179,6 +179,9 @@ void RunSession::CheckStarted(Clock::time_point now) {
     phase_ = Phase::kPlaying;
     phase_began_ = playing_since_ = now;
     stall_watch_.Begin(now);
+    // The viewer is ready: somebody answers there.
+    const bool tells = options_.serve > 0 && !options_.quiet;
+    if (tells) fmt::print(stderr, "live: http://127.0.0.1:{}/\n", options_.serve);
     StartRows(true);
   } else if (all_ready && now - phase_began_ > kSharedMapLimit) {
     BeginStop(fmt::format(
@@ -291,9 +294,11 @@ void RunSession::ShowProgress(Clock::time_point now) {
   if (phase_ != Phase::kPlaying) return;
   const RunStatistics& s = monitor_.statistics();
   const double played_s = std::max(std::chrono::duration<double>(now - playing_since_).count(), 1e-3);
-  progress_line_.Show({s.frames(), monitor_.total_frames(), static_cast<double>(s.frames()) / played_s,
+  // Those passed over are done with, too.
+  const int64_t frames = s.frames().answered() + s.frames().skipped;
+  progress_line_.Show({frames, monitor_.total_frames(), static_cast<double>(frames) / played_s,
                        s.last().tracked_points, s.last().tracked_lines, s.keyframes(),
-                       TrackingStateName(s.last().state), monitor_.messages().lost, s.skipped_frames(),
+                       TrackingStateName(s.last().state), monitor_.messages().lost, s.frames().skipped,
                        supervisor_.restarts(), monitor_.LagAt(bus::NowS()).text});
 }
 
@@ -303,9 +308,8 @@ RunSummary RunSession::Summary() const {
   summary.completed = completed_;
   summary.reason = reason_;
   summary.wall_s = wall_s_;
-  summary.bad_frames = monitor_.bad_frames();
-  summary.missing_pictures = monitor_.missing_pictures();
-  summary.unanswered_frames = monitor_.unanswered_frames();
+  summary.frames = monitor_.frames();
+  summary.counters = monitor_.counters();
   summary.statistics = &monitor_.statistics();
   summary.map = &monitor_.map();
   summary.loops = &monitor_.loops();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/run/frame_tally.h"
 #include "tools/plslam/id_counter.h"
 #include "tools/plslam/stage_times.h"
 
@@ -16,7 +17,7 @@ struct FrameReport {
   int64_t session = 0;
   int64_t frame_id = 0;
   int64_t t_ns = 0;
-  int state = 0;  ///< `pose_t.state`
+  TrackingState state = TrackingState::kInitialising;
   int64_t keyframe_id = -1;
   int tracked_points = 0;
   int tracked_lines = 0;
@@ -24,21 +25,15 @@ struct FrameReport {
   std::vector<std::pair<std::string, double>> stage_ms;
 };
 
-/// Name of a `pose_t.state`.
-std::string TrackingStateName(int state);
-
 /// Counts a run, frame by frame, in memory that hardly grows with its length: by a bit for each landmark.
 class RunStatistics {
  public:
   void AddFrame(const FrameReport& frame);
   void AddLandmark(int64_t session, int64_t landmark_id, bool is_line);
 
-  /// Frames with a pose message; one that a restarted tracker does again counts once.
-  int64_t frames() const { return frames_; }
-  /// Of those, frames with an estimated pose: tracking, weak, recovered, or the one that founded the map.
-  int64_t tracked_frames() const { return tracked_frames_; }
+  /// Frames with a pose message, and those that these say were skipped; one that a restarted tracker does again counts once.
+  const FrameTally& frames() const { return frames_; }
   int64_t keyframes() const { return keyframes_; }
-  int64_t skipped_frames() const { return skipped_frames_; }
   int64_t landmark_points() const { return points_.count(); }
   int64_t landmark_lines() const { return lines_.count(); }
   const FrameReport& last() const { return last_; }
@@ -49,10 +44,8 @@ class RunStatistics {
   const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
 
  private:
-  int64_t frames_ = 0;
-  int64_t tracked_frames_ = 0;
+  FrameTally frames_;
   int64_t keyframes_ = 0;
-  int64_t skipped_frames_ = 0;
   int64_t newest_frame_id_ = -1;
   int64_t newest_t_ns_ = 0;
   FrameReport last_;

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/process/process_signals.h"
 #include "tools/plslam/yaml_to_json.h"
@@ -16,12 +18,13 @@ using nlohmann::json;
 double Rounded(double value, double step) { return std::round(value / step) * step; }
 
 json RoundedOrNull(const std::optional<double>& value, double step) {
-  return value ? json(Rounded(*value, step)) : json(nullptr);
+  return value && std::isfinite(*value) ? json(Rounded(*value, step)) : json(nullptr);
 }
 
 /// A dash where nothing was measured.
 std::string NumberText(const json& value, int digits) {
-  return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
+  const bool known = value.is_number() && std::isfinite(value.get<double>());
+  return known ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
 }
 
 json QuantilesToJson(const QuantileSketch& samples) {
@@ -70,18 +73,87 @@ json LoopsToJson(const RunSummary& summary) {
           {"whole_map_ms", QuantilesToJson(loops.adjust_ms())}};
 }
 
-std::string LoopsToText(const json& s) {
-  const json& asked = s["loop_closing"]["relocalisations"];
-  return fmt::format("  loops      {}, relocalised {} of {} times asked\n", s["loops"].get<int64_t>(),
-                     asked["found"].get<int64_t>(), asked["asked"].get<int64_t>());
+json WarningsToJson(const std::vector<RunWarning>& warnings) {
+  json result = json::array();
+  for (const RunWarning& warning : warnings) {
+    json numbers = json::object();
+    for (const auto& [name, value] : warning.numbers) numbers[name] = value;
+    result.push_back({{"code", warning.code}, {"sentence", warning.sentence}, {"numbers", numbers}});
+  }
+  return result;
 }
 
-std::string MapToText(const json& map) {
-  return fmt::format(
-      "  map        {} keyframes, {:.1f} observations a point, {:.1f} a line, reprojection {} -> {} px\n",
-      map["keyframes"].get<int64_t>(), map["observations_per_point"].get<double>(),
-      map["observations_per_line"].get<double>(), NumberText(map["reprojection_before_px"], 3),
-      NumberText(map["reprojection_after_px"], 3));
+json DataToJson(const RunCounters& counters) {
+  return {{"points_seen", counters.Sum(kPointsSeen)},
+          {"points_matched", counters.Sum(kPointsMatched)},
+          {"dark_frames", counters.Sum(kFramesDark)},
+          {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)}};
+}
+
+/// "1 loop", "2 loops".
+std::string Counted(int64_t n, const char* name) { return fmt::format("{} {}{}", n, name, n == 1 ? "" : "s"); }
+
+std::string Line(const char* name, const std::string& text) { return fmt::format("  {:<10} {}\n", name, text); }
+
+/// "118 of 120 tracked (98.3 %), 2 initialising".
+std::string FramesToText(const json& s) {
+  const json& percent = s["tracked_percent"];
+  std::string text =
+      fmt::format("{} of {} tracked{}", s["tracked_frames"].get<int64_t>(), s["all_frames"].get<int64_t>(),
+                  percent.is_number() ? fmt::format(" ({:.1f} %)", percent.get<double>()) : "");
+  for (const char* part : {"initialising", "lost", "skipped", "bad", "unanswered"}) {
+    const auto n = s[fmt::format("{}_frames", part)].get<int64_t>();
+    if (n > 0) text += fmt::format(", {} {}", n, std::string_view(part) == "bad" ? "unreadable" : part);
+  }
+  return text;
+}
+
+std::string SpeedToText(const json& s) {
+  const auto wall_s = s["wall_s"].get<double>();
+  const json& stages = s["stage_ms"];
+  if (!stages.contains("total")) return fmt::format("{:.1f} s in all", wall_s);
+  return fmt::format("{:.1f} ms a frame (95 % below {:.1f}), {:.1f} s in all",
+                     stages["total"]["median"].get<double>(), stages["total"]["p95"].get<double>(), wall_s);
+}
+
+std::string MapToText(const json& s, bool verbose) {
+  const json& map = s["map"];
+  const json& landmarks = s["landmarks"];
+  const json& keyframes = map.is_object() ? map["keyframes"] : s["keyframes"];
+  std::string text = Counted(keyframes.get<int64_t>(), "keyframe") + ", " +
+                     Counted(landmarks["points"].get<int64_t>(), "point") + ", " +
+                     Counted(landmarks["lines"].get<int64_t>(), "line");
+  if (s["loop_closing"].is_object()) {
+    const json& asked = s["loop_closing"]["relocalisations"];
+    text += ", " + Counted(s["loops"].get<int64_t>(), "loop");
+    if (asked["asked"] > 0) {
+      text +=
+          fmt::format(", relocalised {} of {} times", asked["found"].get<int64_t>(), asked["asked"].get<int64_t>());
+    }
+  }
+  if (!verbose || !map.is_object()) return text;
+  return text + fmt::format("; {:.1f} observations a point, {:.1f} a line, reprojection {} -> {} px",
+                            map["observations_per_point"].get<double>(), map["observations_per_line"].get<double>(),
+                            NumberText(map["reprojection_before_px"], 3),
+                            NumberText(map["reprojection_after_px"], 3));
+}
+
+/// `lost` of the summary had to be asked for again; this tells what did not come all the same.
+std::string MessagesToText(const json& messages) {
+  const auto repaired = messages["repaired"].get<int64_t>();
+  return fmt::format("{} lost, {} sent again, {} rejected",
+                     std::max<int64_t>(0, messages["lost"].get<int64_t>() - repaired), repaired,
+                     messages["rejected"].get<int64_t>());
+}
+
+/// "vo 2, viewer 1"; empty where there was none.
+std::string RestartsToText(const json& processes) {
+  std::string text;
+  for (const auto& [name, process] : processes.items()) {
+    const auto n = process["restarts"].get<int>();
+    if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name, n);
+  }
+  return text;
 }
 
 /// A row for each member that has quantiles.
@@ -111,97 +183,38 @@ json ProcessesToJson(const RunSummary& summary, int64_t frames) {
   return processes;
 }
 
-/// "ATE 0.012 m, ...", of what `evaluate` gives by name.
-std::string AccuracyToText(const json& accuracy) {
+/// "ATE 0.012 m, live 0.015 m, ...", of what `evaluate` gives by name.
+std::string AccuracyToText(const json& s, bool verbose) {
+  if (!s["accuracy"].is_object()) return "no ground truth";
+  const json& accuracy = s["accuracy"];
   const json ate_m = accuracy.value("ate_m", json(nullptr));
-  if (!ate_m.is_number())
-    return fmt::format("ATE -, {}", accuracy.value("note", "no frame has a pose and a true one"));
-  std::string text = fmt::format("ATE {} m", NumberText(ate_m, 4));
-  for (const json& relative : accuracy.value("rpe", json::array())) {
-    if (relative["translation_m"]["n"] == 0) continue;
-    text +=
-        fmt::format(", RPE over {} {:.4f} m {:.3f} deg", relative["delta"].get<std::string>(),
-                    relative["translation_m"]["rmse"].get<double>(), relative["rotation_deg"]["rmse"].get<double>());
+  if (!ate_m.is_number()) {
+    return fmt::format("ATE -: {}", accuracy.value("note", "no frame has a pose and a true one"));
   }
+  std::string text = fmt::format("ATE {} m", NumberText(ate_m, 4));
+  if (s["accuracy_live_ate_m"].is_number())
+    text += fmt::format(", live {} m", NumberText(s["accuracy_live_ate_m"], 4));
   const json kitti = accuracy.value("kitti", json::object());
   if (kitti.value("segments", 0) > 0)
-    text += fmt::format(", KITTI t_rel {:.3f} %", kitti["t_rel_percent"].get<double>());
-  return text + fmt::format(", path {:.1f} m", accuracy.value("true_path_m", 0.0));
+    text += fmt::format(", KITTI t_rel {} %", NumberText(kitti["t_rel_percent"], 3));
+  text += fmt::format(", true path {} m", NumberText(accuracy.value("true_path_m", json(nullptr)), 1));
+  for (const json& relative : verbose ? accuracy.value("rpe", json::array()) : json::array()) {
+    if (relative["translation_m"]["n"] == 0) continue;
+    text += fmt::format(", RPE over {} {} m {} deg", relative["delta"].get<std::string>(),
+                        NumberText(relative["translation_m"]["rmse"], 4),
+                        NumberText(relative["rotation_deg"]["rmse"], 3));
+  }
+  return text;
 }
 
-}  // namespace
-
-int64_t AllFrames(const RunSummary& summary) {
-  const RunStatistics& s = *summary.statistics;
-  return s.frames() + s.skipped_frames() + summary.bad_frames + summary.unanswered_frames;
-}
-
-json SummaryToJson(const RunSummary& summary) {
-  const RunStatistics& s = *summary.statistics;
-  json configuration = json::object();
-  for (const auto& [process, yaml] : summary.configurations) configuration[process] = YamlToJson(yaml);
-  return {{"dataset", summary.dataset},
-          {"version", summary.version},
-          {"completed", summary.completed},
-          {"reason", summary.reason},
-          {"wall_s", Rounded(summary.wall_s, 1e-3)},
-          {"frames", s.frames()},
-          {"tracked_frames", s.tracked_frames()},
-          {"skipped_frames", s.skipped_frames()},
-          {"bad_frames", summary.bad_frames},
-          {"unanswered_frames", summary.unanswered_frames},
-          {"missing_pictures", summary.missing_pictures},
-          {"all_frames", AllFrames(summary)},
-          {"keyframes", s.keyframes()},
-          {"landmarks", LandmarksToJson(summary)},
-          {"map", MapToJson(summary)},
-          {"loops", summary.loops != nullptr ? summary.loops->loops() : 0},
-          {"loop_closing", LoopsToJson(summary)},
-          {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
-          {"accuracy_live_ate_m", RoundedOrNull(summary.live_ate_m, 1e-6)},
-          {"recordings", summary.recordings},
-          {"stage_ms", StagesToJson(s)},
-          {"messages",
-           {{"lost", summary.messages.lost},
-            {"repaired", summary.messages.repaired},
-            {"rejected", summary.messages.rejected}}},
-          {"processes", ProcessesToJson(summary, s.frames())},
-          {"configuration", configuration}};
-}
-
-std::string SummaryToText(const json& s) {
-  const auto frames = s["frames"].get<int64_t>(), tracked = s["tracked_frames"].get<int64_t>();
-  const auto all = s["all_frames"].get<int64_t>();
-  const double share = all > 0 ? 100.0 * static_cast<double>(tracked) / static_cast<double>(all) : 0.0;
-  std::string text = fmt::format("{} {}\n", s["dataset"].get<std::string>(),
-                                 s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>());
-  text += fmt::format("  frames     {} in {:.1f} s, {} tracked ({:.1f} %)", frames, s["wall_s"].get<double>(),
-                      tracked, share);
-  if (s["skipped_frames"] > 0) text += fmt::format(", {} skipped", s["skipped_frames"].get<int64_t>());
-  if (s["bad_frames"] > 0) text += fmt::format(", {} unreadable", s["bad_frames"].get<int64_t>());
-  if (s["unanswered_frames"] > 0) text += fmt::format(", {} unanswered", s["unanswered_frames"].get<int64_t>());
-  text += fmt::format("\n  keyframes  {}, landmarks {} points and {} lines\n", s["keyframes"].get<int64_t>(),
-                      s["landmarks"]["points"].get<int64_t>(), s["landmarks"]["lines"].get<int64_t>());
-  if (s["map"].is_object()) text += MapToText(s["map"]);
-  if (s["loop_closing"].is_object()) text += LoopsToText(s);
-  text += fmt::format("  accuracy   {}",
-                      s["accuracy"].is_object() ? AccuracyToText(s["accuracy"]) : std::string("no ground truth"));
-  if (s["accuracy_live_ate_m"].is_number()) {
-    text += fmt::format(", live ATE {:.4f} m", s["accuracy_live_ate_m"].get<double>());
-  }
-  text += "\n";
-  text += fmt::format("  messages   {} lost, {} repaired, {} rejected\n", s["messages"]["lost"].get<int64_t>(),
-                      s["messages"]["repaired"].get<int64_t>(), s["messages"]["rejected"].get<int64_t>());
-  text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "stage, ms a frame", "median", "95 %");
-  text += QuantilesToText(s["stage_ms"]);
-  if (s["map"].is_object()) {
-    text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "map, ms a keyframe", "median", "95 %");
-    text += QuantilesToText(s["map"]);
-  }
-  if (s["loop_closing"].is_object()) {
-    text += fmt::format("\n  {:<24} {:>9} {:>9}\n", "loops, ms a keyframe", "median", "95 %");
-    text += QuantilesToText(s["loop_closing"]);
-  }
+std::string TablesToText(const json& s) {
+  std::string text;
+  const auto add = [&](const char* name, const json& members) {
+    text += fmt::format("\n  {:<24} {:>9} {:>9}\n", name, "median", "95 %") + QuantilesToText(members);
+  };
+  add("stage, ms a frame", s["stage_ms"]);
+  if (s["map"].is_object()) add("map, ms a keyframe", s["map"]);
+  if (s["loop_closing"].is_object()) add("loops, ms a keyframe", s["loop_closing"]);
   text += fmt::format("\n  {:<24} {:>9} {:>9} {:>9} {:>9} {:>9}\n", "process", "CPU ms/fr", "CPU s", "peak MB",
                       "restarts", "queue");
   for (const auto& [name, p] : s["processes"].items()) {
@@ -210,6 +223,89 @@ std::string SummaryToText(const json& s) {
                         p["peak_memory_mb"].get<double>(), p["restarts"].get<int>(), p["longest_queue"].get<int>());
   }
   return text;
+}
+
+}  // namespace
+
+RunFindings FindingsOf(const RunSummary& summary) {
+  RunFindings findings;
+  findings.dataset = summary.dataset;
+  findings.frames = summary.frames;
+  findings.Take(summary.counters);
+  findings.recordings = summary.recordings;
+  if (!summary.accuracy) return findings;
+  const json& accuracy = *summary.accuracy;
+  const auto number = [&](const char* path) {
+    const json::json_pointer pointer(path);
+    const bool known = accuracy.contains(pointer) && accuracy[pointer].is_number();
+    return known ? std::optional(accuracy[pointer].get<double>()) : std::nullopt;
+  };
+  findings.ate_m = number("/ate_m");
+  // Null, and yet there are poses to compare: too large for a number.
+  const bool too_large = !findings.ate_m && number("/poses/associated").value_or(0.0) > 0.0;
+  const double without = too_large ? std::numeric_limits<double>::infinity() : 0.0;
+  if (too_large) findings.ate_m = without;
+  findings.true_spread_m = number("/true_spread_m").value_or(without);
+  findings.nees_pose = number("/nees_pose/mean").value_or(0.0);
+  findings.nees_poses = static_cast<int64_t>(number("/nees_pose/n").value_or(0.0));
+  return findings;
+}
+
+json SummaryToJson(const RunSummary& summary) {
+  const RunStatistics& s = *summary.statistics;
+  const FrameTally& frames = summary.frames;
+  json configuration = json::object();
+  for (const auto& [process, yaml] : summary.configurations) configuration[process] = YamlToJson(yaml);
+  return {{"dataset", summary.dataset},
+          {"version", summary.version},
+          {"completed", summary.completed},
+          {"reason", summary.reason},
+          {"wall_s", Rounded(summary.wall_s, 1e-3)},
+          {"warnings", WarningsToJson(WarningsOf(FindingsOf(summary)))},
+          {"frames", frames.answered()},
+          {"tracked_frames", frames.tracked},
+          {"initialising_frames", frames.initialising},
+          {"lost_frames", frames.lost},
+          {"skipped_frames", frames.skipped},
+          {"bad_frames", frames.unreadable},
+          {"unanswered_frames", frames.unanswered},
+          {"missing_pictures", static_cast<int64_t>(summary.counters.Largest(kPicturesMissing))},
+          {"all_frames", frames.all()},
+          {"tracked_percent", frames.tracked_percent() ? json(*frames.tracked_percent()) : json(nullptr)},
+          {"data", DataToJson(summary.counters)},
+          {"keyframes", s.keyframes()},
+          {"landmarks", LandmarksToJson(summary)},
+          {"map", MapToJson(summary)},
+          {"loops", summary.loops != nullptr ? summary.loops->loops() : 0},
+          {"loop_closing", LoopsToJson(summary)},
+          {"accuracy", summary.accuracy ? *summary.accuracy : json(nullptr)},
+          {"accuracy_live_ate_m", RoundedOrNull(summary.live_ate_m, 1e-6)},
+          {"path_m", RoundedOrNull(summary.path_m, 1e-3)},
+          {"recordings", summary.recordings},
+          {"stage_ms", StagesToJson(s)},
+          {"messages",
+           {{"lost", summary.messages.lost},
+            {"repaired", summary.messages.repaired},
+            {"rejected", summary.messages.rejected}}},
+          {"processes", ProcessesToJson(summary, frames.answered())},
+          {"configuration", configuration}};
+}
+
+std::string SummaryToText(const json& s, bool verbose) {
+  const auto n_warnings = static_cast<int64_t>(s["warnings"].size());
+  std::string text = fmt::format("{} {}{}\n", s["dataset"].get<std::string>(),
+                                 s["completed"] ? "completed" : "NOT completed: " + s["reason"].get<std::string>(),
+                                 n_warnings == 0 ? "" : fmt::format(" ({})", Counted(n_warnings, "warning")));
+  text += Line("frames", FramesToText(s));
+  text += Line("accuracy", AccuracyToText(s, verbose));
+  if (s["path_m"].is_number()) text += Line("path", NumberText(s["path_m"], 2) + " m");
+  text += Line("speed", SpeedToText(s));
+  text += Line("map", MapToText(s, verbose));
+  if (const std::string restarts = RestartsToText(s["processes"]); !restarts.empty())
+    text += Line("restarts", restarts);
+  const json& messages = s["messages"];
+  if (verbose || messages["lost"] > 0 || messages["rejected"] > 0) text += Line("messages", MessagesToText(messages));
+  return verbose ? text + TablesToText(s) : text;
 }
 
 }  // namespace plslam

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/run/run_warnings.h"
 #include "tools/plslam/loop_statistics.h"
 #include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
@@ -29,15 +30,17 @@ struct RunSummary {
   bool completed = false;
   std::string reason;
   double wall_s = 0.0;
-  int64_t bad_frames = 0;         ///< unreadable, passed over
-  int64_t missing_pictures = 0;   ///< frames without the picture that report, film or overlays should have had
-  int64_t unanswered_frames = 0;  ///< sent, but the tracker ended before it said anything of them
+  FrameTally frames;
+  /// What the processes have said of the data.
+  RunCounters counters;
   const RunStatistics* statistics = nullptr;
   const MapStatistics* map = nullptr;
   const LoopStatistics* loops = nullptr;
   /// Of the final trajectory; and the error of the poses as they were published.
   std::optional<nlohmann::json> accuracy;
   std::optional<double> live_ate_m;
+  /// Length of the final trajectory.
+  std::optional<double> path_m;
   MessageCounts messages;
   /// Files of the recording: more than one where the recorder was started again. Empty: none was asked for.
   std::vector<std::string> recordings;
@@ -46,13 +49,12 @@ struct RunSummary {
   std::map<std::string, std::string> configurations;
 };
 
-/// Every frame of the stream that should have got a pose: those with one, those passed over by a tracker that was too slow,
-/// those that it never answered, and those that could not be read, which it never hears of.
-int64_t AllFrames(const RunSummary& summary);
+/// What of the summary is looked at for warnings.
+RunFindings FindingsOf(const RunSummary& summary);
 
 nlohmann::json SummaryToJson(const RunSummary& summary);
 
-/// For people, several lines.
-std::string SummaryToText(const nlohmann::json& summary);
+/// For people: a dozen lines at most. `verbose`: also what the map is made of, all errors, and tables of times and processes.
+std::string SummaryToText(const nlohmann::json& summary, bool verbose = false);
 
 }  // namespace plslam

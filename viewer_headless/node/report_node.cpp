@@ -50,7 +50,9 @@ void ReportNode::OnStream(const stream_t& message) {
 }
 
 void ReportNode::OnStatus(const status_t& message) {
-  if (wanted_) report_->Add(ToProcessSample(message, bus::NowS(), NewestFrame()));
+  if (!wanted_) return;
+  report_->Add(ToProcessSample(message, bus::NowS(), NewestFrame()));
+  for (const counter_t& counter : message.counters) report_->Take(message.header.source, counter.name, counter.value);
 }
 
 void ReportNode::OnMap(const MapUpdate& update) {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/process/process_status.h"
 #include "core/process/worker.h"
 #include "plslam/ground_truth_t.hpp"
 #include "viewer_headless/node/message_values.h"
@@ -112,7 +113,7 @@ void ViewerNode::OnStream(const stream_t& message) {
     announced_frames_ = message.n_frames;
     report_->OnStream(message);
   } else if (message.event == "end") {
-    recorder_.SetEnd(message.n_frames);
+    recorder_.SetEnd(message.n_frames, message.n_bad);
     quiet_ticks_ = 0;
   } else {
     Reject();
@@ -142,6 +143,10 @@ void ViewerNode::OnPose(const pose_t& message) {
 void ViewerNode::OnStatus(const status_t& message) {
   if (message.process == "vo") vo_finished_ = message.state == "finished";
   if (message.process == "mapping") mapping_heard_ = true;
+  if (message.process == "player") {
+    recorder_.SetSent(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
+                      static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+  }
   report_->OnStatus(message);
 }
 
@@ -243,7 +248,7 @@ void ViewerNode::ShowProgress(bool last) {
   const double rate = FramesPerSecond();
   process_.SetCounter("frames", static_cast<double>(recorder_.frames().size()));
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
-  process_.SetCounter("frames.lost", static_cast<double>(recorder_.lost_frames()));
+  process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
   if (!on_terminal_) return;
   const std::string line = ProgressLine(recorder_, {announced_frames_, rate, counters.lost, counters.repaired});
   // Over the line before, and clear what is left of it.

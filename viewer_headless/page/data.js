@@ -70,7 +70,9 @@ export class Run {
     const changed = new Set(["facts", "processes"]);
     if (json.whole) Object.assign(this, new Run());
     // Figures that come with the path alone stay until the next path.
-    const kept = json.path ? {} : { ate_m: this.facts.ate_m, live_ate_m: this.facts.live_ate_m, length_m: this.facts.length_m };
+    const kept = json.path ? {} : {
+      ate_m: this.facts.ate_m, live_ate_m: this.facts.live_ate_m, length_m: this.facts.length_m, warnings: this.facts.warnings,
+    };
     this.facts = { ...json.facts, ...kept };
     this.next = json.next;
     this.stageNames = json.stage_names;

@@ -11,7 +11,7 @@ import { Picture } from "./picture.js";
 import { Plots } from "./plots.js";
 import { Replay } from "./replay.js";
 import { showProcesses } from "./processes.js";
-import { showKicker, showNotes, showSummary } from "./summary.js";
+import { showKicker, showNotes, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
 const run = new Run();
@@ -108,6 +108,7 @@ function makeKeys() {
 
 function update(changed, state) {
   showSummary(run);
+  showWarnings(run);
   showKicker(run, state);
   showNotes(run);
   showAvailable(run);

@@ -19,13 +19,20 @@ function totalStage(run) {
   return median(totals);
 }
 
+/** What became of the frames that are not tracked: "90 initialising, 2 lost". */
+export function notTracked(f) {
+  const parts = [["initialising", f.initialising_frames], ["lost", f.lost_frames], ["skipped", f.skipped_frames],
+    ["unreadable", f.bad_frames], ["unanswered", f.unanswered_frames]];
+  return parts.filter(([, n]) => n > 0).map(([name, n]) => `${count(n)} ${name}`).join(", ") || "none lost";
+}
+
 function figures(run) {
   const f = run.facts;
-  const tracked = f.frames ? (100 * (f.frames - f.lost_frames)) / f.frames : NaN;
+  const tracked = f.tracked_percent ?? NaN;
   const announced = !f.finished && f.announced_frames > 0 ? ` of ${count(f.announced_frames)}` : "";
   return [
-    ["Frames", count(f.frames) + announced, seconds(f.duration_s)],
-    ["Tracked", `${fixed(tracked, tracked === 100 ? 0 : 1)} %`, f.lost_frames ? `${count(f.lost_frames)} lost` : "none lost"],
+    ["Frames", count(f.all_frames) + announced, seconds(f.duration_s)],
+    ["Tracked", `${fixed(tracked, tracked === 100 ? 0 : 1)} %`, notTracked(f)],
     ["Path", metres(f.length_m), `${count(f.keyframes)} keyframes`],
     f.ate_m != null && ["Error (ATE)", metres(f.ate_m), `${metres(f.live_ate_m)} as published`],
     f.points > 0 && ["Map", count(f.points), `points, ${count(f.lines)} segments`],
@@ -46,6 +53,13 @@ export function showSummary(run) {
     ...figures(run).map(([name, value, more]) =>
       element("div", {}, element("dt", {}, name), element("dd", {}, value, element("small", {}, more)))),
   );
+}
+
+/** A box at the top; nothing where all is well. */
+export function showWarnings(run) {
+  const warnings = run.facts.warnings ?? [];
+  byId("warnings").hidden = warnings.length === 0;
+  byId("warnings").replaceChildren(...warnings.map((w) => element("li", {}, w.sentence)));
 }
 
 export function showKicker(run, state) {

@@ -31,6 +31,8 @@ struct PathOfRun {
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;
   double length_m = 0.0;
+  /// Root mean square of the distances of the true positions that have an estimated one from their mean.
+  double true_spread_m = 0.0;
 };
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride);
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -62,6 +63,20 @@ class RootMeanSquare {
   int64_t n_ = 0;
 };
 
+double TrueSpread_m(const std::vector<PathFrame>& frames) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double squares_m2 = 0.0;
+  double n = 0.0;
+  for (const PathFrame& frame : frames) {
+    if (frame.truth == nullptr || !frame.has_pose) continue;
+    const Eigen::Vector3d p = frame.truth->translation() - frames.front().T_w_l.translation();
+    sum += p;
+    squares_m2 += p.squaredNorm();
+    ++n;
+  }
+  return n > 0.0 ? std::sqrt(std::max(0.0, squares_m2 / n - (sum / n).squaredNorm())) : 0.0;
+}
+
 double AngleDeg(const SE3& a, const SE3& b) { return a.rotation().angularDistance(b.rotation()) * 180.0 / M_PI; }
 
 struct PathColumns {
@@ -105,8 +120,8 @@ class PathWriter {
     columns_.truth.insert(columns_.truth.end(), 3, kNone);
   }
 
-  PathOfRun Take(double length_m) {
-    return {columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), length_m};
+  PathOfRun Take(double length_m, double true_spread_m) {
+    return {columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), length_m, true_spread_m};
   }
 
  private:
@@ -125,7 +140,7 @@ PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quate
     writer.Add(frames[i], static_cast<int64_t>(i) % stride == 0);
     if (i > 0) length_m += (frames[i].T_w_c.translation() - frames[i - 1].T_w_c.translation()).norm();
   }
-  return writer.Take(length_m);
+  return writer.Take(length_m, TrueSpread_m(frames));
 }
 
 }  // namespace plslam

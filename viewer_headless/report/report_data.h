@@ -7,6 +7,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/map/vertical.h"
+#include "core/run/run_warnings.h"
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/report/table.h"
 
@@ -20,9 +21,7 @@ struct RunFacts {
   bool finished = false;
   int64_t announced_frames = -1;  ///< -1: unknown
   std::optional<StereoCamera> camera;
-  int64_t frames = 0;
-  int64_t lost_frames = 0;
-  int64_t skipped_frames = 0;
+  FrameTally frames;
   int64_t keyframes = 0;
   int64_t points = 0;  ///< landmarks of the map
   int64_t lines = 0;
@@ -32,6 +31,8 @@ struct RunFacts {
   /// Root mean square of the errors of position after rigid alignment, of the final and of the published path.
   std::optional<double> ate_m;
   std::optional<double> live_ate_m;
+  /// What the run has shown so far; of a part of a run that comes without its path none.
+  std::vector<RunWarning> warnings;
 };
 
 /// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small one.

@@ -25,15 +25,30 @@ Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
+Json ToJson(const RunWarning& w) {
+  Json numbers = Json::object();
+  for (const auto& [name, value] : w.numbers) numbers[name] = value;
+  return {{"code", w.code}, {"sentence", w.sentence}, {"numbers", numbers}};
+}
+
+template <class Row>
+Json ToJson(const std::vector<Row>& rows);
+
 Json ToJson(const RunFacts& f) {
   Json json = {{"dataset", f.dataset},
                {"pace", f.pace},
                {"version", f.version},
                {"finished", f.finished},
                {"announced_frames", f.announced_frames},
-               {"frames", f.frames},
-               {"lost_frames", f.lost_frames},
-               {"skipped_frames", f.skipped_frames},
+               {"frames", f.frames.answered()},
+               {"all_frames", f.frames.all()},
+               {"tracked_frames", f.frames.tracked},
+               {"tracked_percent", OrNull(f.frames.tracked_percent())},
+               {"initialising_frames", f.frames.initialising},
+               {"lost_frames", f.frames.lost},
+               {"skipped_frames", f.frames.skipped},
+               {"bad_frames", f.frames.unreadable},
+               {"unanswered_frames", f.frames.unanswered},
                {"keyframes", f.keyframes},
                {"points", f.points},
                {"lines", f.lines},
@@ -42,6 +57,7 @@ Json ToJson(const RunFacts& f) {
                {"length_m", f.length_m},
                {"ate_m", OrNull(f.ate_m)},
                {"live_ate_m", OrNull(f.live_ate_m)},
+               {"warnings", ToJson(f.warnings)},
                {"camera", nullptr}};
   if (f.camera) {
     json["camera"] = {{"width_px", f.camera->width_px}, {"height_px", f.camera->height_px},

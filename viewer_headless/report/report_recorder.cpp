@@ -39,9 +39,7 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   facts.version = PLSLAM_VERSION;
   facts.announced_frames = head_.announced_frames;
   facts.camera = camera_;
-  facts.frames = static_cast<int64_t>(recorder.frames().size());
-  facts.lost_frames = recorder.lost_frames();
-  facts.skipped_frames = recorder.skipped_frames();
+  facts.frames = recorder.Tally(finished_);
   const MapTotals totals = map.Totals();
   facts.keyframes = totals.keyframes > 0 ? totals.keyframes : recorder.keyframes();
   facts.points = totals.points;
@@ -51,6 +49,16 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   const int64_t t_ns = recorder.frames().rbegin()->second.t_ns - recorder.frames().begin()->second.t_ns;
   facts.duration_s = 1e-9 * static_cast<double>(t_ns);
   return facts;
+}
+
+std::vector<RunWarning> ReportRecorder::Warnings(const RunFacts& facts, double true_spread_m) const {
+  RunFindings findings;
+  findings.dataset = head_.dataset;
+  findings.frames = facts.frames;
+  findings.Take(counters_);
+  findings.ate_m = facts.ate_m;
+  findings.true_spread_m = true_spread_m;
+  return WarningsOf(findings);
 }
 
 void ReportRecorder::AddPictures(int64_t after, ReportData* data) const {
@@ -102,6 +110,7 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.facts.ate_m = path.ate_m;
   data.facts.live_ate_m = path.live_ate_m;
   data.facts.length_m = path.length_m;
+  data.facts.warnings = Warnings(data.facts, path.true_spread_m);
   data.path = std::move(path.table);
   data.map = MapTables(map, {}, &data.notes);
   data.map_stage_names = map_times_.stage_names();

@@ -32,6 +32,8 @@ class ReportRecorder {
   void Begin(const RunHead& head);
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
   void Add(const ProcessSample& sample) { processes_.Add(sample); }
+  /// A counter of the status of a process.
+  void Take(int64_t source, const std::string& name, double value) { counters_.Take(source, name, value); }
   void Add(const LoopClosure& closure) { loops_.Add(closure); }
   /// After `update` has come into `map`; `frame_id` is the newest frame.
   void Add(const MapUpdate& update, const Map& map, int64_t frame_id);
@@ -45,6 +47,7 @@ class ReportRecorder {
                    const ReportSince& since) const;
 
  private:
+  std::vector<RunWarning> Warnings(const RunFacts& facts, double true_spread_m) const;
   RunFacts Facts(const Recorder& recorder, const Map& map) const;
   void AddPictures(int64_t after, ReportData* data) const;
   void AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const;
@@ -53,6 +56,7 @@ class ReportRecorder {
   std::optional<StereoCamera> camera_;
   PictureStore pictures_;
   ProcessLog processes_;
+  RunCounters counters_;
   CorrectionLog corrections_;
   LoopLog loops_;
   MapTimes map_times_;

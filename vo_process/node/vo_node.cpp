@@ -7,6 +7,7 @@
 #include <chrono>
 #include <exception>
 #include <memory>
+#include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <stdexcept>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "core/bus/transport/encoded.h"
 #include "core/io/files/archive.h"
 #include "core/process/worker.h"
+#include "core/run/run_warnings.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
@@ -40,6 +42,16 @@ constexpr uint64_t kUnanchored_ns = 3'000'000'000;
 constexpr std::chrono::milliseconds kAskPeriod(500);
 // How long older frames are waited for: a player may have to be started, too.
 constexpr double kFramesWait_s = 15.0;
+
+/// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
+bool IsNearlyBlack(const cv::Mat& image) {
+  constexpr int kEveryRow = 8;
+  constexpr double kDark = 8.0;
+  double sum = 0.0;
+  int rows = 0;
+  for (int row = 0; row < image.rows; row += kEveryRow, ++rows) sum += cv::mean(image.row(row))[0];
+  return rows > 0 && sum < kDark * rows;
+}
 
 bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
 
@@ -260,8 +272,38 @@ void VoNode::Track(const Frame& frame) {
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
+  LookAt(frame.images, result.features);
   WarnAboutRows();
+  TellOfWarnings();
   FinishIfDone();
+}
+
+/// Counts what tells of bad images and of a bad calibration.
+void VoNode::LookAt(const StereoImages& images, const StereoFeatures& features) {
+  if (IsNearlyBlack(images.left)) Count(std::string(kFramesDark), 1);
+  if (rig_->kind == RigCalibration::Kind::kRgbd) return;
+  // Flat lines have no depth even where all is well.
+  const auto matched =
+      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
+  Count(std::string(kPointsSeen), static_cast<double>(features.points.size()));
+  Count(std::string(kPointsMatched), static_cast<double>(matched));
+}
+
+/// With the state, for who looks at the run while it goes on.
+void VoNode::TellOfWarnings() {
+  static constexpr int kEvery = 20;
+  if (static_cast<int64_t>(counts_["frames"]) % kEvery != 0) return;
+  RunFindings findings;
+  findings.points_seen = counts_[std::string(kPointsSeen)];
+  findings.points_matched = counts_[std::string(kPointsMatched)];
+  findings.corner_rows_px = counts_[std::string(kCornerRows)];
+  std::string warnings;
+  for (const RunWarning& warning : WarningsOf(findings)) {
+    warnings += (warnings.empty() ? "" : "; ") + warning.sentence;
+  }
+  if (warnings == warnings_) return;
+  warnings_ = std::move(warnings);
+  process_.SetState(state_, warnings_);
 }
 
 /// Once for each camera.
@@ -277,6 +319,7 @@ void VoNode::WarnAboutRows() {
       most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
     }
   }
+  Count(std::string(kCornerRows), most_px);
   spdlog::info(
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
       "but the calibration could be better",
@@ -523,7 +566,7 @@ void VoNode::FinishIfDone() {
 
 void VoNode::SetState(const std::string& state) {
   if (state == std::exchange(state_, state)) return;
-  process_.SetState(state);
+  process_.SetState(state, warnings_);
 }
 
 bus::ProcessSpec VoSpec() {

@@ -111,6 +111,8 @@ class VoNode {
   void SetState(const std::string& state);
   void FinishIfDone();
   void WarnAboutRows();
+  void LookAt(const StereoImages& images, const StereoFeatures& features);
+  void TellOfWarnings();
 
   bus::Process& process_;
   VoOptions options_;
@@ -135,6 +137,7 @@ class VoNode {
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;
+  std::string warnings_;  ///< what the state is told with
   bool was_too_early_ = false;
   bool warned_about_rows_ = false;
   std::optional<MapLink> map_;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/run/tracking_state.h"
 #include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/keyframe_measurements.h"
@@ -15,9 +16,6 @@
 #include "vo_process/tracking/row_calibration.h"
 
 namespace plslam {
-
-/// As in `pose_t.state`.
-enum class TrackingState { kInitialising = 0, kTracking = 1, kWeak = 2, kLost = 3, kRecovered = 4 };
 
 /// A frame that became a keyframe: motion since the one before.
 struct KeyframeStep {

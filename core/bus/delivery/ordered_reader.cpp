@@ -42,11 +42,10 @@ OrderedReader::Arrival OrderedReader::OnMessage(int64_t seq, ByteView bytes, int
     return Arrival::kRefused;  // asked for again when there is room
   }
   if (seq < known_end_) {
-    if (seq >= join_end_) ++repaired_;
+    if (seq >= join_end_ && seq < counted_end_) ++repaired_;
     progress_ = now;
     progressed_ = fresh_ = true;
   } else {
-    Missed(known_end_, seq);
     if (!HasGap()) progress_ = now;
     fresh_ = fresh_ || seq > known_end_;
     known_end_ = seq + 1;
@@ -69,7 +68,6 @@ void OrderedReader::OnAnnounce(int64_t first_seq, int64_t next_seq, int64_t now,
   }
   if (next_seq > known_end_) {
     if (!HasGap()) progress_ = now;
-    Missed(known_end_, next_seq);
     known_end_ = next_seq;
     fresh_ = true;
   }
@@ -92,16 +90,21 @@ void OrderedReader::Start(int64_t first, int64_t now) {
   ack_at_ = std::min(ack_at_, now);
 }
 
-void OrderedReader::Missed(int64_t from, int64_t to) {
-  lost_ += std::max<int64_t>(0, to - std::max(from, join_end_));
+void OrderedReader::CountAsked(const std::vector<SeqRange>& ranges) {
+  for (const SeqRange& range : ranges) {
+    lost_ += std::max<int64_t>(0, range.last + 1 - std::max({range.first, join_end_, counted_end_}));
+    counted_end_ = std::max(counted_end_, range.last + 1);
+  }
 }
 
-/// What lies before `seq` and is not here is lost for good; what is here is still delivered in order.
+/// What lies before `seq` and is not here is lost for good; what is here is still delivered in order. Of what was sent before we
+/// listened, only this tells that it is lost.
 void OrderedReader::SkipTo(int64_t seq) {
   while (expected_ < seq) {
     if (!buffer_.empty() && buffer_.begin()->first == expected_) return;  // deliver it first; asked again later
     const int64_t next = buffer_.empty() ? seq : std::min(seq, buffer_.begin()->first);
-    lost_ += std::max<int64_t>(0, std::min(next, join_end_) - expected_);
+    lost_ +=
+        std::max<int64_t>(0, two_way_ ? std::min({next, join_end_, counted_end_}) - expected_ : next - expected_);
     expected_ = next;
   }
   asked_end_ = std::max(asked_end_, expected_);
@@ -168,6 +171,7 @@ std::optional<std::vector<SeqRange>> OrderedReader::Asking(int64_t now) {
   if (ask_now_ || now >= retry_at_) {
     if (progressed_) retry_pause_ = times_.retry_first_ns;
     auto ranges = Missing(expected_, known_end_, kMaxAsked);
+    CountAsked(ranges);
     asked_end_ = ranges.empty() ? asked_end_ : ranges.back().last + 1;
     retry_at_ = now + retry_pause_;
     retry_pause_ = std::min(2 * retry_pause_, times_.retry_max_ns);
@@ -180,6 +184,7 @@ std::optional<std::vector<SeqRange>> OrderedReader::Asking(int64_t now) {
   auto fresh = Missing(asked_end_, known_end_, budget);
   fresh_ = false;
   if (fresh.empty()) return std::nullopt;
+  CountAsked(fresh);
   asked_end_ = fresh.back().last + 1;
   if (retry_at_ == kFar) {
     retry_at_ = now + retry_pause_;

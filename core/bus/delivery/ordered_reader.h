@@ -61,7 +61,8 @@ class OrderedReader {
   int64_t delivered() const { return expected_ - 1; }
   int64_t heard() const { return heard_; }
   int64_t buffered_bytes() const { return buffered_bytes_; }
-  /// Totals since the start: missed on the wire, and of those delivered after all.
+  /// Totals since the start: messages that had to be asked for again (where nobody can be asked: that were given up), and of those
+  /// delivered after all. Numbers that were never asked for are not lost, however far a message that somebody forged has jumped.
   int64_t lost() const { return lost_; }
   int64_t repaired() const { return repaired_; }
 
@@ -71,7 +72,7 @@ class OrderedReader {
   bool HasGap() const { return !started_ || expected_ + static_cast<int64_t>(buffer_.size()) < known_end_; }
   void Heard(int64_t now);
   void Start(int64_t first, int64_t now);
-  void Missed(int64_t from, int64_t to);
+  void CountAsked(const std::vector<SeqRange>& ranges);
   void SkipTo(int64_t seq);
   void GiveUp(int64_t now);
   std::vector<SeqRange> Missing(int64_t from, int64_t to, int64_t budget) const;
@@ -96,6 +97,7 @@ class OrderedReader {
   bool ended_ = false;
   bool progressed_ = false;  // since the last request
   int64_t asked_end_ = 0;    // everything missing below has been asked for
+  int64_t counted_end_ = 0;  // the same, since the start, whatever is asked for again
   int64_t retry_at_ = kFar;
   int64_t retry_pause_ = 0;
   bool ask_now_ = false;

@@ -188,10 +188,13 @@ void FrameSubscriber::Impl::OfferNewest(AssembledFrame frame) {
   });
 }
 
-/// Frames between two, by the numbers of their strips; ids may have a stride.
+/// Frames between two, by the numbers of their strips, since ids may have a stride; but no more than there are ids between them: the
+/// number of a strip may be forged.
 int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFrame& frame) {
   const int64_t strips = frame.first_seq - last.first_seq;
-  return strips > 0 && last.n_strips > 0 ? static_cast<int>((strips - 1) / last.n_strips) : 0;
+  if (strips <= 0 || last.n_strips <= 0) return 0;
+  const int64_t ids = std::max<int64_t>(0, frame.images.frame_id - last.images.frame_id - 1);
+  return static_cast<int>(std::min((strips - 1) / last.n_strips, ids));
 }
 
 void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
@@ -199,7 +202,7 @@ void FrameSubscriber::Impl::Deliver(AssembledFrame frame, bool lockstep) {
   const auto previous = last.find(frame.source);
   if (previous != last.end()) out.skipped = Skipped(previous->second, frame);
   if (!lockstep && mode == Mode::kReliable && out.skipped > 0) bus.CountSkipped(out.skipped);
-  frame.images = {};
+  frame.images.left = frame.images.right = cv::Mat();
   static constexpr size_t kMaxSources = 256;
   if (last.size() >= kMaxSources) last.clear();
   last[frame.source] = frame;

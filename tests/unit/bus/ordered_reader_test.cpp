@@ -19,8 +19,47 @@ TEST(OrderedReader, DeliversInOrderWhateverTheArrival) {
   OrderedReader reader(true, 1'000'000, 0);
   for (const int64_t n : {0, 2, 3, 1}) reader.OnMessage(n, *MessageOf(n), 0);
   EXPECT_EQ(Drain(reader, 0), (Numbers{0, 1, 2, 3}));
-  EXPECT_EQ(reader.lost(), 1);
-  EXPECT_EQ(reader.repaired(), 1);
+  EXPECT_EQ(reader.lost(), 0) << "it was overtaken, and nobody had to ask for it";
+  EXPECT_EQ(reader.repaired(), 0);
+}
+
+TEST(OrderedReader, CountsAsLostWhatItHadToAskFor) {
+  OrderedReader reader(true, 1'000'000, 0);
+  for (const int64_t n : {0, 2, 5}) reader.OnMessage(n, *MessageOf(n), 0);
+  for (int64_t now = 0; now < 100 * kMs; now += kMs) reader.Poll(now);
+  EXPECT_EQ(reader.lost(), 3);
+  for (const int64_t n : {1, 3}) reader.OnMessage(n, *MessageOf(n), 0);
+  EXPECT_EQ(reader.lost(), 3);
+  EXPECT_EQ(reader.repaired(), 2);
+}
+
+TEST(OrderedReader, ForgedNumbersAreNoLoss) {
+  static constexpr int64_t kFar = 45'000'000;
+  for (const bool announced : {false, true}) {
+    OrderedReader reader(true, 1'000'000, 0);
+    reader.OnMessage(0, *MessageOf(0), 0);
+    Drain(reader, 0);
+    if (announced) reader.OnAnnounce(0, kFar, 0);
+    if (!announced) reader.OnMessage(kFar, *MessageOf(kFar), 0);
+    // The publisher goes on as if nothing had been.
+    for (int64_t n = 1; n < 2000; ++n) {
+      reader.OnMessage(n, *MessageOf(n), n * 10 * kMs);
+      reader.Poll(n * 10 * kMs);
+      Drain(reader, n * 10 * kMs);
+    }
+    EXPECT_LE(reader.lost(), 2064) << "announced: " << announced;
+    reader.OnAnnounce(kFar, kFar + 1, 20'000 * kMs);
+    reader.Poll(20'000 * kMs);
+    EXPECT_LE(reader.lost() - reader.repaired(), 128) << "announced: " << announced;
+  }
+}
+
+TEST(OrderedReader, ForgedHistoryIsNoLoss) {
+  OrderedReader reader(true, 1'000'000, 0);
+  reader.OnAnnounce(0, 45'000'000, 0, 0);
+  for (int64_t now = 0; now < 90'000 * kMs; now += 10 * kMs) reader.Poll(now);
+  EXPECT_GT(reader.delivered(), 40'000'000) << "it has been given up";
+  EXPECT_LE(reader.lost(), 64);
 }
 
 TEST(OrderedReader, AsksForAGapAtOnceAndOnlyForIt) {

@@ -1,5 +1,6 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "core/io/trajectories/pose_covariance.h"
@@ -12,6 +13,7 @@ namespace {
 
 using test::ShellResult;
 using testing::HasSubstr;
+using testing::Not;
 
 ShellResult Evaluate(const ScratchFolder& folder, const std::string& arguments) {
   return test::Shell(folder, (test::BinaryFolder() / "evaluate").string() + " " + arguments);
@@ -79,6 +81,33 @@ TEST(EvaluateProgram, KittiFilesTakeTheirTimesFromTheTimesFile) {
   EXPECT_EQ(run.exit_code, 0) << run.error;
   EXPECT_THAT(run.out, HasSubstr("true path   393.6"));
   EXPECT_THAT(run.out, HasSubstr("scale 1.000000"));
+}
+
+TEST(EvaluateProgram, ComparisonPassesOverWhatIsNoRun) {
+  const ScratchFolder folder;
+  const auto add = [&](const std::string& name, const std::string& summary) {
+    std::filesystem::create_directories(folder.Path(name));
+    folder.Write(name + "/summary.json", summary);
+  };
+  add("run", R"({"dataset": "d", "completed": true, "frames": 40, "tracked_frames": 10, "all_frames": 50})");
+  add("strange", R"({"name": "something else"})");
+  add("broken", "{");
+  folder.Write("room.plmap", "a map");
+  std::filesystem::create_directories(folder.Path("first/logs"));
+  const ShellResult all = Evaluate(folder, "compare " + folder.Path("") + "/*");
+  EXPECT_EQ(all.exit_code, 0) << all.error;
+  EXPECT_THAT(all.out, HasSubstr("1 run"));
+  EXPECT_THAT(all.out, HasSubstr("20.0")) << "per cent tracked";
+  EXPECT_THAT(all.error, HasSubstr("that are no runs: "));
+  for (const char* name : {"strange", "broken", "room.plmap", "first"}) EXPECT_THAT(all.error, HasSubstr(name));
+  const ShellResult alone = Evaluate(folder, "compare " + folder.Path("run"));
+  EXPECT_THAT(alone.error, Not(HasSubstr("passed over")));
+  const ShellResult none = Evaluate(folder, "compare " + folder.Path("first") + " " + folder.Path("room.plmap"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.error, HasSubstr("there is no run to compare"));
+  const ShellResult missing = Evaluate(folder, "compare " + folder.Path("run") + " " + folder.Path("mistyped"));
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.error, HasSubstr("mistyped: does not exist"));
 }
 
 TEST(EvaluateProgram, HelpAndVersion) {

@@ -105,7 +105,7 @@ TEST_F(MonitorNodeTest, PlayerWaitsForTimeWhenItsNewestFrameHasAPose) {
 
 TEST_F(MonitorNodeTest, FramesThatNoPoseTellsOfAreUnanswered) {
   const auto unanswered = [&](int64_t n) {
-    return Eventually([&] { return Ask([](const MonitorNode& m) { return m.unanswered_frames(); }) == n; });
+    return Eventually([&] { return Ask([](const MonitorNode& m) { return m.frames().unanswered; }) == n; });
   };
   SaySent(7);
   EXPECT_TRUE(unanswered(7));

@@ -1,6 +1,6 @@
 #include "tools/plslam/run_statistics.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,15 +17,15 @@ namespace {
 FrameReport Frame(int64_t id, int state, int64_t keyframe = -1) {
   FrameReport frame;
   frame.frame_id = id;
-  frame.state = state;
+  frame.state = static_cast<TrackingState>(state);
   frame.keyframe_id = keyframe;
   return frame;
 }
 
 TEST(RunStatistics, NothingYet) {
   const RunStatistics s;
-  EXPECT_EQ(s.frames(), 0);
-  EXPECT_EQ(s.tracked_frames(), 0);
+  EXPECT_EQ(s.frames().answered(), 0);
+  EXPECT_EQ(s.frames().tracked, 0);
   EXPECT_TRUE(s.stage_ms().empty());
 }
 
@@ -37,8 +37,8 @@ TEST(RunStatistics, CountsFramesWithAPose) {
   s.AddFrame(Frame(3, 2));
   s.AddFrame(Frame(4, 3));  // lost
   s.AddFrame(Frame(5, 4, 1));
-  EXPECT_EQ(s.frames(), 6);
-  EXPECT_EQ(s.tracked_frames(), 4);
+  EXPECT_EQ(s.frames().answered(), 6);
+  EXPECT_EQ(s.frames().tracked, 4);
   EXPECT_EQ(s.keyframes(), 2);
 }
 
@@ -48,8 +48,22 @@ TEST(RunStatistics, FrameDoneAgainAfterARestartCountsOnce) {
   s.AddFrame(Frame(1, 1));
   s.AddFrame(Frame(1, 0, 0));
   s.AddFrame(Frame(2, 1));
-  EXPECT_EQ(s.frames(), 3);
-  EXPECT_EQ(s.tracked_frames(), 3);
+  EXPECT_EQ(s.frames().answered(), 3);
+  EXPECT_EQ(s.frames().tracked, 3);
+}
+
+TEST(RunStatistics, NoMoreFramesAreSkippedThanThereAre) {
+  RunStatistics s;
+  FrameReport frame = Frame(4, 1);
+  frame.skipped_frames = 2;
+  s.AddFrame(frame);
+  frame.frame_id = 9;
+  frame.skipped_frames = 2'000'000'000;
+  s.AddFrame(frame);
+  frame.frame_id = 10;
+  frame.skipped_frames = -5;
+  s.AddFrame(frame);
+  EXPECT_EQ(s.frames().skipped, 2 + 4);
 }
 
 TEST(RunStatistics, LandmarksOfSessionsAreDistinct) {
@@ -125,12 +139,20 @@ TEST(QuantileSketch, FewAndOddValues) {
 TEST(ProgressLine, FitsTheWidth) {
   Progress progress{120, 400, 31.25, 210, 74, 9, "tracking", 0, 0, 0, ""};
   EXPECT_EQ(FormatProgress(progress, 200),
-            "frame 120/400  31.2/s  tracking  points 210  lines 74  keyframes 9  gaps 0");
+            "frame 120/400  31.2/s  9 s left  tracking  points 210  lines 74  keyframes 9  gaps 0");
   progress.total_frames = -1;
   progress.restarts = 2;
   progress.skipped_frames = 5;
   EXPECT_EQ(FormatProgress(progress, 200),
             "frame 120  31.2/s  tracking  points 210  lines 74  keyframes 9  skipped 5  gaps 0  restarts 2");
+  progress.total_frames = 400'000;
+  EXPECT_THAT(FormatProgress(progress, 200), testing::HasSubstr("31.2/s  3 h 33 min left  tracking"));
+  progress.total_frames = 40'000;
+  EXPECT_THAT(FormatProgress(progress, 200), testing::HasSubstr("31.2/s  21 min left  tracking"));
+  progress.frames = 3;
+  EXPECT_THAT(FormatProgress(progress, 200), testing::Not(testing::HasSubstr("left")));
+  progress.frames = 120;
+  progress.total_frames = -1;
   EXPECT_EQ(FormatProgress(progress, 9), "frame 120");
   EXPECT_EQ(FormatProgress(progress, 0), "");
 }

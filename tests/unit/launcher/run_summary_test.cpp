@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "tools/plslam/run_files.h"
 #include "tools/plslam/yaml_to_json.h"
 
@@ -16,7 +19,7 @@ RunStatistics TwoFrames() {
   for (int id = 0; id < 2; ++id) {
     FrameReport frame;
     frame.frame_id = id;
-    frame.state = id;
+    frame.state = static_cast<TrackingState>(id);
     frame.keyframe_id = id == 0 ? 0 : -1;
     frame.stage_ms = {{"total", 10.0 + id}};
     statistics.AddFrame(frame);
@@ -32,6 +35,7 @@ TEST(RunSummary, JsonHasTheKeysThatUsersReadByName) {
   summary.version = "1";
   summary.completed = true;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.accuracy = json{{"ate_m", 0.01}};
   summary.messages = {3, 2, 1};
   summary.processes = {{"vo", 0.5, 80.0, 1, 0, 0.4, 3.0}};
@@ -86,6 +90,7 @@ TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
   const MapStatistics map = TwoVersions();
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.map = &map;
   summary.live_ate_m = 0.25;
   const json result = SummaryToJson(summary);
@@ -99,10 +104,9 @@ TEST(RunSummary, OfAMapTellsWhatIsInItAndWhatItTook) {
   EXPECT_NEAR(result["map"]["adjustment_ms"]["p95"].get<double>(), 20.0, 0.11);
   EXPECT_NEAR(result["map"]["update_ms"]["p95"].get<double>(), 30.0, 0.16);
   EXPECT_NEAR(result["accuracy_live_ate_m"].get<double>(), 0.25, 1e-9);
-  const std::string text = SummaryToText(result);
-  EXPECT_THAT(text,
-              testing::HasSubstr("3 keyframes, 3.0 observations a point, 2.5 a line, reprojection 1.500 -> 0.500"));
-  EXPECT_THAT(text, testing::HasSubstr("live ATE 0.2500 m"));
+  const std::string text = SummaryToText(result, true);
+  EXPECT_THAT(text, testing::HasSubstr("3 keyframes, 110 points, 20 lines; 3.0 observations a point, 2.5 a line, "
+                                       "reprojection 1.500 -> 0.500"));
   EXPECT_THAT(text, testing::HasSubstr("map, ms a keyframe"));
 }
 
@@ -112,6 +116,7 @@ TEST(RunSummary, LoopsOfTheRunAreNotThoseTheMapCameWith) {
   LoopStatistics loops;
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.map = &map;
   summary.loops = &loops;
   EXPECT_EQ(SummaryToJson(summary)["loops"], 0);
@@ -120,27 +125,86 @@ TEST(RunSummary, LoopsOfTheRunAreNotThoseTheMapCameWith) {
   loops.Add(LoopClosure::Kind::kAdjustment, 0.0, 9.0);
   loops.Add(LoopClosure::Kind::kNone, 1.0, 0.0);
   EXPECT_EQ(SummaryToJson(summary)["loops"], 1);
-  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("loops      1, relocalised"));
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr(", 1 loop\n"));
 }
 
 TEST(RunSummary, ShareOfTrackedFramesIsOfAllFrames) {
   RunStatistics statistics = TwoFrames();
   FrameReport late;
   late.frame_id = 5;
-  late.state = 1;
+  late.state = TrackingState::kTracking;
   late.skipped_frames = 3;
   statistics.AddFrame(late);
   RunSummary summary;
   summary.statistics = &statistics;
-  summary.bad_frames = 4;
-  EXPECT_EQ(AllFrames(summary), 10);
-  EXPECT_THAT(SummaryToText(SummaryToJson(summary)),
-              testing::HasSubstr("frames     3 in 0.0 s, 3 tracked (30.0 %), 3 skipped, 4 unreadable\n"));
-  summary.unanswered_frames = 2;
-  EXPECT_EQ(AllFrames(summary), 12);
-  EXPECT_EQ(SummaryToJson(summary)["all_frames"], 12);
-  EXPECT_THAT(SummaryToText(SummaryToJson(summary)),
-              testing::HasSubstr("3 tracked (25.0 %), 3 skipped, 4 unreadable, 2 unanswered"));
+  summary.frames = statistics.frames();
+  summary.frames.unreadable = 4;
+  summary.frames.lost = 1;
+  summary.frames.unanswered = 2;
+  const json result = SummaryToJson(summary);
+  EXPECT_EQ(result["all_frames"], 13);
+  EXPECT_EQ(result["frames"], 4);
+  EXPECT_EQ(result["tracked_percent"], 23.0);
+  EXPECT_THAT(
+      SummaryToText(result),
+      testing::HasSubstr("frames     3 of 13 tracked (23.0 %), 1 lost, 3 skipped, 4 unreadable, 2 unanswered\n"));
+}
+
+TEST(RunSummary, BadRunIsNotToldLikeAGoodOne) {
+  RunStatistics statistics;
+  for (int id = 0; id < 10; ++id) {
+    FrameReport frame;
+    frame.frame_id = id;
+    frame.state = id == 9 ? TrackingState::kTracking : TrackingState::kInitialising;
+    statistics.AddFrame(frame);
+  }
+  RunSummary summary;
+  summary.dataset = "dark";
+  summary.completed = true;
+  summary.statistics = &statistics;
+  summary.frames = statistics.frames();
+  const json result = SummaryToJson(summary);
+  ASSERT_EQ(result["warnings"].size(), 1U) << result["warnings"].dump(1);
+  EXPECT_EQ(result["warnings"][0]["code"], "little_tracked");
+  EXPECT_EQ(result["warnings"][0]["numbers"]["percent"], 10.0);
+  EXPECT_THAT(SummaryToText(result), testing::HasSubstr("dark completed (1 warning)\n"));
+  summary.frames.Count(TrackingState::kLost, -1);
+  summary.counters.Take(1, std::string(kFramesDark), 9.0);
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("dark completed (2 warnings)\n"));
+}
+
+TEST(RunSummary, FitsInADozenLines) {
+  const RunStatistics statistics = TwoFrames();
+  const MapStatistics map = TwoVersions();
+  const LoopStatistics loops;
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.frames = statistics.frames();
+  summary.map = &map;
+  summary.loops = &loops;
+  summary.path_m = 12.345;
+  summary.messages = {3, 2, 1};
+  summary.processes = {{"vo", 0.5, 80.0, 1, 0, 0.4, 3.0}};
+  const std::string text = SummaryToText(SummaryToJson(summary));
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 10) << text << "and two to tell where to look";
+  EXPECT_THAT(text, testing::HasSubstr("  path       12.35 m\n"));
+  EXPECT_THAT(text, testing::HasSubstr("  speed      10.0 ms a frame"));
+  EXPECT_THAT(text, testing::HasSubstr("  restarts   vo 1\n"));
+  EXPECT_THAT(text, testing::HasSubstr("  messages   1 lost, 2 sent again, 1 rejected\n"));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("CPU")));
+}
+
+TEST(RunSummary, WhatIsTooLargeForANumberIsNotPrinted) {
+  const RunStatistics statistics = TwoFrames();
+  RunSummary summary;
+  summary.statistics = &statistics;
+  summary.frames = statistics.frames();
+  const double inf = std::numeric_limits<double>::infinity();
+  summary.live_ate_m = inf;
+  summary.path_m = inf;
+  summary.accuracy = json{{"ate_m", 1.0}, {"true_path_m", inf}, {"kitti", {{"segments", 1}, {"t_rel_percent", inf}}}};
+  const std::string text = SummaryToText(SummaryToJson(summary), true);
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("inf")));
 }
 
 TEST(RunSummary, WithoutAMapItIsNull) {
@@ -148,6 +212,7 @@ TEST(RunSummary, WithoutAMapItIsNull) {
   const MapStatistics map;
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.map = &map;
   const json result = SummaryToJson(summary);
   EXPECT_TRUE(result["map"].is_null());
@@ -187,6 +252,7 @@ TEST(RunSummary, RunWithoutAFrame) {
   const RunStatistics statistics;
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.reason = "vo ended with exit code 1";
   summary.processes = {{"vo", 0.5, 80.0, 1, {}, 0.0, 0.0}};
   const json result = SummaryToJson(summary);
@@ -204,6 +270,7 @@ TEST(RunSummary, TextTellsTheMainFigures) {
   summary.dataset = "kitti_03";
   summary.completed = true;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   const json exact = {{"n", 3}, {"rmse", 0.5}}, none = {{"n", 0}, {"rmse", 0.0}};
   summary.accuracy = json{{"ate_m", 0.0123},
                           {"true_path_m", 40.0},
@@ -212,10 +279,11 @@ TEST(RunSummary, TextTellsTheMainFigures) {
                             {{"delta", "1 m"}, {"translation_m", none}, {"rotation_deg", none}}}},
                           {"kitti", {{"segments", 2}, {"t_rel_percent", 1.25}}}};
   const std::string text = SummaryToText(SummaryToJson(summary));
-  EXPECT_THAT(text, testing::HasSubstr("kitti_03 completed"));
-  EXPECT_THAT(text, testing::HasSubstr("2 tracked (100.0 %)"));
-  EXPECT_THAT(text, testing::HasSubstr(
-                        "ATE 0.0123 m, RPE over 1 frame 0.5000 m 0.500 deg, KITTI t_rel 1.250 %, path 40.0 m"));
+  EXPECT_THAT(text, testing::HasSubstr("kitti_03 completed\n"));
+  EXPECT_THAT(text, testing::HasSubstr("2 of 2 tracked (100.0 %)\n"));
+  EXPECT_THAT(text, testing::HasSubstr("ATE 0.0123 m, KITTI t_rel 1.250 %, true path 40.0 m\n"));
+  EXPECT_THAT(SummaryToText(SummaryToJson(summary), true),
+              testing::HasSubstr("true path 40.0 m, RPE over 1 frame 0.5000 m 0.500 deg\n"));
 }
 
 TEST(RunSummary, WhatWasNotMeasuredIsADash) {
@@ -223,19 +291,21 @@ TEST(RunSummary, WhatWasNotMeasuredIsADash) {
   const MapStatistics map = OneVersion(0);
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.map = &map;
   summary.accuracy = json{{"ate_m", nullptr}, {"note", "the estimate has no pose"}};
   const json result = SummaryToJson(summary);
   EXPECT_TRUE(result["map"]["reprojection_before_px"].is_null());
-  const std::string text = SummaryToText(result);
+  const std::string text = SummaryToText(result, true);
   EXPECT_THAT(text, testing::HasSubstr("reprojection - -> - px"));
-  EXPECT_THAT(text, testing::HasSubstr("accuracy   ATE -, the estimate has no pose"));
+  EXPECT_THAT(text, testing::HasSubstr("accuracy   ATE -: the estimate has no pose"));
 }
 
 TEST(RunSummary, BytesThatAreNoTextCostNothingElse) {
   const RunStatistics statistics;
   RunSummary summary;
   summary.statistics = &statistics;
+  summary.frames = statistics.frames();
   summary.dataset = "a\xff";
   EXPECT_THAT(JsonText(SummaryToJson(summary)), testing::HasSubstr("\"dataset\": \"a\xEF\xBF\xBD\""));
 }

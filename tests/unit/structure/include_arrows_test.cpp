@@ -44,6 +44,7 @@ const std::vector<Arrow> kArrows = {
     {"core/io/trajectories/", {"core/geometry/", "core/io/files/"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
+    {"core/run/", {}},
     {"core/bus/transport/", {"lcmtypes/", "core/config/", "core/bus/options.h"}},
     {"core/process/", {"core/bus/", "core/config/", "lcmtypes/"}},
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},

@@ -23,14 +23,14 @@ TEST(Recorder, LaterPoseOfAFrameCounts) {
   pose.keyframe_id = 0;
   pose.counts.skipped_frames = 2;
   recorder.AddPose(pose);
-  EXPECT_EQ(recorder.lost_frames(), 1);
+  EXPECT_EQ(recorder.Tally(false).lost, 1);
   EXPECT_EQ(recorder.keyframes(), 1);
-  EXPECT_EQ(recorder.skipped_frames(), 2);
+  EXPECT_EQ(recorder.Tally(false).skipped, 2);
   recorder.AddPose(SomePose(4));
   EXPECT_EQ(recorder.frames().size(), 1u);
-  EXPECT_EQ(recorder.lost_frames(), 0);
+  EXPECT_EQ(recorder.Tally(false).lost, 0);
   EXPECT_EQ(recorder.keyframes(), 0);
-  EXPECT_EQ(recorder.skipped_frames(), 0);
+  EXPECT_EQ(recorder.Tally(false).skipped, 0);
 }
 
 TEST(Recorder, NonsenseIsRefused) {

@@ -218,7 +218,40 @@ TEST_F(ReportRecorderTest, BeforeAnythingHasCome) {
   const ReportData data = Build("");
   EXPECT_TRUE(data.whole);
   EXPECT_EQ(Rows(data.frames), 0U);
-  EXPECT_EQ(data.facts.frames, 0);
+  EXPECT_EQ(data.facts.frames, FrameTally());
+  EXPECT_TRUE(data.facts.warnings.empty());
+}
+
+TEST_F(ReportRecorderTest, FramesThatFoundNothingAreNotTracked) {
+  report_.Begin({"dark", "lockstep", 120});
+  for (int64_t id = 0; id < 100; ++id) {
+    recorder_.AddPose(SomePose(id, id < 90 ? TrackingState::kInitialising : TrackingState::kTracking));
+  }
+  report_.Take(1, "frames.dark", 90.0);
+  recorder_.SetEnd(110, 10);
+  EXPECT_EQ(Build("").facts.frames.tracked_percent(), 9.0) << "ten are on their way";
+  report_.Finish();
+  const RunFacts facts = Build("").facts;
+  EXPECT_EQ(facts.frames.all(), 120);
+  EXPECT_EQ(facts.frames.unanswered, 10);
+  EXPECT_EQ(facts.frames.tracked_percent(), 8.3);
+  ASSERT_EQ(facts.warnings.size(), 3U);
+  EXPECT_EQ(facts.warnings[0].code, "little_tracked");
+  EXPECT_EQ(facts.warnings[1].code, "dark_images");
+  EXPECT_EQ(facts.warnings[2].code, "unreadable_frames");
+}
+
+TEST_F(ReportRecorderTest, TruthOfAnotherRunIsTold) {
+  // The camera goes 200 m straight on, the truth up and down.
+  for (int64_t id = 0; id < 200; ++id) {
+    recorder_.AddPose(SomePose(id));
+    const double x_m = id % 2 == 0 ? 0.0 : 5.0;
+    recorder_.AddTruth(id, {SomePose(id).t_ns, SE3(kNoTurn, {x_m, 0.0, 0.0})});
+  }
+  const RunFacts facts = Build("").facts;
+  ASSERT_EQ(facts.warnings.size(), 1U);
+  EXPECT_EQ(facts.warnings[0].code, "truth_of_another_run");
+  EXPECT_NEAR(facts.warnings[0].numbers[1].second, 2.5, 1e-9);
 }
 
 TEST_F(ReportRecorderTest, ALivePageIsSentOnlyWhatIsNew) {

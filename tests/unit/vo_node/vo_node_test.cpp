@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <condition_variable>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -11,6 +12,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/datasets/open_dataset.h"
+#include "core/process/process_status.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/support/slam_run.h"
@@ -39,6 +41,9 @@ class VoNodeTest : public testing::Test {
   void Start(const VoOptions& options, bool lockstep) {
     frames_ = std::make_unique<bus::FramePublisher>(**others_, lockstep);
     (*others_)->Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) { Keep([&] { pose_ = pose; }); });
+    (*others_)->Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
+      if (status.process == "vo") Keep([&] { status_ = status; });
+    });
     questions_ = std::make_unique<bus::KeyframeSubscriber>(
         **others_, [this](const Keyframe& frame) { Keep([&] { asked_ = frame; }); }, bus::kWhereAmI);
     (*others_)->Every(std::chrono::milliseconds(100),
@@ -61,6 +66,7 @@ class VoNodeTest : public testing::Test {
     images.frame_id = static_cast<int64_t>(shown_.size());
     images.t_ns = t_ns;
     if (covered) images.left.setTo(0), images.right.setTo(0);
+    if (exchanged_) std::swap(images.left, images.right);
     shown_.push_back(index);
     frames_->Publish(images);
     std::unique_lock lock(mutex_);
@@ -120,6 +126,15 @@ class VoNodeTest : public testing::Test {
 
   const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
   std::vector<int> shown_;
+  /// Left and right of what is shown.
+  bool exchanged_ = false;
+
+  /// Until the tracker says such a thing of itself.
+  bool Says(const std::function<bool(const status_t&)>& what) {
+    std::unique_lock lock(mutex_);
+    const auto limit = plslam::test::Patience(std::chrono::seconds(20));
+    return changed_.wait_for(lock, limit, [&] { return status_ && what(*status_); });
+  }
 
  private:
   template <class F>
@@ -133,6 +148,7 @@ class VoNodeTest : public testing::Test {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::optional<pose_t> pose_;
+  std::optional<status_t> status_;
   std::optional<Keyframe> asked_;
   std::unique_ptr<RunningBus> others_;
   std::unique_ptr<bus::FramePublisher> frames_;
@@ -162,6 +178,23 @@ TEST_F(VoNodeTest, AClockThatIsPutBackALittleSpoilsAFrameAndMakesNoSession) {
   const SE3 truth = dataset_->GroundTruth(0)->Inverse() * *dataset_->GroundTruth(6);
   EXPECT_LT((bus::FromMessage(next.T_odom_c)->translation() - truth.translation()).norm(), 0.02);
   EXPECT_NE(Show(7, kBegin_ns - 2'000'000'000).header.session, session) << "that is another stream";
+}
+
+TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
+  VoOptions options;
+  options.map.enabled = false;
+  exchanged_ = true;
+  Start(options, true);
+  for (int i = 0; i < 20; ++i) ShowNext(i);
+  EXPECT_TRUE(Says([](const status_t& s) {
+    return s.state == "running" && s.reason.find("plslam rectify-check") != std::string::npos;
+  }));
+  EXPECT_TRUE(Says([](const status_t& s) {
+    return bus::CounterOf(s, "points.seen") > 2000 && bus::CounterOf(s, "frames.dark") == 0;
+  }));
+  exchanged_ = false;
+  for (int i = 0; i < 3; ++i) ShowNext(i, true);
+  EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "frames.dark") == 3; }));
 }
 
 // The first may have died with the question: taken from the bus, not answered.

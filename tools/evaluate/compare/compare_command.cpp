@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -27,7 +28,9 @@ struct Arguments {
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
-  app.add_option("runs", a.runs, "folders of runs; or folders of such folders, for all in them")->required();
+  app.add_option("runs", a.runs,
+                 "folders of runs; or folders of such folders, for all in them; what is no run is passed over")
+      ->required();
   app.add_option(
          "--format", a.format,
          "what is printed: text, markdown, latex, csv, json; or trajectories converted to tum or kitti, in --out")
@@ -37,29 +40,63 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--html", a.html, "also write a page with tables and plots")->type_name("FILE");
 }
 
-/// A folder without a summary stands for the runs in it.
-std::vector<std::string> FoldersOf(const std::vector<std::string>& named) {
-  std::vector<std::string> folders;
-  for (const std::string& name : named) {
-    std::vector<std::string> within;
-    if (fs::is_directory(name) && !fs::exists(name + "/summary.json")) {
-      for (const auto& entry : fs::directory_iterator(name)) {
-        if (fs::exists(entry.path() / "summary.json")) within.push_back(entry.path());
-      }
-    }
-    std::sort(within.begin(), within.end());
-    if (within.empty()) within.push_back(name);
-    folders.insert(folders.end(), within.begin(), within.end());
+/// What was named, sorted out.
+struct Named {
+  std::vector<RunRecord> runs;
+  std::vector<std::string> others;  ///< exist, but are no runs
+};
+
+void AddRun(const std::string& folder, Named* named) {
+  std::optional<RunRecord> run = FindRunRecord(folder);
+  if (run) {
+    named->runs.push_back(*std::move(run));
+  } else {
+    named->others.push_back(folder);
   }
-  return folders;
+}
+
+/// A folder without a summary stands for the runs in it.
+void AddNamed(const std::string& name, Named* named) {
+  if (!fs::exists(name)) throw std::runtime_error(name + ": does not exist");
+  if (!fs::is_directory(name) || fs::exists(name + "/summary.json")) return AddRun(name, named);
+  std::vector<std::string> within;
+  for (const auto& entry : fs::directory_iterator(name)) within.push_back(entry.path());
+  std::sort(within.begin(), within.end());
+  Named found;
+  for (const std::string& path : within) AddRun(path, &found);
+  if (found.runs.empty()) found.others = {name};
+  named->runs.insert(named->runs.end(), found.runs.begin(), found.runs.end());
+  named->others.insert(named->others.end(), found.others.begin(), found.others.end());
+}
+
+std::string NamesText(const std::vector<std::string>& names) {
+  constexpr size_t kShown = 6;
+  std::string text;
+  for (size_t i = 0; i < std::min(names.size(), kShown); ++i) text += (i == 0 ? "" : ", ") + names[i];
+  return names.size() > kShown ? fmt::format("{} and {} more", text, names.size() - kShown) : text;
+}
+
+/// Throws std::runtime_error where there is not one run.
+std::vector<RunRecord> RunsOf(const std::vector<std::string>& names) {
+  Named named;
+  for (const std::string& name : names) AddNamed(name, &named);
+  if (named.runs.empty()) {
+    throw std::runtime_error(fmt::format("there is no run to compare, no folder with the summary.json of one: {}",
+                                         NamesText(named.others)));
+  }
+  if (!named.others.empty()) {
+    fmt::print(stderr, "passed over {} that {}: {}\n", named.others.size(),
+               named.others.size() == 1 ? "is no run" : "are no runs", NamesText(named.others));
+  }
+  return named.runs;
 }
 
 /// Names of files for the runs: the folder's, numbered where two are the same.
-std::vector<std::string> FileNames(const std::vector<std::string>& folders) {
+std::vector<std::string> FileNames(const std::vector<RunRecord>& runs) {
   std::vector<std::string> names;
   std::set<std::string> taken;
-  for (const std::string& folder : folders) {
-    const fs::path path = fs::path(folder + "/").lexically_normal().parent_path();
+  for (const RunRecord& run : runs) {
+    const fs::path path = fs::path(run.folder + "/").lexically_normal().parent_path();
     std::string name = path.filename();
     for (int n = 2; !taken.insert(name).second; ++n) name = fmt::format("{}_{}", path.filename().string(), n);
     names.push_back(name);
@@ -67,13 +104,13 @@ std::vector<std::string> FileNames(const std::vector<std::string>& folders) {
   return names;
 }
 
-void ConvertTrajectories(const std::vector<std::string>& folders, const Arguments& a) {
+void ConvertTrajectories(const std::vector<RunRecord>& runs, const Arguments& a) {
   if (a.out.empty()) throw std::runtime_error("--format " + a.format + " needs --out, the folder to write to");
   fs::create_directories(a.out);
-  const std::vector<std::string> names = FileNames(folders);
-  for (size_t i = 0; i < folders.size(); ++i) {
+  const std::vector<std::string> names = FileNames(runs);
+  for (size_t i = 0; i < runs.size(); ++i) {
     const std::string file = fmt::format("{}/{}.{}", a.out, names[i], a.format);
-    const Trajectory trajectory = ReadTrajectory(folders[i] + "/trajectory.tum", TrajectoryFormat::kTum);
+    const Trajectory trajectory = ReadTrajectory(runs[i].folder + "/trajectory.tum", TrajectoryFormat::kTum);
     WriteTrajectory(file, TrajectoryFormatFromName(a.format), trajectory);
     fmt::print("{}: {} poses\n", file, trajectory.size());
   }
@@ -88,14 +125,11 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
 }
 
 int CompareRuns(const Arguments& a) {
-  const std::vector<std::string> folders = FoldersOf(a.runs);
+  const std::vector<RunRecord> runs = RunsOf(a.runs);
   if (a.format == "tum" || a.format == "kitti") {
-    ConvertTrajectories(folders, a);
+    ConvertTrajectories(runs, a);
     if (a.html.empty()) return 0;
   }
-  std::vector<RunRecord> runs;
-  runs.reserve(folders.size());
-  for (const std::string& folder : folders) runs.push_back(ReadRunRecord(folder));
   const std::vector<RunGroup> groups = Compare(runs);
   if (!a.html.empty()) WriteFileAtomically(a.html, ComparisonPage(groups));
   if (a.format == "tum" || a.format == "kitti") return 0;

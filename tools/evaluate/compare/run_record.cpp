@@ -6,6 +6,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "core/run/frame_tally.h"
 #include "tools/evaluate/run_summary.h"
 
 namespace plslam {
@@ -41,14 +42,14 @@ Value KeyframeRmse(const json& s) {
   return At(s, "accuracy/keyframes/relative_rmse");
 }
 
-Value TrackedPercent(const json& s) {
+Value TrackedShare(const json& s) {
   const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
   if (!frames || !tracked) return std::nullopt;
   // `frames` are those with a pose message. Older runs do not tell how many there were in all.
   const double all =
       At(s, "all_frames")
           .value_or(*frames + At(s, "skipped_frames").value_or(0.0) + At(s, "bad_frames").value_or(0.0));
-  return all > 0.0 ? Value(100.0 * *tracked / all) : std::nullopt;
+  return TrackedPercent(*tracked, all);
 }
 
 Value SumOverProcesses(const json& s, const char* name) {
@@ -71,7 +72,7 @@ const std::vector<MetricRow>& Rows() {
       {{"live_ate_m", "live ATE", "m", 4, false}, LiveAte},
       {{"t_rel_percent", "t_rel", "%", 3, false}, TRel},
       {{"keyframe_relative_rmse", "keyframes, relative RMSE", "", 4, false}, KeyframeRmse},
-      {{"tracked_percent", "tracked", "%", 1, true}, TrackedPercent},
+      {{"tracked_percent", "tracked", "%", 1, true}, TrackedShare},
       {{"keyframes", "keyframes", "", 0, false, false}, [](const json& s) { return At(s, "keyframes"); }},
       {{"loops", "loops", "", 0, true, false}, [](const json& s) { return At(s, "loops"); }},
       {{"vo_ms", "odometry", "ms a frame", 1, false}, [](const json& s) { return At(s, "stage_ms/total/median"); }},
@@ -160,11 +161,15 @@ RunRecord RecordOf(const json& summary, const std::string& folder) {
   return record;
 }
 
-RunRecord ReadRunRecord(const std::string& folder) {
+std::optional<RunRecord> FindRunRecord(const std::string& folder) {
   try {
-    return RecordOf(ReadRunSummary(folder), folder);
-  } catch (const json::exception& e) {
-    throw std::runtime_error(fmt::format("{}/summary.json: is not the summary of a run: {}", folder, e.what()));
+    const json summary = ReadRunSummary(folder);
+    if (!summary.contains("completed") || !summary.contains("frames")) return std::nullopt;
+    return RecordOf(summary, folder);
+  } catch (const json::exception&) {
+    return std::nullopt;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
   }
 }
 

@@ -47,7 +47,7 @@ struct RunRecord {
 /// From a `summary.json`. `folder` is for the record only.
 RunRecord RecordOf(const nlohmann::json& summary, const std::string& folder);
 
-/// From `FOLDER/summary.json`. Throws std::runtime_error, which names the file, where it is none.
-RunRecord ReadRunRecord(const std::string& folder);
+/// From `FOLDER/summary.json`; nullopt where that is not the summary of a run.
+std::optional<RunRecord> FindRunRecord(const std::string& folder);
 
 }  // namespace plslam

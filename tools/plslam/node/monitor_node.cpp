@@ -31,7 +31,7 @@ FrameReport FromMessage(const pose_t& message) {
   report.session = message.header.session;
   report.frame_id = message.frame_id;
   report.t_ns = message.header.t_ns;
-  report.state = int{message.state};
+  report.state = static_cast<TrackingState>(message.state);
   report.keyframe_id = message.keyframe_id;
   report.tracked_points = message.n_tracked_points;
   report.tracked_lines = message.n_tracked_lines;
@@ -65,8 +65,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
   bus.Subscribe<stream_t>(bus::kStream, [this, own](const stream_t& m) {
     if (m.header.source == own) return;
     total_frames_ = m.n_frames;
-    bad_frames_ = m.n_bad;
-    stream_ended_ = m.event == "end";
+    sent_.OnStream(m.event == "end", m.n_frames, m.n_bad);
     lockstep_ = m.pace == "lockstep";
   });
   bus.Subscribe<keyframe_t>(bus::kKeyframe, [this](const keyframe_t& m) {
@@ -89,13 +88,11 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 void MonitorNode::OnStatus(const status_t& message) {
   if (message.process == "player") {
     player_heard_s_ = bus::NowS();
-    sent_frames_ = static_cast<int64_t>(bus::CounterOf(message, "frames.sent"));
-    // A run that is interrupted hears of no end of the stream.
-    bad_frames_ = std::max(bad_frames_, static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
+    sent_.OnStatus(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
+                   static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }
-  if (message.process == "viewer") {
-    missing_pictures_ = static_cast<int64_t>(bus::CounterOf(message, "pictures.missing"));
-  }
+  for (const counter_t& counter : message.counters)
+    counters_.Take(message.header.source, counter.name, counter.value);
   const std::pair process(message.host, message.pid);
   if (processes_.size() >= kMaxShownProcesses && !processes_.contains(process)) return;
   const ProcessStatus& status = processes_[process] = FromMessage(message);
@@ -105,24 +102,26 @@ void MonitorNode::OnStatus(const status_t& message) {
 }
 
 bool MonitorNode::PlayerWaitsForTime(double now_s) const {
-  if (stream_ended_ || lockstep_) return false;
+  if (sent_.ended() || lockstep_) return false;
   const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
-  return heard && sent_frames_ > 0 && statistics_.newest_frame().first + 1 >= sent_frames_;
+  return heard && sent_.sent() > 0 && statistics_.newest_frame().first + 1 >= sent_.sent();
 }
 
 SignsOfLife MonitorNode::Signs(int64_t viewer, double now_s) const {
   const auto found = processes_.find({host_, viewer});
-  return {poses_heard_, map_.version(), PlayerWaitsForTime(now_s), stream_ended_,
+  return {poses_heard_, map_.version(), PlayerWaitsForTime(now_s), sent_.ended(),
           found == processes_.end() ? -1.0 : found->second.heard_s};
 }
 
-int64_t MonitorNode::unanswered_frames() const {
-  const int64_t sent = stream_ended_ ? total_frames_ : sent_frames_;
-  return std::max<int64_t>(0, sent - statistics_.frames() - statistics_.skipped_frames());
+FrameTally MonitorNode::frames() const {
+  FrameTally frames = statistics_.frames();
+  frames.unreadable = sent_.unreadable();
+  frames.unanswered = sent_.Unanswered(frames);
+  return frames;
 }
 
 bool MonitorNode::has_all() const {
-  const bool has_frames = stream_ended_ && unanswered_frames() == 0;
+  const bool has_frames = sent_.ended() && frames().unanswered == 0;
   const auto [session, keyframe_id] = statistics_.last_keyframe();
   const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.settled().Has(session, keyframe_id);
   return has_frames && has_map;

@@ -59,12 +59,11 @@ class MonitorNode {
 
   /// Frames the player has announced, and, when it is through, has sent; -1 where unknown.
   int64_t total_frames() const { return total_frames_; }
-  bool stream_ended() const { return stream_ended_; }
-  int64_t bad_frames() const { return bad_frames_; }
-  /// Frames without the picture that the report, the film or `--overlay-every` should have had.
-  int64_t missing_pictures() const { return missing_pictures_; }
-  /// Frames sent of which no pose message told, neither as its own nor as passed over: those behind the last pose, say.
-  int64_t unanswered_frames() const;
+  bool stream_ended() const { return sent_.ended(); }
+  /// What became of the frames that were sent or could not be.
+  FrameTally frames() const;
+  /// What the processes say of the data.
+  const RunCounters& counters() const { return counters_; }
   /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it has
   /// sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;
@@ -87,12 +86,10 @@ class MonitorNode {
   std::map<std::pair<std::string, int64_t>, ProcessStatus> processes_;
   std::map<std::string, double> longest_queue_;
   int64_t total_frames_ = -1;
-  int64_t bad_frames_ = 0;
-  int64_t missing_pictures_ = 0;
-  int64_t sent_frames_ = 0;
+  SentFrames sent_;
+  RunCounters counters_;
   int64_t poses_heard_ = 0;
   double player_heard_s_ = -1.0;
-  bool stream_ended_ = false;
   bool lockstep_ = false;
 };
 

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "core/run/tracking_state.h"
+
+namespace plslam {
+
+/// `tracked` of `all` frames in per cent, rounded down to a tenth, so that 100 means every frame; nullopt where there are none.
+inline std::optional<double> TrackedPercent(double tracked, double all) {
+  if (!(all > 0.0)) return std::nullopt;
+  return std::floor(1000.0 * std::clamp(tracked / all, 0.0, 1.0) + 1e-9) / 10.0;
+}
+
+/// What became of the frames of a run. None counts twice, and all of them are in `all`: whoever tells a share of tracked frames,
+/// tells it of these.
+struct FrameTally {
+  int64_t tracked = 0;
+  int64_t initialising = 0;  ///< there was nothing to found a map on yet
+  int64_t lost = 0;
+  int64_t skipped = 0;     ///< passed over by a tracker that was too slow, in real time
+  int64_t unreadable = 0;  ///< passed over by the player (--skip-bad); the tracker never hears of them
+  int64_t unanswered = 0;  ///< sent, but the tracker ended before it said anything of them
+
+  /// Counts a frame that has a pose message; `sign` -1 takes it back.
+  void Count(TrackingState state, int64_t keyframe_id, int64_t sign = 1) {
+    int64_t& part = IsTracked(state, keyframe_id)           ? tracked
+                    : state == TrackingState::kInitialising ? initialising
+                                                            : lost;
+    part += sign;
+  }
+  /// Frames with a pose message.
+  int64_t answered() const { return tracked + initialising + lost; }
+  int64_t all() const { return answered() + skipped + unreadable + unanswered; }
+  std::optional<double> tracked_percent() const {
+    return TrackedPercent(static_cast<double>(tracked), static_cast<double>(all()));
+  }
+  bool operator==(const FrameTally&) const = default;
+};
+
+/// How many frames the player has sent, and could not read, from what its status and the end of the stream say.
+class SentFrames {
+ public:
+  void OnStatus(int64_t sent, int64_t unreadable) {
+    sent_ = sent;
+    // A run that is interrupted hears of no end of the stream.
+    unreadable_ = std::max(unreadable_, unreadable);
+  }
+  void OnStream(bool is_end, int64_t n_frames, int64_t n_bad) {
+    in_all_ = is_end ? std::optional(n_frames) : std::nullopt;
+    unreadable_ = n_bad;
+  }
+  bool ended() const { return in_all_.has_value(); }
+  /// As its status says, which is up to a second old.
+  int64_t sent() const { return sent_; }
+  int64_t unreadable() const { return unreadable_; }
+  /// Frames sent that are neither answered nor skipped: those behind the last pose, say.
+  int64_t Unanswered(const FrameTally& tally) const {
+    return std::max<int64_t>(0, in_all_.value_or(sent_) - tally.answered() - tally.skipped);
+  }
+
+ private:
+  int64_t sent_ = 0;
+  int64_t unreadable_ = 0;
+  std::optional<int64_t> in_all_;
+};
+
+}  // namespace plslam

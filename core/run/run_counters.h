@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace plslam {
+
+/// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that the right
+/// image has, too, frames that are nearly black, and by how many pixels rows of the right image differ in a corner. By the player,
+/// where the dataset has a ground truth: frames with a true pose, and without. By the viewer: frames without the picture that report,
+/// film or overlays should have had.
+inline constexpr std::string_view kPointsSeen = "points.seen";
+inline constexpr std::string_view kPointsMatched = "points.matched";
+inline constexpr std::string_view kFramesDark = "frames.dark";
+inline constexpr std::string_view kCornerRows = "rows.corner_px";
+inline constexpr std::string_view kTruthFrames = "truth.frames";
+inline constexpr std::string_view kTruthMissing = "truth.missing";
+inline constexpr std::string_view kPicturesMissing = "pictures.missing";
+inline constexpr std::array<std::string_view, 7> kRunCounters{
+    kPointsSeen, kPointsMatched, kFramesDark, kCornerRows, kTruthFrames, kTruthMissing, kPicturesMissing};
+
+/// The newest of these counters by process, also of those that have ended since; others are passed over.
+class RunCounters {
+ public:
+  /// `source` names the process.
+  void Take(int64_t source, const std::string& name, double value);
+  /// Over all processes; 0 where nobody has told it.
+  double Sum(std::string_view name) const;
+  double Largest(std::string_view name) const;
+
+ private:
+  std::map<std::pair<std::string, int64_t>, double> values_;
+};
+
+}  // namespace plslam

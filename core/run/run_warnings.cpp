@@ -1,0 +1,224 @@
+#include "core/run/run_warnings.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+using Numbers = std::vector<std::pair<std::string, double>>;
+
+constexpr double kEnoughTracked_percent = 90.0;
+/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 to 8 %.
+constexpr double kFewMatched = 0.15;
+constexpr double kEnoughPoints = 2000.0;
+constexpr double kManyDark = 0.1;
+constexpr double kManySkipped = 0.01;
+/// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
+constexpr double kFarRows_px = 4.0;
+/// Two paths that have nothing to do with each other are, aligned, as far from each other as each extends.
+constexpr double kOtherPath = 0.3;
+/// The truth of a standing camera extends over its own errors.
+constexpr double kLeastOtherPath_m = 0.05;
+/// Recorded truth errs itself, by more than the estimate from frame to frame: good runs have a NEES of 3,000 to 20,000 against it.
+constexpr double kFarNees = 1e5;
+constexpr int64_t kEnoughNees = 20;
+
+double Count(int64_t n) { return static_cast<double>(n); }
+
+/// For a shell.
+std::string Quoted(const std::string& dataset) {
+  return dataset.find_first_of(" ?&'\"$*") == std::string::npos ? dataset : "'" + dataset + "'";
+}
+
+std::string MetresText(double metres) {
+  return std::isfinite(metres) ? fmt::format("{:.3g} m", metres) : "more than can be computed";
+}
+
+std::string CheckText(const RunFindings& f) {
+  return fmt::format("`plslam rectify-check {}`", f.dataset.empty() ? "DATASET" : Quoted(f.dataset));
+}
+
+std::string PartsText(const FrameTally& t) {
+  const std::pair<int64_t, const char*> parts[] = {{t.initialising, "initialising"},
+                                                   {t.lost, "lost"},
+                                                   {t.skipped, "skipped"},
+                                                   {t.unreadable, "unreadable"},
+                                                   {t.unanswered, "unanswered"}};
+  std::string text;
+  for (const auto& [n, name] : parts) {
+    if (n > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", n, name);
+  }
+  return text;
+}
+
+bool LacksMatches(const RunFindings& f) {
+  return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
+}
+
+struct Row {
+  const char* code;
+  bool (*holds)(const RunFindings& f);
+  std::string (*sentence)(const RunFindings& f);
+  Numbers (*numbers)(const RunFindings& f);
+};
+
+Numbers FrameNumbers(const RunFindings& f) {
+  return {{"tracked", Count(f.frames.tracked)},
+          {"all", Count(f.frames.all())},
+          {"percent", f.frames.tracked_percent().value_or(0.0)}};
+}
+
+const Row kRows[] = {
+    {"nothing_tracked", [](const RunFindings& f) { return f.frames.all() > 0 && f.frames.tracked == 0; },
+     [](const RunFindings& f) {
+       return fmt::format("none of the {} frames was tracked ({}): docs/troubleshooting.md tells what helps",
+                          f.frames.all(), PartsText(f.frames));
+     },
+     FrameNumbers},
+    {"little_tracked",
+     [](const RunFindings& f) {
+       return f.frames.tracked > 0 && *f.frames.tracked_percent() < kEnoughTracked_percent;
+     },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "only {} of {} frames were tracked ({:.1f} %; {}): docs/troubleshooting.md tells what helps",
+           f.frames.tracked, f.frames.all(), *f.frames.tracked_percent(), PartsText(f.frames));
+     },
+     FrameNumbers},
+    {"few_stereo_matches", LacksMatches,
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the right images have only {:.1f} % of the points of the left ones: left and right may be "
+           "exchanged, not taken at the same time, or badly calibrated; {} tells",
+           100.0 * f.points_matched / f.points_seen, CheckText(f));
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"points", f.points_seen}, {"matched", f.points_matched}};
+     }},
+    {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "rows of the right images differ from those of the left ones by up to {:.1f} px in the "
+           "corners: they are followed, but the cameras should be calibrated anew; {} measures it",
+           f.corner_rows_px, CheckText(f));
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"corner_rows_px", f.corner_rows_px}};
+     }},
+    {"dark_images",
+     [](const RunFindings& f) {
+       return f.dark_frames > 0.0 && f.dark_frames > kManyDark * Count(f.frames.answered());
+     },
+     [](const RunFindings& f) {
+       return fmt::format("{:.0f} of {} frames are nearly black: check exposure, light and lens", f.dark_frames,
+                          f.frames.answered());
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"dark", f.dark_frames}, {"frames", Count(f.frames.answered())}};
+     }},
+    {"unreadable_frames", [](const RunFindings& f) { return f.frames.unreadable > 0; },
+     [](const RunFindings& f) {
+       return fmt::format("{} of {} frames could not be read and were passed over; logs/player.log names them",
+                          f.frames.unreadable, f.frames.all());
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"unreadable", Count(f.frames.unreadable)}, {"all", Count(f.frames.all())}};
+     }},
+    {"skipped_frames",
+     [](const RunFindings& f) { return Count(f.frames.skipped) > kManySkipped * Count(f.frames.all()); },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "{} of {} frames were passed over because tracking was slower than the data came: use --pace "
+           "lockstep, smaller images or a faster machine",
+           f.frames.skipped, f.frames.all());
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"skipped", Count(f.frames.skipped)}, {"all", Count(f.frames.all())}};
+     }},
+    {"missing_pictures", [](const RunFindings& f) { return f.pictures_missing > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "{:.0f} frames lack their picture in the report, the film or the overlays; logs/viewer.log says why",
+           f.pictures_missing);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"missing", f.pictures_missing}};
+     }},
+    {"truth_of_other_times", [](const RunFindings& f) { return f.truth_missing > f.truth_frames; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "only {:.0f} of {:.0f} frames have a true pose although the dataset has a ground truth: it is "
+           "of other times, perhaps of another run; logs/player.log has both spans",
+           f.truth_frames, f.truth_frames + f.truth_missing);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"with_truth", f.truth_frames}, {"without_truth", f.truth_missing}};
+     }},
+    {"truth_of_another_run",
+     [](const RunFindings& f) {
+       if (!f.ate_m || *f.ate_m <= kLeastOtherPath_m) return false;
+       return !std::isfinite(*f.ate_m) || *f.ate_m > kOtherPath * f.true_spread_m;
+     },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the path is off by {} (ATE) while the true one extends over {}: the ground truth is of "
+           "another run or another camera, or tracking went wrong",
+           MetresText(*f.ate_m), MetresText(f.true_spread_m));
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"ate_m", *f.ate_m}, {"true_spread_m", f.true_spread_m}};
+     }},
+    {"covariance_not_consistent",
+     [](const RunFindings& f) { return f.nees_poses >= kEnoughNees && f.nees_pose > kFarNees; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "errors are about {:.0f} times larger than the covariances say (mean NEES {:.3g}, 6 is "
+           "expected): do not rely on the covariances, or on the ground truth",
+           std::sqrt(f.nees_pose / 6.0), f.nees_pose);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"nees", f.nees_pose}, {"poses", Count(f.nees_poses)}};
+     }},
+    {"recording_in_parts", [](const RunFindings& f) { return f.recordings.size() > 1; },
+     [](const RunFindings& f) {
+       std::string others;
+       for (size_t i = 1; i < f.recordings.size(); ++i) others += (i > 1 ? ", " : "") + f.recordings[i];
+       return fmt::format(
+           "the recorder was started again, so the recording of {} goes on in {}; what was said between "
+           "is in neither",
+           f.recordings.front(), others);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"files", static_cast<double>(f.recordings.size())}};
+     }},
+};
+
+}  // namespace
+
+void RunFindings::Take(const RunCounters& counters) {
+  points_seen = counters.Sum(kPointsSeen);
+  points_matched = counters.Sum(kPointsMatched);
+  dark_frames = counters.Sum(kFramesDark);
+  corner_rows_px = counters.Largest(kCornerRows);
+  truth_frames = counters.Sum(kTruthFrames);
+  truth_missing = counters.Sum(kTruthMissing);
+  pictures_missing = counters.Largest(kPicturesMissing);
+}
+
+std::vector<RunWarning> WarningsOf(const RunFindings& findings) {
+  std::vector<RunWarning> warnings;
+  for (const Row& row : kRows) {
+    if (row.holds(findings)) warnings.push_back({row.code, row.sentence(findings), row.numbers(findings)});
+  }
+  return warnings;
+}
+
+std::vector<std::string> WarningCodes() {
+  std::vector<std::string> codes;
+  for (const Row& row : kRows) codes.emplace_back(row.code);
+  return codes;
+}
+
+}  // namespace plslam

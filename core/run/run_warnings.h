@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/run/frame_tally.h"
+#include "core/run/run_counters.h"
+
+namespace plslam {
+
+/// What a run has shown of itself and of its data, as far as it is known: what is looked at for warnings.
+struct RunFindings {
+  std::string dataset;
+  FrameTally frames;
+  /// See run_counters.h.
+  double points_seen = 0.0;
+  double points_matched = 0.0;
+  double dark_frames = 0.0;
+  double corner_rows_px = 0.0;
+  double truth_frames = 0.0;
+  double truth_missing = 0.0;
+  double pictures_missing = 0.0;
+  /// Root mean square of the errors of position after alignment; and of the distances of the true positions from their mean.
+  std::optional<double> ate_m;
+  double true_spread_m = 0.0;
+  /// Mean NEES of the poses (6 is expected), and of how many.
+  double nees_pose = 0.0;
+  int64_t nees_poses = 0;
+  /// Files of the recording: more than one where the recorder was started again.
+  std::vector<std::string> recordings;
+
+  void Take(const RunCounters& counters);
+};
+
+/// Something that the user of a finished run should know.
+struct RunWarning {
+  std::string code;      ///< for programs: "little_tracked"
+  std::string sentence;  ///< what was found, what it may mean, what helps
+  std::vector<std::pair<std::string, double>> numbers;
+};
+
+/// One for each row of the table whose condition holds, in its order. docs/metrics.md has the table for users.
+std::vector<RunWarning> WarningsOf(const RunFindings& findings);
+
+/// All codes there are, in the order of the table.
+std::vector<std::string> WarningCodes();
+
+}  // namespace plslam

@@ -1,0 +1,126 @@
+#include "core/run/run_warnings.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+namespace plslam {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+std::vector<std::string> CodesOf(const RunFindings& findings) {
+  std::vector<std::string> codes;
+  for (const RunWarning& warning : WarningsOf(findings)) codes.push_back(warning.code);
+  return codes;
+}
+
+RunFindings GoodRun() {
+  RunFindings findings;
+  findings.dataset = "/data/kitti 03";
+  findings.frames.tracked = 100;
+  findings.points_seen = 80'000;
+  findings.points_matched = 60'000;
+  findings.ate_m = 0.06;
+  findings.true_spread_m = 20.0;
+  findings.nees_pose = 20'000.0;
+  findings.nees_poses = 99;
+  findings.truth_frames = 100;
+  findings.recordings = {"a.lcm"};
+  return findings;
+}
+
+TEST(RunWarnings, GoodRunHasNone) {
+  EXPECT_THAT(CodesOf(GoodRun()), IsEmpty());
+  EXPECT_THAT(CodesOf(RunFindings()), IsEmpty()) << "nothing is known";
+}
+
+TEST(RunWarnings, ConditionsOfEachRow) {
+  struct Case {
+    const char* code;
+    void (*change)(RunFindings& f);
+    const char* says;
+  };
+  const Case cases[] = {
+      {"nothing_tracked", [](RunFindings& f) { f.frames = {.initialising = 50}; },
+       "none of the 50 frames was tracked (50 init"},
+      {"little_tracked", [](RunFindings& f) { f.frames = {.tracked = 12, .initialising = 100, .lost = 8}; },
+       "only 12 of 120 frames were tracked (10.0 %; 100 initialising, 8 lost)"},
+      {"few_stereo_matches", [](RunFindings& f) { f.points_matched = 800; },
+       "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
+       "badly "
+       "calibrated; `plslam rectify-check '/data/kitti 03'` tells"},
+      {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
+      {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
+      {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
+      {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were passed over"},
+      {"missing_pictures", [](RunFindings& f) { f.pictures_missing = 3; }, "3 frames lack their picture"},
+      {"truth_of_other_times",
+       [](RunFindings& f) {
+         f.truth_frames = 0;
+         f.truth_missing = 100;
+       },
+       "only 0 of 100 frames have a true pose"},
+      {"truth_of_another_run", [](RunFindings& f) { f.ate_m = 19.0; },
+       "off by 19 m (ATE) while the true one extends over 20 m: "},
+      {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 240'000.0; },
+       "errors are about 200 times larger"},
+      {"recording_in_parts",
+       [](RunFindings& f) {
+         f.recordings = {"a.lcm", "a.lcm.2"};
+       },
+       "the recorder was started again, so the recording of a.lcm goes on in a.lcm.2"}};
+  std::vector<std::string> codes;
+  for (const Case& c : cases) {
+    RunFindings findings = GoodRun();
+    c.change(findings);
+    EXPECT_THAT(CodesOf(findings), ElementsAre(c.code));
+    ASSERT_FALSE(WarningsOf(findings).empty()) << c.code;
+    EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr(c.says));
+    EXPECT_FALSE(WarningsOf(findings)[0].numbers.empty()) << c.code;
+    codes.emplace_back(c.code);
+  }
+  EXPECT_EQ(codes, WarningCodes()) << "each row is tried";
+}
+
+TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {
+  RunFindings findings = GoodRun();
+  findings.frames = {.tracked = 90, .lost = 9, .skipped = 1};
+  findings.dark_frames = 5;
+  findings.corner_rows_px = 2.0;
+  findings.truth_frames = 60;
+  findings.truth_missing = 40;
+  EXPECT_THAT(CodesOf(findings), IsEmpty());
+  findings.ate_m = 0.01;
+  findings.true_spread_m = 0.001;
+  EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a camera that stands";
+  findings.points_seen = 300;
+  findings.points_matched = 0;
+  EXPECT_THAT(CodesOf(findings), IsEmpty()) << "a white wall";
+}
+
+TEST(RunWarnings, WhatIsTooLargeForANumberIsTold) {
+  RunFindings findings = GoodRun();
+  findings.ate_m = findings.true_spread_m = std::numeric_limits<double>::infinity();
+  ASSERT_THAT(CodesOf(findings), ElementsAre("truth_of_another_run"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence, HasSubstr("off by more than can be computed (ATE)"));
+}
+
+TEST(RunCounters, AreThoseOfAllProcesses) {
+  RunCounters counters;
+  counters.Take(1, "points.seen", 10.0);
+  counters.Take(1, "points.seen", 20.0);
+  counters.Take(2, "points.seen", 5.0);
+  counters.Take(1, "queue.frames", 5.0);
+  counters.Take(3, "points.seen", std::numeric_limits<double>::quiet_NaN());
+  counters.Take(1, "rows.corner_px", 3.0);
+  counters.Take(2, "rows.corner_px", 4.0);
+  EXPECT_EQ(counters.Sum("points.seen"), 25.0);
+  EXPECT_EQ(counters.Sum("queue.frames"), 0.0);
+  EXPECT_EQ(counters.Largest("rows.corner_px"), 4.0);
+}
+
+}  // namespace
+}  // namespace plslam

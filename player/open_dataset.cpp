@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/bus/log_dataset.h"
+#include "core/errors/error_text.h"
 #include "core/io/euroc_dataset.h"
 #include "core/io/images_dataset.h"
 #include "core/io/kitti_dataset.h"
@@ -70,11 +71,11 @@ const Kind& KindByLooking(const std::string& location) {
 }  // namespace
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
-  const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
   try {
+    const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
     return chosen.open(location);
   } catch (const std::filesystem::filesystem_error& error) {
-    throw DatasetError(fmt::format("{}: {}", location, error.code().message()));
+    throw DatasetError(SentenceOf(error));
   }
 }
 

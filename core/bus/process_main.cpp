@@ -10,6 +10,7 @@
 #include "core/bus/process_impl.h"
 #include "core/bus/process_memory.h"
 #include "core/bus/process_signals.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 
@@ -30,7 +31,9 @@ class ProcessRunner {
       process.emplace(spec_.name, bus_options);
       return RunNode(config, *process);
     } catch (const std::exception& error) {
-      return Fail(error.what(), process);
+      return Fail(
+          IsOfMemory(error) ? fmt::format("{}, while {}", SentenceOf(error), Doing(process)) : SentenceOf(error),
+          process);
     } catch (...) {
       return Fail("an exception of unknown type", process);
     }
@@ -64,6 +67,10 @@ class ProcessRunner {
     node.reset();
     if (process.impl_->finished) process.bus().Flush(std::chrono::milliseconds(1000));
     return process.impl_->exit_code;
+  }
+
+  static std::string Doing(const std::optional<Process>& process) {
+    return process ? process->impl_->status.state() : "reading the options";
   }
 
   int Fail(const std::string& what, std::optional<Process>& process) const {

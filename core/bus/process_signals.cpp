@@ -6,8 +6,11 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <stdexcept>
+
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 
@@ -19,7 +22,7 @@ SignalWatcher::SignalWatcher(std::function<void(int)> on_stop) : on_stop_(std::m
   pthread_sigmask(SIG_BLOCK, &stops, &previous_mask_);
   signal_fd_ = signalfd(-1, &stops, SFD_CLOEXEC);
   stop_fd_ = eventfd(0, EFD_CLOEXEC);
-  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be watched: no file descriptors left");
+  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be watched: " + ReasonOf(errno));
   thread_ = std::thread([this] { Watch(); });
 }
 

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "core/errors/input_file.h"
 #include "core/io/atomic_file.h"
 #include "core/places/vocabulary.h"
 
@@ -93,6 +94,8 @@ Header CheckedHeader(std::string_view bytes, const std::string& name) {
 }
 
 std::string ReadWhole(const std::string& path) {
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) Refuse(path, why);
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) Refuse(path, "cannot be read");
   const auto size = static_cast<int64_t>(in.tellg());

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/errors/error_text.h"
 #include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
@@ -36,7 +37,7 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     fmt::print(stderr, "plslam: error: {} (--help tells the options)\n", error.what());
   } catch (const std::exception& error) {
-    fmt::print(stderr, "plslam: error: {}\n", error.what());
+    fmt::print(stderr, "plslam: error: {}\n", plslam::SentenceOf(error));
   }
   return 1;
 }

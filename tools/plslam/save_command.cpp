@@ -40,7 +40,7 @@ int Save(const SaveOptions& options) {
     return 0;
   }
   fmt::print(stderr, "plslam: error: {}: {}\n", path,
-             !request.heard() ? fmt::format("no mapping_process is heard on {}", bus_options.url)
+             !request.heard() ? NobodyHeard(bus_options, kHearLimit)
              : request.result() == SaveNode::Result::kFailed
                  ? "mapping_process could not save the map; its log says why"
                  : "mapping_process has not answered");

@@ -126,6 +126,13 @@ TEST(Config, BrokenYamlNamesTheLine) {
   EXPECT_EQ(Refusal("- a\n- b\n"), "rig.yaml:1: must be a map of sections");
   EXPECT_EQ(Refusal("vo: {}\n---\nvo: {}\n"), "rig.yaml: has more than one YAML document");
   EXPECT_NE(Refusal("? [a, b]\n: 1\n"), "");
+  EXPECT_EQ(Refusal("vo:\n\tseed: 1\n"), "rig.yaml:2: is indented by a tab; YAML wants spaces");
+}
+
+TEST(Config, BinaryFileDoesNotReachTheTerminal) {
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  EXPECT_THAT(Refusal(png), testing::StartsWith("rig.yaml: is no YAML, but binary: \\x89PNG"));
+  EXPECT_THAT(Refusal("vo: {seed: \x1b[2J}"), testing::Not(testing::HasSubstr("\x1b")));
 }
 
 TEST(Config, BadOverrideSaysHowItMustLook) {

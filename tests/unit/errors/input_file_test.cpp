@@ -1,0 +1,43 @@
+#include "core/errors/input_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <stdexcept>
+
+#include "tests/support/text_file.h"
+
+namespace plslam {
+namespace {
+
+using testing::ThrowsMessage;
+
+TEST(OpenInput, ReadsAFile) {
+  const ScratchFolder folder;
+  std::string word;
+  OpenInput(folder.Write("a", "one two")) >> word;
+  EXPECT_EQ(word, "one");
+  EXPECT_EQ(WhyUnreadable(folder.Path("a")), "");
+}
+
+TEST(OpenInput, SaysWhyNot) {
+  const ScratchFolder folder;
+  EXPECT_THAT([&] { OpenInput(folder.Path("none")); },
+              ThrowsMessage<std::runtime_error>(folder.Path("none") + ": cannot be read: No such file or directory"));
+  EXPECT_THAT([&] { OpenInput(folder.Path("")); },
+              ThrowsMessage<std::runtime_error>(folder.Path("") + ": cannot be read: it is a folder, not a file"));
+  EXPECT_THAT([&] { OpenInput(folder.Write("a", "") + "/b"); },
+              ThrowsMessage<std::runtime_error>(folder.Path("a") + "/b: cannot be read: Not a directory"));
+}
+
+TEST(OpenInput, PermissionIsNamed) {
+  if (geteuid() == 0) GTEST_SKIP() << "root may read everything";
+  const ScratchFolder folder;
+  chmod(folder.Write("secret", "x").c_str(), 0);
+  EXPECT_EQ(WhyUnreadable(folder.Path("secret")), "cannot be read: Permission denied");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -88,9 +88,8 @@ ImageHeader CheckedHeader(const std::string& path, std::span<const uint8_t> byte
   if (!header) Fail(path, WhyNoHeader(bytes));
   if (header->width_px < 1 || header->height_px < 1 || header->width_px > kMaxImagePixels ||
       header->height_px > kMaxImagePixels || header->width_px * header->height_px > kMaxImagePixels) {
-    const int64_t pixels = header->width_px * header->height_px;
-    Fail(path, fmt::format("by its header the image has {} x {} = {} pixels; 1 to {} can be read (8192 x 8192)",
-                           header->width_px, header->height_px, pixels, kMaxImagePixels));
+    Fail(path, fmt::format("has {} x {} pixels by its header, which is none or more than {} (8192 x 8192)",
+                           header->width_px, header->height_px, kMaxImagePixels));
   }
   return *header;
 }

@@ -12,7 +12,7 @@
 #include "core/errors/error_text.h"
 #include "core/errors/input_file.h"
 #include "core/errors/yaml_complaint.h"
-#include "core/io/dataset_error.h"
+#include "core/io/dataset.h"
 
 namespace plslam {
 namespace {
@@ -22,7 +22,9 @@ constexpr size_t kMaxBytes = 65536;
 constexpr double kOrthogonalityTolerance = 1e-3;
 
 std::string ReadText(const std::string& path) {
-  std::ifstream file = AsDatasetError([&] { return OpenInput(path); });
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw DatasetError(path + ": the calibration " + why);
+  std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));

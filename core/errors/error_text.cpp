@@ -76,7 +76,8 @@ std::string FileSentence(const std::filesystem::filesystem_error& error) {
   for (const Operation& known : kOperations) {
     if (what.starts_with(known.theirs)) operation = known.ours;
   }
-  return fmt::format("{}: {}: {}", error.path1().string(), operation, ReasonOf(error.code().value()));
+  return fmt::format("{}: {}: {}", error.path1().string(), operation,
+                     ReasonOf(error.code().value(), error.path1().string()));
 }
 
 }  // namespace
@@ -100,6 +101,20 @@ std::string ReasonOf(int error_number) {
   if (error_number != EMFILE) return reason;
   const auto limit = Limit(RLIMIT_NOFILE);
   return fmt::format("{}; this process may have {} (ulimit -n)", reason, limit.value_or(0));
+}
+
+std::string ReasonOf(int error_number, const std::string& path) {
+  std::string reason = ReasonOf(error_number);
+  if (error_number != EACCES) return reason;
+  std::filesystem::path above;
+  const std::filesystem::path whole(path);
+  for (auto part = whole.begin(); part != whole.end(); ++part) {
+    if (!above.empty() && access(above.c_str(), X_OK) != 0 && errno == EACCES) {
+      return fmt::format("{} (the folder {} is closed to this user)", reason, above.string());
+    }
+    above /= *part;
+  }
+  return reason;
 }
 
 std::string SentenceOf(const std::exception& error) {

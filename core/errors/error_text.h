@@ -14,6 +14,8 @@ std::string Shown(std::string_view text);
 /// What an error number of the system means, with the limit behind it where there is one: of processes and threads (EAGAIN),
 /// of open files (EMFILE), of memory (ENOMEM); each with the command that shows it.
 std::string ReasonOf(int error_number);
+/// The same of a path: a permission that is missing may be that of a folder above it, which is named.
+std::string ReasonOf(int error_number, const std::string& path);
 
 /// The sentence of an exception: what() of ours. Those of the library get what theirs leave out: the path and the operation (files),
 /// the limit (threads, memory).

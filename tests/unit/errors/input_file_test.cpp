@@ -39,12 +39,18 @@ TEST(OpenInput, PermissionIsNamed) {
   const std::string secret = folder.Write("secret", "x");
   chmod(secret.c_str(), 0);
   // Root may read everything; what it turns into here does not come back.
-  const auto as_a_user = [&] {
+  const auto as_a_user = [&](const std::string& path) {
     if (geteuid() == 0 && setuid(65534) != 0) std::exit(2);
-    std::fputs(WhyUnreadable(secret).c_str(), stderr);
+    std::fputs(WhyUnreadable(path).c_str(), stderr);
     std::exit(0);
   };
-  EXPECT_EXIT(as_a_user(), testing::ExitedWithCode(0), "cannot be read: Permission denied");
+  EXPECT_EXIT(as_a_user(secret), testing::ExitedWithCode(0), "^cannot be read: Permission denied$");
+  std::filesystem::create_directory(folder.Path("closed"));
+  const std::string within = folder.Write("closed/a", "x");
+  chmod(folder.Path("closed").c_str(), 0);
+  EXPECT_EXIT(as_a_user(within), testing::ExitedWithCode(0),
+              "Permission denied .the folder .*closed is closed to this user");
+  chmod(folder.Path("closed").c_str(), 0700);
 }
 
 }  // namespace

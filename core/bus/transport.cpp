@@ -92,9 +92,8 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
   errno = 0;
   lcm_ = lcm_create(url_.c_str());
   if (lcm_ == nullptr) {
-    const bool is_file = kind_ == Kind::kFileRead || kind_ == Kind::kFileWrite;
     throw std::runtime_error(
-        fmt::format("bus.url: LCM cannot open {}{}", url_, is_file ? ": " + ReasonOf(errno) : ""));
+        fmt::format("bus.url: LCM cannot open {}{}", url_, errno == 0 ? "" : ": " + ReasonOf(errno)));
   }
   if (kind_ == Kind::kTcpRelay) {
     const int fd = lcm_get_fileno(lcm_);

@@ -12,14 +12,14 @@
 namespace plslam {
 namespace {
 
-/// The whole of `text` as a number, or false.
+/// Puts the whole of `text` into `value` as a number. invalid_argument: it is none; result_out_of_range: too large for the type.
 template <class T>
-bool ParseNumber(const std::string& text, T* value) {
+std::errc ParseNumber(const std::string& text, T* value) {
   const char* first = text.data();
   const char* last = first + text.size();
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++first;
   const auto [end, error] = std::from_chars(first, last, *value);
-  return error == std::errc() && end == last;
+  return end == last ? error : std::errc::invalid_argument;
 }
 
 bool StartsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
@@ -51,10 +51,12 @@ class FieldReader {
   template <class T>
   T Number(const std::string& text, const char* wanted) const {
     T value{};
-    if (!ParseNumber(text, &value)) Fail(fmt::format("is '{}'; it must be {}", Shown(text), wanted));
+    const std::errc error = ParseNumber(text, &value);
+    if (error == std::errc::invalid_argument) Fail(fmt::format("is '{}'; it must be {}", Shown(text), wanted));
     const double number = static_cast<double>(value);
-    if (!std::isfinite(number) || !(number >= field_->bounds.min && number <= field_->bounds.max)) {
-      Fail(fmt::format("is {}; it must be in [{}, {}]", text, field_->bounds.min, field_->bounds.max));
+    if (error != std::errc() || !std::isfinite(number) ||
+        !(number >= field_->bounds.min && number <= field_->bounds.max)) {
+      Fail(fmt::format("is {}; it must be in [{}, {}]", Shown(text), field_->bounds.min, field_->bounds.max));
     }
     return value;
   }

@@ -100,7 +100,7 @@ TEST(Config, WrongTypeIsRefused) {
             "rig.yaml:1: key 'vo.max_points' is 'many'; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: 1.5}"), "rig.yaml:1: key 'vo.max_points' is '1.5'; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: 99999999999}"),
-            "rig.yaml:1: key 'vo.max_points' is '99999999999'; it must be a whole number");
+            "rig.yaml:1: key 'vo.max_points' is 99999999999; it must be in [0, 20000]");
   EXPECT_EQ(Refusal("vo: {max_points: [1]}"), "rig.yaml:1: key 'vo.max_points' is a list; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: }"), "rig.yaml:1: key 'vo.max_points' has no value; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {enabled: maybe}"), "rig.yaml:1: key 'vo.enabled' is 'maybe'; it must be true or false");

@@ -45,6 +45,8 @@ class PlayOrder {
 
   /// Number of items in all.
   int64_t size() const { return size_; }
+  /// The frames of the dataset that are played, each once, with their own times.
+  const std::vector<Item>& pass() const { return pass_; }
   std::optional<Item> Next();
   /// Leaves out what is not later than `t_ns`; how many that is.
   int64_t SkipTo(int64_t t_ns);

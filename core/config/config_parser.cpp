@@ -1,19 +1,29 @@
 #include "core/config/config_parser.h"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
+
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
+#include "core/errors/yaml_complaint.h"
 
 namespace plslam {
 namespace {
 
 constexpr int kMaxDepth = 16;
+constexpr size_t kMaxBytes = 1'000'000;
 
-/// Reports what yaml-cpp says as a sentence of ours.
-[[noreturn]] void ThrowSyntax(const std::string& place, const std::string& what) {
-  throw ConfigError(fmt::format("{}: not valid YAML: {}", place, what));
+std::string ReadText(const std::string& path) {
+  std::ifstream file = OpenInput(path);
+  std::string text(kMaxBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(file.gcount()));
+  if (text.empty()) throw ConfigError(path + ": is empty (0 bytes)");
+  if (text.size() > kMaxBytes) {
+    throw ConfigError(fmt::format("{}: has more than {} bytes, and is no configuration", path, kMaxBytes));
+  }
+  return text;
 }
 
 }  // namespace
@@ -27,7 +37,7 @@ Config ConfigParser::ParseFile(const std::string& yaml) {
   try {
     documents = YAML::LoadAll(yaml);
   } catch (const YAML::Exception& error) {
-    ThrowSyntax(fmt::format("{}:{}", name_, error.mark.line + 1), error.msg);
+    throw ConfigError(YamlComplaint(name_, yaml, error.mark.line, error.msg));
   }
   if (documents.size() > 1) throw ConfigError(fmt::format("{}: has more than one YAML document", name_));
   if (documents.empty() || documents[0].IsNull()) return std::move(config_);
@@ -47,7 +57,7 @@ void ConfigParser::AddMap(const std::string& prefix, const YAML::Node& map) {
     entry.key = prefix + item.first.Scalar();
     entry.origin = Place(item.first);
     if (!seen_.insert(entry.key).second) {
-      throw ConfigError(fmt::format("{}: key '{}' stands there a second time", entry.origin, entry.key));
+      throw ConfigError(fmt::format("{}: key '{}' stands there a second time", entry.origin, Shown(entry.key)));
     }
     if (item.second.IsMap() && item.second.size() > 0) {
       AddMap(entry.key + ".", item.second);
@@ -67,7 +77,8 @@ void ConfigParser::SetValue(const YAML::Node& value, Config::Entry* entry) {
     entry->kind = Kind::kList;
     for (const YAML::Node& item : value) {
       if (!item.IsScalar()) {
-        throw ConfigError(fmt::format("{}: key '{}' must be a list of single values", entry->origin, entry->key));
+        throw ConfigError(
+            fmt::format("{}: key '{}' must be a list of single values", entry->origin, Shown(entry->key)));
       }
       entry->list.push_back(item.Scalar());
     }
@@ -75,7 +86,7 @@ void ConfigParser::SetValue(const YAML::Node& value, Config::Entry* entry) {
 }
 
 Config::Entry ConfigParser::ParseAssignment(const std::string& assignment) {
-  const std::string place = fmt::format("override '{}'", assignment);
+  const std::string place = fmt::format("override '{}'", Shown(assignment));
   const size_t equals = assignment.find('=');
   const size_t dot = assignment.find('.');
   if (equals == std::string::npos || dot == std::string::npos || dot == 0 || dot + 1 >= equals) {
@@ -94,7 +105,7 @@ Config::Entry ConfigParser::ParseAssignment(const std::string& assignment) {
   try {
     SetValue(YAML::Load(text), &entry);
   } catch (const YAML::Exception& error) {
-    ThrowSyntax(place, error.msg);
+    throw ConfigError(fmt::format("{}: not valid YAML: {}", place, error.msg));
   }
   return entry;
 }
@@ -104,12 +115,13 @@ Config Config::FromString(const std::string& yaml, const std::string& name) {
 }
 
 Config Config::FromFile(const std::string& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw ConfigError(fmt::format("{}: cannot be read, or is empty", path));
+  try {
+    return FromString(ReadText(path), path);
+  } catch (const ConfigError&) {
+    throw;
+  } catch (const std::runtime_error& error) {
+    throw ConfigError(error.what());
   }
-  return FromString(text.str(), path);
 }
 
 void Config::Override(const std::string& assignment) {

@@ -7,18 +7,19 @@
 
 #include "core/config/config.h"
 #include "core/config/nearest_key.h"
+#include "core/errors/error_text.h"
 
 namespace plslam {
 namespace {
 
-/// The whole of `text` as a number, or false.
+/// Puts the whole of `text` into `value` as a number. invalid_argument: it is none; result_out_of_range: too large for the type.
 template <class T>
-bool ParseNumber(const std::string& text, T* value) {
+std::errc ParseNumber(const std::string& text, T* value) {
   const char* first = text.data();
   const char* last = first + text.size();
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++first;
   const auto [end, error] = std::from_chars(first, last, *value);
-  return error == std::errc() && end == last;
+  return end == last ? error : std::errc::invalid_argument;
 }
 
 bool StartsWith(const std::string& text, const std::string& start) { return text.rfind(start, 0) == 0; }
@@ -38,7 +39,7 @@ class FieldReader {
 
  private:
   [[noreturn]] void Fail(const std::string& what) const {
-    throw ConfigError(fmt::format("{}: key '{}' {}", entry_.origin, entry_.key, what));
+    throw ConfigError(fmt::format("{}: key '{}' {}", entry_.origin, Shown(entry_.key), what));
   }
 
   const std::string& Scalar(const char* wanted) const {
@@ -50,17 +51,19 @@ class FieldReader {
   template <class T>
   T Number(const std::string& text, const char* wanted) const {
     T value{};
-    if (!ParseNumber(text, &value)) Fail(fmt::format("is '{}'; it must be {}", text, wanted));
+    const std::errc error = ParseNumber(text, &value);
+    if (error == std::errc::invalid_argument) Fail(fmt::format("is '{}'; it must be {}", Shown(text), wanted));
     const double number = static_cast<double>(value);
-    if (!std::isfinite(number) || !(number >= field_->bounds.min && number <= field_->bounds.max)) {
-      Fail(fmt::format("is {}; it must be in [{}, {}]", text, field_->bounds.min, field_->bounds.max));
+    if (error != std::errc() || !std::isfinite(number) ||
+        !(number >= field_->bounds.min && number <= field_->bounds.max)) {
+      Fail(fmt::format("is {}; it must be in [{}, {}]", Shown(text), field_->bounds.min, field_->bounds.max));
     }
     return value;
   }
 
   void Set(bool* value) const {
     const std::string& text = Scalar("true or false");
-    if (text != "true" && text != "false") Fail(fmt::format("is '{}'; it must be true or false", text));
+    if (text != "true" && text != "false") Fail(fmt::format("is '{}'; it must be true or false", Shown(text)));
     *value = text == "true";
   }
   void Set(int* value) const { *value = Number<int>(Scalar("a whole number"), "a whole number"); }
@@ -71,7 +74,7 @@ class FieldReader {
     const std::string& text = Scalar("a text");
     const auto& choices = field_->choices;
     if (!choices.empty() && std::find(choices.begin(), choices.end(), text) == choices.end()) {
-      Fail(fmt::format("is '{}'; it must be one of {}", text, fmt::join(choices, ", ")));
+      Fail(fmt::format("is '{}'; it must be one of {}", Shown(text), fmt::join(choices, ", ")));
     }
     *value = text;
   }
@@ -104,8 +107,8 @@ void Config::ReadFields(const std::string& section, const std::vector<Field>& fi
     if (is_group) {
       throw ConfigError(fmt::format("{}: key '{}' is a group of keys and has no value", entry.origin, entry.key));
     }
-    throw ConfigError(fmt::format("{}: unknown key '{}'; the nearest known one is '{}'", entry.origin, entry.key,
-                                  NearestKey(entry.key, known)));
+    throw ConfigError(fmt::format("{}: unknown key '{}'; the nearest known one is '{}'", entry.origin,
+                                  Shown(entry.key), NearestKey(entry.key, known)));
   }
 }
 
@@ -113,8 +116,8 @@ void Config::RequireSections(std::span<const std::string_view> known) const {
   for (const Entry& entry : entries_) {
     const std::string section = entry.key.substr(0, entry.key.find('.'));
     if (std::find(known.begin(), known.end(), section) != known.end()) continue;
-    throw ConfigError(fmt::format("{}: unknown section '{}'; the nearest known one is '{}'", entry.origin, section,
-                                  NearestKey(section, {known.begin(), known.end()})));
+    throw ConfigError(fmt::format("{}: unknown section '{}'; the nearest known one is '{}'", entry.origin,
+                                  Shown(section), NearestKey(section, {known.begin(), known.end()})));
   }
 }
 

@@ -88,12 +88,14 @@ std::string PlacementComplaint(const RigCalibration& rig) {
   const double distance_m = T_l_r.translation().norm();
   if (!Inside(rig.baseline_m, kMinBaseline_m, kMaxBaseline_m) ||
       !(std::abs(rig.baseline_m - distance_m) <= 1e-6 * distance_m + 1e-9)) {
-    return fmt::format("baseline {} m (distance of the cameras {} m) is not within {} to {} m", rig.baseline_m,
-                       distance_m, kMinBaseline_m, kMaxBaseline_m);
+    return fmt::format("baseline {} m (distance of the cameras {} m) is not within {} to {} m{}", rig.baseline_m,
+                       distance_m, kMinBaseline_m, kMaxBaseline_m,
+                       distance_m > kMaxBaseline_m ? "; is it in millimetres?" : "");
   }
   if (!(T_l_r.translation().x() > 0.5 * distance_m)) {
     return fmt::format(
-        "the right camera must stand to the right of the left one, but is at x = {} m, y = {} m, z = {} m",
+        "the right camera must stand to the right of the left one, but is at x = {} m, y = {} m, z = {} m; is the "
+        "pose of a camera (T_b_cam, T_BS, T_cam_imu) inverted, or are left and right exchanged?",
         T_l_r.translation().x(), T_l_r.translation().y(), T_l_r.translation().z());
   }
   const double angle_rad = T_l_r.Log().tail<3>().norm();

@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include "core/io/files/dataset_error.h"
 
 namespace plslam {
+namespace {
+
+constexpr int64_t kMinStep_ns = 100'000;
+constexpr int64_t kMaxStep_ns = 10'000'000'000;
+
+}  // namespace
 
 void ForEachDatasetRow(const std::string& path, const std::function<void(const TextRow&)>& use) {
   AsDatasetError([&] { ForEachRow(path, use); });
@@ -21,21 +29,44 @@ void RequireColumns(const TextRow& row, size_t n, const char* what) {
   if (row.fields.size() != n) row.Fail(fmt::format("{} columns instead of {} ({})", row.fields.size(), n, what));
 }
 
-void AppendTime(const TextRow& row, int64_t t_ns, std::vector<int64_t>* times_ns) {
+void AppendTime(const TextRow& row, size_t field, int decimals, std::vector<int64_t>* times_ns) {
+  const int64_t t_ns = row.Scaled(field, decimals);
   if (t_ns < 0) row.Fail(fmt::format("time {} ns is negative", t_ns));
   if (!times_ns->empty() && t_ns <= times_ns->back()) {
-    row.Fail(fmt::format("time {} ns is not after the {} ns of the row before", t_ns, times_ns->back()));
+    const bool has_point = decimals == 0 && row.fields[field].find('.') != std::string_view::npos;
+    row.Fail(fmt::format("time {} ns is not after the {} ns of the row before{}", t_ns, times_ns->back(),
+                         has_point ? " (times are in whole nanoseconds here; are these in seconds?)" : ""));
   }
   times_ns->push_back(t_ns);
+}
+
+void CheckUnitOfTime(const std::string& path, int decimals, const std::vector<int64_t>& times_ns) {
+  if (times_ns.size() < 3) return;
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
+  const auto middle = steps_ns.begin() + static_cast<std::ptrdiff_t>(steps_ns.size() / 2);
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  if (*middle >= kMinStep_ns && *middle <= kMaxStep_ns) return;
+  // As if the camera were one of 20 Hz: a step of 50 ms, in whichever unit.
+  const double unit_ns = 50e6 / (static_cast<double>(*middle) / std::pow(10.0, decimals));
+  const std::string_view unit = unit_ns < 30.0  ? "nanoseconds"
+                                : unit_ns < 3e4 ? "microseconds"
+                                : unit_ns < 3e7 ? "milliseconds"
+                                                : "seconds";
+  const std::string_view expected = decimals == 9 ? "seconds" : "nanoseconds";
+  throw DatasetError(fmt::format(
+      "{}: times are in {} here, and so its frames would be {:g} s apart in the median, not 0.0001 to 10 s{}", path,
+      expected, 1e-9 * static_cast<double>(*middle), unit == expected ? "" : fmt::format("; are they in {}?", unit)));
 }
 
 std::vector<int64_t> ReadTimes(const std::string& path) {
   std::vector<int64_t> times_ns;
   ForEachDatasetRow(path, [&](const TextRow& row) {
     RequireColumns(row, 1, "a time in seconds");
-    AppendTime(row, row.Scaled(0, 9), &times_ns);
+    AppendTime(row, 0, 9, &times_ns);
   });
   if (times_ns.empty()) throw DatasetError(path + ": has no times");
+  CheckUnitOfTime(path, 9, times_ns);
   return times_ns;
 }
 
@@ -44,10 +75,11 @@ Shots ReadShots(const std::string& path, const std::string& folder, int decimals
   ForEachDatasetRow(path, [&](const TextRow& row) {
     if (row.IsCsvHeader()) return;
     RequireColumns(row, 2, columns);
-    AppendTime(row, row.Scaled(0, decimals), &shots.times_ns);
+    AppendTime(row, 0, decimals, &shots.times_ns);
     shots.files.push_back(FileBelow(folder, row, 1));
   });
   if (shots.files.empty()) throw DatasetError(path + ": lists no images");
+  CheckUnitOfTime(path, decimals, shots.times_ns);
   return shots;
 }
 

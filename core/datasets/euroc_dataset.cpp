@@ -94,7 +94,9 @@ std::unique_ptr<Dataset> OpenEurocDataset(const std::string& folder) {
   const Shots right = CameraShots(mav / "cam1");
   list.entries = Pair(left, right);
   if (list.entries.empty()) {
-    throw DatasetError((mav / "cam1" / "data.csv").string() + ": no image has the time of one of cam0");
+    throw DatasetError(
+        fmt::format("{}: no image is within 0.5 ms of one of cam0; the first times are {} ns (cam0) and {} ns (cam1)",
+                    (mav / "cam1" / "data.csv").string(), left.times_ns.front(), right.times_ns.front()));
   }
   NoteUnpairedImages("cam0", left.files.size() - list.entries.size(), &list.notes);
   NoteUnpairedImages("cam1", right.files.size() - list.entries.size(), &list.notes);

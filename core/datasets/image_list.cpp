@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "core/datasets/check_rig.h"
 
 namespace plslam {
 namespace {
+
+constexpr double kUsualBaseline_m = 10.0;
 
 class ImageListDataset : public Dataset {
  public:
@@ -28,6 +31,18 @@ class ImageListDataset : public Dataset {
     const bool rgbd = list_.rig.kind == RigCalibration::Kind::kRgbd;
     return {index, entry.t_ns, ReadGreyImage(entry.left, size),
             rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size)};
+  }
+
+  std::string Missing(int index) const override {
+    const ImageList::Entry& entry = Entry(index);
+    if (!entry.missing.empty()) return entry.missing;
+    for (const std::string& file : {entry.left, entry.right}) {
+      std::error_code error;
+      if (std::filesystem::status(file, error).type() == std::filesystem::file_type::not_found) {
+        return file + ": the image is missing";
+      }
+    }
+    return {};
   }
 
   std::optional<SE3> GroundTruth(int index) const override {
@@ -63,6 +78,10 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
   list.rig.rate_hz = MedianRate_hz(list.entries, list.rig.rate_hz);
   const std::string complaint = RigComplaint(list.rig);
   if (!complaint.empty()) throw DatasetError(calibration_path + ": " + complaint);
+  if (list.rig.baseline_m > kUsualBaseline_m) {
+    list.notes.push_back(fmt::format("{}: the cameras stand {} m apart: is that in millimetres?", calibration_path,
+                                     list.rig.baseline_m));
+  }
   if (ImageSize{list.rig.left.width_px, list.rig.left.height_px} != list.image_size) {
     throw DatasetError(fmt::format("{}: the cameras have {} x {} pixels, but the images {} x {} ({})",
                                    calibration_path, list.rig.left.width_px, list.rig.left.height_px,

@@ -30,7 +30,7 @@ constexpr std::array<FolderNames, 6> kFolderNames = {{{"left", "right"},
                                                       {"rgb", "depth"}}};
 
 std::pair<fs::path, fs::path> FindFolders(const fs::path& folder) {
-  std::string known;
+  std::string known, half;
   for (const FolderNames& names : kFolderNames) {
     // cam0 with a data folder in it holds no images itself.
     const bool nested = fs::is_directory(folder / names.left / "data");
@@ -38,8 +38,13 @@ std::pair<fs::path, fs::path> FindFolders(const fs::path& folder) {
       return {folder / names.left, folder / names.right};
     }
     known += fmt::format("{}{} and {}", known.empty() ? "" : ", ", names.left, names.right);
+    if (nested || !half.empty()) continue;
+    const bool has_left = fs::is_directory(folder / names.left);
+    if (!has_left && !fs::is_directory(folder / names.right)) continue;
+    half = fmt::format("; it has {} without {}", has_left ? names.left : names.right,
+                       has_left ? names.right : names.left);
   }
-  throw DatasetError(fmt::format("{}: has none of the pairs of image folders {}", folder.string(), known));
+  throw DatasetError(fmt::format("{}: has none of the pairs of image folders {}{}", folder.string(), known, half));
 }
 
 std::vector<ImageList::Entry> Pair(const fs::path& left_folder, const fs::path& right_folder) {

@@ -1,5 +1,7 @@
 #include "core/datasets/log_dataset.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -13,6 +15,8 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
 #include "core/bus/transport/wire.h"
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/image_strip_t.hpp"
@@ -129,6 +133,7 @@ class LogDataset : public Dataset {
 
   void Index(std::map<StreamKey, LogStream>& streams);
   void IndexStrip(const LogReader::Event& event, LogStream& stream) const;
+  std::string WhyNoFrames() const;
   void ChooseStream(std::map<StreamKey, LogStream>& streams);
   void ReadRig();
   void ReadGroundTruth();
@@ -176,11 +181,23 @@ void LogDataset::Index(std::map<StreamKey, LogStream>& streams) {
   }
 }
 
+std::string LogDataset::WhyNoFrames() const {
+  if (LooksLikeLcmLog(path_))
+    return "is an LCM log without stereo frames (channel STEREO_FRAME or STEREO_FRAME_LIVE)";
+  std::string start(8, '\0');
+  std::ifstream file = OpenInput(path_);
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<size_t>(file.gcount()));
+  if (start.empty()) return "is empty (0 bytes), and no LCM log";
+  const char* hint = start == "PLSLAMAP" ? ": it is a map, which is given as --map to a run over a dataset" : "";
+  return fmt::format("is no LCM log: it begins with '{}'{}", Shown(start), hint);
+}
+
 void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
   const auto most = std::max_element(streams.begin(), streams.end(), [](const auto& a, const auto& b) {
     return a.second.n_strips < b.second.n_strips;
   });
-  if (most == streams.end()) Fail("is no LCM log with stereo frames (channel STEREO_FRAME or STEREO_FRAME_LIVE)");
+  if (most == streams.end()) Fail(WhyNoFrames());
   prefix_ = std::get<0>(most->first);
   source_ = std::get<2>(most->first);
   for (auto& [id, frame] : most->second.frames) frames_.push_back(std::move(frame));

@@ -12,6 +12,7 @@
 #include "core/datasets/log_dataset.h"
 #include "core/datasets/synthetic/synthetic_dataset.h"
 #include "core/datasets/tum_dataset.h"
+#include "core/errors/error_text.h"
 
 namespace plslam {
 namespace {
@@ -70,11 +71,11 @@ const Kind& KindByLooking(const std::string& location) {
 }  // namespace
 
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
-  const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
   try {
+    const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
     return chosen.open(location);
   } catch (const std::filesystem::filesystem_error& error) {
-    throw DatasetError(fmt::format("{}: {}", location, error.code().message()));
+    throw DatasetError(SentenceOf(error));
   }
 }
 

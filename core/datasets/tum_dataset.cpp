@@ -46,11 +46,12 @@ std::vector<ImageList::Entry> ReadAssociations(const std::string& folder, const 
   ForEachDatasetRow(path, [&](const TextRow& row) {
     RequireColumns(row, 4, "time and file of the colour image, time and file of the depth map");
     const size_t colour = row.fields[1].starts_with("depth") ? 2 : 0;
-    AppendTime(row, row.Scaled(colour, 9), &times_ns);
+    AppendTime(row, colour, 9, &times_ns);
     row.Scaled(2 - colour, 9);
     entries.push_back({times_ns.back(), FileBelow(folder, row, colour + 1), FileBelow(folder, row, 3 - colour), ""});
   });
   if (entries.empty()) throw DatasetError(path + ": lists no pairs");
+  CheckUnitOfTime(path, 9, times_ns);
   return entries;
 }
 
@@ -65,7 +66,10 @@ void PairByTime(const std::string& folder, ImageList* list) {
     list->entries.push_back({colour.times_ns[c], colour.files[c], depth.files[d], ""});
   }
   if (list->entries.empty()) {
-    throw DatasetError((fs::path(folder) / "depth.txt").string() + ": no depth map within 20 ms of a colour image");
+    throw DatasetError(fmt::format(
+        "{}: no depth map within 20 ms of a colour image; the first times are {} s (colour) and {} s (depth)",
+        (fs::path(folder) / "depth.txt").string(), SecondsText(colour.times_ns.front()),
+        SecondsText(depth.times_ns.front())));
   }
   NoteUnpairedShots("colour images", colour.files.size() - list->entries.size(), &list->notes);
   NoteUnpairedShots("depth maps", depth.files.size() - list->entries.size(), &list->notes);

@@ -5,34 +5,26 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <set>
 #include <utility>
 
 #include "core/datasets/dataset.h"
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
+#include "core/errors/yaml_complaint.h"
 
 namespace plslam {
 namespace {
 
 constexpr size_t kMaxBytes = 65536;
-constexpr size_t kMaxShown = 40;
 // Calibration files give six digits and more.
 constexpr double kOrthogonalityTolerance = 1e-3;
 
-// Untrusted text in a message: short, and printable.
-std::string Shown(std::string text) {
-  if (text.size() > kMaxShown) text.replace(kMaxShown, std::string::npos, "...");
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-  return text;
-}
-
 std::string ReadText(const std::string& path) {
-  if (std::filesystem::is_directory(path)) throw DatasetError(path + ": is a folder, not a file");
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw DatasetError(path + ": the calibration " + why);
   std::ifstream file(path, std::ios::binary);
-  if (!file) throw DatasetError(path + ": the calibration is missing or cannot be opened");
   std::string text(kMaxBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(file.gcount()));
@@ -67,7 +59,7 @@ YamlMap YamlMap::FromFile(const std::string& path) {
   try {
     node = YAML::Load(text);
   } catch (const YAML::Exception& error) {
-    throw DatasetError(fmt::format("{}:{}: {}", path, error.mark.line + 1, Shown(error.msg)));
+    throw DatasetError(YamlComplaint(path, text, error.mark.line, error.msg));
   }
   if (!node.IsDefined() || node.IsNull()) throw DatasetError(path + ": the calibration is empty");
   return {path, node};

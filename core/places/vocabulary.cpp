@@ -1,4 +1,5 @@
 #include "core/places/vocabulary.h"
+#include "core/errors/input_file.h"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -170,6 +171,8 @@ Header CheckedHeader(std::string_view bytes, const std::string& name) {
 }
 
 std::string ReadWhole(const std::string& path) {
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) Refuse(path, why);
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   if (!in) Refuse(path, "cannot be read");
   const auto size = static_cast<int64_t>(in.tellg());

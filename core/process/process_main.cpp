@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "core/bus/transport/transport.h"
+#include "core/errors/error_text.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
 #include "core/process/process_memory.h"
@@ -36,7 +37,9 @@ class ProcessRunner {
       if (arguments_.parent == 0) process->impl_->terminal.Begin(program_);
       return RunNode(config, *process);
     } catch (const std::exception& error) {
-      return Fail(error.what(), process);
+      return Fail(
+          IsOfMemory(error) ? fmt::format("{}, while {}", SentenceOf(error), Doing(process)) : SentenceOf(error),
+          process);
     } catch (...) {
       return Fail("an exception of unknown type", process);
     }
@@ -89,6 +92,10 @@ class ProcessRunner {
       text += fmt::format("{}{:.0f} {}", text.empty() ? ": " : ", ", process.impl_->status.counter(counter), noun);
     }
     return text;
+  }
+
+  static std::string Doing(const std::optional<Process>& process) {
+    return process ? process->impl_->status.state() : "reading the options";
   }
 
   int Fail(const std::string& what, std::optional<Process>& process) const {

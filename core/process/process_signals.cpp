@@ -9,9 +9,12 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
+
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {
@@ -49,7 +52,7 @@ SignalWatcher::SignalWatcher(std::function<void(const std::string&)> on_stop, pi
   pthread_sigmask(SIG_BLOCK, &signals, &previous_mask_);
   signal_fd_ = signalfd(-1, &signals, SFD_CLOEXEC);
   stop_fd_ = eventfd(0, EFD_CLOEXEC);
-  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be watched: no file descriptors left");
+  if (signal_fd_ < 0 || stop_fd_ < 0) throw std::runtime_error("signals cannot be watched: " + ReasonOf(errno));
   thread_ = std::thread([this] { Watch(); });
 }
 

@@ -55,6 +55,22 @@ PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
   return {times_ns, options, dataset.rig().rate_hz};
 }
 
+/// A hole in the dataset is told before the first frame, not when the run has come to it.
+void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool skip_bad) {
+  std::string first;
+  int n = 0;
+  for (const PlayOrder::Item& item : order.pass()) {
+    const std::string missing = dataset.Missing(item.index);
+    if (missing.empty()) continue;
+    ++n;
+    if (first.empty()) first = missing;
+  }
+  if (n == 0) return;
+  const std::string sentence = fmt::format("{}; {} of {} frames lack an image", first, n, order.pass().size());
+  if (!skip_bad) throw DatasetError(sentence + " (--skip-bad passes over them)");
+  spdlog::warn("{}", sentence);
+}
+
 int64_t Now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(Turn::Clock::now().time_since_epoch()).count();
 }
@@ -69,6 +85,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
       order_(Order(*dataset_, options)),
       clock_(pace_.speed, order_.period_ns()),
       publisher_(process.bus(), pace_.lockstep) {
+  CheckFilesAreThere(*dataset_, order_, options_.skip_bad);
   PlayerOptions shown = options_;
   process_.SetConfiguration(ToYaml("player", shown));
   process_.SetCounter("frames.total", static_cast<double>(order_.size()));

@@ -5,6 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <exception>
 
+#include "core/errors/error_text.h"
+
 namespace plslam {
 
 int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int()>& work) {
@@ -14,7 +16,7 @@ int RunCommandLine(CLI::App& app, int argc, char** argv, const std::function<int
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 1;
   } catch (const std::exception& e) {
-    fmt::print(stderr, "{}: {}\n", app.get_name(), e.what());
+    fmt::print(stderr, "{}: {}\n", app.get_name(), SentenceOf(e));
     return 1;
   }
 }

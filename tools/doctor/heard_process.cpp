@@ -27,7 +27,7 @@ double Count(const HeardProcess& p, const std::string& counter) {
 
 void CheckKey(const HeardProcess& p, const OwnSide& own, Findings* findings) {
   static constexpr char kMend[] =
-      "--set bus.key_file=FILE   # for every process, with the same FILE: openssl rand -hex 32 >FILE";
+      "--set bus.key_file=FILE   # for every process, with the same FILE: (umask 077; openssl rand -hex 32 >FILE)";
   if (p.signature == Signature::kUnchecked && !own.has_key) {
     findings->push_back(
         Problem("key", NameOf(p) + " signs its messages, and no key is set here: it will not listen to us", kMend));

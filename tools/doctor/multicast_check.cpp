@@ -34,7 +34,7 @@ const NetworkDevice* Outward(const std::vector<NetworkDevice>& devices) {
 
 /// Makes the loopback device carry multicast: it must be up, allow it, and be where the route leads.
 std::string RouteOverLoopback() {
-  return AsRoot("ip link set lo up multicast on") + " && " + AsRoot("ip route replace 224.0.0.0/4 dev lo");
+  return AsRoot(bus::kMulticastOverLoopback[0]) + " && " + AsRoot(bus::kMulticastOverLoopback[1]);
 }
 
 std::string RouteFor(const BusAddress& address, const std::vector<NetworkDevice>& devices) {
@@ -91,8 +91,7 @@ std::string RouteDevice(const std::string& table, const std::string& address) {
 Findings CheckRoute(const BusAddress& address, const std::string& route_device,
                     const std::vector<NetworkDevice>& devices) {
   if (route_device.empty()) {
-    return {Problem(kCheck, fmt::format("this host has no route to the multicast group {}", address.host),
-                    RouteFor(address, devices))};
+    return {Problem(kCheck, bus::NoRouteToGroup(address.host), RouteFor(address, devices))};
   }
   const NetworkDevice* device = Find(devices, route_device);
   if (device == nullptr || !device->up) {
@@ -118,9 +117,8 @@ Findings CheckRoute(const BusAddress& address, const std::string& route_device,
 }
 
 Findings CheckMulticast(const BusAddress& address) {
-  in_addr group{};
-  if (inet_pton(AF_INET, address.host.c_str(), &group) != 1 || !IN_MULTICAST(ntohl(group.s_addr))) {
-    return {Problem(kCheck, fmt::format("{} is no multicast group (224.0.0.0 to 239.255.255.255)", address.host),
+  if (const std::string why = bus::WhyNoGroup(address.host); !why.empty()) {
+    return {Problem(kCheck, why,
                     fmt::format("export LCM_DEFAULT_URL=udpm://239.255.76.67:{}?ttl={}", address.port, address.ttl))};
   }
   const std::string device = RouteDevice(RouteTable(), address.host);

@@ -3,12 +3,15 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "core/errors/input_file.h"
+
 namespace plslam {
 
 nlohmann::json ReadRunSummary(const std::string& folder) {
   const std::string path = folder + "/summary.json";
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error(path + ": " + why + "; is " + folder + " the folder of a run?");
   std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + ": cannot be opened; is this the folder of a run?");
   auto summary = nlohmann::json::parse(file, nullptr, false);
   if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
   return summary;

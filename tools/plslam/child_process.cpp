@@ -8,9 +8,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cstring>
+#include <cerrno>
 #include <fstream>
 #include <stdexcept>
+
+#include "core/errors/error_text.h"
 
 namespace plslam {
 namespace {
@@ -59,6 +61,17 @@ struct SpawnWishes {
   SpawnWishes& operator=(const SpawnWishes&) = delete;
 };
 
+/// The error may be of the program or of the log that it writes: posix_spawn does not tell which.
+std::string WhyNotStarted(const std::filesystem::path& program, const std::filesystem::path& log, int error) {
+  const int fd = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (fd < 0) {
+    return fmt::format("{} cannot be started, since its log {} cannot be written: {}", program.string(), log.string(),
+                       ReasonOf(errno));
+  }
+  close(fd);
+  return fmt::format("{} cannot be started: {}", program.string(), ReasonOf(error));
+}
+
 }  // namespace
 
 ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vector<std::string>& arguments,
@@ -73,7 +86,7 @@ ChildProcess::ChildProcess(const std::filesystem::path& program, const std::vect
   const int error = posix_spawn(&pid_, program.c_str(), &wishes.files, &wishes.attributes, argv.data(), environ);
   if (error != 0) {
     pid_ = -1;
-    throw std::runtime_error(fmt::format("{} cannot be started: {}", program.string(), std::strerror(error)));
+    throw std::runtime_error(WhyNotStarted(program, log, error));
   }
   // Before it has threads, which would not follow. Where it is refused the process runs as we do.
   if (niceness != 0) setpriority(PRIO_PROCESS, static_cast<id_t>(pid_), getpriority(PRIO_PROCESS, 0) + niceness);

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/errors/error_text.h"
 #include "core/process/process_arguments.h"
 #include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
@@ -36,7 +37,7 @@ int main(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);
     plslam::bus::PrintError(fmt::format("plslam: error: {} (--help tells the options)", error.what()));
   } catch (const std::exception& error) {
-    plslam::bus::PrintError(fmt::format("plslam: error: {}", error.what()));
+    plslam::bus::PrintError(fmt::format("plslam: error: {}", plslam::SentenceOf(error)));
   }
   return 1;
 }

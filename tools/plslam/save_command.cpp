@@ -44,8 +44,7 @@ int Save(const SaveOptions& options) {
     return 1;
   }
   fmt::print(stderr, "plslam: error: {}: {}\n", path,
-             !request.heard() ? fmt::format("no mapping_process is heard on {}", bus_options.url)
-                              : "mapping_process has not answered");
+             !request.heard() ? NobodyHeard(bus_options, kHearLimit) : "mapping_process has not answered");
   return 1;
 }
 

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "tools/pose_graph/g2o_rows.h"
 
@@ -97,7 +98,7 @@ class FileReader {
       ++skipped_[tag];
     } else if (!space_.Take(row) && !plane_.Take(row)) {
       row.Fail(fmt::format("'{}' is not known (VERTEX_SE3:QUAT, EDGE_SE3:QUAT, VERTEX_SE2, EDGE_SE2, FIX are)",
-                           tag.substr(0, 40)));
+                           Shown(tag)));
     }
     if (!space_.empty() && !plane_.empty()) row.Fail("poses in space and in the plane do not go together");
   }

@@ -8,6 +8,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/errors/error_text.h"
+
 namespace plslam {
 namespace {
 
@@ -56,7 +58,7 @@ int64_t ReadG2oId(const TextRow& row, size_t field) {
   int64_t id = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), id);
   if (error != std::errc() || end != text.data() + text.size() || id < 0) {
-    row.Fail(fmt::format("'{}' is not the number of a vertex (an integer of at least 0)", text));
+    row.Fail(fmt::format("'{}' is not the number of a vertex (an integer of at least 0)", Shown(text)));
   }
   return id;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "core/bus/transport/wire.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {
@@ -27,7 +27,7 @@ uint32_t Word(const uint8_t* p) { return static_cast<uint32_t>(ReadInt32(p)); }
 LogReader::LogReader(const std::string& path) : fd_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
   struct stat status {};
   if (fd_ < 0 || fstat(fd_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    const std::string why = fd_ < 0 ? std::strerror(errno) : "no regular file";
+    const std::string why = fd_ < 0 ? ReasonOf(errno) : "no regular file";
     if (fd_ >= 0) close(fd_);
     throw std::runtime_error(path + ": cannot be read: " + why);
   }

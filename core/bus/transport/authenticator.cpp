@@ -4,13 +4,27 @@
 #include <stdexcept>
 
 #include <sodium.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
+
+#include "core/errors/input_file.h"
 
 namespace plslam::bus {
 namespace {
 
+/// Who can read the key can speak as any of us.
+void WarnOfReaders(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
+  spdlog::warn("bus.key_file: {} is open to others than its owner (mode {:04o}): chmod 600 {}", path,
+               status.st_mode & 07777, path);
+}
+
 std::array<uint8_t, 32> ReadKey(const std::string& path) {
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error("bus.key_file: " + path + " " + why);
+  WarnOfReaders(path);
   std::ifstream in(path);
-  if (!in) throw std::runtime_error("bus.key_file: " + path + " cannot be read");
   std::string digits;
   in >> digits;
   std::string rest;
@@ -18,7 +32,8 @@ std::array<uint8_t, 32> ReadKey(const std::string& path) {
   size_t length = 0;
   const int bad = sodium_hex2bin(key.data(), key.size(), digits.c_str(), digits.size(), nullptr, &length, nullptr);
   if (bad != 0 || length != key.size() || digits.size() != 64 || in >> rest) {
-    throw std::runtime_error("bus.key_file: " + path + " must hold one key of 64 hex digits");
+    throw std::runtime_error("bus.key_file: " + path +
+                             " must hold one key of 64 hex digits, as 'openssl rand -hex 32' writes it");
   }
   return key;
 }

@@ -20,7 +20,8 @@ class Authenticator {
  public:
   static constexpr size_t kMacBytes = 32;
 
-  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error where it cannot be read or is no key.
+  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error where it cannot be read or is no key; warns where
+  /// its mode lets others than its owner have it.
   explicit Authenticator(const std::string& key_file);
 
   bool has_key() const { return key_.has_value(); }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <arpa/inet.h>
+#include <fmt/format.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sodium.h>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include "core/bus/transport/transport.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {
@@ -55,27 +57,38 @@ bool Join(const Socket& socket, in_addr group, sockaddr_in& name) {
 
 }  // namespace
 
+std::string NoRouteToGroup(const std::string& group, int error_number) {
+  return fmt::format("this host has no route to the multicast group {}{}", group,
+                     error_number == 0 ? "" : fmt::format(" ({})", std::strerror(error_number)));
+}
+
+std::string WhyNoGroup(const std::string& address) {
+  in_addr group{};
+  if (inet_pton(AF_INET, address.c_str(), &group) == 1 && IN_MULTICAST(ntohl(group.s_addr))) return "";
+  return fmt::format("'{}' is no multicast group (224.0.0.0 to 239.255.255.255)", Shown(address));
+}
+
 bool MulticastWorks(const std::string& url, std::string* reason) {
   const auto fail = [&](const std::string& why) {
     if (reason != nullptr) *reason = why;
     return false;
   };
   const std::string group_text = GroupOf(url);
+  const std::string why_no_group = WhyNoGroup(group_text);
+  if (!why_no_group.empty()) return fail(url + ": " + why_no_group);
   in_addr group{};
-  if (inet_pton(AF_INET, group_text.c_str(), &group) != 1 || !IN_MULTICAST(ntohl(group.s_addr))) {
-    return fail(url + " names no multicast group");
-  }
+  inet_pton(AF_INET, group_text.c_str(), &group);
   const Socket socket;
   sockaddr_in name{};
   if (socket.fd() < 0 || !Join(socket, group, name)) {
-    return fail("this machine cannot join the multicast group " + group_text + ": " + std::strerror(errno));
+    return fail(NoRouteToGroup(group_text, errno));
   }
   std::array<uint8_t, 16> probe{};
   randombytes_buf(probe.data(), probe.size());
   for (int attempt = 0; attempt < 3; ++attempt) {
     if (sendto(socket.fd(), probe.data(), probe.size(), 0, reinterpret_cast<const sockaddr*>(&name), sizeof(name)) <
         0) {
-      return fail("this machine has no route to the multicast group " + group_text + ": " + std::strerror(errno));
+      return fail(NoRouteToGroup(group_text, errno));
     }
     pollfd readable = {socket.fd(), POLLIN, 0};
     while (poll(&readable, 1, 100) > 0) {

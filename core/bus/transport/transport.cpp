@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <cstdlib>
 #include <fstream>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -14,6 +16,7 @@
 #include <unistd.h>
 
 #include "core/bus/transport/datagram_filter.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {
@@ -86,8 +89,12 @@ Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(Ki
     window_ = UdpWindow(url_);
     udp_ = std::make_unique<UdpReceiver>(url_);
   }
+  errno = 0;
   lcm_ = lcm_create(url_.c_str());
-  if (lcm_ == nullptr) throw std::runtime_error("bus.url: LCM cannot open " + url_);
+  if (lcm_ == nullptr) {
+    throw std::runtime_error(
+        fmt::format("bus.url: LCM cannot open {}{}", url_, errno == 0 ? "" : ": " + ReasonOf(errno)));
+  }
   if (kind_ == Kind::kTcpRelay) {
     const int fd = lcm_get_fileno(lcm_);
     if (fd < 0) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -90,6 +91,15 @@ class Transport {
   std::atomic<int64_t> junk_{0};
   Receiver receiver_;
 };
+
+/// What every program says of a multicast group that this host has no way to: `error_number` is the system's, 0 where it was not
+/// asked. Its remedy: `kMulticastOverLoopback`, as root, for processes of one host.
+std::string NoRouteToGroup(const std::string& group, int error_number = 0);
+inline constexpr std::array<const char*, 2> kMulticastOverLoopback = {"ip link set lo up multicast on",
+                                                                      "ip route replace 224.0.0.0/4 dev lo"};
+
+/// "ADDRESS is no multicast group (...)"; empty where it is one.
+std::string WhyNoGroup(const std::string& address);
 
 /// Whether datagrams to the multicast group of `url` (udpm; empty: the default) come back to this machine. `reason`,
 /// if given, gets one sentence where they do not.

@@ -11,6 +11,9 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "core/bus/transport/transport.h"
+#include "core/errors/error_text.h"
+
 namespace plslam::bus {
 namespace {
 
@@ -40,12 +43,21 @@ bool Join(int fd, const UdpGroup& group) {
          setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;
 }
 
+std::string WhyNotJoined(const UdpGroup& group, int error_number) {
+  if (error_number != ENODEV && error_number != ENETUNREACH)
+    return "cannot be listened to: " + ReasonOf(error_number);
+  return NoRouteToGroup(group.address, error_number) + "; as root: " + kMulticastOverLoopback[0] + " && " +
+         kMulticastOverLoopback[1] +
+         "; or 'plslam relay' and --url tcpq://127.0.0.1:7700; 'plslam doctor' tells more";
+}
+
 }  // namespace
 
 UdpGroup ParseUdpGroup(const std::string& url) {
   UdpGroup group;
   const auto fail = [&] {
-    throw std::runtime_error("bus.url: " + url + " is no URL of the kind udpm://ADDRESS:PORT");
+    throw std::runtime_error("bus.url: " + url +
+                             " is no URL of the kind udpm://ADDRESS:PORT?ttl=N, with a PORT of 1 to 65535");
   };
   if (!url.starts_with(kScheme)) fail();
   const std::string_view rest = std::string_view(url).substr(kScheme.size());
@@ -76,8 +88,11 @@ bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes) {
 UdpReceiver::UdpReceiver(const std::string& url)
     : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)), buffer_(kMaxDatagram) {
   try {
-    if (fd_ >= 0 && Join(fd_, ParseUdpGroup(url))) return;
-    throw std::runtime_error("bus.url: LCM cannot receive on " + url + ": " + std::strerror(errno));
+    const UdpGroup group = ParseUdpGroup(url);
+    const std::string why_no_group = WhyNoGroup(group.address);
+    if (!why_no_group.empty()) throw std::runtime_error("bus.url: " + url + ": " + why_no_group);
+    if (fd_ >= 0 && Join(fd_, group)) return;
+    throw std::runtime_error("bus.url: " + url + ": " + WhyNotJoined(group, errno));
   } catch (...) {
     if (fd_ >= 0) close(fd_);
     throw;

@@ -1,10 +1,14 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/motion.h"
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
+#include "core/io/files/dataset_error.h"
 
 namespace plslam::synthetic {
 namespace {
@@ -34,7 +38,7 @@ std::vector<double> Numbers(const Line& line, const std::string& text) {
     const auto [stop, error] = std::from_chars(at, end, value);
     if (error != std::errc() || !std::isfinite(value)) {
       const char* token_end = std::find_if(at, end, [](char c) { return c == ' ' || c == '\t'; });
-      line.Fail(std::string(at, std::min<size_t>(token_end - at, 20)) + " is not a finite number");
+      line.Fail(fmt::format("'{}' is not a finite number", Shown({at, static_cast<size_t>(token_end - at)})));
     }
     numbers.push_back(value);
     at = stop;
@@ -87,10 +91,7 @@ void AddPose(const Line& line, const std::vector<double>& numbers, size_t column
 }  // namespace
 
 FilePoses ReadPoses(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) {
-    throw DatasetError(path + ": the trajectory file cannot be opened");
-  }
+  std::ifstream file = AsDatasetError([&] { return OpenInput(path); });
   FilePoses poses;
   size_t columns = 0;
   std::string text;

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <system_error>
 
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
 #include "core/io/files/atomic_file.h"
 
 namespace plslam {
@@ -51,19 +53,10 @@ Sum SumOf(const FileKind& kind, const Seal& seal, Bytes content) {
 
 std::string_view Text(const void* bytes, size_t n) { return {static_cast<const char*>(bytes), n}; }
 
-std::vector<uint8_t> ReadAll(const std::string& path) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    throw std::runtime_error("is no regular file");
+void ReadExactly(std::ifstream& file, uint8_t* bytes, size_t n) {
+  if (!file.read(reinterpret_cast<char*>(bytes), static_cast<std::streamsize>(n))) {
+    throw std::runtime_error("cannot be read to its end");
   }
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) throw std::runtime_error(fmt::format("cannot be opened: {}", std::strerror(errno)));
-  std::vector<uint8_t> bytes(static_cast<size_t>(file.tellg()));
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file) throw std::runtime_error("cannot be read to its end");
-  return bytes;
 }
 
 }  // namespace
@@ -94,6 +87,23 @@ void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> 
   if (SumOf(kind, seal, content) != seal.checksum) throw std::runtime_error("is damaged: its checksum is wrong");
 }
 
+SealedFileReader::SealedFileReader(const std::string& path, const FileKind& kind) {
+  std::error_code error;
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error(why);
+  if (!std::filesystem::is_regular_file(path, error)) throw std::runtime_error("is no regular file");
+  file_.open(path, std::ios::binary | std::ios::ate);
+  if (!file_) throw std::runtime_error("cannot be read: " + ReasonOf(errno));
+  const auto length = static_cast<uint64_t>(file_.tellg());
+  file_.seekg(0);
+  std::array<uint8_t, sizeof(Seal)> head{};
+  const size_t n = std::min<uint64_t>(length, sizeof(Seal));
+  ReadExactly(file_, head.data(), n);
+  seal_ = ReadSeal(kind, Bytes(head).first(n), length);
+}
+
+void SealedFileReader::Read(uint8_t* content) { ReadExactly(file_, content, seal_.length); }
+
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content) {
   const Seal seal = MakeSeal(kind, content);
   WriteFileAtomically(path, {Text(&seal, sizeof(seal)), Text(content.data(), content.size())});
@@ -101,11 +111,12 @@ void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<co
 
 std::vector<uint8_t> ReadSealedFile(const std::string& path, const FileKind& kind) {
   return NamingFile(path, [&] {
-    std::vector<uint8_t> bytes = ReadAll(path);
-    const Seal seal = ReadSeal(kind, bytes, bytes.size());
-    bytes.erase(bytes.begin(), bytes.begin() + sizeof(Seal));
-    CheckSeal(kind, seal, bytes);
-    return bytes;
+    SealedFileReader file(path, kind);
+    std::vector<uint8_t> content = WithMemoryFor(fmt::format("{} bytes", file.seal().length),
+                                                 [&] { return std::vector<uint8_t>(file.seal().length); });
+    file.Read(content.data());
+    CheckSeal(kind, file.seal(), content);
+    return content;
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <fstream>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -41,6 +42,21 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
 
 /// Throws std::runtime_error where the content is not what was sealed.
 void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content);
+
+/// A file of that kind, of which the seal has been read: content is asked for only where it is one. Throws std::runtime_error, in a
+/// sentence without its subject.
+class SealedFileReader {
+ public:
+  SealedFileReader(const std::string& path, const FileKind& kind);
+
+  const Seal& seal() const { return seal_; }
+  /// `seal().length` bytes, not checked yet (CheckSeal).
+  void Read(uint8_t* content);
+
+ private:
+  std::ifstream file_;
+  Seal seal_;
+};
 
 /// What `f` gives; its std::runtime_errors get the file in front.
 template <class Function>

@@ -6,10 +6,12 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
+
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
 
 namespace plslam {
 namespace {
@@ -104,14 +106,24 @@ bool ToInteger(const Decimal& decimal, int decimals, int64_t& value) {
   return true;
 }
 
+/// In which a moment of our century is a number of that many digits.
+const char* UnitOfTime(const Decimal& decimal) {
+  if (decimal.point >= 18) return "nanoseconds";
+  return decimal.point >= 15 ? "microseconds" : "milliseconds";
+}
+
 std::string_view ReadLine(std::ifstream& file, const std::string& path, int line, std::vector<char>& buffer) {
   file.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
   if (file.bad()) throw std::runtime_error(fmt::format("{}:{}: the file cannot be read further", path, line));
   if (file.fail() && !file.eof()) {
-    throw std::runtime_error(fmt::format("{}:{}: the line has more than {} characters", path, line, kMaxLineLength));
+    throw std::runtime_error(fmt::format("{}:{}: the line has more than {} characters: '{}'", path, line,
+                                         kMaxLineLength, Shown(buffer.data())));
   }
   const std::streamsize end_of_line = file.eof() ? 0 : 1;
   std::string_view text(buffer.data(), static_cast<size_t>(file.gcount() - end_of_line));
+  if (text.find('\0') != std::string_view::npos) {
+    throw std::runtime_error(fmt::format("{}:{}: is no text, but binary: '{}'", path, line, Shown(text)));
+  }
   if (line == 1 && text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   return text;
 }
@@ -136,25 +148,24 @@ double TextRow::Number(size_t field) const {
   const bool underflow = error == std::errc::result_out_of_range && text.find('-', 1) != std::string_view::npos;
   if (underflow && end == text.data() + text.size()) return 0.0;
   const bool whole = error == std::errc() && end == text.data() + text.size() && !text.empty();
-  if (!whole || !std::isfinite(value)) Fail(fmt::format("'{}' is not a finite number", fields[field]));
+  if (!whole || !std::isfinite(value)) Fail(fmt::format("'{}' is not a finite number", Shown(fields[field])));
   return value;
 }
 
 int64_t TextRow::Scaled(size_t field, int decimals) const {
   Decimal decimal;
-  if (!ParseDecimal(fields.at(field), decimal)) Fail(fmt::format("'{}' is not a decimal number", fields[field]));
+  if (!ParseDecimal(fields.at(field), decimal))
+    Fail(fmt::format("'{}' is not a decimal number", Shown(fields[field])));
   int64_t value = 0;
   if (!ToInteger(decimal, decimals, value)) {
-    Fail(fmt::format("'{}' is too large for a time in {}", fields[field],
-                     decimals == 9 ? "seconds (is it in nanoseconds?)" : "nanoseconds"));
+    Fail(fmt::format("'{}' is too large for a time in {}", Shown(fields[field]),
+                     decimals == 9 ? fmt::format("seconds (is it in {}?)", UnitOfTime(decimal)) : "nanoseconds"));
   }
   return value;
 }
 
 void ForEachRow(const std::string& path, const std::function<void(const TextRow&)>& use) {
-  if (std::filesystem::is_directory(path)) throw std::runtime_error(path + ": is a folder, not a file");
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error(path + ": cannot be opened");
+  std::ifstream file = OpenInput(path);
   std::vector<char> buffer(kMaxLineLength + 1);
   bool is_first = true;
   for (int line = 1; !file.eof(); ++line) {

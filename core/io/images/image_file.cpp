@@ -3,14 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <opencv2/imgproc.hpp>
 #include <span>
+#include <string_view>
 #include <vector>
 
+#include "core/errors/error_text.h"
+#include "core/errors/input_file.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
@@ -28,27 +33,63 @@ constexpr int64_t kMaxHeaderBytes = 1024LL * 1024;
 std::vector<uint8_t> ReadBytes(const std::string& path, int64_t limit) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) Fail(path, "the image is missing");
+  if (status.type() == std::filesystem::file_type::not_found) Fail(path, "the image is missing");
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) Fail(path, "the image " + why);
   if (!std::filesystem::is_regular_file(status)) Fail(path, "is not a file");
   std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) Fail(path, "the image cannot be opened");
+  if (!file) Fail(path, "the image cannot be opened: " + ReasonOf(errno));
   const auto size = static_cast<int64_t>(file.tellg());
   if (size > kMaxFileBytes) Fail(path, fmt::format("has {} bytes, more than {}", size, kMaxFileBytes));
-  std::vector<uint8_t> bytes(static_cast<size_t>(std::clamp<int64_t>(size, 0, limit)));
+  std::vector<uint8_t> bytes = AsDatasetError([&] {
+    return WithMemoryFor(fmt::format("{}: {} bytes", path, size), [&] {
+      return std::vector<uint8_t>(static_cast<size_t>(std::clamp<int64_t>(size, 0, limit)));
+    });
+  });
   file.seekg(0);
   file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  if (!file) Fail(path, "the image cannot be read");
+  if (!file) Fail(path, fmt::format("the image cannot be read to its end: {}", ReasonOf(errno)));
   if (bytes.empty()) Fail(path, "the image is empty (0 bytes)");
   return bytes;
 }
 
+/// Formats that are met under the names of those that can be read.
+struct OtherFormat {
+  std::string_view start;
+  const char* name;
+};
+constexpr std::array<OtherFormat, 9> kOtherFormats = {
+    {{{"II*\0", 4}, "TIFF"},
+     {{"MM\0*", 4}, "TIFF"},
+     {"BM", "BMP"},
+     {"GIF8", "GIF"},
+     {"RIFF", "WebP or AVI"},
+     {"P2", "PGM of text"},
+     {"P6", "colour PPM"},
+     {"version https://git-lfs", "Git LFS pointer, not the image itself"},
+     {"<", "page of HTML or XML, perhaps of a failed download"}}};
+
+std::string WhyNoHeader(std::span<const uint8_t> bytes) {
+  const std::string_view start(reinterpret_cast<const char*>(bytes.data()), std::min<size_t>(bytes.size(), 64));
+  for (const char* known : {"\x89PNG", "\xff\xd8", "P5"}) {
+    if (start.starts_with(known)) {
+      return fmt::format("begins as an image, but its header is damaged or cut off ({} bytes)", bytes.size());
+    }
+  }
+  std::string found = fmt::format("it begins with '{}'", Shown(start.substr(0, 8)));
+  for (const OtherFormat& other : kOtherFormats) {
+    if (start.starts_with(other.start)) found = fmt::format("it seems to be a {}", other.name);
+  }
+  return "is not a PNG, JPEG or binary PGM image: " + found;
+}
+
 ImageHeader CheckedHeader(const std::string& path, std::span<const uint8_t> bytes) {
   const std::optional<ImageHeader> header = ParseImageHeader(bytes);
-  if (!header) Fail(path, "is not a PNG, JPEG or binary PGM image, or its header is damaged");
+  if (!header) Fail(path, WhyNoHeader(bytes));
   if (header->width_px < 1 || header->height_px < 1 || header->width_px > kMaxImagePixels ||
       header->height_px > kMaxImagePixels || header->width_px * header->height_px > kMaxImagePixels) {
-    Fail(path, fmt::format("has {} x {} pixels by its header, more than {} or none", header->width_px,
-                           header->height_px, kMaxImagePixels));
+    Fail(path, fmt::format("has {} x {} pixels by its header, which is none or more than {} (8192 x 8192)",
+                           header->width_px, header->height_px, kMaxImagePixels));
   }
   return *header;
 }
@@ -82,6 +123,7 @@ cv::Mat DecodeImage(const std::string& path, const ImageHeader& header, std::spa
         return DecodePgm(header, bytes);
     }
   } catch (const std::exception& e) {
+    if (IsOfMemory(e)) Fail(path, fmt::format("{} x {} pixels: {}", size.width, size.height, SentenceOf(e)));
     Fail(path, fmt::format("the image is damaged and cannot be decoded: {}", e.what()));
   }
   Fail(path, "is of no known format");

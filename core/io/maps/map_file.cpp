@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <future>
 #include <memory>
 #include <stdexcept>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_check.h"
@@ -130,12 +127,6 @@ size_t RoughLength(const StoredMap& stored) {
   return n + 4096;
 }
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-void ReadExactly(std::FILE* file, uint8_t* bytes, size_t n) {
-  if (std::fread(bytes, 1, n, file) != n) throw std::runtime_error("cannot be read to its end");
-}
-
 }  // namespace
 
 std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
@@ -168,20 +159,14 @@ void WriteMapFile(const std::string& path, const StoredMap& stored) {
 
 StoredMap ReadMapFile(const std::string& path) {
   return NamingFile(path, [&] {
-    std::error_code error;
-    const uint64_t length = std::filesystem::file_size(path, error);
-    const File file(error ? nullptr : std::fopen(path.c_str(), "rb"), &std::fclose);
-    if (file == nullptr) {
-      throw std::runtime_error(fmt::format("cannot be opened: {}", error ? error.message() : std::strerror(errno)));
-    }
-    std::array<uint8_t, sizeof(Seal)> head{};
-    const size_t n = std::min<uint64_t>(length, sizeof(Seal));
-    ReadExactly(file.get(), head.data(), n);
-    const Seal seal = ReadSeal(kMapFile, Bytes(head).first(n), length);
-    // Not a vector: its bytes would be set to zero first.
-    const std::unique_ptr<uint8_t[]> content(new uint8_t[seal.length]);
-    ReadExactly(file.get(), content.get(), seal.length);
-    return ReadAndCheck(seal, {content.get(), seal.length});
+    SealedFileReader file(path, kMapFile);
+    const uint64_t length = file.seal().length;
+    return WithMemoryFor(fmt::format("{} bytes of map", length), [&] {
+      // Not a vector: its bytes would be set to zero first.
+      const std::unique_ptr<uint8_t[]> content(new uint8_t[length]);
+      file.Read(content.get());
+      return ReadAndCheck(file.seal(), {content.get(), length});
+    });
   });
 }
 

@@ -19,6 +19,10 @@ constexpr int64_t kNsPerS = 1'000'000'000;
 // The year 2115; the difference of two times within it fits 64 bits.
 constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 
+// 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which errors
+// would be infinite.
+constexpr double kMaxPosition_m = 1e9;
+
 void RequireFields(const TextRow& row, size_t n, const char* format) {
   if (row.fields.size() != n) {
     row.Fail(fmt::format("{} numbers, but a row of the {} format has {}", row.fields.size(), format, n));
@@ -80,6 +84,10 @@ void Append(const TextRow& row, const TrajectoryPose& pose, Trajectory& trajecto
   RequireTimeInRange(row, pose.t_ns);
   if (!trajectory.empty() && pose.t_ns <= trajectory.back().t_ns) {
     row.Fail(fmt::format("time {} ns is not after the {} ns of the row before", pose.t_ns, trajectory.back().t_ns));
+  }
+  const double distance_m = pose.T_a_b.translation().stableNorm();
+  if (!(distance_m <= kMaxPosition_m)) {
+    row.Fail(fmt::format("the position is {:.3g} m from the origin, more than {:g} m", distance_m, kMaxPosition_m));
   }
   trajectory.push_back(pose);
 }

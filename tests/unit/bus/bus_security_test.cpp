@@ -1,8 +1,13 @@
 #include <fstream>
 #include <mutex>
 #include <random>
+#include <sstream>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include "core/bus/bus.h"
 #include "core/bus/transport/authenticator.h"
@@ -85,6 +90,25 @@ TEST_F(BusSecurity, SameKeyIsAcceptedOthersAreRejected) {
   pose.frame_id = 1;
   friendly.Publish(kPose, pose);
   ASSERT_TRUE(received.Reaches(1));
+}
+
+TEST_F(BusSecurity, KeyThatOthersCanReadIsWarnedOf) {
+  const std::string key = KeyFile('a');
+  const auto warning = [&](mode_t mode) {
+    chmod(key.c_str(), mode);
+    std::ostringstream log;
+    const auto before = spdlog::default_logger();
+    spdlog::set_default_logger(
+        std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log)));
+    const Authenticator authenticator(key);
+    spdlog::set_default_logger(before);
+    return log.str();
+  };
+  EXPECT_THAT(warning(0644),
+              testing::HasSubstr(key + " is open to others than its owner (mode 0644): chmod 600 " + key));
+  EXPECT_THAT(warning(0640), testing::HasSubstr("mode 0640"));
+  EXPECT_EQ(warning(0600), "");
+  EXPECT_EQ(warning(0400), "");
 }
 
 TEST_F(BusSecurity, WithoutAKeyBothKindsAreAccepted) {

@@ -1,6 +1,7 @@
 #include "core/bus/transport/udp_receiver.h"
 
 #include <arpa/inet.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -58,7 +59,9 @@ TEST(UdpReceiver, ReadsUrlsAsLcmDoes) {
        {"udpm://239.1.2.3:x", "udpm://239.1.2.3:99999", "tcpq://a:1", "udpm://:1?recv_buf_size=z"}) {
     EXPECT_THROW(ParseUdpGroup(url), std::runtime_error) << url;
   }
-  EXPECT_THROW(UdpReceiver("udpm://10.0.0.1:7667"), std::runtime_error) << "no multicast group";
+  EXPECT_THAT([] { UdpReceiver("udpm://10.0.0.1:7667"); },
+              testing::ThrowsMessage<std::runtime_error>("bus.url: udpm://10.0.0.1:7667: '10.0.0.1' is no multicast "
+                                                         "group (224.0.0.0 to 239.255.255.255)"));
 }
 
 /// Sends packets to the group of a URL.

@@ -100,7 +100,7 @@ TEST(Config, WrongTypeIsRefused) {
             "rig.yaml:1: key 'vo.max_points' is 'many'; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: 1.5}"), "rig.yaml:1: key 'vo.max_points' is '1.5'; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: 99999999999}"),
-            "rig.yaml:1: key 'vo.max_points' is '99999999999'; it must be a whole number");
+            "rig.yaml:1: key 'vo.max_points' is 99999999999; it must be in [0, 20000]");
   EXPECT_EQ(Refusal("vo: {max_points: [1]}"), "rig.yaml:1: key 'vo.max_points' is a list; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {max_points: }"), "rig.yaml:1: key 'vo.max_points' has no value; it must be a whole number");
   EXPECT_EQ(Refusal("vo: {enabled: maybe}"), "rig.yaml:1: key 'vo.enabled' is 'maybe'; it must be true or false");
@@ -126,6 +126,13 @@ TEST(Config, BrokenYamlNamesTheLine) {
   EXPECT_EQ(Refusal("- a\n- b\n"), "rig.yaml:1: must be a map of sections");
   EXPECT_EQ(Refusal("vo: {}\n---\nvo: {}\n"), "rig.yaml: has more than one YAML document");
   EXPECT_NE(Refusal("? [a, b]\n: 1\n"), "");
+  EXPECT_EQ(Refusal("vo:\n\tseed: 1\n"), "rig.yaml:2: is indented by a tab; YAML wants spaces");
+}
+
+TEST(Config, BinaryFileDoesNotReachTheTerminal) {
+  const std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  EXPECT_THAT(Refusal(png), testing::StartsWith("rig.yaml: is no YAML, but binary: \\x89PNG"));
+  EXPECT_THAT(Refusal("vo: {seed: \x1b[2J}"), testing::Not(testing::HasSubstr("\x1b")));
 }
 
 TEST(Config, BadOverrideSaysHowItMustLook) {

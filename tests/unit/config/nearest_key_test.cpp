@@ -32,5 +32,31 @@ TEST(NearestKey, FirstOfEqualsAndNothing) {
   EXPECT_EQ(NearestKey("x", {}), "");
 }
 
+TEST(NearestKey, DottedKeysAreComparedPartByPart) {
+  const std::vector<std::string> known = {"vo.map.wait_s",
+                                          "vo.features.orb.max_points",
+                                          "vo.features.orb.levels",
+                                          "vo.features.lines.min_length_px",
+                                          "vo.odometry.keyframes.max_frames",
+                                          "vo.relocalisation.wait_s",
+                                          "vo.state_file"};
+  struct Row {
+    const char* written;
+    const char* meant;
+  };
+  for (const Row& row :
+       {Row{"vo.featurs", "vo.features"}, Row{"vo.feature.orb", "vo.features.orb"},
+        Row{"vo.featurs.orb.max_points", "vo.features.orb.max_points"},
+        Row{"vo.features.orb.max_pionts", "vo.features.orb.max_points"},
+        Row{"vo.features.orb.maxpoints", "vo.features.orb.max_points"},
+        Row{"vo.orb.max_points", "vo.features.orb.max_points"}, Row{"vo.max_points", "vo.features.orb.max_points"},
+        Row{"vo.features.max_points", "vo.features.orb.max_points"},
+        Row{"vo.features.lines.length_px", "vo.features.lines.min_length_px"}, Row{"vo.map.wait", "vo.map.wait_s"},
+        Row{"vo.maps.wait_s", "vo.map.wait_s"}, Row{"vo.relocalization.wait_s", "vo.relocalisation.wait_s"},
+        Row{"vo.statefile", "vo.state_file"}, Row{"vo.odometry.max_frames", "vo.odometry.keyframes.max_frames"}}) {
+    EXPECT_EQ(NearestKey(row.written, known), row.meant) << row.written;
+  }
+}
+
 }  // namespace
 }  // namespace plslam

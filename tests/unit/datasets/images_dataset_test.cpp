@@ -108,6 +108,9 @@ TEST_F(ImagesDataset, UnpairedImageIsABadFrame) {
   const auto dataset = OpenImagesDataset(folder_.string());
   ASSERT_EQ(dataset->size(), 3) << "the times stay those of the frames";
   EXPECT_THAT(ErrorOf([&] { dataset->Read(1); }), AllOf(HasSubstr(At("left/left_10.png")), HasSubstr("no partner")));
+  EXPECT_EQ(dataset->Missing(0), "");
+  EXPECT_EQ(dataset->Missing(1), At("left/left_10.png") + ": has no partner in " + At("right"))
+      << "known without reading";
   EXPECT_EQ(dataset->Read(2).right.at<uint8_t>(0, 0), test::TinyPixel(2, 1, 0, 0));
 }
 
@@ -142,6 +145,38 @@ TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
   }
 }
 
+TEST_F(ImagesDataset, BaselineInMillimetresOrBackwardsIsAskedFor) {
+  test::ReplaceText(camera_, "baseline_m: 0.25", "baseline_m: 110");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr("baseline 110 m"), HasSubstr("is it in millimetres?")));
+  test::ReplaceText(camera_, "baseline_m: 110", "baseline_m: 50");
+  EXPECT_THAT(OpenImagesDataset(folder_.string())->Notes(),
+              testing::ElementsAre(At("camera.yaml") + ": the cameras stand 50 m apart: is that in millimetres?"));
+  test::ReplaceText(camera_, "baseline_m: 50", "baseline_m: -0.11");
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr("x = -0.11 m"), HasSubstr("T_b_cam"), HasSubstr("inverted"),
+                                 HasSubstr("left and right exchanged?")));
+}
+
+TEST_F(ImagesDataset, TimesInAnotherUnitAreAskedFor) {
+  struct Row {
+    const char* times;
+    const char* unit;
+  };
+  for (const Row& row : {Row{"0\n50\n100\n", "milliseconds"}, Row{"0\n50000\n100000\n", "microseconds"},
+                         Row{"0\n50000000\n100000000\n", "nanoseconds"},
+                         Row{"1700000000000\n1700000000050\n1700000000100\n", "milliseconds"},
+                         Row{"1700000000000000\n1700000000050000\n1700000000100000\n", "microseconds"},
+                         Row{"1700000000000000000\n1700000000050000000\n1700000000100000000\n", "nanoseconds"}}) {
+    test::WriteText(folder_ / "times.txt", row.times);
+    EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("times.txt")), HasSubstr(std::string(" in ") + row.unit + "?")))
+        << row.times;
+  }
+}
+
+TEST_F(ImagesDataset, TabInTheCameraFileIsNamed) {
+  test::ReplaceText(camera_, "  model: radtan", "\tmodel: radtan");
+  EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml") + ":5: is indented by a tab; YAML wants spaces"));
+}
+
 TEST_F(ImagesDataset, HostileCameraFiles) {
   test::WriteText(camera_, std::string(30000, '['));
   EXPECT_THAT(OpenError(), HasSubstr(At("camera.yaml")));
@@ -161,7 +196,8 @@ TEST_F(ImagesDataset, FoldersAndCounts) {
   test::WriteText(folder_ / "left" / "again_0009.png", "");
   EXPECT_THAT(OpenError(), HasSubstr("has the same number as"));
   fs::remove_all(folder_ / "left");
-  EXPECT_THAT(OpenError(), HasSubstr("none of the pairs of image folders left and right"));
+  EXPECT_THAT(OpenError(), AllOf(HasSubstr("none of the pairs of image folders left and right"),
+                                 HasSubstr("; it has right without left")));
   fs::create_directories(folder_ / "left");
   EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("left")), HasSubstr("no images")));
   fs::remove(camera_);

@@ -46,13 +46,15 @@ TEST(EvaluateProgram, ComparesDifferentFormatsAndWritesAllOutputs) {
 TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
   const ScratchFolder folder;
   const std::string good = folder.Write("good", "1 0 0 0 0 0 0 1\n");
+  const std::string far = folder.Write("far", "1 0 0 0 0 0 0 1\n2 1e200 0 0 0 0 0 1\n");
   const std::string late = folder.Write("late", "9 0 0 0 0 0 0 1\n");
   const std::string kitti = folder.Write("a.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n");
   const std::string longer = folder.Write("b.kitti", "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n");
   const std::string bad = folder.Write("bad", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 x\n");
   const std::vector<std::pair<std::string, std::string>> cases{
       {good + " --truth " + bad, "bad:2: 'x' is not a finite number"},
-      {good + " --truth " + folder.Path("none"), "none: cannot be opened"},
+      {good + " --truth " + folder.Path("none"), "none: cannot be read: No such file or directory"},
+      {far + " --truth " + good, "far:2: the position is 1e+200 m from the origin, more than 1e+09 m"},
       {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},
       {good + " --truth " + good + " --delta 1x", "'1x' is no interval"},
       {good + " --truth " + good + " --json " + folder.Path("no/a.json"), "a.json: cannot be created"},

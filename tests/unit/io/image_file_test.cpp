@@ -149,9 +149,27 @@ TEST_F(ImageFile, SizeIsCheckedBeforeDecoding) {
 TEST_F(ImageFile, NoImageAtAll) {
   EXPECT_THAT(ErrorOf([&] { ReadGreyImage("/nowhere/a.png", kSize); }),
               HasSubstr("/nowhere/a.png: the image is missing"));
-  EXPECT_THAT(ErrorOf([&] { ReadImageSize(folder_.path().string()); }), HasSubstr("is not a file"));
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(folder_.path().string()); }), HasSubstr("is a folder, not a file"));
   const std::string text = WriteBytes("t.png", "not an image, but long enough to be one, honestly");
-  EXPECT_THAT(ErrorOf([&] { ReadImageSize(text); }), HasSubstr("is not a PNG, JPEG or binary PGM"));
+  EXPECT_THAT(ErrorOf([&] { ReadImageSize(text); }),
+              HasSubstr("t.png: is not a PNG, JPEG or binary PGM image: it begins with 'not an i'"));
+}
+
+TEST_F(ImageFile, OtherFormatsAreCalledByTheirName) {
+  struct Row {
+    std::string bytes;
+    const char* what;
+  };
+  for (const Row& row :
+       {Row{std::string("II*\0\x08\0\0\0", 8), "it seems to be a TIFF"}, Row{"BM6", "it seems to be a BMP"},
+        Row{"GIF89a", "a GIF"}, Row{"P6 3 3 255\n", "a colour PPM"},
+        Row{"version https://git-lfs.github.com/spec/v1\noid", "a Git LFS pointer, not the image itself"},
+        Row{"<!DOCTYPE html>", "a page of HTML or XML, perhaps of a failed download"},
+        Row{"\x1b[2J\xff", "it begins with '\\x1b[2J\\xff'"},
+        Row{"\x89PNG", "its header is damaged or cut off (4 bytes)"}, Row{"", "the image is empty (0 bytes)"}}) {
+    const std::string path = WriteBytes("t.png", row.bytes);
+    EXPECT_THAT(ErrorOf([&] { ReadImageSize(path); }), HasSubstr(row.what));
+  }
 }
 
 }  // namespace

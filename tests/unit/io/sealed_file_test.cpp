@@ -116,7 +116,8 @@ TEST_P(SealedFile, GivesBackWhatWasWritten) {
 }
 
 TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
-  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr(Path() + ": cannot be opened")));
+  EXPECT_THAT(Reading(),
+              ThrowsMessage<std::runtime_error>(HasSubstr(Path() + ": cannot be read: No such file or directory")));
   WriteSealedFile(Path(), kind_, content_);
   EXPECT_THAT(
       [&] {
@@ -138,7 +139,7 @@ TEST_P(SealedFile, IsRefusedWhenItIsMissingForeignCutOffOrDamaged) {
 
 TEST_P(SealedFile, AFolderIsNone) {
   std::filesystem::create_directory(Path());
-  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("is no regular file")));
+  EXPECT_THAT(Reading(), ThrowsMessage<std::runtime_error>(HasSubstr("is a folder, not a file")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Checksums, SealedFile, testing::Values(Checksum::kBlake2b, Checksum::kPoly1305),

@@ -1,9 +1,12 @@
 #include "tools/plslam/bus_url.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
+
+#include "tools/plslam/node/save_node.h"
 
 namespace plslam {
 namespace {
@@ -30,6 +33,19 @@ TEST(PrivatePort, TwoAtOnceDiffer) {
 TEST(PrivatePort, CanBeSharedByLcm) {
   const PrivatePort port;
   EXPECT_TRUE(SharerGets(port.port()));
+}
+
+TEST(NobodyHeard, NamesUrlPrefixAndWhatHelps) {
+  bus::BusOptions options;
+  options.prefix = "team/";
+  options.url = "udpm://239.255.76.67:7668?ttl=0";
+  EXPECT_THAT(
+      NobodyHeard(options, std::chrono::seconds(10)),
+      testing::StartsWith("no mapping_process is heard on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
+                          "for 10 s; give the --url and --prefix"));
+  options.url.clear();
+  EXPECT_THAT(NobodyHeard(options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
+      << "the default is named, too";
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "core/process/process_signals.h"
 #include "tests/support/text_file.h"
+#include "tools/plslam/child_process.h"
 
 namespace plslam {
 namespace {
@@ -379,6 +380,17 @@ TEST_F(SupervisorTest, DestructionLeavesNothingRunning) {
     ASSERT_EQ(kill(pid, 0), 0);
   }
   EXPECT_EQ(kill(pid, 0), -1);
+}
+
+TEST(ChildProcess, SaysWhetherTheProgramOrItsLogIsAtFault) {
+  const ScratchFolder folder;
+  const std::string log = folder.Path("a.log"), lost = folder.Path("gone/a.log");
+  EXPECT_THAT(
+      [&] { ChildProcess("/nowhere/vo_process", {}, log, 0); },
+      testing::ThrowsMessage<std::runtime_error>("/nowhere/vo_process cannot be started: No such file or directory"));
+  EXPECT_THAT([&] { ChildProcess("/bin/true", {}, lost, 0); },
+              testing::ThrowsMessage<std::runtime_error>("/bin/true cannot be started, since its log " + lost +
+                                                         " cannot be written: No such file or directory"));
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ namespace plslam {
 namespace {
 
 using std::chrono::seconds;
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
@@ -273,11 +274,22 @@ TEST_F(PlayerNodeTest, ResumePointThatIsNoneIsRefused) {
   EXPECT_THROW(PlayerNode(process, options_), std::runtime_error);
 }
 
-TEST_F(PlayerNodeTest, BadFrameEndsTheStreamAndTheProcess) {
+TEST_F(PlayerNodeTest, MissingImageIsToldBeforeTheFirstFrame) {
   std::filesystem::remove(folder_.path() / "image_1" / "000001.png");
+  bus::Process process("player", Loopback());
+  EXPECT_THAT([&] { PlayerNode(process, options_); },
+              testing::ThrowsMessage<DatasetError>(AllOf(HasSubstr("image_1/000001.png: the image is missing"),
+                                                         HasSubstr("1 of 3 frames"), HasSubstr("--skip-bad"))));
+  // Only the frames that are played count.
+  options_.stop = 1;
+  EXPECT_NO_THROW(PlayerNode(process, options_));
+}
+
+TEST_F(PlayerNodeTest, BadFrameEndsTheStreamAndTheProcess) {
+  std::filesystem::resize_file(folder_.path() / "image_1" / "000001.png", 50);
   Reader reader(true);
   Player player(options_);
-  EXPECT_THAT(player.Join(), HasSubstr("image_1/000001.png: the image is missing"));
+  EXPECT_THAT(player.Join(), HasSubstr("image_1/000001.png: the image is truncated after 50 bytes"));
   ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 2; }));
   EXPECT_EQ(reader.streams_[1].n_frames, 1);
   EXPECT_EQ(reader.streams_[1].n_bad, 1);

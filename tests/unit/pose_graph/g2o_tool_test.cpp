@@ -92,7 +92,7 @@ TEST_F(PoseGraphProgram, WhatIsWrongIsSaidInOneSentence) {
   EXPECT_NE(Call({"a", "--initial", "guess"}).code, 0);
   const Outcome missing = Call({Path("none.g2o")});
   EXPECT_EQ(missing.code, 1);
-  EXPECT_THAT(missing.error, HasSubstr("none.g2o: cannot be opened"));
+  EXPECT_THAT(missing.error, HasSubstr("none.g2o: cannot be read: No such file or directory"));
   test::WriteText(Path("bad.g2o"), "EDGE_SE2 0 1 1 0 0\n");
   const Outcome bad = Call({Path("bad.g2o")});
   EXPECT_EQ(bad.code, 1);

@@ -1,12 +1,22 @@
 #include "tools/plslam/node/save_node.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "core/bus/transport/transport.h"
 #include "core/process/process_status.h"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam {
+
+std::string NobodyHeard(const bus::BusOptions& options, std::chrono::seconds waited) {
+  return fmt::format(
+      "no mapping_process is heard on {} with prefix '{}' for {} s; give the --url and --prefix of the one that runs "
+      "(plslam run takes a bus of its own where it has no --url), or start one",
+      bus::EffectiveUrl(options.url), options.prefix, waited.count());
+}
 
 SaveNode::SaveNode(bus::Bus& bus) : bus_(bus) {
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,6 +9,9 @@
 
 namespace plslam {
 class status_t;
+
+/// The sentence for a bus on which no mapping_process has been heard for so long.
+std::string NobodyHeard(const bus::BusOptions& options, std::chrono::seconds waited);
 
 /// Asks mapping_process to save its map, and hears from its status how that went.
 class SaveNode {

@@ -1,0 +1,96 @@
+#include "core/errors/error_text.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "core/errors/yaml_complaint.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Shown, BytesOfABinaryFileDoNotReachTheTerminal) {
+  EXPECT_EQ(Shown("fx = 1.5"), "fx = 1.5");
+  EXPECT_EQ(Shown(std::string_view("\x1b[2J\0\xff\t", 7)), "\\x1b[2J\\x00\\xff\\x09");
+}
+
+TEST(Shown, SixtyCharactersAreShownAndNoMore) {
+  EXPECT_EQ(Shown(std::string(60, 'a')), std::string(60, 'a'));
+  EXPECT_EQ(Shown(std::string(61, 'a')), std::string(57, 'a') + "...");
+  EXPECT_EQ(Shown(std::string(55, 'a') + std::string(1000, '\x01')), std::string(55, 'a') + "...")
+      << "no half of an escape";
+}
+
+TEST(SentenceOf, OursStayAsTheyAre) {
+  EXPECT_EQ(SentenceOf(std::runtime_error("a.txt:3: no number")), "a.txt:3: no number");
+}
+
+TEST(SentenceOf, ErrorsOfFilesNameThePathFirst) {
+  const auto denied = std::make_error_code(std::errc::permission_denied);
+  EXPECT_EQ(SentenceOf(fs::filesystem_error("status", "/data/x", denied)),
+            "/data/x: cannot be read: Permission denied");
+  EXPECT_EQ(SentenceOf(fs::filesystem_error("directory iterator cannot open directory", "/data", denied)),
+            "/data: cannot be read: Permission denied");
+  EXPECT_EQ(SentenceOf(fs::filesystem_error("cannot create directories", "/out/a", denied)),
+            "/out/a: cannot be made a folder: Permission denied");
+  EXPECT_EQ(SentenceOf(fs::filesystem_error("cannot copy file", "/a", "/b", denied)),
+            "/a: cannot copy file: Permission denied");
+}
+
+/// As the library throws it: a loop of links cannot be followed.
+TEST(SentenceOf, ErrorsThatTheLibraryThrows) {
+  const fs::path loop = fs::path(testing::TempDir()) / "plslam_loop";
+  fs::remove(loop);
+  fs::create_symlink(loop, loop);
+  std::string sentence;
+  try {
+    static_cast<void>(fs::exists(loop / "x"));
+  } catch (const std::exception& error) {
+    sentence = SentenceOf(error);
+  }
+  fs::remove(loop);
+  EXPECT_EQ(sentence, (loop / "x").string() + ": cannot be read: Too many levels of symbolic links");
+}
+
+TEST(SentenceOf, ThreadsAndMemoryNameTheLimitAndItsCommand) {
+  const std::system_error threads(std::make_error_code(std::errc::resource_unavailable_try_again));
+  EXPECT_THAT(SentenceOf(threads), AllOf(HasSubstr("Resource temporarily unavailable"), HasSubstr("ulimit -u")));
+  EXPECT_THAT(SentenceOf(std::bad_alloc()),
+              AllOf(HasSubstr("memory is not enough"), HasSubstr(" MB"), Not(HasSubstr("bad_alloc"))));
+  EXPECT_THAT(ReasonOf(EMFILE), AllOf(HasSubstr("Too many open files"), HasSubstr("ulimit -n")));
+}
+
+TEST(WithMemoryFor, NamesWhatIsTooLarge) {
+  const auto too_much = [] { return WithMemoryFor("room.plmap: 3000 MB", []() -> int { throw std::bad_alloc(); }); };
+  EXPECT_THAT(too_much, testing::ThrowsMessage<std::runtime_error>(
+                            testing::StartsWith("room.plmap: 3000 MB: memory is not enough")));
+  EXPECT_EQ(WithMemoryFor("x", [] { return 3; }), 3);
+  const auto other = [] { return WithMemoryFor("x", []() -> int { throw std::invalid_argument("y"); }); };
+  EXPECT_THROW(other(), std::invalid_argument);
+}
+
+TEST(YamlComplaint, TabIsFoundWhereTheParserComplainsElsewhere) {
+  EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n\tseed: 1\n  x: 2\n", 2, "illegal map value"),
+            "rig.yaml:2: is indented by a tab; YAML wants spaces");
+  EXPECT_EQ(YamlComplaint("rig.yaml", "vo:\n  \tseed: 1\n", 1, "x"),
+            "rig.yaml:2: is indented by a tab; YAML wants spaces");
+  EXPECT_EQ(YamlComplaint("rig.yaml", "\t# a comment may\na: b: c\n", 1, "illegal map value"),
+            "rig.yaml:2: not valid YAML: illegal map value ('a: b: c')");
+}
+
+TEST(YamlComplaint, BinaryFileIsCalledSo) {
+  EXPECT_EQ(YamlComplaint("a.png", std::string_view("\x89PNG\r\n\0\0", 8), 0, "x"),
+            "a.png: is no YAML, but binary: \\x89PNG\\x0d\\x0a\\x00\\x00");
+}
+
+}  // namespace
+}  // namespace plslam

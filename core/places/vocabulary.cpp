@@ -12,6 +12,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "core/errors/input_file.h"
 #include "core/features/image/cpu_clones.h"
 #include "core/io/files/atomic_file.h"
 

@@ -168,7 +168,7 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image says that the stream ends there: what came before is handled as always.
   const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kSettleLimit;
-  if (supervisor_.failed() == "player" && monitor_.statistics().frames() > 0 && goes_on) return;
+  if (supervisor_.failed() == "player" && monitor_.statistics().frames().answered() > 0 && goes_on) return;
   if (!lacks_map_ || supervisor_.failed() == "mapping") return BeginStop("");
   if (phase_ != Phase::kSaving) BeginSave(now);
 }
@@ -216,7 +216,7 @@ bool RunSession::ViewerHasCaughtUp() const {
   const auto reports = supervisor_.reports();
   const auto viewer = std::ranges::find(reports, "viewer", &ProcessReport::name);
   const bool started_again = viewer->restarts > 0 || supervisor_.pid("viewer") < 0;
-  return !started_again || monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames();
+  return !started_again || monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames().answered();
 }
 
 /// One that has been started again has none before it has heard the first keyframe once more.

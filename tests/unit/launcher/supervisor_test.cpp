@@ -134,10 +134,14 @@ TEST_F(SupervisorTest, OneThatIsKilledBeforeItIsReadyIsStartedAgainAndThatIsTold
   for (const Ending ending : {Ending::kRestart, Ending::kMayEnd, Ending::kWritesAtTheEnd}) {
     std::filesystem::remove("starts");
     std::vector<std::string> told;
-    Supervisor supervisor({folder_, folder_, 3, milliseconds(1), milliseconds(5000), nullptr, nullptr,
-                           milliseconds(60000), [&](const std::string& name, const std::string& how, int restart) {
-                             told.push_back(name + " " + how + " " + std::to_string(restart));
-                           }});
+    Supervisor::Options options;
+    options.bin = options.logs = folder_;
+    options.max_restarts = 3;
+    options.first_pause = milliseconds(1);
+    options.on_restart = [&](const std::string& name, const std::string& how, int restart) {
+      told.push_back(name + " " + how + " " + std::to_string(restart));
+    };
+    Supervisor supervisor(options);
     supervisor.Start("a", "killed", {}, ending);
     ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.restarts() == 2 && supervisor.pid("a") > 0; }));
     EXPECT_EQ(supervisor.failure(), "");

@@ -198,7 +198,6 @@ TEST(RunFailure, MapOfSeveralRobotsThatNobodyServesIsAnError) {
             1);
   EXPECT_THAT(run.Logs(), HasSubstr("plslam: error: no mapping_process with the prefix team/ was heard on "));
   EXPECT_THAT(run.Logs(), HasSubstr("`mapping_process --prefix team/ --url " + port.Url() + "`"));
-  EXPECT_EQ(run.Summary()["frames"], 0);
 }
 
 TEST(RunFailure, InterruptBeforeThereIsAMapToSaveIsTold) {

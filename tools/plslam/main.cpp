@@ -30,6 +30,8 @@ int main(int argc, char** argv) {
                          plslam::AddProcessesCommand, plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand}) {
     add(&app, &command);
   }
+  // What is logged does not mix with what a command prints.
+  plslam::bus::SetUpLogging("plslam");
   try {
     app.parse(argc, argv);
     return command();

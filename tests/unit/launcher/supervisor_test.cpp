@@ -335,7 +335,7 @@ TEST_F(SupervisorTest, WriterThatHasCrashedAndIsNotBackIsToldAtTheStop) {
   ASSERT_TRUE(TickUntil(supervisor, [&] { return supervisor.pid("viewer") < 0; }));
   EXPECT_EQ(supervisor.failure(), "");
   EXPECT_TRUE(Stopped(supervisor));
-  EXPECT_EQ(supervisor.failure(), "viewer ended with exit code 137");
+  EXPECT_EQ(supervisor.failure(), "viewer was ended by SIGKILL");
 }
 
 TEST_F(SupervisorTest, UsedTimeAndMemoryAreReported) {

@@ -96,7 +96,7 @@ TEST_F(TrajectoryFile, ErrorsNameFileAndLine) {
   EXPECT_THAT(ErrorOf("# nothing\n"), HasSubstr("no pose"));
   EXPECT_THAT(ErrorOf("1 2 3\n"), AllOf(HasSubstr(".txt:1:"), HasSubstr("3 numbers")));
   EXPECT_THAT(ErrorOf(std::string(kTum) + "1.8 0 0 0 0 0 0 nan\n"), AllOf(HasSubstr(":5:"), HasSubstr("nan")));
-  EXPECT_THAT(ErrorOf(std::string(kTum) + "1.8 0 0 0 x 0 0 1\n"), AllOf(HasSubstr(":5:"), HasSubstr("x is not")));
+  EXPECT_THAT(ErrorOf(std::string(kTum) + "1.8 0 0 0 x 0 0 1\n"), AllOf(HasSubstr(":5:"), HasSubstr("'x' is not")));
   EXPECT_THAT(ErrorOf(std::string(kTum) + "1.8 0 0 0 0 0 0 2\n"), AllOf(HasSubstr(":5:"), HasSubstr("quaternion")));
   EXPECT_THAT(ErrorOf(std::string(kTum) + "1.7 0 0 0 0 0 0 1\n"), AllOf(HasSubstr(":5:"), HasSubstr("not increase")));
   EXPECT_THAT(ErrorOf("2 0 0 0 0 1 0 0 0 0 1 0\n"), AllOf(HasSubstr(":1:"), HasSubstr("rotation")));

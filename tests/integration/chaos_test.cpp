@@ -288,5 +288,41 @@ TEST(Chaos, AtAnyMomentTheResultIsCompleteOrItsLackIsTold) {
   }
 }
 
+// The disk under the outputs, the map and the logs gets full at a random moment.
+TEST(Chaos, WhenTheDiskGetsFullTheResultIsCompleteOrItsLackIsTold) {
+  std::mt19937 random(static_cast<unsigned>(FromEnvironment("PLSLAM_CHAOS_SEED", 1)));
+  const int events = FromEnvironment("PLSLAM_CHAOS_EVENTS", test::LongTests() ? 50 : 2);
+  const Reference reference = PlayUndisturbed();
+  for (int i = 0; i < events; ++i) {
+    const double at_s = std::uniform_real_distribution<double>(0.0, reference.wall_s)(random);
+    SCOPED_TRACE(fmt::format("event {}: full after {:.3f} of {:.3f} s", i, at_s, reference.wall_s));
+    const ChaosRun run;
+    const fs::path disk = run.out().parent_path() / "disk", found = run.out().parent_path() / "found";
+    const std::optional<int> code = test::OnASmallDisk(
+        disk, 20'000,
+        fmt::format(
+            "(sleep {0:.3f}; dd if=/dev/zero of='{1}/full' bs=4k 2>/dev/null) & {2} run '{3}' --out '{1}/out' "
+            "--save-map '{1}/room.plmap'; code=\\$?; wait; rm -f '{1}/full'; cp -r '{1}' '{4}'; exit \\$code",
+            at_s, disk.string(), (test::BinaryFolder() / "plslam").string(), ChaosRun::World(), found.string()));
+    if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
+    const std::string log = ReadText(disk.string() + ".sh.log");
+    ExpectNothingHalfWritten(found / "out");
+    if (*code == 0) {
+      EXPECT_TRUE(ResultsIn(found / "out") == reference.results) << log;
+      EXPECT_FALSE(ReadMapFile((found / "room.plmap").string()).map.keyframes().empty());
+    } else {
+      EXPECT_THAT(log, testing::HasSubstr("plslam: error: "));
+      if (fs::exists(found / "room.plmap")) {
+        EXPECT_FALSE(ReadMapFile((found / "room.plmap").string()).map.keyframes().empty());
+      }
+    }
+    std::cout << fmt::format("{:3} full after {:6.3f} s: exit code {}\n", i, at_s, *code);
+    if (testing::Test::HasFailure()) {
+      std::cout << log << '\n';
+      break;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace plslam

@@ -17,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::Heard;
+using test::OnASmallDisk;
 using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
@@ -39,22 +40,6 @@ int Sentences(const std::string& log, const std::string& of) {
   int count = 0;
   for (size_t at = log.find(of); at != std::string::npos; at = log.find(of, at + 1)) ++count;
   return count;
-}
-
-/// A file system of its own, of so many KiB, for what `command` does; that is a line for sh in which $1 is its folder.
-/// nullopt where this machine does not allow it, else the exit code.
-std::optional<int> OnASmallDisk(const fs::path& folder, int kib, const std::string& command) {
-  fs::create_directories(folder);
-  const std::string mount = fmt::format("mount -t tmpfs -o size={}k none '{}'", kib, folder.string());
-  const auto with = [&](const std::string& line) {
-    // In a name space of its own: nobody else sees it, and it goes with its last process.
-    const std::string quoted = fmt::format("unshare --mount --map-root-user sh -c \"{} && {}\" >> '{}.sh.log' 2>&1",
-                                           mount, line, folder.string());
-    const int status = std::system(quoted.c_str());
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  };
-  if (with("true") != 0) return std::nullopt;
-  return with(command);
 }
 
 std::string Plslam() { return (test::BinaryFolder() / "plslam").string(); }

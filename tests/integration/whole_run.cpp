@@ -1,8 +1,10 @@
 #include "tests/integration/whole_run.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -90,6 +92,20 @@ std::vector<pid_t> WholeRun::Pids() const {
     if (ReadText(entry.path() / "status").find(parent) != std::string::npos) pids.push_back(pid);
   }
   return pids;
+}
+
+std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, const std::string& command) {
+  std::filesystem::create_directories(folder);
+  const std::string mount = fmt::format("mount -t tmpfs -o size={}k none '{}'", kib, folder.string());
+  const auto with = [&](const std::string& line) {
+    // In a name space of its own: nobody else sees it, and it goes with its last process.
+    const std::string quoted = fmt::format("unshare --mount --map-root-user sh -c \"{} && {}\" >> '{}.sh.log' 2>&1",
+                                           mount, line, folder.string());
+    const int status = std::system(quoted.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  if (with("true") != 0) return std::nullopt;
+  return with(command);
 }
 
 }  // namespace plslam::test

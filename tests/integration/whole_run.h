@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,5 +49,10 @@ class WholeRun {
   std::filesystem::path folder_;
   std::unique_ptr<ChildProcess> process_;
 };
+
+/// Runs `command` on a file system of its own of so many KiB; `command` is a line for sh, and `folder` is where the file system is
+/// mounted. What is on it is gone afterwards: the command copies out what is looked at. Output goes to `folder`.sh.log. Exit code;
+/// nullopt where this machine does not allow it.
+std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, const std::string& command);
 
 }  // namespace plslam::test

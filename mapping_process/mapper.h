@@ -12,6 +12,7 @@
 #include "core/map/landmark_kinds.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
+#include "core/run/tracking_state.h"
 #include "mapping_process/insertion/culling.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/insertion/local_window.h"
@@ -83,8 +84,8 @@ class Mapper {
   const Failures& failures() const { return failures_; }
 
  private:
-  /// As `pose_t.state` says it: the first frame after the tracker was lost.
-  static constexpr int kRecovered = 4;
+  /// State of a keyframe that is the first one after the tracker was lost.
+  static constexpr int kRecovered = static_cast<int>(TrackingState::kRecovered);
 
   struct Session {
     int64_t keyframe_id = -1;          ///< newest, in the map

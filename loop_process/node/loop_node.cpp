@@ -10,7 +10,6 @@
 #include "core/geometry/rectification.h"
 #include "core/process/worker.h"
 #include "loop_process/vocabulary_files.h"
-#include "plslam/camera_t.hpp"
 #include "plslam/status_t.hpp"
 
 namespace plslam {
@@ -26,11 +25,11 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       options_(options),
       places_(LoadPlaces(options.vocabularies, options.places)),
       publisher_(process.bus()),
+      camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
       questions_(
           process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
       map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
-  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
   judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });
@@ -48,22 +47,19 @@ LoopNode::~LoopNode() {
   adjuster_.join();
 }
 
-// The map is of the first camera (mapping_process says so of another).
-void LoopNode::OnCamera(const camera_t& message) {
-  if (!camera_bytes_.empty()) return;
-  const std::optional<RigCalibration> rig = bus::FromMessage(message);
-  if (!rig) return;
-  camera_bytes_ = bus::RigBytes(message);
+/// The map is of the first camera (mapping_process tells of another one).
+void LoopNode::OnCamera(const RigCalibration& rig) {
+  if (std::exchange(has_camera_, true)) return;
   {
     const std::lock_guard lock(mutex_);
-    camera_ = Rectify(*rig).camera;
+    camera_ = Rectify(rig).camera;
   }
   changed_.notify_all();
 }
 
 void LoopNode::OnStatus(const status_t& message) {
   // Before there is a camera everything waits.
-  if (!camera_bytes_.empty()) Queue(SignOfLife{message.header.source});
+  if (has_camera_) Queue(SignOfLife{message.header.source});
 }
 
 void LoopNode::Queue(Arrival arrival) {

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/bus/messages/camera_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_channel.h"
@@ -20,7 +21,6 @@
 #include "loop_process/options.h"
 
 namespace plslam {
-class camera_t;
 class status_t;
 
 /// loop_process on the bus: keyframes, the map and questions of trackers in; loop closures and answers out.
@@ -43,7 +43,7 @@ class LoopNode {
   };
   using Arrival = std::variant<Keyframe, MapUpdate, Question, SignOfLife>;
 
-  void OnCamera(const camera_t& message);
+  void OnCamera(const RigCalibration& rig);
   void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
 
@@ -60,7 +60,7 @@ class LoopNode {
   LoopOptions options_;
   PlaceRecogniser places_;
   bus::LoopClosurePublisher publisher_;
-  std::vector<uint8_t> camera_bytes_;  // on the thread of the bus
+  bool has_camera_ = false;  // on the thread of the bus
 
   // Shared with the workers.
   std::mutex mutex_;
@@ -79,6 +79,7 @@ class LoopNode {
   int64_t n_failed_ = 0;  // the adjusting worker's
   std::thread judge_;
   std::thread adjuster_;
+  bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;
   bus::KeyframeSubscriber questions_;
   bus::MapUpdateSubscriber map_;

@@ -16,7 +16,6 @@
 #include "core/process/worker.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/stored_keyframes.h"
-#include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
@@ -36,8 +35,8 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
       publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
       queue_(options.loops, options.state_file.empty() ? 0 : options.state_every),
       arrived_ms_(bus::NowMs()),
+      camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
-  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& message) { OnCamera(message); });
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
   if (options_.loops.enabled) {
     closures_ = std::make_unique<bus::LoopClosureSubscriber>(
@@ -73,21 +72,14 @@ void MappingNode::Queue(const Change& change) {
   changed_.notify_one();
 }
 
-void MappingNode::OnCamera(const camera_t& message) {
-  std::vector<uint8_t> bytes = bus::RigBytes(message);
-  if (other_camera_ || bytes == camera_bytes_) return;
-  const std::optional<RigCalibration> rig = bus::FromMessage(message);
-  if (!rig) {
-    spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
-    return;
-  }
-  camera_bytes_ = std::move(bytes);
+void MappingNode::OnCamera(const RigCalibration& rig) {
+  if (other_camera_) return;
   // That of a state is in use already.
-  if (!camera_) return Queue([&] { camera_ = Rectify(*rig).camera; });
-  const std::string difference = CameraDifference(*camera_, *rig);
+  if (!camera_) return Queue([&] { camera_ = Rectify(rig).camera; });
+  const std::string difference = CameraDifference(*camera_, rig);
   other_camera_ = !difference.empty();
   if (other_camera_) {
-    spdlog::error("another camera '{}' ({}): its keyframes do not go into this map", rig->name, difference);
+    spdlog::error("another camera '{}' ({}): its keyframes do not go into this map", rig.name, difference);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/messages/camera_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_channel.h"
@@ -21,7 +22,6 @@
 #include "mapping_process/options.h"
 
 namespace plslam {
-class camera_t;
 class command_t;
 class status_t;
 
@@ -49,7 +49,7 @@ class MappingNode {
 
   void ReadState();
   void Know(const StoredMap& stored);
-  void OnCamera(const camera_t& message);
+  void OnCamera(const RigCalibration& rig);
   void OnKeyframe(const Keyframe& keyframe);
   void OnClosure(const LoopClosure& closure);
   void OnStatus(const status_t& message);
@@ -83,7 +83,6 @@ class MappingNode {
   bus::MapUpdatePublisher publisher_;
 
   // On the thread of the bus.
-  std::vector<uint8_t> camera_bytes_;
   bool other_camera_ = false;
   std::set<int64_t> known_sessions_;
   int64_t n_other_camera_ = 0;
@@ -111,6 +110,7 @@ class MappingNode {
   int64_t n_states_ = 0;
   bool state_failed_ = false;
   std::thread worker_;
+  bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;
   std::unique_ptr<bus::LoopClosureSubscriber> closures_;
 };

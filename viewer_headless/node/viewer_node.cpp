@@ -59,7 +59,8 @@ ViewerNode::~ViewerNode() {
 
 void ViewerNode::Subscribe() {
   bus::Bus& bus = process_.bus();
-  bus.Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
+  camera_.emplace(
+      bus, [this](const RigCalibration& rig) { OnCamera(rig); }, [this] { Reject(); });
   bus.Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   bus.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) { OnPose(m); });
   bus.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
@@ -83,21 +84,16 @@ void ViewerNode::Subscribe() {
   bus.Every(kTick, [this] { OnTick(); });
 }
 
-void ViewerNode::OnCamera(const camera_t& message) {
-  std::vector<uint8_t> bytes = bus::RigBytes(message);
-  if (bytes == camera_bytes_) return;
-  camera_bytes_ = std::move(bytes);
-  const std::optional<RigCalibration> rig = bus::FromMessage(message);
-  if (!rig) return Reject();
+void ViewerNode::OnCamera(const RigCalibration& rig) {
   try {
-    auto rectifier = std::make_unique<Rectifier>(*rig, Rectifier::Sides::kLeft);
-    pictures_->SetRectifier(rectifier.get(), rig->rate_hz);
+    auto rectifier = std::make_unique<Rectifier>(rig, Rectifier::Sides::kLeft);
+    pictures_->SetRectifier(rectifier.get(), rig.rate_hz);
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);
     dirty_ = dirty_ || written_;
     quiet_ticks_ = 0;
   } catch (const std::exception& e) {
-    spdlog::warn("the rig '{}' cannot be used: {}", message.rig_name, e.what());
+    spdlog::warn("the rig '{}' cannot be used: {}", rig.name, e.what());
     Reject();
   }
 }
@@ -246,7 +242,8 @@ double ViewerNode::FramesPerSecond() {
 void ViewerNode::ShowProgress(bool last) {
   const bus::BusCounters counters = process_.bus().counters();
   const double rate = FramesPerSecond();
-  process_.SetCounter("frames", static_cast<double>(recorder_.frames().size()));
+  // Without a camera none of them can be written: whoever stops this process waits until they can.
+  process_.SetCounter("frames", rectifier_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
   process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
   if (!on_terminal_) return;

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/messages/camera_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/files/folder_lock.h"
 #include "core/process/process.h"
-#include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
@@ -40,7 +40,7 @@ class ViewerNode {
 
  private:
   void Subscribe();
-  void OnCamera(const camera_t& message);
+  void OnCamera(const RigCalibration& rig);
   void OnStream(const stream_t& message);
   void OnPose(const pose_t& message);
   void OnStatus(const status_t& message);
@@ -70,7 +70,7 @@ class ViewerNode {
   std::unique_ptr<Rectifier> rectifier_;
   std::unique_ptr<ReportNode> report_;
   std::unique_ptr<PictureNode> pictures_;
-  std::vector<uint8_t> camera_bytes_;
+  std::optional<bus::CameraSubscriber> camera_;
   int64_t announced_frames_ = -1;
   /// Of the player that began it, and whether every frame is waited for.
   int64_t stream_ = 0;

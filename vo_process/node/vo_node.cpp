@@ -18,7 +18,6 @@
 #include "core/io/files/archive.h"
 #include "core/process/worker.h"
 #include "core/run/run_warnings.h"
-#include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
 #include "plslam/relocalisation_t.hpp"
@@ -79,11 +78,13 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       keyframes_(process.bus()),
       relocalisation_(process.bus(), options.relocalisation.wait_s),
       checkpoint_(options.state_file),
+      camera_(
+          process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
+          [this] { Count("cameras.rejected", 1); }),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   session_.id = process.bus().source();
   // Left and right are the two threads; more inside OpenCV would only get in their way.
   cv::setNumThreads(1);
-  process_.bus().Subscribe<camera_t>(bus::kCamera, [this](const camera_t& m) { OnCamera(m); });
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) ListenToTheMap();
@@ -94,30 +95,21 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
 /// Also where an exception ends the process: with the same state it might come again.
 VoNode::~VoNode() { checkpoint_.Drop(); }
 
-void VoNode::OnCamera(const camera_t& message) {
-  std::vector<uint8_t> bytes = bus::RigBytes(message);
-  if (bytes == camera_bytes_) return;
-  camera_bytes_ = std::move(bytes);
-  const std::optional<RigCalibration> rig = bus::FromMessage(message);
-  if (!rig) {
-    spdlog::error("the camera '{}' has values that cannot be: it is not used", message.rig_name);
-    Count("cameras.rejected", 1);
-    return;
-  }
+void VoNode::OnCamera(const RigCalibration& rig) {
   try {
-    front_end_.emplace(*rig, options_);
+    front_end_.emplace(rig, options_);
   } catch (const std::exception& error) {
     front_end_.reset();
     process_.SetState("failed", error.what());
     throw;
   }
   if (rig_) {
-    spdlog::info("another camera '{}': a new session begins", rig->name);
+    spdlog::info("another camera '{}': a new session begins", rig.name);
     // What the old one waits for is not for this one, nor are its frames.
     EndWaits();
     waiting_.clear();
   }
-  rig_ = *rig;
+  rig_ = rig;
   warned_about_rows_ = false;
   odometry_.reset();
   GoOn();
@@ -487,7 +479,7 @@ void VoNode::Restore() {
 }
 
 void VoNode::GoOnWith(const TrackerState& state) {
-  OnCamera(Decoded<camera_t>(state.camera));
+  camera_.Restore(state.camera);
   if (!front_end_) return;
   odometry_.emplace(front_end_->camera(), options_);
   archive::FromBytes(state.odometry, *odometry_);
@@ -516,7 +508,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   if (!checkpoint_.is_on() || !odometry_) return;
   TrackerState state;
   state.settings = settings_;
-  state.camera = camera_bytes_;
+  state.camera = camera_.bytes();
   state.session = session_.id;
   state.lockstep = session_.lockstep;
   state.t_ns = session_.last_t_ns;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/bus/messages/camera_channel.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/process/process.h"
@@ -19,7 +20,6 @@
 #include "vo_process/tracking/odometry.h"
 
 namespace plslam {
-class camera_t;
 class header_t;
 class relocalisation_t;
 class status_t;
@@ -67,7 +67,7 @@ class VoNode {
     kOlderFrames,     ///< after a restart: until the player has gone back, at most 15 s
   };
 
-  void OnCamera(const camera_t& message);
+  void OnCamera(const RigCalibration& rig);
   void OnFrame(const Frame& frame);
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
@@ -118,7 +118,6 @@ class VoNode {
   VoOptions options_;
   std::string settings_;  ///< the options as text
   TrackerSession session_;
-  std::vector<uint8_t> camera_bytes_;
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
@@ -141,7 +140,8 @@ class VoNode {
   bool was_too_early_ = false;
   bool warned_about_rows_ = false;
   std::optional<MapLink> map_;
-  // Last: its handler needs all of the above.
+  // Last: their handlers need all of the above.
+  bus::CameraSubscriber camera_;
   bus::FrameSubscriber frames_;
 };
 

@@ -246,7 +246,8 @@ double ViewerNode::FramesPerSecond() {
 void ViewerNode::ShowProgress(bool last) {
   const bus::BusCounters counters = process_.bus().counters();
   const double rate = FramesPerSecond();
-  process_.SetCounter("frames", static_cast<double>(recorder_.frames().size()));
+  // Without a camera none of them can be written: whoever stops this process waits until they can.
+  process_.SetCounter("frames", rectifier_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
   process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
   if (!on_terminal_) return;

@@ -55,11 +55,21 @@ export function showSummary(run) {
   );
 }
 
+/** Follows the height of the box of warnings. */
+let boxSize;
+
 /** A box at the top; nothing where all is well. */
 export function showWarnings(run) {
   const warnings = run.facts.warnings ?? [];
-  byId("warnings").hidden = warnings.length === 0;
-  byId("warnings").replaceChildren(...warnings.map((w) => element("li", {}, w.sentence)));
+  const box = byId("warnings");
+  box.hidden = warnings.length === 0;
+  box.replaceChildren(...warnings.map((w) => element("li", {}, w.sentence)));
+  // The map below gives way, so that it and its replay stay whole in the window.
+  boxSize ??= new ResizeObserver(() => {
+    const height = box.hidden ? 0 : box.offsetHeight + 16;
+    document.documentElement.style.setProperty("--warnings", `${height}px`);
+  });
+  boxSize.observe(box);
 }
 
 export function showKicker(run, state) {

@@ -11,6 +11,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/process/process.h"
+#include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"

@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,7 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
+#include "core/bus/transport/encoded.h"
 
 namespace plslam {
 class header_t;
@@ -138,11 +140,9 @@ void Bus::Publish(const Channel& channel, T message) {
 template <class T>
 Bus::Deliver Bus::Decoder(std::function<void(const T&)> handler) {
   return [handler = std::move(handler)](std::span<const uint8_t> bytes) {
-    // A new one each time: LCM's decoders leave what was in an array of numbers where it now has none.
-    T message;
-    if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
-    handler(message);
-    return true;
+    const std::optional<T> message = Decoded<T>(bytes);
+    if (message) handler(*message);
+    return message.has_value();
   };
 }
 

@@ -44,8 +44,9 @@ void Bus::Impl::OnHello(const Channel& channel, int64_t reader, Hello hello) {
 }
 
 void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int64_t now) {
-  repair_request_t request;
-  if (request.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  const auto decoded = Decoded<repair_request_t>(bytes);
+  if (!decoded) return;
+  const repair_request_t& request = *decoded;
   if (request.channel.empty()) return OnGreeting(request.header.source, request.publisher, request.delivered);
   const Channel* channel = FindChannel(request.channel);
   if (channel == nullptr || !IsAbout(*channel, wire_name, kRepairRequest)) return;
@@ -63,8 +64,9 @@ void Bus::Impl::OnRepairRequest(std::string_view wire_name, ByteView bytes, int6
 }
 
 void Bus::Impl::OnAnnounce(std::string_view wire_name, ByteView bytes, int64_t now) {
-  announce_t announce;
-  if (announce.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return;
+  const auto decoded = Decoded<announce_t>(bytes);
+  if (!decoded) return;
+  const announce_t& announce = *decoded;
   const Channel* channel = FindChannel(announce.channel);
   if (channel == nullptr || !IsAbout(*channel, wire_name, kAnnounce)) return;
   const auto found = inboxes.find(WireName(*channel));

@@ -14,6 +14,7 @@
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_assembler.h"
+#include "core/bus/transport/encoded.h"
 #include "core/bus/transport/wire.h"
 #include "core/errors/error_text.h"
 #include "core/errors/input_file.h"
@@ -98,10 +99,8 @@ template <class T>
 std::optional<T> Decode(const LogReader& log, const Place& place) {
   const auto data = log.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));
   const MessageLayout* layout = FindMessageLayout(T::getTypeName());
-  T message;
   if (!data || !MessageLength(*layout, *data)) return std::nullopt;
-  if (message.decode(data->data(), 0, static_cast<int>(data->size())) < 0) return std::nullopt;
-  return message;
+  return bus::Decoded<T>(*data);
 }
 
 class LogDataset : public Dataset {

@@ -97,7 +97,7 @@ std::string Shown(std::string_view text) {
 std::string ReasonOf(int error_number) {
   if (error_number == EAGAIN) return ThreadsReason();
   if (error_number == ENOMEM) return MemoryReason();
-  const std::string reason = std::strerror(error_number);
+  std::string reason = std::strerror(error_number);
   if (error_number != EMFILE) return reason;
   const auto limit = Limit(RLIMIT_NOFILE);
   return fmt::format("{}; this process may have {} (ulimit -n)", reason, limit.value_or(0));
@@ -123,6 +123,10 @@ std::string SentenceOf(const std::exception& error) {
   const auto* system = dynamic_cast<const std::system_error*>(&error);
   if (system != nullptr && system->code() == std::errc::resource_unavailable_try_again) return ReasonOf(EAGAIN);
   return error.what();
+}
+
+std::string Joined(const std::string& a, const std::string& b) {
+  return a + (a.empty() || b.empty() ? "" : "; ") + b;
 }
 
 bool IsOfMemory(const std::exception& error) {

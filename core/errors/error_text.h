@@ -24,6 +24,9 @@ std::string SentenceOf(const std::exception& error);
 /// Whether it says that memory is not enough, in the words of the library or of OpenCV.
 bool IsOfMemory(const std::exception& error);
 
+/// Two sentences in one, "a; b"; the other one where one of them is empty.
+std::string Joined(const std::string& a, const std::string& b);
+
 /// Runs `f`; where memory is not enough for it, throws std::runtime_error "WHAT: memory is not enough: ...". `what` names the file
 /// and the size ("room.plmap: 3000 MB").
 template <class F>

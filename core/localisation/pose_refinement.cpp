@@ -4,7 +4,6 @@
 #include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/geometry/rotate_covariance.h"
-#include "core/motion/motion_estimator.h"
 #include "core/motion/pose_ransac.h"
 
 namespace plslam {
@@ -24,12 +23,7 @@ void ObservePoints(const Map& map, const std::vector<StereoPoint>& features, con
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const MapPoint& point = *map.FindPoint(association[i]);
-    const StereoPoint& seen = features[i];
-    observed.points.push_back({T_ref_w * point.p_w,
-                               RotateCovariance(R, point.covariance),
-                               {seen.left.px.x(), seen.left.px.y(), seen.disparity_px},
-                               seen.sigma_px,
-                               seen.sigma_disparity_px});
+    observed.points.push_back(ObservationOf(T_ref_w * point.p_w, RotateCovariance(R, point.covariance), features[i]));
     observed.point_features.push_back(i);
   }
 }
@@ -40,17 +34,9 @@ void ObserveLines(const Map& map, const std::vector<StereoLine>& features, const
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const MapLine& line = *map.FindLine(association[i]);
-    const StereoLine& seen = features[i];
-    LineObservation observation{{T_ref_w * line.segment_w.p, T_ref_w * line.segment_w.q},
-                                RotateCovariance(R, line.covariance_p),
-                                RotateCovariance(R, line.covariance_q),
-                                seen.left.segment};
-    observation.disparity_p_px = seen.disparity_p_px;
-    observation.disparity_q_px = seen.disparity_q_px;
-    observation.sigma_px = seen.sigma_px;
-    observation.sigma_disparity_p_px = seen.sigma_disparity_p_px;
-    observation.sigma_disparity_q_px = seen.sigma_disparity_q_px;
-    observed.lines.push_back(observation);
+    observed.lines.push_back(ObservationOf({T_ref_w * line.segment_w.p, T_ref_w * line.segment_w.q},
+                                           RotateCovariance(R, line.covariance_p),
+                                           RotateCovariance(R, line.covariance_q), features[i]));
     observed.line_features.push_back(i);
   }
 }
@@ -82,6 +68,28 @@ std::vector<int64_t> Named(const std::vector<int>& match, const std::vector<int6
 }
 
 }  // namespace
+
+PointObservation ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
+                               const StereoPoint& seen) {
+  return {p_ref,
+          covariance,
+          {seen.left.px.x(), seen.left.px.y(), seen.disparity_px},
+          seen.sigma_px,
+          seen.sigma_disparity_px};
+}
+
+LineObservation ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
+                              const Eigen::Matrix3d& covariance_q, const StereoLine& seen) {
+  return {segment_ref,
+          covariance_p,
+          covariance_q,
+          seen.left.segment,
+          seen.disparity_p_px,
+          seen.disparity_q_px,
+          seen.sigma_px,
+          seen.sigma_disparity_p_px,
+          seen.sigma_disparity_q_px};
+}
 
 std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association) {

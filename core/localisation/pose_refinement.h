@@ -4,8 +4,15 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/localisation/local_map.h"
+#include "core/motion/motion_estimator.h"
 
 namespace plslam {
+
+/// What the motion estimator needs of a landmark that is `seen`: its place in a reference frame, with covariance there.
+PointObservation ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
+                               const StereoPoint& seen);
+LineObservation ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
+                              const Eigen::Matrix3d& covariance_q, const StereoLine& seen);
 
 /// Where a keyframe is, with the covariance of the right perturbation given the landmarks.
 struct KeyframePose {

@@ -4,18 +4,19 @@
 #include <cmath>
 #include <vector>
 
+#include "core/geometry/se3.h"
+
 namespace plslam {
 namespace {
 
-constexpr double kRad_per_deg = M_PI / 180.0;
 /// Nearer to upright than to level, as the cameras have it.
-constexpr double kNear_rad = 45.0 * kRad_per_deg;
+constexpr double kNear_rad = 45.0 * kRadPerDeg;
 /// Walls are built so well, and maps are bent so much: no line is believed to be better.
-constexpr double kLeastSigma_rad = 1.0 * kRad_per_deg;
+constexpr double kLeastSigma_rad = 1.0 * kRadPerDeg;
 /// Reach of a vote, and of the weights of the last mean.
-constexpr double kWide_rad = 4.0 * kRad_per_deg;
-constexpr double kNarrow_rad = 2.0 * kRad_per_deg;
-constexpr double kAgreeing_rad = 3.0 * kRad_per_deg;
+constexpr double kWide_rad = 4.0 * kRadPerDeg;
+constexpr double kNarrow_rad = 2.0 * kRadPerDeg;
+constexpr double kAgreeing_rad = 3.0 * kRadPerDeg;
 constexpr int kMeans = 10;
 constexpr size_t kMaxCandidates = 300;
 constexpr int64_t kLeastLines = 8;

@@ -65,6 +65,16 @@ struct ProcessSpec {
   std::vector<std::pair<std::string, std::string>> results;
 };
 
+/// `make_node` of a node whose options are a section of the configuration.
+template <class Node, class Options>
+std::function<std::shared_ptr<void>(Process&, const Config&)> NodeWithOptions(const std::string& section) {
+  return [section](Process& process, const Config& config) {
+    Options options;
+    config.Read(section, options);
+    return std::make_shared<Node>(process, options);
+  };
+}
+
 /// The one main of all processes: command line (`--config FILE`, `--set KEY=VALUE`, `--url`, `--prefix`, `--help`,
 /// `--version`), configuration, bus, node, run loop. SIGINT, SIGTERM and SIGHUP end it cleanly (exit code 0), a second
 /// one at once (SignalWatcher); an exception becomes one line on stderr, state "failed", and exit code 1.

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "core/config/config.h"
+#include "core/errors/error_text.h"
 #include "core/process/process_usage.h"
 #include "plslam/status_t.hpp"
 
@@ -84,7 +85,7 @@ void StatusPublisher::Publish() {
   for (const auto& [name, value] : all) status.counters.push_back({name, value});
   status.n_counters = static_cast<int32_t>(status.counters.size());
   status.state = state_;
-  status.reason = reason_ + (reason_.empty() || complaints.empty() ? "" : "; ") + complaints;
+  status.reason = Joined(reason_, complaints);
   status.reason.resize(std::min(status.reason.size(), kReasonBytes));
   status.configuration = CutToFit(bus_configuration_ + configuration_, max_configuration_bytes_);
   bus_.Publish(kStatus, std::move(status));

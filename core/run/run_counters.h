@@ -13,15 +13,15 @@ namespace plslam {
 /// image has, too, frames that are nearly black, and by how many pixels rows of the right image differ in a corner. By the player,
 /// where the dataset has a ground truth: frames with a true pose, and without. By the viewer: frames without the picture that report,
 /// film or overlays should have had.
-inline constexpr std::string_view kPointsSeen = "points.seen";
-inline constexpr std::string_view kPointsMatched = "points.matched";
-inline constexpr std::string_view kFramesDark = "frames.dark";
-inline constexpr std::string_view kCornerRows = "rows.corner_px";
-inline constexpr std::string_view kTruthFrames = "truth.frames";
-inline constexpr std::string_view kTruthMissing = "truth.missing";
-inline constexpr std::string_view kPicturesMissing = "pictures.missing";
-inline constexpr std::array<std::string_view, 7> kRunCounters{
-    kPointsSeen, kPointsMatched, kFramesDark, kCornerRows, kTruthFrames, kTruthMissing, kPicturesMissing};
+inline constexpr const char* kPointsSeen = "points.seen";
+inline constexpr const char* kPointsMatched = "points.matched";
+inline constexpr const char* kFramesDark = "frames.dark";
+inline constexpr const char* kCornerRows = "rows.corner_px";
+inline constexpr const char* kTruthFrames = "truth.frames";
+inline constexpr const char* kTruthMissing = "truth.missing";
+inline constexpr const char* kPicturesMissing = "pictures.missing";
+inline constexpr std::array<const char*, 7> kRunCounters{kPointsSeen,  kPointsMatched, kFramesDark,     kCornerRows,
+                                                         kTruthFrames, kTruthMissing,  kPicturesMissing};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

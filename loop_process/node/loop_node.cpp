@@ -182,11 +182,7 @@ bus::ProcessSpec LoopSpec() {
   spec.examples =
       "  loop_process\n"
       "  loop_process --config config/plslam.yaml --set loop.vocabularies.points=my.vocabulary";
-  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
-    LoopOptions options;
-    config.Read("loop", options);
-    return std::make_shared<LoopNode>(process, options);
-  };
+  spec.make_node = bus::NodeWithOptions<LoopNode, LoopOptions>(spec.name);
   spec.waits_for = "keyframes of vo_process and the map of mapping_process";
   spec.results = {{"loop.keyframes", "keyframes looked at"},
                   {"loops", "loops"},

@@ -380,11 +380,7 @@ bus::ProcessSpec MappingSpec() {
       "  mapping_process\n"
       "  mapping_process --config config/plslam.yaml --set mapping.map_file=house.plmap\n"
       "  mapping_process --prefix team/";
-  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
-    MappingOptions options;
-    config.Read("mapping", options);
-    return std::make_shared<MappingNode>(process, options);
-  };
+  spec.make_node = bus::NodeWithOptions<MappingNode, MappingOptions>(spec.name);
   spec.waits_for = "keyframes of vo_process";
   spec.results = {{"map.keyframes", "keyframes in the map"},
                   {"map.points", "points"},

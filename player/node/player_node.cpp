@@ -272,7 +272,7 @@ void PlayerNode::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMess
 void PlayerNode::PublishTruth(const LoadedFrame& frame) {
   if (dataset_->HasRecordedTruth()) {
     int64_t& n = frame.T_w_l ? n_true_ : n_without_truth_;
-    process_.SetCounter(std::string(frame.T_w_l ? kTruthFrames : kTruthMissing), static_cast<double>(++n));
+    process_.SetCounter(frame.T_w_l ? kTruthFrames : kTruthMissing, static_cast<double>(++n));
   }
   if (!frame.T_w_l) return;
   ground_truth_t message;

@@ -35,6 +35,13 @@ std::vector<std::string> LongRun(const WholeRun& run) {
   return {"run", "synthetic:room?frames=400&size=376x240", "--record", run.log()};
 }
 
+/// The same, with its map saved as `map`.
+std::vector<std::string> LongRunSaving(const WholeRun& run, const std::string& map) {
+  std::vector<std::string> arguments = LongRun(run);
+  arguments.insert(arguments.end(), {"--save-map", map});
+  return arguments;
+}
+
 TEST(RunFailure, InterruptLeavesAllFiles) {
   WholeRun run;
   run.Start(LongRun(run));
@@ -65,9 +72,7 @@ TEST(RunFailure, InterruptOfARunWhoseFilesCannotBeWrittenIsTold) {
 TEST(RunFailure, InterruptSavesTheMapWhereThatWasAskedFor) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
-  std::vector<std::string> arguments = LongRun(run);
-  arguments.insert(arguments.end(), {"--save-map", map});
-  run.Start(arguments);
+  run.Start(LongRunSaving(run, map));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
   run.process().Signal(SIGINT);
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
@@ -93,9 +98,7 @@ TEST(RunFailure, SignalToAllProcessesAtOnceIsOneOrder) {
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     WholeRun run;
     const std::string map = (run.folder() / "room.plmap").string();
-    std::vector<std::string> arguments = LongRun(run);
-    if (signal != SIGINT) arguments.insert(arguments.end(), {"--save-map", map});
-    run.Start(arguments);
+    run.Start(signal != SIGINT ? LongRunSaving(run, map) : LongRun(run));
     ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
     SignalAll(run, signal);
     EXPECT_EQ(run.Wait(60), 0) << run.Logs();
@@ -152,9 +155,7 @@ TEST(RunFailure, SecondInterruptLeavesNoProcess) {
 TEST(RunFailure, InterruptWhileTheMapperIsStartedAgainSavesTheMap) {
   WholeRun run;
   const std::string map = (run.folder() / "room.plmap").string();
-  std::vector<std::string> arguments = LongRun(run);
-  arguments.insert(arguments.end(), {"--save-map", map});
-  run.Start(arguments);
+  run.Start(LongRunSaving(run, map));
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasFrames(run); })) << run.Logs();
   ASSERT_EQ(kill(run.PidOf("mapping_process"), SIGKILL), 0);
   ASSERT_TRUE(WholeRun::WaitFor([&] { return HasLine(run, "mapping_process was ended by SIGKILL"); })) << run.Logs();

@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
@@ -86,7 +87,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   } catch (const std::exception& error) {
     // The same full disk may be what the run ended by.
     written = false;
-    reason += (reason.empty() ? "" : "; ") + std::string(error.what());
+    reason = Joined(reason, error.what());
   }
   const nlohmann::json& warnings = json["warnings"];
   for (const nlohmann::json& warning : warnings) {

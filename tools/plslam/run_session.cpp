@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/errors/error_text.h"
 #include "core/io/files/shared_file.h"
 #include "core/process/worker.h"
 #include "tools/plslam/process_table.h"
@@ -28,10 +29,6 @@ constexpr seconds kCatchUpLimit{20};
 
 double SecondsSince(std::chrono::steady_clock::time_point from) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
-}
-
-std::string Joined(const std::string& a, const std::string& b) {
-  return a + (a.empty() || b.empty() ? "" : "; ") + b;
 }
 
 }  // namespace
@@ -97,16 +94,12 @@ void RunSession::Interrupt() {
     }
     if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt("player");
-    phase_ = Phase::kSettling;
-    phase_began_ = Clock::now();
-    wall_s_ = SecondsSince(playing_since_);
+    EndPlaying(Phase::kSettling, Clock::now());
   });
 }
 
-/// Of what there is, before the end of the stream.
-void RunSession::BeginSave(Clock::time_point now) {
-  supervisor_.Interrupt("player");
-  phase_ = Phase::kSaving;
+void RunSession::EndPlaying(Phase next, Clock::time_point now) {
+  phase_ = next;
   phase_began_ = now;
   wall_s_ = SecondsSince(playing_since_);
 }
@@ -170,7 +163,10 @@ void RunSession::CheckFailed(Clock::time_point now) {
   const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kSettleLimit;
   if (supervisor_.failed() == "player" && monitor_.statistics().frames().answered() > 0 && goes_on) return;
   if (!lacks_map_ || supervisor_.failed() == "mapping") return BeginStop("");
-  if (phase_ != Phase::kSaving) BeginSave(now);
+  if (phase_ == Phase::kSaving) return;
+  // What there is, before the end of the stream.
+  supervisor_.Interrupt("player");
+  EndPlaying(Phase::kSaving, now);
 }
 
 void RunSession::CheckStarted(Clock::time_point now) {
@@ -195,12 +191,7 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  if (ViewerIsDone()) {
-    phase_ = Phase::kSettling;
-    phase_began_ = now;
-    wall_s_ = SecondsSince(playing_since_);
-    return;
-  }
+  if (ViewerIsDone()) return EndPlaying(Phase::kSettling, now);
   const std::string stall = stall_watch_.Look(monitor_.Signs(supervisor_.pid("viewer"), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }

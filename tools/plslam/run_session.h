@@ -51,7 +51,7 @@ class RunSession {
   bool HearsSharedMap() const;
   void CheckAccepted();
   void CheckFailed(Clock::time_point now);
-  void BeginSave(Clock::time_point now);
+  void EndPlaying(Phase next, Clock::time_point now);
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
   void CheckSettled(Clock::time_point now);

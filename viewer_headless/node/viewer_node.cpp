@@ -13,6 +13,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/process/process_status.h"
 #include "core/process/worker.h"
+#include "core/run/run_counters.h"
 #include "plslam/ground_truth_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/outputs.h"
@@ -195,7 +196,7 @@ void ViewerNode::Write(bool ended) {
   dirty_ = false;
   // First: the report says which pictures it lacks.
   const PictureNode::Result pictures = pictures_->Finish(recorder_, lockstep_, ended);
-  process_.SetCounter("pictures.missing", static_cast<double>(pictures.missing));
+  process_.SetCounter(kPicturesMissing, static_cast<double>(pictures.missing));
   std::vector<std::string> failures = WriteFiles();
   failures.insert(failures.end(), pictures.failures.begin(), pictures.failures.end());
   SetFailures(failures);

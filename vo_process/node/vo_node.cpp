@@ -15,6 +15,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/transport/encoded.h"
+#include "core/errors/error_text.h"
 #include "core/io/files/archive.h"
 #include "core/process/worker.h"
 #include "core/run/run_warnings.h"
@@ -58,15 +59,6 @@ bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
 int64_t TrackedOfMap(const OdometryResult& result) {
   return std::count_if(result.point_tracks.begin(), result.point_tracks.end(), IsOfMap) +
          2 * std::count_if(result.line_tracks.begin(), result.line_tracks.end(), IsOfMap);
-}
-
-template <class Message>
-Message Decoded(const std::vector<uint8_t>& bytes) {
-  Message message;
-  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) {
-    throw std::runtime_error("a message in it is damaged");
-  }
-  return message;
 }
 
 }  // namespace
@@ -272,13 +264,13 @@ void VoNode::Track(const Frame& frame) {
 
 /// Counts what tells of bad images and of a bad calibration.
 void VoNode::LookAt(const StereoImages& images, const StereoFeatures& features) {
-  if (IsNearlyBlack(images.left)) Count(std::string(kFramesDark), 1);
+  if (IsNearlyBlack(images.left)) Count(kFramesDark, 1);
   if (rig_->kind == RigCalibration::Kind::kRgbd) return;
   // Flat lines have no depth even where all is well.
   const auto matched =
       std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
-  Count(std::string(kPointsSeen), static_cast<double>(features.points.size()));
-  Count(std::string(kPointsMatched), static_cast<double>(matched));
+  Count(kPointsSeen, static_cast<double>(features.points.size()));
+  Count(kPointsMatched, static_cast<double>(matched));
 }
 
 /// With the state, for who looks at the run while it goes on.
@@ -286,13 +278,11 @@ void VoNode::TellOfWarnings() {
   static constexpr int kEvery = 20;
   if (static_cast<int64_t>(counts_["frames"]) % kEvery != 0) return;
   RunFindings findings;
-  findings.points_seen = counts_[std::string(kPointsSeen)];
-  findings.points_matched = counts_[std::string(kPointsMatched)];
-  findings.corner_rows_px = counts_[std::string(kCornerRows)];
+  findings.points_seen = counts_[kPointsSeen];
+  findings.points_matched = counts_[kPointsMatched];
+  findings.corner_rows_px = counts_[kCornerRows];
   std::string warnings;
-  for (const RunWarning& warning : WarningsOf(findings)) {
-    warnings += (warnings.empty() ? "" : "; ") + warning.sentence;
-  }
+  for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
   warnings_ = std::move(warnings);
   process_.SetState(state_, warnings_);
@@ -311,7 +301,7 @@ void VoNode::WarnAboutRows() {
       most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
     }
   }
-  Count(std::string(kCornerRows), most_px);
+  Count(kCornerRows, most_px);
   spdlog::info(
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
       "but the calibration could be better",
@@ -488,7 +478,11 @@ void VoNode::GoOnWith(const TrackerState& state) {
   session_.last_t_ns = state.t_ns;
   session_.last_frame_id = state.frame_id;
   session_.last_source = player_ = state.source;
-  for (const std::vector<uint8_t>& pose : state.poses) session_.recent.push_back(Decoded<pose_t>(pose));
+  for (const std::vector<uint8_t>& bytes : state.poses) {
+    std::optional<pose_t> pose = bus::Decoded<pose_t>(bytes);
+    if (!pose) throw std::runtime_error("a message in it is damaged");
+    session_.recent.push_back(std::move(*pose));
+  }
   session_.anchored_t_ns = state.anchored_t_ns;
   session_.follows_keyframe = true;
   session_.last_keyframe_id = state.keyframe.keyframe_id;
@@ -571,11 +565,7 @@ bus::ProcessSpec VoSpec() {
       "  vo_process --url udpm://239.255.76.67:7667?ttl=1 --prefix front/";
   spec.waits_for = "a camera and frames of a player";
   spec.results = {{"frames", "frames tracked"}, {"frames.lost", "of them lost"}, {"keyframes", "keyframes"}};
-  spec.make_node = [](bus::Process& process, const Config& config) -> std::shared_ptr<void> {
-    VoOptions options;
-    config.Read("vo", options);
-    return std::make_shared<VoNode>(process, options);
-  };
+  spec.make_node = bus::NodeWithOptions<VoNode, VoOptions>(spec.name);
   return spec;
 }
 

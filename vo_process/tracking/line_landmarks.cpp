@@ -10,6 +10,7 @@
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
 #include "core/geometry/rotate_covariance.h"
+#include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 
 namespace plslam {
@@ -121,15 +122,8 @@ std::vector<LineObservation> LineLandmarks::Observations(const std::vector<Landm
   observations.reserve(matches.size());
   for (const LandmarkMatch& match : matches) {
     const LineLandmark& landmark = landmarks_[match.landmark];
-    const StereoLine& seen = frame.features.lines[match.feature];
-    LineObservation observation{landmark.segment_odom, landmark.covariance_p, landmark.covariance_q,
-                                seen.left.segment};
-    observation.disparity_p_px = seen.disparity_p_px;
-    observation.disparity_q_px = seen.disparity_q_px;
-    observation.sigma_px = seen.sigma_px;
-    observation.sigma_disparity_p_px = seen.sigma_disparity_p_px;
-    observation.sigma_disparity_q_px = seen.sigma_disparity_q_px;
-    observations.push_back(observation);
+    observations.push_back(ObservationOf(landmark.segment_odom, landmark.covariance_p, landmark.covariance_q,
+                                         frame.features.lines[match.feature]));
   }
   return observations;
 }

@@ -8,6 +8,7 @@
 #include "core/features/matching/expected_octave.h"
 #include "core/features/matching/hamming.h"
 #include "core/geometry/rotate_covariance.h"
+#include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 
 namespace plslam {
@@ -62,9 +63,7 @@ std::vector<PointObservation> PointLandmarks::Observations(const std::vector<Lan
   observations.reserve(matches.size());
   for (const LandmarkMatch& match : matches) {
     const PointLandmark& landmark = landmarks_[match.landmark];
-    const StereoPoint& seen = frame.features.points[match.feature];
-    observations.push_back(
-        {landmark.p_odom, landmark.covariance, Measurement(seen), seen.sigma_px, seen.sigma_disparity_px});
+    observations.push_back(ObservationOf(landmark.p_odom, landmark.covariance, frame.features.points[match.feature]));
   }
   return observations;
 }

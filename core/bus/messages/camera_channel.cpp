@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/transport/encoded.h"
 #include "plslam/camera_t.hpp"
 
 namespace plslam::bus {
@@ -37,11 +38,9 @@ CameraSubscriber::CameraSubscriber(Bus& bus, Handler handler, std::function<void
 const std::vector<uint8_t>& CameraSubscriber::bytes() const { return state_->bytes; }
 
 void CameraSubscriber::Restore(const std::vector<uint8_t>& bytes) {
-  camera_t message;
-  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) {
-    throw std::runtime_error("the camera in it is damaged");
-  }
-  state_->Take(message);
+  const auto message = Decoded<camera_t>(bytes);
+  if (!message) throw std::runtime_error("the camera in it is damaged");
+  state_->Take(*message);
 }
 
 }  // namespace plslam::bus

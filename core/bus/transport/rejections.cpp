@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "core/errors/error_text.h"
+
 namespace plslam::bus {
 namespace {
 
@@ -76,7 +78,7 @@ std::string Rejections::Line(int64_t now) const {
     add(fmt::format("{} {} ({})", row.count, Text(static_cast<Rejection>(i)), row.channel));
   }
   for (const auto& [prefix, last] : prefixes_) {
-    if (now - last <= kShown) line += (line.empty() ? "" : "; ") + PrefixText(prefix);
+    if (now - last <= kShown) line = Joined(line, PrefixText(prefix));
   }
   return line;
 }

@@ -169,7 +169,7 @@ TEST(RunSummary, BadRunIsNotToldLikeAGoodOne) {
   EXPECT_EQ(result["warnings"][0]["numbers"]["percent"], 10.0);
   EXPECT_THAT(SummaryToText(result), testing::HasSubstr("dark completed (1 warning)\n"));
   summary.frames.Count(TrackingState::kLost, -1);
-  summary.counters.Take(1, std::string(kFramesDark), 9.0);
+  summary.counters.Take(1, kFramesDark, 9.0);
   EXPECT_THAT(SummaryToText(SummaryToJson(summary)), testing::HasSubstr("dark completed (2 warnings)\n"));
 }
 

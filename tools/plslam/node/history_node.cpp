@@ -12,12 +12,14 @@
 #include <cstring>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/bus/delivery/history.h"
+#include "core/bus/transport/encoded.h"
 #include "core/bus/transport/wire.h"
 #include "core/process/process_usage.h"
 #include "core/process/worker.h"
@@ -40,10 +42,9 @@ struct KeptChannel {
 
 template <class Message>
 bool Publish(bus::Bus& bus, const bus::Channel& channel, const std::vector<uint8_t>& bytes) {
-  Message message;
-  if (message.decode(bytes.data(), 0, static_cast<int>(bytes.size())) < 0) return false;
-  bus.Publish(channel, std::move(message));
-  return true;
+  std::optional<Message> message = bus::Decoded<Message>(bytes);
+  if (message) bus.Publish(channel, std::move(*message));
+  return message.has_value();
 }
 
 constexpr std::array<KeptChannel, 5> kKept{{{bus::kStream, Publish<stream_t>},

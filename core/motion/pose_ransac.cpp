@@ -54,11 +54,15 @@ struct LinePair {
 class Ransac {
  public:
   Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
-         const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed);
+         const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed,
+         const std::optional<Neighbourhood>& neighbourhood);
 
   std::optional<SE3> Estimate();
 
  private:
+  void FindNeighbours(const Neighbourhood& neighbourhood);
+  /// A point pair: any, or one near the `first` of a set.
+  int Draw(int first);
   std::optional<SE3> Hypothesis();
   std::optional<SE3> FromPoints();
   std::optional<SE3> FromLines();
@@ -77,6 +81,9 @@ class Ransac {
   PreparedObservations observations_;
   std::vector<PointPair> point_pairs_;
   std::vector<LinePair> line_pairs_;
+  /// Of each point pair; empty where sets need not lie together.
+  std::vector<std::vector<int>> neighbours_;
+  int max_hypotheses_ = kMaxHypotheses;
   Random random_;
 };
 
@@ -89,7 +96,8 @@ MotionOptions PixelGates(double inlier_px) {
 }
 
 Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
-               const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed)
+               const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed,
+               const std::optional<Neighbourhood>& neighbourhood)
     : points_(points),
       lines_(lines),
       camera_(camera),
@@ -108,15 +116,35 @@ Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<Li
     line_pairs_.push_back(
         {o.segment_ref, BackprojectSegment(camera, o.observed, o.disparity_p_px, o.disparity_q_px), i});
   }
+  if (neighbourhood) FindNeighbours(*neighbourhood);
+}
+
+void Ransac::FindNeighbours(const Neighbourhood& neighbourhood) {
+  max_hypotheses_ = neighbourhood.max_hypotheses;
+  neighbours_.resize(point_pairs_.size());
+  for (size_t i = 0; i < point_pairs_.size(); ++i) {
+    const Eigen::Vector3d& here = points_[point_pairs_[i].index].uvd;
+    for (size_t j = 0; j < point_pairs_.size(); ++j) {
+      const Eigen::Vector3d& there = points_[point_pairs_[j].index].uvd;
+      const bool near = (here - there).head<2>().squaredNorm() <= neighbourhood.radius_px * neighbourhood.radius_px &&
+                        std::abs(here.z() - there.z()) <= neighbourhood.relative_disparity * here.z();
+      if (i != j && near) neighbours_[i].push_back(static_cast<int>(j));
+    }
+  }
+}
+
+int Ransac::Draw(int first) {
+  if (first < 0 || neighbours_.empty()) return random_.Below(static_cast<int>(point_pairs_.size()));
+  const std::vector<int>& near = neighbours_[first];
+  return near.empty() ? first : near[random_.Below(static_cast<int>(near.size()))];
 }
 
 std::optional<SE3> Ransac::FromPoints() {
   std::array<Eigen::Vector3d, 3> ref;
   std::array<Eigen::Vector3d, 3> cur;
   std::array<int, 3> chosen{};
-  const int n = static_cast<int>(point_pairs_.size());
   for (int i = 0; i < 3; ++i) {
-    chosen[i] = random_.Below(n);
+    chosen[i] = Draw(i == 0 ? -1 : chosen[0]);
     for (int j = 0; j < i; ++j) {
       if (chosen[j] == chosen[i]) return std::nullopt;
     }
@@ -190,13 +218,13 @@ int Ransac::NeededHypotheses(int n_inliers) const {
   const double share = std::clamp(n_inliers / all, 1e-3, 0.999);
   const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - share * share * share);
   // Before the cast: few inliers of many ask for more than an int holds.
-  return static_cast<int>(std::clamp<double>(std::ceil(needed), kMinHypotheses, kMaxHypotheses));
+  return static_cast<int>(std::clamp<double>(std::ceil(needed), kMinHypotheses, max_hypotheses_));
 }
 
 std::optional<SE3> Ransac::Estimate() {
   std::optional<SE3> best;
   int best_score = 0;
-  int needed = kMaxHypotheses;
+  int needed = max_hypotheses_;
   for (int i = 0; i < needed; ++i) {
     const std::optional<SE3> hypothesis = Hypothesis();
     if (!hypothesis || !hypothesis->IsFinite()) continue;
@@ -222,9 +250,10 @@ std::optional<SE3> Ransac::Estimate() {
 
 std::optional<SE3> EstimatePoseRansac(const std::vector<PointObservation>& points,
                                       const std::vector<LineObservation>& lines, const StereoCamera& camera,
-                                      int min_inliers, double inlier_px, uint64_t seed) {
+                                      int min_inliers, double inlier_px, uint64_t seed,
+                                      const std::optional<Neighbourhood>& neighbourhood) {
   if (!(inlier_px > 0.0) || !std::isfinite(inlier_px)) return std::nullopt;
-  return Ransac(points, lines, camera, min_inliers, inlier_px, seed).Estimate();
+  return Ransac(points, lines, camera, min_inliers, inlier_px, seed, neighbourhood).Estimate();
 }
 
 }  // namespace plslam

@@ -84,7 +84,7 @@ void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
   std::vector<Sight> now;
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
-    if (frame.point_tracks[i].landmark_id < 0 || raw_disparities_px[i] <= 0.0) continue;
+    if (frame.point_tracks[i].landmark_id < 0 || !frame.point_tracks[i].IsOfWorld() || raw_disparities_px[i] <= 0.0) continue;
     now.push_back({frame.point_tracks[i].landmark_id, T_odom_c, point.left.px, raw_disparities_px[i], point.sigma_px,
                    point.sigma_disparity_px});
   }

@@ -132,8 +132,8 @@ std::optional<Alignment> FrameAligner::FindByDescriptor(const LocalLandmarks& la
   return coarse;
 }
 
-std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame,
-                                              const Alignment& coarse, const MotionPrior& prior) const {
+Alignment FrameAligner::Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
+                               const MotionPrior& prior) const {
   const Search all{options_.tracking.refine_radius_px, options_.landmarks.max_unseen_frames};
   const FrameMatches matches = MatchByProjection(landmarks, frame, coarse.T_odom_c, all);
   std::optional<MotionPrior> used_prior;
@@ -141,7 +141,7 @@ std::optional<Alignment> FrameAligner::Refine(const LocalLandmarks& landmarks, c
   auto fine = Estimate(landmarks, frame, matches, coarse.T_odom_c, used_prior, options_.motion);
   if (!fine || fine->matches.Weight() < coarse.matches.Weight()) return coarse;
   fine->weak = coarse.weak;
-  return fine;
+  return *fine;
 }
 
 bool FrameAligner::IsStrong(const std::optional<Alignment>& alignment, int matched) const {

@@ -37,6 +37,22 @@ class FrameAligner {
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
                                  const MotionPrediction& prediction, int expected_weight) const;
 
+  /// Landmarks near where they should be seen from `T_odom_c`.
+  FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
+                                 const Search& search) const;
+
+  /// The pose that matches say, from `T_odom_initial` on; the result keeps those that agree. nullopt: not determined, or too
+  /// few.
+  std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
+                                    const FrameMatches& matches, const SE3& T_odom_initial,
+                                    const std::optional<MotionPrior>& prior) const {
+    return Estimate(landmarks, frame, matches, T_odom_initial, prior, options_.motion);
+  }
+
+  /// Searches once more, for all landmarks, around a pose that was found; that one again where nothing better comes of it.
+  Alignment Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
+                   const MotionPrior& prior) const;
+
  private:
   std::optional<Alignment> FindStrongest(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                          const SE3& T_odom_predicted, const MotionPrediction& prediction,
@@ -45,14 +61,10 @@ class FrameAligner {
                                     const SE3& T_odom_predicted, const MotionPrior& prior) const;
   bool IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
                 const MotionPrediction& prediction) const;
-  FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
-                                 const Search& search) const;
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                     const FrameMatches& matches, const SE3& T_odom_initial,
                                     const std::optional<MotionPrior>& prior, const MotionOptions& motion) const;
   std::optional<Alignment> FindByDescriptor(const LocalLandmarks& landmarks, const TrackedFrame& frame) const;
-  std::optional<Alignment> Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
-                                  const MotionPrior& prior) const;
   bool IsStrong(const std::optional<Alignment>& alignment, int matched) const;
 
   StereoCamera camera_;

@@ -89,11 +89,11 @@ void KeyframeMeasurements::Add(const SE3& T_odom_c, const TrackedFrame& frame) {
   added.T_c_odom = T_odom_c.Inverse();
   for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
     const int64_t id = frame.point_tracks[i].landmark_id;
-    if (id >= 0) added.points.push_back({id, frame.features.points[i]});
+    if (id >= 0 && frame.point_tracks[i].IsOfWorld()) added.points.push_back({id, frame.features.points[i]});
   }
   for (size_t i = 0; i < frame.line_tracks.size(); ++i) {
     const int64_t id = frame.line_tracks[i].landmark_id;
-    if (id >= 0) added.lines.push_back({id, frame.features.lines[i]});
+    if (id >= 0 && frame.line_tracks[i].IsOfWorld()) added.lines.push_back({id, frame.features.lines[i]});
   }
   if (frames_.size() > kMaxFrames) frames_.pop_front();
 }

@@ -89,6 +89,32 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
   std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
 }
 
+/// Where each landmark comes to lie when those that `taken` flags move to a list of their own: its place there, or, of the
+/// others, its place in what is left.
+inline std::vector<int> PlacesAfterTaking(const std::vector<char>& taken) {
+  std::vector<int> places;
+  places.reserve(taken.size());
+  int next[2] = {0, 0};
+  for (const char flag : taken) places.push_back(next[flag != 0 ? 1 : 0]++);
+  return places;
+}
+
+/// Moves the landmarks that `taken` flags out of the list, in their order.
+template <class Landmark>
+std::vector<Landmark> TakeFlagged(const std::vector<char>& taken, std::vector<Landmark>& landmarks) {
+  std::vector<Landmark> result;
+  size_t kept = 0;
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    if (taken[i] != 0) {
+      result.push_back(landmarks[i]);
+    } else {
+      landmarks[kept++] = landmarks[i];
+    }
+  }
+  landmarks.resize(kept);
+  return result;
+}
+
 /// Drops what has been out of sight, or missed in sight, for too long.
 template <class Landmark>
 void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {

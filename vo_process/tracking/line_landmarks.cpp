@@ -181,18 +181,28 @@ void LineLandmarks::Move(const SE3& T_new_odom) {
   }
 }
 
-void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+LineLandmarks LineLandmarks::Take(const std::vector<char>& taken) {
+  LineLandmarks taken_out(camera_, options_);
+  taken_out.landmarks_ = TakeFlagged(taken, landmarks_);
+  return taken_out;
+}
+
+void LineLandmarks::Append(const LineLandmarks& others) {
+  landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
+}
+
+void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
-    if (frame.line_tracks[i].landmark_id < 0) {
-      FoundOne(T_odom_c, frame.features.lines[i], frame.line_tracks[i], next_id);
-    }
+    FeatureTrack& track = frame.line_tracks[i];
+    if (track.landmark_id < 0 && track.body == body) FoundOne(T_odom_c, frame.features.lines[i], track, next_id);
   }
 }
 
 void LineLandmarks::FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
-    FoundOne(T_odom_c, frame.features.lines[i], frame.line_tracks[i], next_id);
+    FeatureTrack& track = frame.line_tracks[i];
+    if (track.IsOfWorld()) FoundOne(T_odom_c, frame.features.lines[i], track, next_id);
   }
 }
 
@@ -201,7 +211,7 @@ void LineLandmarks::FoundOne(const SE3& T_odom_c, const StereoLine& seen, Featur
   const double limit = options_.max_relative_depth_sigma;
   if (seen.sigma_disparity_p_px > limit * seen.disparity_p_px) return;
   if (seen.sigma_disparity_q_px > limit * seen.disparity_q_px) return;
-  if (track.landmark_id < 0) track = {next_id++};
+  if (track.landmark_id < 0) track.landmark_id = next_id++;
   const Eigen::Vector3d p = Measurement(seen.left.segment.p, seen.disparity_p_px);
   const Eigen::Vector3d q = Measurement(seen.left.segment.q, seen.disparity_q_px);
   const Eigen::Matrix3d R = T_odom_c.R();

@@ -74,10 +74,17 @@ class LineLandmarks {
     for (auto& landmark : landmarks_) landmark.unseen_frames = 0;
   }
 
-  /// Founds a landmark for each segment with depth that has none, and names it in the frame's tracks.
-  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+  /// Moves those that `taken` flags to a list of their own.
+  LineLandmarks Take(const std::vector<char>& taken);
 
-  /// The same for every segment with depth, after forgetting all landmarks; names in the frame's tracks are kept:
+  /// Takes over the landmarks of another list, which lie in the same frame.
+  void Append(const LineLandmarks& others);
+
+  /// Founds a landmark for each segment with depth that has none and is on this body (-1: of the world), and names it in the
+  /// frame's tracks.
+  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+
+  /// The same for every segment of the world with depth, after forgetting all landmarks; names in the frame's tracks are kept:
   /// frame-to-frame odometry.
   void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "vo_process/tracking/line_landmarks.h"
 #include "vo_process/tracking/point_landmarks.h"
@@ -20,6 +21,8 @@ struct FrameMatches {
 struct LocalLandmarks {
   LocalLandmarks(const StereoCamera& camera, const VoOptions& options)
       : points(camera, options.features.orb, options.landmarks), lines(camera, options.landmarks) {}
+  LocalLandmarks(PointLandmarks some_points, LineLandmarks some_lines)
+      : points(std::move(some_points)), lines(std::move(some_lines)) {}
 
   PointLandmarks points;
   LineLandmarks lines;
@@ -50,9 +53,17 @@ struct LocalLandmarks {
     points.CountAsSeen();
     lines.CountAsSeen();
   }
-  void Found(const SE3& T_odom_c, TrackedFrame& frame) {
-    points.Found(T_odom_c, frame, next_point_id);
-    lines.Found(T_odom_c, frame, next_line_id);
+  /// Moves those that the flags of each kind name to a list of their own.
+  LocalLandmarks Take(const std::vector<char>& taken_points, const std::vector<char>& taken_lines) {
+    return {points.Take(taken_points), lines.Take(taken_lines)};
+  }
+  void Append(const LocalLandmarks& others) {
+    points.Append(others.points);
+    lines.Append(others.lines);
+  }
+  void Found(const SE3& T_odom_c, TrackedFrame& frame, int body = -1) {
+    points.Found(T_odom_c, frame, next_point_id, body);
+    lines.Found(T_odom_c, frame, next_line_id, body);
   }
   void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame) {
     points.FoundAnew(T_odom_c, frame, next_point_id);

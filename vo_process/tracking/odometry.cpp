@@ -35,16 +35,41 @@ std::vector<double> PointDisparities(const StereoFeatures& features) {
 
 double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   std::vector<double> disparities;
-  for (const StereoPoint& point : frame.features.points) {
-    if (point.HasDepth()) disparities.push_back(point.disparity_px);
+  for (size_t i = 0; i < frame.features.points.size(); ++i) {
+    const StereoPoint& point = frame.features.points[i];
+    if (point.HasDepth() && frame.point_tracks[i].IsOfWorld()) disparities.push_back(point.disparity_px);
   }
-  for (const StereoLine& line : frame.features.lines) {
-    if (line.HasDepth()) disparities.push_back(0.5 * (line.disparity_p_px + line.disparity_q_px));
+  for (size_t i = 0; i < frame.features.lines.size(); ++i) {
+    const StereoLine& line = frame.features.lines[i];
+    if (!line.HasDepth() || !frame.line_tracks[i].IsOfWorld()) continue;
+    disparities.push_back(0.5 * (line.disparity_p_px + line.disparity_q_px));
   }
   if (disparities.empty()) return 0.0;
   const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
   std::nth_element(disparities.begin(), middle, disparities.end());
   return camera.Depth(*middle);
+}
+
+int CountMoving(const TrackedFrame& frame) {
+  const auto moves = [](const FeatureTrack& track) { return !track.IsOfWorld(); };
+  return static_cast<int>(std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), moves) +
+                          std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), moves));
+}
+
+// What a keyframe says of a frame: bodies are left out, so that they come into no map.
+KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
+  KeyframeContent content;
+  for (size_t i = 0; i < frame.features.points.size(); ++i) {
+    if (!frame.point_tracks[i].IsOfWorld()) continue;
+    content.features.points.push_back(frame.features.points[i]);
+    content.point_tracks.push_back(frame.point_tracks[i]);
+  }
+  for (size_t i = 0; i < frame.features.lines.size(); ++i) {
+    if (!frame.line_tracks[i].IsOfWorld()) continue;
+    content.features.lines.push_back(frame.features.lines[i]);
+    content.line_tracks.push_back(frame.line_tracks[i]);
+  }
+  return content;
 }
 
 // Of the landmarks that the frame found, lines counted twice: those that so many keyframes of the map see.
@@ -53,7 +78,7 @@ double KnownShare(const TrackedFrame& frame, int sights) {
   int known = 0;
   const auto count = [&](const std::vector<FeatureTrack>& tracks, int weight) {
     for (const FeatureTrack& track : tracks) {
-      if (track.landmark_id < 0 || track.age == 0) continue;
+      if (track.landmark_id < 0 || track.age == 0 || !track.IsOfWorld()) continue;
       found += weight;
       if (track.map_sights >= sights) known += weight;
     }
@@ -81,6 +106,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       calibration_(camera, options.disparity_calibration),
       row_calibration_(camera, options.row_calibration),
       landmarks_(camera, options),
+      bodies_(camera, options),
       keyframe_measurements_(camera) {}
 
 bool Odometry::LearnRows(const StereoFeatures& features) {
@@ -101,13 +127,20 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
   const double dt_s = std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
   last_t_ns_ = t_ns;
+  // Of a frame in which two motions were equally likely: the answer covers both.
+  Matrix6d doubt = Matrix6d::Zero();
   if (!initialised_) {
     Initialise(frame, result);
   } else {
     const MotionPrediction prediction = motion_model_.Predict(dt_s);
-    const auto tracked = Find(frame, prediction);
+    auto tracked = Find(frame, prediction);
     if (tracked) {
+      TellBodiesApart(*tracked, prediction, dt_s, frame);
       Accept(*tracked, dt_s, frame, result);
+      if (tracked->T_odom_rival) {
+        const Vector6d between = (T_odom_c_.Inverse() * *tracked->T_odom_rival).Log();
+        doubt = between * between.transpose();
+      }
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
     } else {
       Miss(prediction, dt_s, frame, result);
@@ -115,13 +148,14 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     }
   }
   result.T_odom_c = T_odom_c_;
-  result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_);
+  result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_) + doubt;
+  result.motion_covariance += doubt;
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
   const bool means = options_.keyframes.measurements == "mean";
   if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
   if (result.keyframe) {
     KeyframeContent& content = result.keyframe->content;
-    content = {frame.features, frame.point_tracks, frame.line_tracks};
+    content = ContentOfWorld(frame);
     if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
     keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
                       TrackedLandmarkIds(content.line_tracks));
@@ -181,10 +215,17 @@ std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame
   return tracked;
 }
 
+/// Where the camera was found elsewhere than expected, it is not known either how bodies have moved.
+void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
+                               TrackedFrame& frame) {
+  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) return bodies_.Forget();
+  tracked.T_odom_rival = bodies_.Separate(T_odom_c_, prediction, dt_s, landmarks_, frame, tracked.alignment);
+}
+
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   const Alignment& alignment = tracked.alignment;
   result.state = TrackingState::kTracking;
-  if (alignment.weak) result.state = TrackingState::kWeak;
+  if (alignment.weak || tracked.T_odom_rival) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     // Found again where it was lost, it knows no more of the map than it did there.
@@ -207,6 +248,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   }
   T_odom_c_ = alignment.T_odom_c;
   result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
+  result.n_moving = CountMoving(frame);
   LearnMotion(tracked, dt_s, covariance_before, result);
   ChooseKeyframe(tracked, frame, result);
 }
@@ -258,13 +300,16 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
   motion_model_.Slow(dt_s);
+  bodies_.Forget();
   // The next frame may match this one even where neither matches the landmarks from before.
   landmarks_.FoundAnew(T_odom_c_, frame);
 }
 
 int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {
   const auto known_below = [](int64_t limit) {
-    return [limit](const FeatureTrack& track) { return track.landmark_id >= 0 && track.landmark_id < limit; };
+    return [limit](const FeatureTrack& track) {
+      return track.landmark_id >= 0 && track.landmark_id < limit && track.IsOfWorld();
+    };
   };
   const auto points =
       std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), known_below(keyframe_point_id_));

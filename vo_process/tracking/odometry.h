@@ -13,6 +13,7 @@
 #include "vo_process/tracking/kind_balance.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
+#include "vo_process/tracking/moving_bodies.h"
 #include "vo_process/tracking/row_calibration.h"
 
 namespace plslam {
@@ -45,6 +46,8 @@ struct OdometryResult {
   std::optional<KeyframeStep> keyframe;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
+  /// Features on moving bodies.
+  int n_moving = 0;
   /// The frame's features with the landmarks they belong to.
   StereoFeatures features;
   std::vector<FeatureTrack> point_tracks;
@@ -106,7 +109,7 @@ class Odometry {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
-      self.landmarks_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
+      self.landmarks_, self.bodies_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
       self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
       self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
       self.keyframe_point_id_, self.keyframe_line_id_);
@@ -123,6 +126,8 @@ class Odometry {
     /// kDormant: where the camera was when it was last seen among these landmarks, and how long before the last frame.
     SE3 T_odom_before{};
     double before_s = 0.0;
+    /// Where only geometry said which of two motions is the world's: the pose by the other.
+    std::optional<SE3> T_odom_rival{};
   };
   /// Landmarks of the map among which the camera should be.
   struct Relocalised {
@@ -136,6 +141,7 @@ class Odometry {
   bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                     Relocalised& place) const;
   int ExpectedWeight() const;
+  void TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                    const OdometryResult& result);
@@ -155,6 +161,7 @@ class Odometry {
   DisparityCalibration calibration_;
   RowCalibration row_calibration_;
   LocalLandmarks landmarks_;
+  MovingBodies bodies_;
   KeyframeLog keyframe_log_;
   KeyframeMeasurements keyframe_measurements_;
   SE3 T_w_odom_;

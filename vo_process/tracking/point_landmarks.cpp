@@ -132,17 +132,28 @@ void PointLandmarks::Move(const SE3& T_new_odom) {
   }
 }
 
-void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+PointLandmarks PointLandmarks::Take(const std::vector<char>& taken) {
+  PointLandmarks taken_out(camera_, orb_, options_);
+  taken_out.landmarks_ = TakeFlagged(taken, landmarks_);
+  return taken_out;
+}
+
+void PointLandmarks::Append(const PointLandmarks& others) {
+  landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
+}
+
+void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body) {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
-    if (frame.point_tracks[i].landmark_id < 0)
-      FoundOne(T_odom_c, frame.features.points[i], frame.point_tracks[i], next_id);
+    FeatureTrack& track = frame.point_tracks[i];
+    if (track.landmark_id < 0 && track.body == body) FoundOne(T_odom_c, frame.features.points[i], track, next_id);
   }
 }
 
 void PointLandmarks::FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
-    FoundOne(T_odom_c, frame.features.points[i], frame.point_tracks[i], next_id);
+    FeatureTrack& track = frame.point_tracks[i];
+    if (track.IsOfWorld()) FoundOne(T_odom_c, frame.features.points[i], track, next_id);
   }
 }
 
@@ -151,7 +162,7 @@ void PointLandmarks::FoundOne(const SE3& T_odom_c, const StereoPoint& seen, Feat
   const Eigen::Vector3d uvd = Measurement(seen);
   const Eigen::Vector3d p_c = camera_.Backproject(uvd);
   const Eigen::Matrix3d R = T_odom_c.R();
-  if (track.landmark_id < 0) track = {next_id++};
+  if (track.landmark_id < 0) track.landmark_id = next_id++;
   PointLandmark landmark;
   landmark.id = track.landmark_id;
   landmark.seen = track.age + 1;

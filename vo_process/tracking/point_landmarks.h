@@ -75,10 +75,17 @@ class PointLandmarks {
     for (auto& landmark : landmarks_) landmark.unseen_frames = 0;
   }
 
-  /// Founds a landmark for each feature with depth that has none, and names it in the frame's tracks.
-  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+  /// Moves those that `taken` flags to a list of their own.
+  PointLandmarks Take(const std::vector<char>& taken);
 
-  /// The same for every feature with depth, after forgetting all landmarks; names in the frame's tracks are kept:
+  /// Takes over the landmarks of another list, which lie in the same frame.
+  void Append(const PointLandmarks& others);
+
+  /// Founds a landmark for each feature with depth that has none and is on this body (-1: of the world), and names it in the
+  /// frame's tracks.
+  void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
+
+  /// The same for every feature of the world with depth, after forgetting all landmarks; names in the frame's tracks are kept:
   /// frame-to-frame odometry.
   void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
 

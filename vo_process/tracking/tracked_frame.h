@@ -17,6 +17,10 @@ struct FeatureTrack {
   /// The same landmark in the map, or -1, and the keyframes that see it there.
   int64_t map_id = -1;
   int map_sights = 0;
+  /// The moving body that the feature is on (`MovingBodies`), or -1 for the world.
+  int body = -1;
+
+  bool IsOfWorld() const { return body < 0; }
 };
 
 /// Landmarks of features, in their order.

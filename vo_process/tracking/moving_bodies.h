@@ -1,0 +1,148 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/geometry/stereo_camera.h"
+#include "vo_process/options.h"
+#include "vo_process/tracking/frame_aligner.h"
+#include "vo_process/tracking/local_landmarks.h"
+#include "vo_process/tracking/motion_model.h"
+
+namespace plslam {
+
+/// A rigid thing that moves through the world: its landmarks lie in a frame of its own, which was the odometry frame when it
+/// was found, and the camera moves in that frame as it does in the world.
+struct Body {
+  Body(const StereoCamera& camera, const VoOptions& options) : landmarks(camera, options), motion(options.tracking) {}
+
+  bool IsThere() const { return id >= 0; }
+
+  /// Numbers the bodies of a session; -1: nothing here.
+  int64_t id = -1;
+  LocalLandmarks landmarks;
+  SE3 T_b_c;
+  MotionModel motion;
+  /// Frames since it was seen last, and for how many it has stood while the camera moved.
+  int unseen_frames = 0;
+  int standing_frames = 0;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.id, self.landmarks, self.T_b_c, self.motion, self.unseen_frames, self.standing_frames);
+  }
+};
+
+/// Landmarks that bodies have taken: their numbers in the tracker and, where known, in the map.
+class OwnedIds {
+ public:
+  void Add(int64_t id) { Insert(id, ids_); }
+  void AddOfMap(int64_t map_id) { Insert(map_id, map_ids_); }
+  void Remove(int64_t id, int64_t map_id) {
+    Erase(id, ids_);
+    Erase(map_id, map_ids_);
+  }
+  bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
+  bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.ids_, self.map_ids_);
+  }
+
+ private:
+  static void Insert(int64_t id, std::vector<int64_t>& ids) {
+    const auto place = std::lower_bound(ids.begin(), ids.end(), id);
+    if (id >= 0 && (place == ids.end() || *place != id)) ids.insert(place, id);
+  }
+  static void Erase(int64_t id, std::vector<int64_t>& ids) {
+    const auto place = std::lower_bound(ids.begin(), ids.end(), id);
+    if (place != ids.end() && *place == id) ids.erase(place);
+  }
+
+  /// Ascending.
+  std::vector<int64_t> ids_;
+  std::vector<int64_t> map_ids_;
+};
+
+/// The bodies in view, up to three.
+///
+/// A second consensus is looked for among what contradicts the pose found for a frame. Of two motions the world is the one
+/// that a body has not had before, that the motion so far goes on with, and, where that says nothing, the one that is spread
+/// over more of the image and more depths; never the one that merely has more features. What is on a body, or nearer to it
+/// than to the world at the same depth, founds landmarks of that body. One that stands while the camera moves goes back to
+/// the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and Newman 2018; the choice of the world by
+/// prediction instead of size is ours.)
+class MovingBodies {
+ public:
+  MovingBodies(const StereoCamera& camera, const VoOptions& options);
+
+  /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion, or where
+  /// features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's tracks what is on
+  /// a body. Where only geometry decided which motion is the world's: the pose by the other one.
+  std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
+                TrackedFrame& frame, Alignment& found);
+
+  /// A frame that was not found: nobody knows where bodies are.
+  void Forget();
+
+  const std::vector<Body>& bodies() const { return bodies_; }
+
+  /// Numbers of all landmarks that bodies have taken.
+  const OwnedIds& owned_points() const { return owned_points_; }
+  const OwnedIds& owned_lines() const { return owned_lines_; }
+
+  /// A landmark of the map has turned out to be one of them.
+  void OwnMapPoint(int64_t map_id) { owned_points_.AddOfMap(map_id); }
+  void OwnMapLine(int64_t map_id) { owned_lines_.AddOfMap(map_id); }
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    for (auto& body : self.bodies_) a(body);
+    a(self.next_body_id_, self.owned_points_, self.owned_lines_);
+  }
+
+ private:
+  /// Features that somebody has claimed.
+  struct Claims {
+    std::vector<char> points;
+    std::vector<char> lines;
+  };
+  /// The features of a frame that nobody has claimed, as a frame of their own.
+  struct Rest;
+  /// A second motion in a frame.
+  struct Second;
+  /// Inliers with their places, for asking whose a place in the image is.
+  struct Places;
+
+  void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
+  bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
+               const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
+  std::optional<Second> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                   const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
+                                   const Alignment& found) const;
+  FrameMatches Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame, const FrameMatches& matches,
+                             const SE3& T_odom_c) const;
+  bool IsWorld(const Alignment& found, const FrameMatches& own, const Second& second, const SE3& T_odom_prev,
+               const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
+  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const Places& places, Alignment& found) const;
+  void NameFeatures(const Places& places, const Alignment& found, TrackedFrame& frame) const;
+  void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
+  Places AllPlaces(const Alignment& found, const TrackedFrame& frame) const;
+  void Own(const LocalLandmarks& landmarks);
+
+  StereoCamera camera_;
+  FrameAligner aligner_;
+  /// One for each slot; `FeatureTrack::body` is the place here.
+  std::vector<Body> bodies_;
+  /// Of the frame at hand, by slot.
+  std::vector<FrameMatches> matches_;
+  std::vector<SE3> T_b_prev_;
+  int64_t next_body_id_ = 0;
+  OwnedIds owned_points_;
+  OwnedIds owned_lines_;
+};
+
+}  // namespace plslam

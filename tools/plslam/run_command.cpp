@@ -84,6 +84,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   bool written = true;
   try {
     if (!keeps_old && folder->is_kept()) WriteSummary(options.out, json);
+    if (session.accepted()) PutWarningsIntoReport(options.out, json["warnings"]);
   } catch (const std::exception& error) {
     // The same full disk may be what the run ended by.
     written = false;

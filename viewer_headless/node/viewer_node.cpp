@@ -87,7 +87,7 @@ void ViewerNode::Subscribe() {
 
 void ViewerNode::OnCamera(const RigCalibration& rig) {
   try {
-    auto rectifier = std::make_unique<Rectifier>(rig, Rectifier::Sides::kLeft);
+    auto rectifier = std::make_unique<Rectifier>(rig);
     pictures_->SetRectifier(rectifier.get(), rig.rate_hz);
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);

@@ -54,8 +54,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::array<const char*, 5> kPrograms{"player", "vo_process", "mapping_process", "loop_process",
                                                "viewer_headless"};
 constexpr const char* kResults[] = {"trajectory.tum", "keyframes.tum", "map.ply", "covariance.txt"};
-/// After which a run must have ended, whatever happened to it.
-constexpr std::chrono::seconds kEndLimit{300};
+/// After which a run must have ended, whatever happened to it: on a machine with thirty processes for each core a minute takes six.
+constexpr std::chrono::seconds kEndLimit{1200};
 constexpr const char* kEarlierPath = "0 0 0 0 0 0 0 1\n";
 
 int FromEnvironment(const char* name, int otherwise) {
@@ -89,8 +89,12 @@ class ChaosRun {
     folder_ = mkdtemp(pattern.data());
   }
   ~ChaosRun() {
+    if (child_) {
+      for (const pid_t pid : Children()) kill(pid, SIGKILL);
+    }
     child_.reset();
-    if (std::getenv("PLSLAM_KEEP_RUNS") == nullptr) fs::remove_all(folder_);
+    std::error_code ignored;
+    if (std::getenv("PLSLAM_KEEP_RUNS") == nullptr) fs::remove_all(folder_, ignored);
   }
   ChaosRun(const ChaosRun&) = delete;
   ChaosRun& operator=(const ChaosRun&) = delete;
@@ -329,6 +333,12 @@ void ExpectRightEnd(ChaosRun& run, int code, const Trouble& trouble, const Befor
   Expect(completed || summary["reason"] == "interrupted", "not completed: " + summary["reason"].dump(), wrong);
 }
 
+/// The sentence that a run ended with; empty where there is none.
+std::string ErrorIn(const std::string& log) {
+  const size_t at = log.rfind("plslam: error: ");
+  return at == std::string::npos ? "" : log.substr(at, log.find('\n', at) - at);
+}
+
 /// Plays one run with one trouble; says what happened and what was wrong.
 Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, int event, std::string* told) {
   const std::vector<Trouble> troubles = AllTroubles();
@@ -346,7 +356,8 @@ Wrong PlayWithTrouble(const World& world, const Reference& reference, int seed, 
   const std::optional<int> code = run.Wait();
   Expect(code.has_value(), "does not end", &wrong);
   if (code) ExpectRightEnd(run, *code, trouble, before, world, reference, &wrong);
-  *told = fmt::format("{:3} {:36} after {:6.3f} s: exit code {}", event, trouble.name, at_s, code.value_or(-1));
+  *told = fmt::format("{:3} {:36} after {:6.3f} s: exit code {} {}", event, trouble.name, at_s, code.value_or(-1),
+                      ErrorIn(run.Log()));
   if (!wrong.empty()) *told += fmt::format(": {}\n{}", fmt::join(wrong, "; "), run.Log());
   return wrong;
 }

@@ -58,6 +58,9 @@ class RunSession {
   void CheckSaved(Clock::time_point now);
   bool ViewerIsDone() const;
   bool ViewerHasCaughtUp() const;
+  bool HasMap() const;
+  /// Why there is none to save, of an interrupted run.
+  std::string LackOfMap() const;
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void TellOfRestart(const std::string& name, const std::string& how, int restart);

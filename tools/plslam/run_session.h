@@ -37,6 +37,8 @@ class RunSession {
   bool accepted() const { return accepted_; }
   /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended well.
   bool ended_well() const { return HasResult() && supervisor_.failed().empty(); }
+  /// The map that was to be saved is, by this run.
+  bool saved_map() const { return !options_.save_map.empty() && !lacks_map_; }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -10,15 +10,15 @@ namespace {
 constexpr size_t kMaxWaiting = 1024;
 constexpr size_t kMaxImageBytes = 64'000'000;
 
-size_t BytesOf(const cv::Mat& image) { return image.total() * image.elemSize(); }
-
 }  // namespace
 
-void OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image) {
+void OverlayQueue::AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right) {
   if (!Wants(frame_id) || image.empty()) return;
-  cv::Mat& kept = waiting_[frame_id].image;
-  image_bytes_ += BytesOf(image) - BytesOf(kept);
-  kept = image;
+  Parts& parts = waiting_[frame_id];
+  image_bytes_ -= parts.image_bytes();
+  parts.image = image;
+  parts.right = right;
+  image_bytes_ += parts.image_bytes();
   first_image_ = std::min(first_image_.value_or(frame_id), frame_id);
   Took(frame_id);
 }
@@ -47,7 +47,7 @@ void OverlayQueue::Took(int64_t frame_id) {
 }
 
 void OverlayQueue::Drop(std::map<int64_t, Parts>::iterator parts) {
-  image_bytes_ -= BytesOf(parts->second.image);
+  image_bytes_ -= parts->second.image_bytes();
   complete_.erase(parts->first);
   waiting_.erase(parts);
 }
@@ -56,7 +56,7 @@ std::optional<OverlayQueue::Ready> OverlayQueue::Next() {
   if (complete_.empty()) return std::nullopt;
   const auto found = waiting_.find(*complete_.begin());
   Parts& parts = found->second;
-  Ready ready{std::move(*parts.pose), parts.image, std::move(*parts.features)};
+  Ready ready{std::move(*parts.pose), parts.image, parts.right, std::move(*parts.features)};
   lacking_.erase(found->first);
   Drop(found);
   return ready;

@@ -17,6 +17,7 @@ class OverlayQueue {
   struct Ready {
     FramePose pose;
     cv::Mat image;
+    cv::Mat right;
     OverlayFeatures features;
   };
 
@@ -26,8 +27,8 @@ class OverlayQueue {
   bool Wants(int64_t frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id % every_ == 0; }
 
   /// Each adds one part of a wanted frame (others are ignored). Of frames that stay incomplete the oldest are dropped: 1024
-  /// wait at most, with 64 MB of images.
-  void AddImage(int64_t frame_id, const cv::Mat& image);
+  /// wait at most, with 64 MB of images. The right image comes with the left one, where somebody has a use for it.
+  void AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right = {});
   void AddFeatures(int64_t frame_id, OverlayFeatures features);
   /// Once for each frame.
   void AddPose(const FramePose& pose);
@@ -43,7 +44,10 @@ class OverlayQueue {
   struct Parts {
     std::optional<FramePose> pose;
     cv::Mat image;
+    cv::Mat right;
     std::optional<OverlayFeatures> features;
+
+    size_t image_bytes() const { return image.total() * image.elemSize() + right.total() * right.elemSize(); }
   };
 
   void Took(int64_t frame_id);

@@ -26,11 +26,11 @@ int Rounded(double value) {
 
 }  // namespace
 
-Rectifier::Rectifier(const RigCalibration& rig, Sides sides) : rectification_(Rectify(rig)) {
+Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
   if (rectification_.identity) return;
   const bool stereo = rig.kind == RigCalibration::Kind::kStereo;
   left_ = MakeMaps(rectification_.left, !stereo);
-  if (stereo && sides == Sides::kBoth) right_ = MakeMaps(rectification_.right, false);
+  if (stereo) right_ = MakeMaps(rectification_.right, false);
 }
 
 Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, bool with_nearest) const {

@@ -14,10 +14,8 @@ namespace plslam {
 /// A pair that is rectified already passes through untouched and uncopied (the result shares the input's pixels).
 class Rectifier {
  public:
-  enum class Sides { kBoth, kLeft };
-
-  /// Throws std::runtime_error as `Rectify(rig)` does. With `kLeft`, `RectifyRight` is not to be called.
-  explicit Rectifier(const RigCalibration& rig, Sides sides = Sides::kBoth);
+  /// Throws std::runtime_error as `Rectify(rig)` does.
+  explicit Rectifier(const RigCalibration& rig);
 
   const StereoCamera& camera() const { return rectification_.camera; }
   /// Left camera as calibrated (l) from rectified left camera (c).

@@ -207,6 +207,12 @@ void RunFindings::Take(const RunCounters& counters) {
   pictures_missing = counters.Largest(kPicturesMissing);
 }
 
+nlohmann::ordered_json ToJson(const RunWarning& warning) {
+  nlohmann::ordered_json numbers = nlohmann::ordered_json::object();
+  for (const auto& [name, value] : warning.numbers) numbers[name] = value;
+  return {{"code", warning.code}, {"sentence", warning.sentence}, {"numbers", numbers}};
+}
+
 std::vector<RunWarning> WarningsOf(const RunFindings& findings) {
   std::vector<RunWarning> warnings;
   for (const Row& row : kRows) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -41,6 +42,9 @@ struct RunWarning {
   std::string sentence;  ///< what was found, what it may mean, what helps
   std::vector<std::pair<std::string, double>> numbers;
 };
+
+/// As summary.json and the report have it: `code`, `sentence`, `numbers` by name.
+nlohmann::ordered_json ToJson(const RunWarning& warning);
 
 /// One for each row of the table whose condition holds, in its order. docs/metrics.md has the table for users.
 std::vector<RunWarning> WarningsOf(const RunFindings& findings);

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "core/datasets/open_dataset.h"
+#include "core/io/trajectories/trajectory.h"
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
@@ -165,6 +166,13 @@ std::vector<std::string> WarningsOf(const nlohmann::json& summary) {
   return codes;
 }
 
+/// Those that the page shows, whatever the viewer knew.
+nlohmann::json WarningsOfReport(const WholeRun& run) {
+  const std::string page = run.Read("report.html"), begin = R"(<script id="run-warnings" type="application/json">)";
+  const size_t at = page.find(begin) + begin.size();
+  return nlohmann::json::parse(page.substr(at, page.find("</script>", at) - at));
+}
+
 TEST(Run, OneThatSawLittleIsNotToldLikeAGoodOne) {
   WholeRun run;
   const std::filesystem::path images = run.folder() / "images";
@@ -181,7 +189,24 @@ TEST(Run, OneThatSawLittleIsNotToldLikeAGoodOne) {
   if (!std::filesystem::exists(run.out() / "report.html")) return;  // built without node
   const std::string report = run.Read("report.html");
   EXPECT_NE(report.find("\"tracked_percent\":10.0"), std::string::npos);
-  EXPECT_NE(report.find("\"code\":\"little_tracked\""), std::string::npos);
+  EXPECT_EQ(WarningsOfReport(run), summary["warnings"]);
+}
+
+TEST(Run, ReportHasTheWarningsOfTheSummary) {
+  WholeRun run;
+  const std::filesystem::path images = run.folder() / "images";
+  WriteImages(images, 0);
+  // Positions stay, so that the path is right, and every second true pose is turned by half a radian.
+  Trajectory truth = ReadTrajectory(images / "groundtruth.txt", TrajectoryFormat::kTum);
+  const SE3 turn = SE3::Exp((Vector6d() << 0, 0, 0, 0, 0.5, 0).finished());
+  for (size_t i = 1; i < truth.size(); i += 2) truth[i].T_a_b = truth[i].T_a_b * turn;
+  WriteTrajectory(images / "groundtruth.txt", TrajectoryFormat::kTum, truth);
+  ASSERT_EQ(run.Run({"run", images.string()}), 0) << run.Logs();
+  EXPECT_THAT(WarningsOf(run.Summary()), testing::ElementsAre("covariance_not_consistent"));
+  if (!std::filesystem::exists(run.out() / "report.html")) return;  // built without node
+  EXPECT_EQ(WarningsOfReport(run), run.Summary()["warnings"]);
+  EXPECT_NE(run.Read("report.html").find("\"code\":\"covariance_not_consistent\""), std::string::npos)
+      << "the viewer knows it, too";
 }
 
 TEST(Run, ExchangedImagesAreTold) {

@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
+#include "core/accuracy/consistency.h"
+#include "core/accuracy/statistics.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/alignment.h"
 #include "tools/evaluate/clock_offset.h"
-#include "tools/evaluate/consistency.h"
 #include "tools/evaluate/keyframe_error.h"
 #include "tools/evaluate/kitti_error.h"
 #include "tools/evaluate/relative_error.h"
-#include "tools/evaluate/statistics.h"
 
 namespace plslam {
 

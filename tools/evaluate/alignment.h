@@ -3,8 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/accuracy/association.h"
 #include "core/geometry/similarity.h"
-#include "tools/evaluate/association.h"
 
 namespace plslam {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/accuracy/statistics.h"
 #include "tools/evaluate/absolute_error.h"
-#include "tools/evaluate/statistics.h"
 
 namespace plslam {
 namespace {

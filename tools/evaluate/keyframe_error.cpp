@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/accuracy/statistics.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/relative_error.h"
-#include "tools/evaluate/statistics.h"
 
 namespace plslam {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tools/evaluate/association.h"
+#include "core/accuracy/association.h"
 
 namespace plslam {
 

@@ -63,10 +63,6 @@ std::vector<double> TruePath_m(const PosePairs& pairs) {
   return path;
 }
 
-SE3 MotionError(const PosePair& i, const PosePair& j) {
-  return (i.truth.Inverse() * j.truth).Inverse() * (i.estimate.Inverse() * j.estimate);
-}
-
 RelativeErrors ComputeRelativeErrors(const PosePairs& pairs, const Delta& delta) {
   RelativeErrors errors;
   const std::vector<double> positions = Positions(pairs, delta.unit);

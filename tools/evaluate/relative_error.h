@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tools/evaluate/association.h"
+#include "core/accuracy/association.h"
 
 namespace plslam {
 
@@ -31,8 +31,5 @@ RelativeErrors ComputeRelativeErrors(const PosePairs& pairs, const Delta& delta)
 
 /// Length of the true path up to each pair.
 std::vector<double> TruePath_m(const PosePairs& pairs);
-
-/// The error E of the motion from pair i to pair j.
-SE3 MotionError(const PosePair& i, const PosePair& j);
 
 }  // namespace plslam

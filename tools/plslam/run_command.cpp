@@ -51,11 +51,11 @@ constexpr int kWarned = 2;
 void Print(std::FILE* to, const std::string& text) { std::fputs(text.c_str(), to); }
 
 /// Where to look at what the run left behind, one line each.
-std::string WhereToLook(const RunOptions& options) {
+std::string WhereToLook(const RunOptions& options, const RunSession& session) {
   const std::filesystem::path report = options.out / "report.html";
   std::string text = std::filesystem::exists(report) ? fmt::format("  {:<10} {}\n", "report", report.string())
                                                      : fmt::format("  {:<10} {}\n", "outputs", options.out.string());
-  if (!options.save_map.empty() && std::filesystem::exists(options.save_map)) {
+  if (session.saved_map()) {
     text += fmt::format("  {:<10} {}\n", "saved map", options.save_map.string());
   }
   return text;
@@ -84,6 +84,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   bool written = true;
   try {
     if (!keeps_old && folder->is_kept()) WriteSummary(options.out, json);
+    if (session.accepted()) PutWarningsIntoReport(options.out, json["warnings"]);
   } catch (const std::exception& error) {
     // The same full disk may be what the run ended by.
     written = false;
@@ -96,7 +97,7 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
   if (options.json) {
     Print(stdout, JsonText(json) + "\n");
   } else if (!options.quiet && summary.frames.answered() > 0) {
-    Print(stdout, SummaryToText(json, options.verbose) + WhereToLook(options));
+    Print(stdout, SummaryToText(json, options.verbose) + WhereToLook(options, session));
   }
   // A run that the user ends is as good as one that ends by itself: with `--loop` there is hardly another way.
   if (session.ended_well() && !keeps_old && written) {

@@ -4,18 +4,19 @@
 
 #include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <utility>
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/accuracy.h"
+#include "viewer_headless/report/report_page.h"
 
 namespace plslam {
 
 namespace {
-
-constexpr int64_t kMaxDifference_ns = 1'000'000;  // the truth was told for the very frames
 
 /// Nothing where there are not both.
 std::optional<std::pair<Trajectory, Trajectory>> EstimateAndTruth(const std::filesystem::path& out,
@@ -56,7 +57,7 @@ std::optional<double> LiveError_m(const std::filesystem::path& out) {
   const auto both = EstimateAndTruth(out, "trajectory_live.tum");
   if (!both) return std::nullopt;
   EvaluateOptions options;
-  options.max_difference_ns = kMaxDifference_ns;
+  options.max_difference_ns = kSameMoment_ns;
   const Accuracy accuracy = EvaluateTrajectory(both->first, both->second, options);
   const bool known = !accuracy.pairs.empty() && std::isfinite(accuracy.ate_m.rmse);
   return known ? std::optional(accuracy.ate_m.rmse) : std::nullopt;
@@ -78,7 +79,7 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   if (!both) return std::nullopt;
   const auto keyframes_path = out / "keyframes.tum";
   EvaluateOptions options;
-  options.max_difference_ns = kMaxDifference_ns;
+  options.max_difference_ns = kSameMoment_ns;
   options.n_frames = n_frames;
   if (std::filesystem::is_regular_file(keyframes_path)) {
     for (const TrajectoryPose& pose : ReadTrajectory(keyframes_path, TrajectoryFormat::kTum)) {
@@ -96,6 +97,14 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
 
 std::string JsonText(const nlohmann::json& json) {
   return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings) {
+  const std::filesystem::path report = out / "report.html";
+  if (!std::filesystem::is_regular_file(report)) return;
+  std::ifstream stream(report, std::ios::binary);
+  const std::string page{std::istreambuf_iterator<char>(stream), {}};
+  WriteFileAtomically(report.string(), FillWarnings(page, JsonText(warnings)));
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {

@@ -25,6 +25,9 @@ std::optional<double> PathLength_m(const std::filesystem::path& out);
 /// For people; bytes that are not UTF-8 (names, sentences of others) are replaced.
 std::string JsonText(const nlohmann::json& json);
 
+/// Puts the warnings of the summary into `report.html`, where there is one. Throws std::runtime_error where that fails.
+void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings);
+
 /// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);
 

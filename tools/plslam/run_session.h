@@ -37,6 +37,8 @@ class RunSession {
   bool accepted() const { return accepted_; }
   /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended well.
   bool ended_well() const { return HasResult() && supervisor_.failed().empty(); }
+  /// The map that was to be saved is, by this run.
+  bool saved_map() const { return !options_.save_map.empty() && !lacks_map_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -58,6 +60,9 @@ class RunSession {
   void CheckSaved(Clock::time_point now);
   bool ViewerIsDone() const;
   bool ViewerHasCaughtUp() const;
+  bool HasMap() const;
+  /// Why there is none to save, of an interrupted run.
+  std::string LackOfMap() const;
   bool MapperHasMap() const;
   bool HasResult() const { return completed_ || (interrupted_ && !lacks_map_); }
   void TellOfRestart(const std::string& name, const std::string& how, int restart);

@@ -75,11 +75,7 @@ json LoopsToJson(const RunSummary& summary) {
 
 json WarningsToJson(const std::vector<RunWarning>& warnings) {
   json result = json::array();
-  for (const RunWarning& warning : warnings) {
-    json numbers = json::object();
-    for (const auto& [name, value] : warning.numbers) numbers[name] = value;
-    result.push_back({{"code", warning.code}, {"sentence", warning.sentence}, {"numbers", numbers}});
-  }
+  for (const RunWarning& warning : warnings) result.push_back(json(ToJson(warning)));
   return result;
 }
 

@@ -75,7 +75,10 @@ void PictureNode::AddPose(const FramePose& pose) {
 }
 
 void PictureNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
-  queue_.AddImage(frame.images.frame_id, frame.images.left);
+  const StereoImages& images = frame.images;
+  // A depth map is no picture.
+  const bool has_right = images.right.type() == CV_8UC1 && IsStored(images.frame_id);
+  queue_.AddImage(images.frame_id, images.left, has_right ? images.right : cv::Mat());
   UseAll();
 }
 
@@ -96,11 +99,14 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
   const bool drawn = film_ || IsOverlay(frame_id);
   PictureStore* const store = sources_.store;
   const bool keyframe = store != nullptr && ready.pose.keyframe_id >= 0;
-  const bool stored = store != nullptr && store->Wants(frame_id);
+  const bool stored = IsStored(frame_id);
   if (!drawn && !keyframe && !stored) return;
   try {
     const cv::Mat image = rectifier_->RectifyLeft(ready.image);
-    if (stored) store->Add(frame_id, image, ready.features);
+    if (stored) {
+      const cv::Mat right = ready.right.empty() ? cv::Mat() : rectifier_->RectifyRight(ready.right);
+      store->Add(frame_id, image, right, ready.features);
+    }
     if (keyframe) store->AddKeyframe(frame_id, image);
     if (!drawn) return;
     const cv::Mat picture = DrawOverlay(image, ready.features, FrameCaption(ready.pose));
@@ -115,6 +121,10 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
 
 bool PictureNode::IsOverlay(int64_t frame_id) const {
   return options_.overlay_every > 0 && frame_id % options_.overlay_every == 0;
+}
+
+bool PictureNode::IsStored(int64_t frame_id) const {
+  return sources_.store != nullptr && sources_.store->Wants(frame_id);
 }
 
 std::string PictureNode::OverlayFile(int64_t frame_id) const {
@@ -137,7 +147,7 @@ PictureNode::Result PictureNode::Finish(const Recorder& recorder, bool lockstep,
   for (const int64_t frame_id : queue_.lacking()) {
     if (frame_id > last) break;
     ++lacking;
-    const bool stored = sources_.store != nullptr && sources_.store->Wants(frame_id);
+    const bool stored = IsStored(frame_id);
     of_report += stored ? 1 : 0;
     const bool overlay = IsOverlay(frame_id) && !std::filesystem::exists(OverlayFile(frame_id));
     result.missing += stored || overlay || !options_.video.empty() ? 1 : 0;

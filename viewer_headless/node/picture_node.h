@@ -59,6 +59,8 @@ class PictureNode {
   void Use(const OverlayQueue::Ready& ready);
   void WriteOverlay(int64_t frame_id, const cv::Mat& picture);
   bool IsOverlay(int64_t frame_id) const;
+  /// The report wants it.
+  bool IsStored(int64_t frame_id) const;
   std::string OverlayFile(int64_t frame_id) const;
   /// Why there are no overlays, or no film, of some frames; empty where all is there.
   std::string LackOfOverlays(const Recorder& recorder, bool lockstep, int64_t last) const;

@@ -46,7 +46,7 @@ ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
 
 ViewerNode::~ViewerNode() {
   try {
-    // A run that ends before anything was played does not write over the one before.
+    // A run that ends before any frame was answered does not write over the one before, and leaves no empty trajectories.
     if (dirty_ && HasPlayed()) Write(false);
     ShowProgress(true);
   } catch (const std::exception& e) {
@@ -87,7 +87,7 @@ void ViewerNode::Subscribe() {
 
 void ViewerNode::OnCamera(const RigCalibration& rig) {
   try {
-    auto rectifier = std::make_unique<Rectifier>(rig, Rectifier::Sides::kLeft);
+    auto rectifier = std::make_unique<Rectifier>(rig);
     pictures_->SetRectifier(rectifier.get(), rig.rate_hz);
     report_->SetCamera(rectifier->camera());
     rectifier_ = std::move(rectifier);
@@ -171,7 +171,7 @@ void ViewerNode::OnTick() {
   }
 }
 
-bool ViewerNode::HasPlayed() const { return announced_frames_ >= 0 || !recorder_.frames().empty(); }
+bool ViewerNode::HasPlayed() const { return !recorder_.frames().empty(); }
 
 bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;

@@ -146,7 +146,9 @@ export function countUpTo(values, limit) {
   return low;
 }
 
-/** The data that stand in the page; null in a live page. */
+/** The data that stand in the page; null in a live page. Warnings of `plslam run`, which has evaluated the run, are those. */
 export function embeddedData() {
-  return JSON.parse(document.getElementById("run-data").textContent);
+  const [data, warnings] = ["run-data", "run-warnings"].map((id) => JSON.parse(document.getElementById(id).textContent));
+  if (data && Array.isArray(warnings)) data.facts.warnings = warnings;
+  return data;
 }

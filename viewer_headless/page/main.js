@@ -95,12 +95,13 @@ function makePicking() {
   document.addEventListener("keydown", (event) => event.key === "Escape" && choose(null));
 }
 
-/** 1, 2 and 3 choose what the map is looked at from. */
+/** 1, 2 and 3 choose what the map is looked at from, R the right image. */
 function makeKeys() {
-  const buttons = { 1: "view-all", 2: "view-top", 3: "fly" };
+  const buttons = { 1: "view-all", 2: "view-top", 3: "fly", r: "right-image" };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, textarea")) return;
-    if (buttons[event.key]) byId(buttons[event.key]).click();
+    const button = buttons[event.key.toLowerCase()];
+    if (button && !byId(button).hidden) byId(button).click();
   });
   // After a click the keys are for the replay again, not for what was clicked.
   document.addEventListener("click", (event) => event.detail > 0 && event.target.closest("button, label, [type=checkbox]") && document.activeElement.blur());
@@ -165,4 +166,4 @@ if (data) {
   });
 }
 // For tests and for the curious.
-window.plslam = { run, view, replay, plots };
+window.plslam = { run, view, replay, plots, picture };

@@ -1,4 +1,5 @@
-// The frame of the moment with what was tracked in it, drawn sharp over the small picture.
+// The frame of the moment with what was tracked in it, drawn sharp over the small picture: the left image, or the right one when
+// asked for.
 import { byId } from "./element.js";
 import { css, ramp, scales } from "./colours.js";
 import { countUpTo } from "./data.js";
@@ -6,9 +7,10 @@ import { count, states } from "./format.js";
 
 const kOldAge = 20;
 const kNearDisparity = 64;
+const kNoDisparity = 65535;
 
 function pointColour(disparity) {
-  if (disparity === 65535) return "rgb(190 190 190 / 0.8)";
+  if (disparity === kNoDisparity) return "rgb(190 190 190 / 0.8)";
   return css(ramp(scales.near, Math.log2(1 + disparity / 32) / Math.log2(1 + kNearDisparity)));
 }
 
@@ -27,12 +29,15 @@ function drawSegments(context, { segments, segment_ages, segment_depths }, scale
   context.setLineDash([]);
 }
 
-function drawPoints(context, { points, point_ages }, scale, mark) {
+/** `shift`: pixels of the picture for each pixel of disparity: 0 in the left image; the right one has points with depth alone. */
+function drawPoints(context, { points, point_ages }, scale, mark, shift) {
   context.lineWidth = 1.5 * mark;
   for (let i = 0; i < point_ages.length; ++i) {
-    context.strokeStyle = pointColour(points[3 * i + 2]);
+    const [u, v, disparity] = points.subarray(3 * i, 3 * i + 3);
+    if (shift && disparity === kNoDisparity) continue;
+    context.strokeStyle = pointColour(disparity);
     context.beginPath();
-    context.arc((points[3 * i] / 32) * scale, (points[3 * i + 1] / 32) * scale, (point_ages[i] ? 3.5 : 2) * mark, 0, 2 * Math.PI);
+    context.arc(((u - shift * disparity) / 32) * scale, (v / 32) * scale, (point_ages[i] ? 3.5 : 2) * mark, 0, 2 * Math.PI);
     context.stroke();
   }
 }
@@ -44,6 +49,20 @@ export class Picture {
     this.image = new Image();
     this.image.onload = () => this.draw();
     this.shown = null;
+    this.button = byId("right-image");
+    this.button.addEventListener("click", () => {
+      this.button.setAttribute("aria-pressed", !this.wantsRight);
+      this.load();
+    });
+  }
+
+  get wantsRight() {
+    return this.button.getAttribute("aria-pressed") === "true";
+  }
+
+  /** Where the frame has no right image (RGB-D), the left one is shown. */
+  get isRight() {
+    return this.wantsRight && !!this.shown?.right_jpeg;
   }
 
   show(run, row) {
@@ -62,8 +81,16 @@ export class Picture {
     ].filter(Boolean).join(" · ");
     if (picture && picture !== this.shown) {
       this.shown = picture;
-      this.image.src = `data:image/jpeg;base64,${picture.jpeg}`;
+      // Pixels of the small picture for each of the camera, in which disparities are.
+      this.shrink = picture.width_px / (run.facts.camera?.width_px ?? picture.width_px);
+      this.load();
     }
+  }
+
+  load() {
+    if (!this.shown) return;
+    this.button.hidden = !this.shown.right_jpeg;
+    this.image.src = `data:image/jpeg;base64,${this.isRight ? this.shown.right_jpeg : this.shown.jpeg}`;
   }
 
   find(run, frame) {
@@ -86,7 +113,7 @@ export class Picture {
     context.drawImage(this.image, 0, 0, width, picture.height_px * scale);
     // Marks that fit the picture as it is shown.
     const mark = Math.min(1.3, Math.max(0.55, Math.sqrt(picture.height_px * scale * width) / 480));
-    if (this.layers.get("segments2d")) drawSegments(context, picture.features, scale, mark);
-    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale, mark);
+    if (this.layers.get("segments2d") && !this.isRight) drawSegments(context, picture.features, scale, mark);
+    if (this.layers.get("points2d")) drawPoints(context, picture.features, scale, mark, this.isRight ? this.shrink : 0);
   }
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/accuracy/consistency.h"
 #include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/report_data.h"
@@ -33,6 +34,8 @@ struct PathOfRun {
   double length_m = 0.0;
   /// Root mean square of the distances of the true positions that have an estimated one from their mean.
   double true_spread_m = 0.0;
+  /// Whether covariances of poses fit their errors; no samples without truth.
+  Consistency consistency;
 };
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride);
 

@@ -2,8 +2,10 @@
 #include <cmath>
 #include <limits>
 
+#include "core/accuracy/association.h"
 #include "core/geometry/similarity.h"
 #include "viewer_headless/final_trajectory.h"
+#include "viewer_headless/outputs.h"
 #include "viewer_headless/report/frame_tables.h"
 
 namespace plslam {
@@ -121,7 +123,7 @@ class PathWriter {
   }
 
   PathOfRun Take(double length_m, double true_spread_m) {
-    return {columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), length_m, true_spread_m};
+    return {columns_.Take(error_.Get().has_value()), error_.Get(), live_error_.Get(), length_m, true_spread_m, {}};
   }
 
  private:
@@ -129,6 +131,13 @@ class PathWriter {
   PathColumns columns_;
   RootMeanSquare error_, live_error_;
 };
+
+/// As `plslam run` evaluates the files that are written at the end.
+Consistency ConsistencyOf(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c) {
+  if (recorder.truth().empty()) return {};
+  const RunTrajectories run = BuildTrajectories(recorder, map, q_l_c);
+  return PoseConsistency(AssociateNearest(run.all, run.truth, kSameMoment_ns), run.covariances);
+}
 
 }  // namespace
 
@@ -140,7 +149,9 @@ PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quate
     writer.Add(frames[i], static_cast<int64_t>(i) % stride == 0);
     if (i > 0) length_m += (frames[i].T_w_c.translation() - frames[i - 1].T_w_c.translation()).norm();
   }
-  return writer.Take(length_m, TrueSpread_m(frames));
+  PathOfRun path = writer.Take(length_m, TrueSpread_m(frames));
+  path.consistency = ConsistencyOf(recorder, map, q_l_c);
+  return path;
 }
 
 }  // namespace plslam

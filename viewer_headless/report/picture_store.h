@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// The pictures of a run that a report has room for. Of every `stride`-th frame the image with its features; the stride
-/// doubles whenever there are more than `max_pictures`. Of every keyframe a smaller image, for the pairs of loops; beyond
+/// The pictures of a run that a report has room for. Of every `stride`-th frame the left image with its features, and the
+/// right image, smaller; the stride doubles whenever there are more than `max_pictures`. Of every keyframe a smaller image, for the pairs of loops; beyond
 /// `max_keyframes` every second one goes.
 class PictureStore {
  public:
@@ -21,8 +21,8 @@ class PictureStore {
   bool Wants(int64_t frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id % stride_ == 0; }
   int64_t stride() const { return stride_; }
 
-  /// `image` is the rectified left image, 8-bit grey.
-  void Add(int64_t frame_id, const cv::Mat& image, const OverlayFeatures& features);
+  /// Rectified images, 8-bit grey; `right` is empty where there is none.
+  void Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features);
   void AddKeyframe(int64_t frame_id, const cv::Mat& image);
 
   /// So many pictures of frames that were wanted have not come.

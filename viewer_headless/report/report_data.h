@@ -35,12 +35,14 @@ struct RunFacts {
   std::vector<RunWarning> warnings;
 };
 
-/// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small one.
+/// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small one
+/// (disparities: of the camera).
 struct ReportPicture {
   int64_t frame_id = 0;
   int width_px = 0;
   int height_px = 0;
   std::string jpeg;
+  std::string right_jpeg;  ///< of the rectified right image, smaller; empty: none
   OverlayFeatures features;
 };
 

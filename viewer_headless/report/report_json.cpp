@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/files/base64.h"
+#include "viewer_headless/report/report_page.h"
 
 namespace plslam {
 namespace {
@@ -23,12 +24,6 @@ Json ToJson(const Table& table) {
 template <class T>
 Json OrNull(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
-}
-
-Json ToJson(const RunWarning& w) {
-  Json numbers = Json::object();
-  for (const auto& [name, value] : w.numbers) numbers[name] = value;
-  return {{"code", w.code}, {"sentence", w.sentence}, {"numbers", numbers}};
 }
 
 template <class Row>
@@ -116,6 +111,7 @@ Json ToJson(const ReportPicture& p) {
           {"width_px", p.width_px},
           {"height_px", p.height_px},
           {"jpeg", Base64(p.jpeg)},
+          {"right_jpeg", Base64(p.right_jpeg)},
           {"features", ToJson(p.features)}};
 }
 
@@ -173,17 +169,7 @@ std::string ReportJson(const ReportData& data) {
                      {"processes", ToJson(data.processes)},
                      {"pictures", ToJson(data.pictures)},
                      {"notes", data.notes}};
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
+  return SafeInPage(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace plslam

@@ -9,7 +9,17 @@
 namespace plslam {
 namespace {
 
-constexpr std::string_view kPlace = "\"PLSLAM_RUN_DATA\"";
+constexpr std::string_view kDataPlace = "\"PLSLAM_RUN_DATA\"";
+constexpr std::string_view kWarningsPlace = "\"PLSLAM_RUN_WARNINGS\"";
+
+std::string Fill(const std::string& page, std::string_view place, std::string_view json, const char* lacks) {
+  const size_t at = page.find(place);
+  if (at == std::string::npos) throw std::runtime_error(lacks);
+  std::string filled;
+  filled.reserve(page.size() + json.size());
+  filled.append(page, 0, at).append(json).append(page, at + place.size());
+  return filled;
+}
 
 }  // namespace
 
@@ -19,13 +29,25 @@ std::optional<std::string> ReadReportTemplate() {
   return std::string(std::istreambuf_iterator<char>(stream), {});
 }
 
+std::string SafeInPage(std::string_view json) {
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
 std::string FillTemplate(const std::string& page, std::string_view json) {
-  const size_t at = page.find(kPlace);
-  if (at == std::string::npos) throw std::runtime_error("report_template.html has no place for the data of a run");
-  std::string filled;
-  filled.reserve(page.size() + json.size());
-  filled.append(page, 0, at).append(json).append(page, at + kPlace.size());
-  return filled;
+  return Fill(page, kDataPlace, json, "report_template.html has no place for the data of a run");
+}
+
+std::string FillWarnings(const std::string& page, std::string_view json) {
+  return Fill(page, kWarningsPlace, SafeInPage(json), "report.html has no place for the warnings of its run");
 }
 
 }  // namespace plslam

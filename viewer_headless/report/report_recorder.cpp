@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"
 
 namespace plslam {
@@ -51,13 +50,15 @@ RunFacts ReportRecorder::Facts(const Recorder& recorder, const Map& map) const {
   return facts;
 }
 
-std::vector<RunWarning> ReportRecorder::Warnings(const RunFacts& facts, double true_spread_m) const {
+std::vector<RunWarning> ReportRecorder::Warnings(const RunFacts& facts, const PathOfRun& path) const {
   RunFindings findings;
   findings.dataset = head_.dataset;
   findings.frames = facts.frames;
   findings.Take(counters_);
-  findings.ate_m = facts.ate_m;
-  findings.true_spread_m = true_spread_m;
+  findings.ate_m = path.ate_m;
+  findings.true_spread_m = path.true_spread_m;
+  findings.nees_pose = path.consistency.mean_nees;
+  findings.nees_poses = path.consistency.n;
   return WarningsOf(findings);
 }
 
@@ -110,7 +111,7 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   data.facts.ate_m = path.ate_m;
   data.facts.live_ate_m = path.live_ate_m;
   data.facts.length_m = path.length_m;
-  data.facts.warnings = Warnings(data.facts, path.true_spread_m);
+  data.facts.warnings = Warnings(data.facts, path);
   data.path = std::move(path.table);
   data.map = MapTables(map, {}, &data.notes);
   data.map_stage_names = map_times_.stage_names();

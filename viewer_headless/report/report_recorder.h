@@ -7,6 +7,7 @@
 #include "core/map/map_update.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/correction_log.h"
+#include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/loop_log.h"
 #include "viewer_headless/report/map_times.h"
 #include "viewer_headless/report/picture_store.h"
@@ -47,7 +48,7 @@ class ReportRecorder {
                    const ReportSince& since) const;
 
  private:
-  std::vector<RunWarning> Warnings(const RunFacts& facts, double true_spread_m) const;
+  std::vector<RunWarning> Warnings(const RunFacts& facts, const PathOfRun& path) const;
   RunFacts Facts(const Recorder& recorder, const Map& map) const;
   void AddPictures(int64_t after, ReportData* data) const;
   void AddNotes(const Recorder& recorder, const Map& map, int64_t stride, ReportData* data) const;

@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
+#include "core/accuracy/statistics.h"
 #include "tests/unit/evaluate/pairs.h"
 #include "tools/evaluate/absolute_error.h"
-#include "tools/evaluate/statistics.h"
 
 namespace plslam {
 namespace {

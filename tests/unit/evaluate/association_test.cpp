@@ -1,4 +1,4 @@
-#include "tools/evaluate/association.h"
+#include "core/accuracy/association.h"
 
 #include <gtest/gtest.h>
 

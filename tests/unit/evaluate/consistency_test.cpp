@@ -1,4 +1,4 @@
-#include "tools/evaluate/consistency.h"
+#include "core/accuracy/consistency.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "tools/evaluate/association.h"
+#include "core/accuracy/association.h"
 
 namespace plslam {
 

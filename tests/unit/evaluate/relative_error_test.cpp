@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/accuracy/statistics.h"
 #include "tests/unit/evaluate/pairs.h"
 #include "tools/evaluate/keyframe_error.h"
-#include "tools/evaluate/statistics.h"
 
 namespace plslam {
 namespace {

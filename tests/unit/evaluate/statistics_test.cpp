@@ -1,4 +1,4 @@
-#include "tools/evaluate/statistics.h"
+#include "core/accuracy/statistics.h"
 
 #include <gtest/gtest.h>
 

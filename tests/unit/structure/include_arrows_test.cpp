@@ -43,6 +43,7 @@ const std::vector<Arrow> kArrows = {
     {"core/io/images/", {"core/io/files/"}},
     {"core/io/maps/", {"core/geometry/", "core/map/", "core/features/features.h", "core/io/files/"}},
     {"core/io/trajectories/", {"core/geometry/", "core/io/files/"}},
+    {"core/accuracy/", {"core/geometry/", "core/io/trajectories/"}},
     {"core/bus/",
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
     {"core/run/", {}},
@@ -71,7 +72,8 @@ const std::vector<Arrow> kArrows = {
     {"tools/manual/", {}},
     {"tools/plslam/",
      {"core/", "player/options.h", "tools/evaluate/", "tools/export/export_command.h",
-      "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h"}},
+      "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
+      "viewer_headless/report/report_page.h"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };

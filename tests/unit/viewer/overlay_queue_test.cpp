@@ -85,6 +85,19 @@ TEST(OverlayQueue, ImagesAreBoundedByTheirBytes) {
   EXPECT_EQ(n, 4);
 }
 
+TEST(OverlayQueue, RightImagesComeAlongAndCount) {
+  OverlayQueue queue(1);
+  const cv::Mat left(4000, 2000, CV_8UC1, cv::Scalar(0)), right(4000, 2000, CV_8UC1, cv::Scalar(7));
+  for (int i = 0; i < 8; ++i) {
+    queue.AddImage(i, left, right);
+    queue.AddFeatures(i, {});
+    queue.AddPose(PoseOf(i));
+  }
+  int n = 0;
+  for (; const auto ready = queue.Next(); ++n) EXPECT_EQ(ready->right.at<uchar>(0, 0), 7);
+  EXPECT_EQ(n, 4);
+}
+
 TEST(OverlayQueue, EmptyImageIsNoPart) {
   OverlayQueue queue(1);
   queue.AddPose(PoseOf(0));

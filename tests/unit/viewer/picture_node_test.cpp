@@ -46,6 +46,37 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   EXPECT_TRUE(std::filesystem::exists(file));
 }
 
+/// What the report has of a frame with that right image.
+ReportPicture PictureWith(const cv::Mat& right) {
+  bus::BusOptions options;
+  options.url = "memq://";
+  bus::Bus bus(options, "viewer");
+  PictureStore store(10);
+  PictureNode pictures(
+      bus, {.out = "", .report_pictures = 10, .video = ""}, {nullptr, &store}, [] {}, [&] { bus.Stop(); });
+  const Rectifier rectifier(SomeRig());
+  pictures.SetRectifier(&rectifier);
+  pictures.AddPose(PoseOf(0));
+  bus::FramePublisher(bus, true).Publish({0, 0, cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), right});
+  bus.Publish(bus::kTracks, tracks_t{});
+  // A test that fails must not hang.
+  bus.Every(std::chrono::seconds(10), [&] { bus.Stop(); });
+  bus.Run();
+  return store.pictures().empty() ? ReportPicture() : store.pictures().at(0);
+}
+
+TEST(PictureNode, TheReportHasTheRightImageOfStereo) {
+  const ReportPicture picture = PictureWith(cv::Mat(240, 320, CV_8UC1, cv::Scalar(160)));
+  EXPECT_FALSE(picture.jpeg.empty());
+  EXPECT_FALSE(picture.right_jpeg.empty());
+}
+
+TEST(PictureNode, ADepthMapIsNoRightImage) {
+  const ReportPicture picture = PictureWith(cv::Mat(240, 320, CV_16UC1, cv::Scalar(5000)));
+  EXPECT_FALSE(picture.jpeg.empty());
+  EXPECT_TRUE(picture.right_jpeg.empty());
+}
+
 /// Of frames whose pictures never come, but for those that stand in `overlays/` already.
 PictureNode::Result ResultWithoutPictures(const ScratchFolder& folder, bool lockstep, bool ended) {
   PrepareOutputFolder(folder.Path("overlays"));

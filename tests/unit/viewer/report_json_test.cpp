@@ -92,6 +92,12 @@ TEST(ReportPage, DataTakeTheirPlace) {
   EXPECT_THROW(FillTemplate("<a></a>", "{}"), std::runtime_error);
 }
 
+TEST(ReportPage, WarningsTakeTheirPlaceInAFilledPage) {
+  const std::string page = FillTemplate("<a>\"PLSLAM_RUN_WARNINGS\"</a><b>\"PLSLAM_RUN_DATA\"</b>", "{}");
+  EXPECT_EQ(FillWarnings(page, "[\"</script>\"]"), "<a>[\"\\u003c/script>\"]</a><b>{}</b>");
+  EXPECT_THROW(FillWarnings("<a></a>", "[]"), std::runtime_error);
+}
+
 TEST(ReportSince, ItsTextComesBack) {
   const ReportSince since{3, 2, 250, 17, 96};
   EXPECT_EQ(since.Text(), "3.2.250.17.96");

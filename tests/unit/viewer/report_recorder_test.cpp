@@ -162,11 +162,11 @@ TEST(MapTimes, RowsHaveTheStagesOfTheirUpdates) {
 
 TEST(PictureStore, ThinsOutWhatDoesNotFit) {
   PictureStore store(8);
-  const cv::Mat image(120, 1024, CV_8UC1, cv::Scalar(80));
+  const cv::Mat image(120, 1024, CV_8UC1, cv::Scalar(80)), right(120, 1024, CV_8UC1, cv::Scalar(160));
   OverlayFeatures features;
   features.points.push_back({{512.0F, 60.0F}, 4.0F, 2});
   for (int64_t frame = 0; frame < 40; ++frame) {
-    if (store.Wants(frame)) store.Add(frame, image, features);
+    if (store.Wants(frame)) store.Add(frame, image, frame == 0 ? cv::Mat() : right, features);
   }
   EXPECT_EQ(store.stride(), 8);
   EXPECT_EQ(store.pictures().size(), 5U);
@@ -179,6 +179,10 @@ TEST(PictureStore, ThinsOutWhatDoesNotFit) {
                                      {picture.width_px, picture.height_px});
   EXPECT_EQ(decoded.cols, 512);
   EXPECT_NEAR(decoded.at<uchar>(30, 256), 80, 3);
+  EXPECT_TRUE(store.pictures().at(0).right_jpeg.empty());
+  const std::string& jpeg = picture.right_jpeg;
+  const cv::Mat right_decoded = DecodeJpeg({reinterpret_cast<const uint8_t*>(jpeg.data()), jpeg.size()}, {256, 30});
+  EXPECT_NEAR(right_decoded.at<uchar>(15, 128), 160, 3);
 }
 
 TEST(PictureStore, AnnouncedStreamsHaveTheirStrideFromTheStart) {
@@ -249,9 +253,24 @@ TEST_F(ReportRecorderTest, TruthOfAnotherRunIsTold) {
     recorder_.AddTruth(id, {SomePose(id).t_ns, SE3(kNoTurn, {x_m, 0.0, 0.0})});
   }
   const RunFacts facts = Build("").facts;
-  ASSERT_EQ(facts.warnings.size(), 1U);
+  ASSERT_EQ(facts.warnings.size(), 2U);
   EXPECT_EQ(facts.warnings[0].code, "truth_of_another_run");
+  EXPECT_EQ(facts.warnings[1].code, "covariance_not_consistent");
   EXPECT_NEAR(facts.warnings[0].numbers[1].second, 2.5, 1e-9);
+}
+
+TEST_F(ReportRecorderTest, CovariancesThatDoNotFitTheTruthAreTold) {
+  // Positions are right, and every second orientation is off by half a radian.
+  for (int64_t id = 0; id < 50; ++id) {
+    FramePose pose = SomePose(id);
+    pose.covariance = 1e-8 * static_cast<double>(id) * Matrix6d::Identity();
+    recorder_.AddPose(pose);
+    const Eigen::Quaterniond q(Eigen::AngleAxisd(id % 2 == 0 ? 0.0 : 0.5, Eigen::Vector3d::UnitY()));
+    recorder_.AddTruth(id, {pose.t_ns, SE3(q, pose.T_odom_c.translation())});
+  }
+  const RunFacts facts = Build("").facts;
+  ASSERT_EQ(facts.warnings.size(), 1U);
+  EXPECT_EQ(facts.warnings[0].code, "covariance_not_consistent");
 }
 
 TEST_F(ReportRecorderTest, ALivePageIsSentOnlyWhatIsNew) {
@@ -265,7 +284,7 @@ TEST_F(ReportRecorderTest, ALivePageIsSentOnlyWhatIsNew) {
 
   AddFrames(5, 6);
   const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(80));
-  report_.pictures().Add(5, image, {});
+  report_.pictures().Add(5, image, image, {});
   const ReportData second = Build(first.next);
   EXPECT_FALSE(second.whole);
   EXPECT_EQ(second.first_row, 5);

@@ -1,4 +1,4 @@
-#include "tools/evaluate/association.h"
+#include "core/accuracy/association.h"
 
 #include <algorithm>
 #include <queue>
@@ -87,6 +87,10 @@ SE3 Interpolate(const SE3& a, const SE3& b, double share) {
 }
 
 }  // namespace
+
+SE3 MotionError(const PosePair& i, const PosePair& j) {
+  return (i.truth.Inverse() * j.truth).Inverse() * (i.estimate.Inverse() * j.estimate);
+}
 
 PosePairs AssociateNearest(const Trajectory& estimate, const Trajectory& truth, int64_t max_difference_ns) {
   PosePairs pairs;

@@ -1,12 +1,11 @@
-#include "tools/evaluate/consistency.h"
+#include "core/accuracy/consistency.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "tools/evaluate/relative_error.h"
-#include "tools/evaluate/statistics.h"
+#include "core/accuracy/statistics.h"
 
 namespace plslam {
 namespace {

@@ -17,6 +17,12 @@ struct PosePair {
 
 using PosePairs = std::vector<PosePair>;
 
+/// Of a true pose that was told for the very frame.
+inline constexpr int64_t kSameMoment_ns = 1'000'000;
+
+/// The error (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) of the motion from pair i to pair j, for truth Q and estimate P.
+SE3 MotionError(const PosePair& i, const PosePair& j);
+
 /// Pairs poses whose times differ by at most `max_difference_ns`, each used once, closest pairs first (Sturm et al.
 /// 2012). Sorted by time. Both trajectories have increasing times.
 PosePairs AssociateNearest(const Trajectory& estimate, const Trajectory& truth, int64_t max_difference_ns);

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "core/accuracy/association.h"
 #include "core/io/trajectories/pose_covariance.h"
-#include "tools/evaluate/association.h"
 
 namespace plslam {
 

@@ -73,13 +73,15 @@ Plan Lead(Scene& scene) {
 
 Plan Overtake(Scene& scene) {
   const double unit = scene.unit;
-  const Eigen::Vector3d size = unit * Eigen::Vector3d(2.5, 3.3, 9.0);
-  const double lateral = unit * scene.random.Uniform(2.0, 3.0);
+  const double scale = unit * scene.share / 0.45;
+  const Eigen::Vector3d size = scale * Eigen::Vector3d(2.5, 3.8, 12.0);
+  const double lateral = unit * scene.random.Uniform(1.4, 2.2);
   return {size, [=](double frame) {
-            const double z = unit * (-7.0 + 32.0 * Progress(scene, frame, 0.0, 1.0));
-            const double turned_in = Smoothstep((z / unit - 8.0) / 12.0);
+            // The lorry's rear, which must have passed the camera before it turns in.
+            const double rear = unit * (-15.0 * scene.share / 0.45 + 32.0 * Progress(scene, frame, 0.0, 1.0));
+            const double turned_in = Smoothstep((rear / unit - 1.5) / 8.0);
             const double x = -(lateral + 0.5 * size.x()) * (1.0 - 0.8 * turned_in);
-            return At({x, -0.15 * unit, z});
+            return At({x, -0.15 * unit, rear + 0.5 * size.z()});
           }};
 }
 
@@ -114,7 +116,7 @@ Plan Bus(Scene& scene) {
 
 Plan Oncoming(Scene& scene) {
   const double unit = scene.unit;
-  const Eigen::Vector3d size = unit * Eigen::Vector3d(2.5, 3.0, 8.0);
+  const Eigen::Vector3d size = unit * scene.share / 0.45 * Eigen::Vector3d(2.5, 3.0, 8.0);
   const double lateral = unit * scene.random.Uniform(1.3, 2.2);
   const double from = scene.random.Uniform(0.1, 0.3);
   return {size, [=](double frame) {

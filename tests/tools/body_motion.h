@@ -13,7 +13,8 @@ namespace plslam::test {
 /// What is pasted, and how it moves: names of `BodyKindNames`.
 struct BodyRequest {
   std::string kind;
-  double share = 0.45;   ///< of the width of the image, of those that have no size of their own (lead, cross, bus)
+  double share =
+      0.45;  ///< of the width of the image; overtake and oncoming scale with it, and have their real size at 0.45
   double depth_m = 0.0;  ///< where a vehicle ahead would be; 0: at a disparity of 4.5 % of the width
   uint64_t seed = 1;
 };

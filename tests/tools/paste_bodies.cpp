@@ -3,6 +3,7 @@
 //   paste_bodies data/kitti_03 out/k03_truck --body lead --share 0.45 --seed 1
 //   paste_bodies data/kitti_03 out/k03_bus --stand --from 40 --frames 80 --body bus --share 0.6
 //   paste_bodies data/kitti_03 out/k03_hood --hood 0.28
+//   paste_bodies data/kitti_03 out/k03_stand --stand --from 40 --frames 80     (the same without a body)
 //
 // Beside images, calibration, times and truth (of the camera) the folder holds mask_0 (255 where the left image shows a body or the
 // bonnet) and bodies.txt: of each frame the share of the left image that is pasted, the outline's bounds there, and T_c_b.
@@ -249,7 +250,6 @@ class Writer {
 };
 
 int Run(const Request& request) {
-  if (request.body.kind.empty() && request.hood == 0.0) throw std::runtime_error("give --body, --hood, or both");
   const auto dataset = plslam::OpenDataset(request.sequence, "");
   if (dataset->rig().kind != plslam::RigCalibration::Kind::kStereo) {
     throw std::runtime_error(request.sequence + ": is RGB-D; only stereo pairs can be pasted into");
@@ -268,7 +268,8 @@ int main(int argc, char** argv) {
   app.add_option("sequence", request.sequence, "a dataset of stereo pairs")->required();
   app.add_option("out", request.out, "folder of the new sequence (KITTI layout)")->required();
   app.add_option("--body", request.body.kind, "what moves")->check(CLI::IsMember(plslam::test::BodyKindNames()));
-  app.add_option("--share", request.body.share, "of the image's width (lead, cross, bus)")
+  app.add_option("--share", request.body.share,
+                 "of the image's width that the body covers (overtake, oncoming: about)")
       ->check(CLI::Range(0.05, 1.0));
   app.add_option("--depth", request.body.depth_m, "metres; without it, a disparity of 4.5 % of the image's width")
       ->check(CLI::PositiveNumber);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <utility>
 
 namespace plslam::test {
 namespace {
@@ -36,9 +37,9 @@ Homography HomographyOf(const BodyFace& face, const StereoCamera& camera, const 
 // Share of a pixel inside, from how far inside its centre is, in pixels.
 double Inside(double distance_px) { return std::clamp(distance_px + 0.5, 0.0, 1.0); }
 
-void AddFace(const BodyFace& face, const Homography& h, cv::Mat* sum, cv::Mat* coverage) {
-  const double texels_u = face.texture->width();
-  const double texels_v = face.texture->height();
+void AddFace(const BodyFace& face, const Texture& texture, const Homography& h, cv::Mat* sum, cv::Mat* coverage) {
+  const double texels_u = texture.width();
+  const double texels_v = texture.height();
   for (int y = 0; y < sum->rows; ++y) {
     for (int x = 0; x < sum->cols; ++x) {
       const Eigen::Vector3d px(x, y, 1.0);
@@ -53,7 +54,7 @@ void AddFace(const BodyFace& face, const Homography& h, cv::Mat* sum, cv::Mat* c
       const Footprint footprint = {static_cast<float>(texels_u * du[0]), static_cast<float>(texels_v * dv[0]),
                                    static_cast<float>(texels_u * du[1]), static_cast<float>(texels_v * dv[1])};
       const float value =
-          face.texture->Sample(static_cast<float>(u * texels_u), static_cast<float>(v * texels_v), footprint);
+          texture.Sample(static_cast<float>(u * texels_u), static_cast<float>(v * texels_v), footprint);
       sum->at<float>(y, x) += static_cast<float>(share * face.light) * value;
       coverage->at<float>(y, x) += static_cast<float>(share);
     }
@@ -62,26 +63,27 @@ void AddFace(const BodyFace& face, const Homography& h, cv::Mat* sum, cv::Mat* c
 
 }  // namespace
 
-Body MakeBox(const Eigen::Vector3d& size_m, const std::vector<Texture>& textures) {
+Body MakeBox(const Eigen::Vector3d& size_m, std::vector<Texture> textures) {
   const Eigen::Vector3d x(size_m.x(), 0.0, 0.0);
   const Eigen::Vector3d y(0.0, size_m.y(), 0.0);
   const Eigen::Vector3d z(0.0, 0.0, size_m.z());
-  const auto texture = [&](size_t i) { return &textures[std::min(i, textures.size() - 1)]; };
+  const auto texture = [&](size_t i) { return std::min(i, textures.size() - 1); };
   const Eigen::Vector3d o = -0.5 * size_m;
-  return {{o, x, y, texture(0), 1.0},
-          {o + z, -z, y, texture(1), 0.85},
-          {o + x, z, y, texture(2), 0.8},
-          {o + x + z, -x, y, texture(3), 1.0},
-          {o + z, x, -z, texture(4), 1.1}};
+  const std::vector<BodyFace> faces = {{o, x, y, texture(0), 1.0},
+                                       {o + z, -z, y, texture(1), 0.85},
+                                       {o + x, z, y, texture(2), 0.8},
+                                       {o + x + z, -x, y, texture(3), 1.0},
+                                       {o + z, x, -z, texture(4), 1.1}};
+  return {faces, std::move(textures)};
 }
 
 BodyPicture PictureOfBody(const Body& body, const StereoCamera& camera, const SE3& T_b_cam) {
   BodyPicture picture;
   picture.value = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32F);
   picture.coverage = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32F);
-  for (const BodyFace& face : body) {
+  for (const BodyFace& face : body.faces) {
     const Homography h = HomographyOf(face, camera, T_b_cam);
-    if (h.visible) AddFace(face, h, &picture.value, &picture.coverage);
+    if (h.visible) AddFace(face, body.textures[face.texture], h, &picture.value, &picture.coverage);
   }
   picture.value.forEach<float>([&](float& value, const int* at) {
     float& coverage = picture.coverage.at<float>(at[0], at[1]);

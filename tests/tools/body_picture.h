@@ -16,16 +16,19 @@ struct BodyFace {
   Eigen::Vector3d corner;
   Eigen::Vector3d s;  ///< whole side, metres
   Eigen::Vector3d t;
-  const synthetic::Texture* texture = nullptr;
+  size_t texture = 0;  ///< of the body
   double light = 1.0;
 };
 
 /// A convex rigid body: no face hides another one that is turned towards the camera.
-using Body = std::vector<BodyFace>;
+struct Body {
+  std::vector<BodyFace> faces;
+  std::vector<synthetic::Texture> textures;
+};
 
 /// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear (towards -z), left,
 /// right and front faces have the first texture, or each the next one where there are several; the roof has the last one.
-Body MakeBox(const Eigen::Vector3d& size_m, const std::vector<synthetic::Texture>& textures);
+Body MakeBox(const Eigen::Vector3d& size_m, std::vector<synthetic::Texture> textures);
 
 /// What a camera sees of a body: grey values where `coverage` (0 to 1, CV_32F) is not 0.
 struct BodyPicture {

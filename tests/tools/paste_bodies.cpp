@@ -115,10 +115,11 @@ Body MakeHood(const StereoCamera& camera, double share, const std::vector<Textur
   const double tile_m = 1.2 * camera.width_px * far_m / camera.f_px / kHoodTiles;
   const double far_y = at_row((1.0 - share) * camera.height_px, far_m);
   const double near_y = at_row(1.05 * camera.height_px, near_m);
-  Body hood;
+  Body hood{{}, textures};
   for (int i = 0; i < kHoodTiles; ++i) {
     const Eigen::Vector3d corner((i - 0.5 * kHoodTiles) * tile_m, far_y, far_m);
-    hood.push_back({corner, {tile_m, 0.0, 0.0}, {0.0, near_y - far_y, near_m - far_m}, &textures[i], 1.0});
+    hood.faces.push_back(
+        {corner, {tile_m, 0.0, 0.0}, {0.0, near_y - far_y, near_m - far_m}, static_cast<size_t>(i), 1.0});
   }
   return hood;
 }
@@ -134,16 +135,17 @@ class Writer {
       : request_(request), dataset_(dataset), rectifier_(dataset.rig()), camera_(rectifier_.camera()) {
     frames_ = ChooseFrames(request, dataset, SE3(rectifier_.q_l_c(), Eigen::Vector3d::Zero()));
     path_ = PathOf(frames_, &path_known_);
+    std::vector<Texture> textures;
     for (uint64_t i = 0; i < 5; ++i) {
       const uint64_t seed = request.body.seed * 16 + i;
-      textures_.push_back(request.pictures.empty() ? plslam::test::PaintVehicle(seed)
-                                                   : plslam::test::PictureOf(request.pictures, seed));
+      textures.push_back(request.pictures.empty() ? plslam::test::PaintVehicle(seed)
+                                                  : plslam::test::PictureOf(request.pictures, seed));
     }
     if (!request.body.kind.empty()) {
       box_ = plslam::test::MoveBody(request.body, camera_, path_);
-      body_ = plslam::test::MakeBox(box_.size_m, textures_);
+      body_ = plslam::test::MakeBox(box_.size_m, textures);
     }
-    if (request.hood > 0.0) hood_ = MakeHood(camera_, request.hood, textures_);
+    if (request.hood > 0.0) hood_ = MakeHood(camera_, request.hood, textures);
   }
 
   void Write() {
@@ -181,11 +183,11 @@ class Writer {
   // The pictures of one camera, which sits at `T_c_cam` on the left one.
   std::vector<BodyPicture> Pictures(size_t i, const SE3& T_c_cam) const {
     std::vector<BodyPicture> pictures;
-    if (!body_.empty()) {
+    if (!body_.faces.empty()) {
       const SE3 T_b_c = box_.T_w_b[i].Inverse() * path_[i];
       pictures.push_back(plslam::test::PictureOfBody(body_, camera_, T_b_c * T_c_cam));
     }
-    if (!hood_.empty()) pictures.push_back(plslam::test::PictureOfBody(hood_, camera_, T_c_cam));
+    if (!hood_.faces.empty()) pictures.push_back(plslam::test::PictureOfBody(hood_, camera_, T_c_cam));
     return pictures;
   }
 
@@ -226,7 +228,7 @@ class Writer {
       low = {std::min(low.x, px.x), std::min(low.y, px.y)};
       high = {std::max(high.x, px.x), std::max(high.y, px.y)};
     }
-    const SE3 T_c_b = body_.empty() ? SE3() : path_[i].Inverse() * box_.T_w_b[i];
+    const SE3 T_c_b = body_.faces.empty() ? SE3() : path_[i].Inverse() * box_.T_w_b[i];
     const Eigen::Vector3d& t = T_c_b.translation();
     const Eigen::Quaterniond& q = T_c_b.rotation();
     return fmt::format("{} {:.4f} {} {} {} {} {:.6f} {:.6f} {:.6f} {:.8f} {:.8f} {:.8f} {:.8f}\n", i, share, low.x,
@@ -240,7 +242,6 @@ class Writer {
   std::vector<Frame> frames_;
   std::vector<SE3> path_;
   bool path_known_ = false;
-  std::vector<Texture> textures_;
   plslam::test::MovingBox box_;
   Body body_;
   Body hood_;

@@ -23,13 +23,13 @@ constexpr double kHoodDisparity = 0.1;  // at its far border, of the width of th
 constexpr int kHoodTiles = 4;           // side by side, of one texture each
 constexpr int kTextures = 8;
 
-// What stands, drives, and stands again: 8 s, of which the time itself stands still for the two in the middle.
+// A body that stops does so in the middle of a period.
 constexpr double kStopPeriod_s = 8.0;
 constexpr double kStopFrom_s = 3.0;
 constexpr double kStopTo_s = 5.0;
 constexpr double kStopRamp_s = 0.4;
 
-/// The time of a body that stops: steady but for the stop, and with the period of the real time.
+/// The time that a body which stops has got to on its path: as far as the real time at the end of each period, constant while it stops.
 double StoppingTime(double t_s) {
   const double period = std::floor(t_s / kStopPeriod_s);
   const double s = t_s - period * kStopPeriod_s;
@@ -50,6 +50,17 @@ double StoppingTime(double t_s) {
     way = driven + s - kStopTo_s - 0.5 * kStopRamp_s;
   }
   return period * kStopPeriod_s + speed * way;
+}
+
+/// How much of what takes a body `duration_s` and repeats every `period_s` is done, from 0 to 1; nullopt in the pauses, and before
+/// it first begins.
+std::optional<double> Progress(double t_s, double begin_s, double period_s, double duration_s) {
+  const double since_s = t_s - begin_s;
+  if (since_s < 0.0) {
+    return std::nullopt;
+  }
+  const double share = (since_s - period_s * std::floor(since_s / period_s)) / duration_s;
+  return share < 1.0 ? std::optional<double>(share) : std::nullopt;
 }
 
 Quad Panel(const Eigen::Vector3d& origin, const Eigen::Vector3d& s, const Eigen::Vector3d& t, int texture,
@@ -125,8 +136,8 @@ SE3 Bodies::T_w_v(double t_s) const {
   }
   position /= 2 * kSmoothingSteps + 1;
   ahead -= ahead.dot(stage_.up_w) * stage_.up_w;
-  // A camera that looks straight up or down has no direction ahead; any level one will do.
-  if (ahead.squaredNorm() < 1e-6) ahead = Eigen::Vector3d(stage_.up_w.y(), stage_.up_w.z(), stage_.up_w.x());
+  // A camera that looks straight up or down has no direction ahead: any level one serves.
+  if (ahead.squaredNorm() < 1e-6) ahead = {stage_.up_w.y(), stage_.up_w.z(), stage_.up_w.x()};
   Eigen::Matrix3d R;
   R.col(1) = -stage_.up_w;
   R.col(0) = R.col(1).cross(ahead);
@@ -155,7 +166,6 @@ Bodies::Surfaces Bodies::At(double frame) const {
   return surfaces;
 }
 
-/// The farthest that the camera comes in so many seconds, anywhere on its path.
 double Bodies::FarthestWithin(double seconds) const {
   double farthest2 = 0.0;
   const double step = 0.25 * seconds * stage_.rate_hz;
@@ -167,7 +177,6 @@ double Bodies::FarthestWithin(double seconds) const {
   return std::sqrt(farthest2);
 }
 
-/// Ahead, as fast as the camera, with a small motion of its own; several side by side, one farther than the other.
 Bodies::Plan Bodies::Lead(int i) {
   const double z = depth_m_ * (1.0 + 0.2 * i);
   const double width = share_ * WidthAt(z);
@@ -182,16 +191,6 @@ Bodies::Plan Bodies::Lead(int i) {
           }};
 }
 
-/// The time since a body began what it does every `period_s`, as a share of the `duration_s` that it takes; nullopt in the pauses and
-/// before it began at all. Several take turns.
-static std::optional<double> Progress(double t_s, double begin_s, double period_s, double duration_s) {
-  const double since_s = t_s - begin_s;
-  if (since_s < 0.0) return std::nullopt;
-  const double share = (since_s - period_s * std::floor(since_s / period_s)) / duration_s;
-  return share < 1.0 ? std::optional<double>(share) : std::nullopt;
-}
-
-/// A lorry from behind, 2 to 3 m to the left, that turns in ahead.
 Bodies::Plan Bodies::Overtake(int i) {
   constexpr double kPeriod_s = 9.0;
   const double unit = depth_m_ / kAheadDepth_m;
@@ -206,7 +205,6 @@ Bodies::Plan Bodies::Overtake(int i) {
           }};
 }
 
-/// From right to left at one depth, wholly out of sight before and afterwards.
 Bodies::Plan Bodies::Cross(int i) {
   constexpr double kPeriod_s = 6.0;
   const double z = 1.2 * depth_m_ * (1.0 + 0.15 * i);
@@ -220,8 +218,6 @@ Bodies::Plan Bodies::Cross(int i) {
           }};
 }
 
-/// Before a camera that moves: drives ahead, stops for 2 s while the camera comes nearer, and drives away. Before one that
-/// stands: crosses, and stops half way.
 Bodies::Plan Bodies::Stop(int i) {
   const double z = 1.2 * depth_m_ * (1.0 + 0.15 * i);
   const Eigen::Vector3d size(share_ * WidthAt(z), 0.7 * HeightAt(z), 0.4 * depth_m_);
@@ -240,7 +236,6 @@ Bodies::Plan Bodies::Stop(int i) {
   return {size, [=](double t_s) { return Place{begin_s + StoppingTime(t_s - begin_s), {x, 0.0, ahead}}; }};
 }
 
-/// Small ones that walk to the left and to the right, each at its own depth and speed.
 Bodies::Plan Bodies::Crowd(int i) {
   const double z = depth_m_ * random_.Uniform(0.8, 2.4);
   const double width = 1.6 * share_ * WidthAt(z) / n_ * random_.Uniform(0.7, 1.3);

@@ -47,7 +47,7 @@ class Bodies {
   Surfaces At(double frame) const;
 
  private:
-  /// A place in the frame v of a time; that of an earlier time stands still while the time does.
+  /// A point in the frame v of a time of the path, which may be another than the one at which the body is there.
   struct Place {
     double t_s = 0.0;
     Eigen::Vector3d p_v;
@@ -59,13 +59,20 @@ class Bodies {
   };
   struct Plan;
 
+  /// Ahead, as fast as the camera, with a small motion of its own; several side by side, each farther than the last.
   Plan Lead(int i);
+  /// A lorry from behind, 2 to 3 m to the left, that turns in ahead.
   Plan Overtake(int i);
+  /// From right to left at one depth, wholly out of sight before and afterwards.
   Plan Cross(int i);
+  /// Of a camera that moves: drives ahead, stops for 2 s while the camera comes nearer, and drives on. Of one that stands:
+  /// crosses, and stops half way.
   Plan Stop(int i);
+  /// Small ones that walk to the left and to the right, each at its own depth and speed.
   Plan Crowd(int i);
   double WidthAt(double depth_m) const { return stage_.width_px * depth_m / stage_.f_px; }
   double HeightAt(double depth_m) const { return stage_.height_px * depth_m / stage_.f_px; }
+  /// How far the camera gets in so many seconds, at most, anywhere on its path.
   double FarthestWithin(double seconds) const;
   void MakeHood(double share, const std::vector<int>& textures, const World& world);
   SE3 T_w_v(double t_s) const;

@@ -4,11 +4,15 @@
 #include <charconv>
 #include <functional>
 #include <numeric>
+#include <set>
 
 #include "core/datasets/dataset.h"
 
 namespace plslam::synthetic {
 namespace {
+
+// Members of a crowd whose number was not said.
+constexpr int kCrowd = 20;
 
 struct Bounds {
   double low = 0.0;
@@ -36,6 +40,10 @@ const std::vector<NumericOption>& NumericOptions() {
       {"rate", {1, 1000}, false, [](Options& o, double v) { o.rate_hz = v; }},
       {"speed", {0.01, 50}, false, [](Options& o, double v) { o.speed = v; }},
       {"distorted", {0, 1}, true, [](Options& o, double v) { o.distorted = v > 0.5; }},
+      {"standing", {0, 1}, true, [](Options& o, double v) { o.standing = v > 0.5; }},
+      {"bodies", {0, 100}, true, [](Options& o, double v) { o.bodies = static_cast<int>(v); }},
+      {"share", {0.05, 1}, false, [](Options& o, double v) { o.share = v; }},
+      {"static_body", {0, 0.8}, false, [](Options& o, double v) { o.static_body = v; }},
   };
   return options;
 }
@@ -108,7 +116,35 @@ void ParseSize(const std::string& value, Options& options) {
   }
 }
 
-void ParseOption(const std::string& text, Options& options) {
+void ParseBody(const std::string& value, Options& options) {
+  const std::vector<std::string>& names = BodyNames();
+  const auto name = std::find(names.begin(), names.end(), value);
+  if (name == names.end()) {
+    FailUnknown("body", value, names);
+  }
+  options.body = static_cast<BodyMotion>(name - names.begin());
+}
+
+/// What was not said of the bodies, by what was.
+void CompleteBodies(const std::set<std::string>& given, Options& options) {
+  if (!given.contains("bodies")) {
+    if (given.contains("share") && !given.contains("body")) {
+      throw DatasetError("synthetic: option share= is the size of bodies, of which there are none; add bodies=1");
+    }
+    options.bodies = !given.contains("body") ? 0 : options.body == BodyMotion::kCrowd ? kCrowd : 1;
+  }
+  if (options.standing && !given.contains("body")) {
+    options.body = BodyMotion::kCross;
+  }
+  if (options.standing && options.body == BodyMotion::kLead) {
+    throw DatasetError(
+        "synthetic: body=lead moves as the camera does, which stands with standing=1; use body=cross, overtake, stop "
+        "or crowd");
+  }
+}
+
+/// Returns the option's name.
+std::string ParseOption(const std::string& text, Options& options) {
   const size_t equals = text.find('=');
   const std::string name = text.substr(0, equals);
   const std::vector<std::string> known = OptionNames();
@@ -123,11 +159,14 @@ void ParseOption(const std::string& text, Options& options) {
     ParseSize(value, options);
   } else if (name == "trajectory") {
     options.trajectory = value;
+  } else if (name == "body") {
+    ParseBody(value, options);
   } else {
     const std::vector<NumericOption>& rows = NumericOptions();
     const auto row = std::find_if(rows.begin(), rows.end(), [&name](const auto& o) { return o.name == name; });
     row->set(options, ParseNumber(*row, value));
   }
+  return name;
 }
 
 }  // namespace
@@ -137,8 +176,13 @@ const std::vector<std::string>& WorldNames() {
   return names;
 }
 
+const std::vector<std::string>& BodyNames() {
+  static const std::vector<std::string> names = {"lead", "overtake", "cross", "stop", "crowd"};
+  return names;
+}
+
 std::vector<std::string> OptionNames() {
-  std::vector<std::string> names = {"size", "trajectory"};
+  std::vector<std::string> names = {"size", "trajectory", "body"};
   for (const NumericOption& option : NumericOptions()) {
     names.emplace_back(option.name);
   }
@@ -153,12 +197,14 @@ Options ParseOptions(const std::string& description) {
   if (std::find(worlds.begin(), worlds.end(), options.world) == worlds.end()) {
     FailUnknown("world", options.world, worlds);
   }
+  std::set<std::string> given;
   size_t start = question == std::string::npos ? description.size() : question + 1;
   while (start < description.size()) {
     const size_t end = std::min(description.find('&', start), description.size());
-    ParseOption(description.substr(start, end - start), options);
+    given.insert(ParseOption(description.substr(start, end - start), options));
     start = end + 1;
   }
+  CompleteBodies(given, options);
   return options;
 }
 

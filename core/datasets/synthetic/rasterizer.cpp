@@ -186,11 +186,10 @@ void PushCuts(Visibility& out) {
 
 }  // namespace
 
-std::vector<ScreenQuad> ProjectQuads(const World& world, const View& view) {
+std::vector<ScreenQuad> ProjectQuads(const Scene& scene, const View& view) {
   std::vector<ScreenQuad> seen;
-  const std::vector<Quad>& quads = world.quads();
-  for (size_t i = 0; i < quads.size(); ++i) {
-    if (const auto screen = Project(quads[i], static_cast<int>(i), view)) {
+  for (int i = 0; i < scene.size(); ++i) {
+    if (const auto screen = Project(scene.quad(i), i, view)) {
       seen.push_back(*screen);
     }
   }

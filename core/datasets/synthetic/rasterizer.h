@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -9,6 +10,21 @@
 #include "core/geometry/se3.h"
 
 namespace plslam::synthetic {
+
+/// Surfaces to be seen: those of a world, and behind them in number those that moved to where they are in this view.
+struct Scene {
+  // NOLINTNEXTLINE(google-explicit-constructor): a world is a scene in which nothing moves.
+  Scene(const World& still, std::vector<Quad> moving = {}) : world(&still), moved(std::move(moving)) {}
+
+  int size() const { return static_cast<int>(world->quads().size() + moved.size()); }
+  const Quad& quad(int i) const {
+    const int still = static_cast<int>(world->quads().size());
+    return i < still ? world->quads()[i] : moved[i - still];
+  }
+
+  const World* world;
+  std::vector<Quad> moved;
+};
 
 /// A pinhole view without distortion. Pixel centres have integer coordinates.
 struct View {
@@ -48,7 +64,7 @@ struct ScreenQuad {
 };
 
 /// The quads that may be seen in `view`.
-std::vector<ScreenQuad> ProjectQuads(const World& world, const View& view);
+std::vector<ScreenQuad> ProjectQuads(const Scene& scene, const View& view);
 
 /// Which surface covers each pixel. Pixels crossed by a border hold a list of fragments beside the surface that covers
 /// them whole.

@@ -40,15 +40,15 @@ struct Surface {
   float light_uv = 0.0F;
 };
 
-Surface MakeSurface(const World& world, const ScreenQuad& screen) {
-  const Quad& quad = world.quads()[screen.quad];
+Surface MakeSurface(const Scene& scene, const ScreenQuad& screen) {
+  const Quad& quad = scene.quad(screen.quad);
   // Bilinear in s = (u - u0) / texels_s and t likewise, multiplied out.
   const double per_u = 1.0 / quad.texels_s;
   const double per_v = 1.0 / quad.texels_t;
   const double ds = quad.light[1] - quad.light[0];
   const double dt = quad.light[2] - quad.light[0];
   const double dst = quad.light[3] - quad.light[1] - dt;
-  Surface surface{&screen, &world.textures()[quad.texture]};
+  Surface surface{&screen, &scene.world->textures()[quad.texture]};
   surface.light = static_cast<float>(quad.light[0] - quad.u0 * per_u * ds - quad.v0 * per_v * dt +
                                      quad.u0 * quad.v0 * per_u * per_v * dst);
   surface.light_u = static_cast<float>(per_u * (ds - quad.v0 * per_v * dst));
@@ -74,14 +74,14 @@ float Shade(const Surface& surface, double x, double y) {
 
 class Renderer {
  public:
-  Renderer(const World& world, const View& view)
-      : world_(world),
+  Renderer(const Scene& scene, const View& view)
+      : world_(*scene.world),
         view_(view),
-        quads_(ProjectQuads(world, view)),
+        quads_(ProjectQuads(scene, view)),
         visible_(FindVisible(quads_, view.width, view.height)) {
     surfaces_.reserve(quads_.size());
     for (const ScreenQuad& quad : quads_) {
-      surfaces_.push_back(MakeSurface(world, quad));
+      surfaces_.push_back(MakeSurface(scene, quad));
     }
   }
 
@@ -99,7 +99,19 @@ class Renderer {
     std::vector<float> out(static_cast<size_t>(view_.width) * view_.height);
     for (int y = 0, pixel = 0; y < view_.height; ++y) {
       for (int x = 0; x < view_.width; ++x, ++pixel) {
-        out[pixel] = DepthAt(pixel, x, y);
+        const ScreenQuad* quad = NearestAt(pixel, x, y);
+        out[pixel] = quad != nullptr ? static_cast<float>(1.0 / quad->inverse_depth.At(x, y)) : 0.0F;
+      }
+    }
+    return out;
+  }
+
+  std::vector<int> Quads() const {
+    std::vector<int> out(static_cast<size_t>(view_.width) * view_.height);
+    for (int y = 0, pixel = 0; y < view_.height; ++y) {
+      for (int x = 0; x < view_.width; ++x, ++pixel) {
+        const ScreenQuad* quad = NearestAt(pixel, x, y);
+        out[pixel] = quad != nullptr ? quad->quad : -1;
       }
     }
     return out;
@@ -120,20 +132,18 @@ class Renderer {
     return world_.Sky(along * along / (rx * rx + ry * ry + 1.0));
   }
 
-  float DepthAt(int pixel, int x, int y) const {
-    double nearest = 0.0;
-    if (visible_.surface[pixel] >= 0) {
-      nearest = quads_[visible_.surface[pixel]].inverse_depth.At(x, y);
-    }
+  /// At the centre of the pixel; nullptr for the sky.
+  const ScreenQuad* NearestAt(int pixel, int x, int y) const {
+    const ScreenQuad* nearest = visible_.surface[pixel] >= 0 ? &quads_[visible_.surface[pixel]] : nullptr;
     for (int f = visible_.first_fragment[pixel]; f >= 0; f = visible_.fragments[f].next) {
       const ScreenQuad& quad = quads_[visible_.fragments[f].surface];
       const bool inside = std::all_of(quad.border.begin(), quad.border.end(),
                                       [x, y](const Linear& border) { return border.At(x, y) >= 0.0; });
-      if (inside) {
-        nearest = std::max(nearest, quad.inverse_depth.At(x, y));
+      if (inside && quad.inverse_depth.At(x, y) > (nearest != nullptr ? nearest->inverse_depth.At(x, y) : 0.0)) {
+        nearest = &quad;
       }
     }
-    return nearest > 0.0 ? static_cast<float>(1.0 / nearest) : 0.0F;
+    return nearest;
   }
 
   /// The nearest surface of each sample so far.
@@ -224,8 +234,10 @@ class Renderer {
 
 }  // namespace
 
-std::vector<float> RenderRadiance(const World& world, const View& view) { return Renderer(world, view).Radiance(); }
+std::vector<float> RenderRadiance(const Scene& scene, const View& view) { return Renderer(scene, view).Radiance(); }
 
-std::vector<float> RenderDepthMap(const World& world, const View& view) { return Renderer(world, view).Depth(); }
+std::vector<float> RenderDepthMap(const Scene& scene, const View& view) { return Renderer(scene, view).Depth(); }
+
+std::vector<int> RenderQuadMap(const Scene& scene, const View& view) { return Renderer(scene, view).Quads(); }
 
 }  // namespace plslam::synthetic

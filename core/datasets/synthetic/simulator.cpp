@@ -57,6 +57,7 @@ Simulator::Simulator(const Options& options)
     : options_(WithDefaults(options)), sensor_(options.width_px, options.height_px, options.noise, options.seed) {
   MakeMotion();
   MakeEyes();
+  MakeBodies();
 }
 
 void Simulator::MakeMotion() {
@@ -91,6 +92,22 @@ void Simulator::MakeMotion() {
   t_ns_ = file.t_ns.empty() ? RegularTimes(poses, options_.rate_hz) : file.t_ns;
   t_ns_.resize(options_.frames == 0 ? poses : options_.frames);
   motion_ = std::make_unique<ListedMotion>(std::move(file.T_w_c));
+}
+
+void Simulator::MakeBodies() {
+  if (options_.standing) {
+    motion_ = std::make_unique<ListedMotion>(std::vector<SE3>{motion_->At(0.0)});
+  }
+  const Lens::Intrinsics& lens = left_.lens.recorded();
+  const Stage stage{motion_.get(),
+                    static_cast<double>(size()),
+                    options_.rate_hz,
+                    world_.up(),
+                    static_cast<double>(lens.width),
+                    static_cast<double>(lens.height),
+                    lens.fx,
+                    rig_.baseline_m};
+  bodies_ = Bodies(options_, stage, &world_);
 }
 
 void Simulator::MakeEyes() {
@@ -150,6 +167,15 @@ View Simulator::LeftView(int index) const {
   return ViewOf(eye, T_w_c(index));
 }
 
+std::vector<int> Simulator::RenderBodies(int index) const {
+  Bodies::Surfaces moved = bodies_.At(index);
+  const int still = static_cast<int>(world_.quads().size());
+  std::vector<int> map = RenderQuadMap({world_, std::move(moved.quads)}, LeftView(index));
+  std::transform(map.begin(), map.end(), map.begin(),
+                 [&](int quad) { return quad < still ? -1 : moved.body[quad - still]; });
+  return map;
+}
+
 double Simulator::Gain(int index) const {
   const double t_s = static_cast<double>(t_ns_[index] - t_ns_[0]) * 1e-9;
   const double wave = 0.6 * Sin(2.0 * kPi * t_s / 7.3) + 0.4 * Sin(2.0 * kPi * t_s / 2.9 + 1.0);
@@ -168,14 +194,15 @@ int Simulator::BlurSteps(const Eye& eye, int index) const {
 
 std::vector<float> Simulator::Radiance(const Eye& eye, int index) const {
   if (options_.blur == 0.0) {
-    return RenderRadiance(world_, ViewOf(eye, motion_->At(index)));
+    return RenderRadiance(SceneAt(index), ViewOf(eye, motion_->At(index)));
   }
   const int steps = BlurSteps(eye, index);
   const float share = 1.0F / static_cast<float>(steps);
   std::vector<float> sum;
   for (int step = 0; step < steps; ++step) {
     const double shutter = options_.blur * ((step + 0.5) / steps - 0.5);
-    const std::vector<float> part = RenderRadiance(world_, ViewOf(eye, motion_->At(index + shutter)));
+    const std::vector<float> part =
+        RenderRadiance(SceneAt(index + shutter), ViewOf(eye, motion_->At(index + shutter)));
     sum.resize(part.size(), 0.0F);
     std::transform(sum.begin(), sum.end(), part.begin(), sum.begin(),
                    [share](float a, float b) { return a + b * share; });

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/datasets/synthetic/bodies.h"
 #include "core/datasets/synthetic/distortion.h"
 #include "core/datasets/synthetic/motion.h"
 #include "core/datasets/synthetic/options.h"
@@ -23,7 +24,10 @@ class Simulator {
   /// Throws DatasetError where the trajectory file cannot be used.
   explicit Simulator(const Options& options);
 
+  /// What stands still.
   const World& world() const { return world_; }
+  /// What moves, or moves with the camera.
+  const Bodies& bodies() const { return bodies_; }
   const RigCalibration& rig() const { return rig_; }
   int size() const { return static_cast<int>(t_ns_.size()); }
   /// Frames after which the world's own walk repeats; 0 for a trajectory from a file.
@@ -38,7 +42,9 @@ class Simulator {
   /// The left camera's view without distortion, for tests.
   View LeftView(int index) const;
   /// True depth (z, metres) of the left view at the pixel centres, 0 for the sky.
-  std::vector<float> RenderDepth(int index) const { return RenderDepthMap(world_, LeftView(index)); }
+  std::vector<float> RenderDepth(int index) const { return RenderDepthMap(SceneAt(index), LeftView(index)); }
+  /// The body that the left view shows at the pixel centres, -1 where it shows none.
+  std::vector<int> RenderBodies(int index) const;
 
  private:
   /// One camera of the rig: where it sits on the left camera, and its lens.
@@ -50,6 +56,8 @@ class Simulator {
 
   void MakeMotion();
   void MakeEyes();
+  void MakeBodies();
+  Scene SceneAt(double frame) const { return {world_, bodies_.At(frame).quads}; }
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
   int BlurSteps(const Eye& eye, int index) const;
@@ -61,6 +69,7 @@ class Simulator {
   std::unique_ptr<Motion> motion_;
   std::vector<int64_t> t_ns_;
   World world_;
+  Bodies bodies_;
   Eye left_;
   Eye right_;
   RigCalibration rig_;

@@ -27,7 +27,7 @@ TEST(SyntheticOptions, AllAreRead) {
   const Options o = ParseOptions(
       "street?seed=3&frames=30&loops=2&size=320x200&noise=1.5&blur=0.5&exposure=0&baseline=0.2&fov=90&rate=10&speed="
       "2&"
-      "distorted=1&trajectory=a/b.txt");
+      "distorted=1&trajectory=a/b.txt&bodies=3&body=stop&share=0.3&standing=1&static_body=0.2");
   EXPECT_EQ(o.world, "street");
   EXPECT_EQ(o.seed, 3u);
   EXPECT_EQ(o.frames, 30);
@@ -43,6 +43,11 @@ TEST(SyntheticOptions, AllAreRead) {
   EXPECT_EQ(o.speed, 2.0);
   EXPECT_TRUE(o.distorted);
   EXPECT_EQ(o.trajectory, "a/b.txt");
+  EXPECT_EQ(o.bodies, 3);
+  EXPECT_EQ(o.body, BodyMotion::kStop);
+  EXPECT_EQ(o.share, 0.3);
+  EXPECT_TRUE(o.standing);
+  EXPECT_EQ(o.static_body, 0.2);
 }
 
 TEST(SyntheticOptions, UnknownWorldNamesTheNearest) {
@@ -56,8 +61,10 @@ TEST(SyntheticOptions, UnknownOptionNamesTheNearest) {
 }
 
 TEST(SyntheticOptions, BadValuesNameTheirBounds) {
-  for (const char* bad : {"frames=0", "frames=1.5", "frames=x", "noise=-1", "noise=nan", "fov=180", "seed=-1",
-                          "blur=2", "rate=0", "speed=1e9", "distorted=2", "loops=1000000", "baseline=inf"}) {
+  for (const char* bad :
+       {"frames=0",   "frames=1.5",  "frames=x",  "noise=-1",    "noise=nan",     "fov=180",      "seed=-1",
+        "blur=2",     "rate=0",      "speed=1e9", "distorted=2", "loops=1000000", "baseline=inf", "bodies=-1",
+        "bodies=1.5", "bodies=1000", "share=0",   "share=1.5",   "standing=2",    "static_body=1"}) {
     EXPECT_THAT(ErrorOf(std::string("room?") + bad), AllOf(HasSubstr(bad[0] == 'f' ? "f" : ""), HasSubstr(" from ")))
         << bad;
   }
@@ -66,6 +73,22 @@ TEST(SyntheticOptions, BadValuesNameTheirBounds) {
   }
   EXPECT_THAT(ErrorOf("room?seed="), HasSubstr("has no value"));
   EXPECT_THAT(ErrorOf("room?seed"), HasSubstr("has no value"));
+}
+
+TEST(SyntheticOptions, BodiesNeedNoMoreThanTheirMotion) {
+  EXPECT_EQ(ParseOptions("street").bodies, 0);
+  EXPECT_EQ(ParseOptions("street?body=overtake").bodies, 1);
+  EXPECT_GT(ParseOptions("street?body=crowd").bodies, 10);
+  EXPECT_EQ(ParseOptions("street?body=crowd&bodies=0").bodies, 0);
+  EXPECT_EQ(ParseOptions("street?bodies=2").body, BodyMotion::kLead);
+  EXPECT_EQ(ParseOptions("street?bodies=2&standing=1").body, BodyMotion::kCross);
+}
+
+TEST(SyntheticOptions, BodiesThatMakeNoSenseAreRefused) {
+  EXPECT_THAT(ErrorOf("street?body=leed"),
+              AllOf(HasSubstr("'leed'"), HasSubstr("nearest is 'lead'"), HasSubstr("crowd")));
+  EXPECT_THAT(ErrorOf("street?share=0.5"), AllOf(HasSubstr("share="), HasSubstr("add bodies=1")));
+  EXPECT_THAT(ErrorOf("street?standing=1&body=lead"), AllOf(HasSubstr("standing=1"), HasSubstr("body=cross")));
 }
 
 TEST(SyntheticOptions, OpeningReportsTheSameError) { EXPECT_THROW(OpenSyntheticDataset("nowhere"), DatasetError); }

@@ -22,6 +22,9 @@ struct PlayerOptions {
   bool bounce = false;
   bool skip_bad = false;
   bool exit = false;
+  /// Images of what is left out of the left and the right images, in pixels as recorded: 0 (black) is left out.
+  std::string mask_left;
+  std::string mask_right;
   /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of: those
   /// until there have been sent. Empty: from the start.
   std::string resume_after;
@@ -40,6 +43,8 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("bounce", o.bounce, "each time forth and back, so that the path closes");
   visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
   visit("exit", o.exit, "end when all is sent and acknowledged, instead of staying for late readers");
+  visit("mask_left", o.mask_left, "image of the left camera's size; where it is black (0), no features are taken");
+  visit("mask_right", o.mask_right, "the same of the right camera");
   visit("resume_after", o.resume_after,
         "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/image_mask.h"
+
 namespace plslam {
 namespace {
 
@@ -89,11 +91,13 @@ void DrawKey(cv::Mat& picture, int y) {
 
 }  // namespace
 
-cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption) {
+cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption,
+                    const cv::Mat& mask) {
   CV_Assert(image.type() == CV_8UC1 && !image.empty());
   cv::Mat picture(image.rows + kBarHeight_px, image.cols, CV_8UC3, kBar);
   cv::Mat top = picture.rowRange(0, image.rows);
   cv::cvtColor(image, top, cv::COLOR_GRAY2BGR);
+  ShadeMask(mask, top);
   for (const OverlaySegment& segment : features.segments) DrawSegment(segment, top);
   for (const OverlayPoint& point : features.points) DrawPoint(point, top);
   PutText(picture, caption, {8, image.rows + 17});

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/datasets/camera_mask.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
@@ -24,7 +27,8 @@ ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
 }
 
 CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
-  yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam"});
+  yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam", "mask",
+                  "mask_polygons", "borders_px"});
   CameraCalibration camera;
   const ImageSize size = Resolution(yaml, image_size);
   camera.width_px = size.width_px;
@@ -43,6 +47,23 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.Require("focal_length_px", FocalComplaint(camera));
   yaml.Require("principal_point_px", CentreComplaint(camera));
   yaml.Require("distortion", DistortionComplaint(camera));
+  ReadMask(yaml, &camera);
+  return camera;
+}
+
+/// Masks are of one camera each; a right camera about which nothing else is said has the lens of the left one.
+CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& left, const ImageSize& image_size) {
+  constexpr std::array kLensKeys = {"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion"};
+  CameraCalibration camera = left;
+  camera.mask.clear();
+  if (!yaml.Has("right")) return camera;
+  const YamlMap right = yaml.Map("right");
+  const bool has_lens =
+      std::any_of(kLensKeys.begin(), kLensKeys.end(), [&](const char* key) { return right.Has(key); });
+  if (has_lens) return ReadCamera(right, image_size);
+  right.AllowOnly({"T_b_cam", "mask", "mask_polygons", "borders_px"});
+  if (right.Has("T_b_cam")) camera.T_b_cam = right.Transform("T_b_cam");
+  ReadMask(right, &camera);
   return camera;
 }
 
@@ -51,7 +72,7 @@ SE3 AlongX(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x
 // A rectified pair is described by one camera and the baseline; any other by two cameras with their poses.
 void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibration* rig) {
   const bool by_baseline = yaml.Has("baseline_m");
-  rig->right = yaml.Has("right") ? ReadCamera(yaml.Map("right"), image_size) : rig->left;
+  rig->right = ReadRightLens(yaml, rig->left, image_size);
   if (by_baseline && yaml.Has("right") && yaml.Map("right").Has("T_b_cam")) {
     yaml.Fail("baseline_m", "contradicts T_b_cam of the right camera: give one of the two");
   }

@@ -203,14 +203,20 @@ void LogDataset::ChooseStream(std::map<StreamKey, LogStream>& streams) {
 }
 
 void LogDataset::ReadRig() {
+  bool other_version = false;
   for (const auto& [prefix, place] : cameras_) {
     if (prefix != prefix_) continue;
+    const auto data = log_.Data(place.offset, std::min<int64_t>(place.bytes, kMaxMessageBytes));
+    other_version |= data && data->size() > kWireHeaderBytes && ReadInt64(data->data()) != camera_t::getHash();
     const auto message = Decode<camera_t>(log_, place);
     if (!message || message->header.source != source_) continue;
     const auto rig = FromMessage(*message);
     if (!rig) continue;
     rig_ = *rig;
     return;
+  }
+  if (other_version) {
+    Fail("its rig (channel CAMERA) is of another version of plslam: play the log with the version that recorded it");
   }
   Fail("has stereo frames, but no valid rig of their publisher (channel CAMERA)");
 }

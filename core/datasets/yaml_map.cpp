@@ -110,6 +110,26 @@ std::vector<double> YamlMap::Numbers(std::string_view key, size_t min_count, siz
   return numbers;
 }
 
+std::vector<std::vector<Eigen::Vector2d>> YamlMap::Polygons(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsSequence()) Fail(key, "must be a list of polygons [[[x, y], [x, y], [x, y], ...], ...]");
+  std::vector<std::vector<Eigen::Vector2d>> polygons;
+  for (const YAML::Node& outline : node) {
+    const std::string name = fmt::format("polygon {}", polygons.size() + 1);
+    if (!outline.IsSequence()) Fail(key, name + " is no list of corners [[x, y], [x, y], [x, y], ...]");
+    if (outline.size() < 3) Fail(key, fmt::format("{} has {} corners, at least 3 are needed", name, outline.size()));
+    std::vector<Eigen::Vector2d> corners;
+    for (const YAML::Node& corner : outline) {
+      if (!corner.IsSequence() || corner.size() != 2) {
+        Fail(key, fmt::format("{}, corner {} is no pair [x, y]", name, corners.size() + 1));
+      }
+      corners.emplace_back(ToNumber(key, *corner.begin()), ToNumber(key, *std::next(corner.begin())));
+    }
+    polygons.push_back(std::move(corners));
+  }
+  return polygons;
+}
+
 YamlMap YamlMap::Map(std::string_view key) const {
   const YAML::Node node = Get(key);
   if (!node.IsMap()) Fail(key, "must hold `key: value` lines");

@@ -22,6 +22,8 @@ class YamlMap {
   double Number(std::string_view key) const;
   /// A list of `min_count` to `max_count` numbers.
   std::vector<double> Numbers(std::string_view key, size_t min_count, size_t max_count) const;
+  /// A list of polygons, each a list of at least three corners [x, y].
+  std::vector<std::vector<Eigen::Vector2d>> Polygons(std::string_view key) const;
   YamlMap Map(std::string_view key) const;
 
   /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not

@@ -20,6 +20,7 @@ FeatureMask::FeatureMask(const cv::Mat& seen) {
 }
 
 bool FeatureMask::IsOutside(const Eigen::Vector2d& px) const {
+  if (inside_.empty()) return false;
   const int u = static_cast<int>(std::lround(px.x()));
   const int v = static_cast<int>(std::lround(px.y()));
   return u < 0 || v < 0 || u >= inside_.cols || v >= inside_.rows || inside_.at<uchar>(v, u) == 0;

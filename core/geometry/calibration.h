@@ -1,11 +1,24 @@
 #pragma once
 
+#include <Eigen/Core>
+
 #include <string>
 #include <vector>
 
 #include "core/geometry/se3.h"
 
 namespace plslam {
+
+/// An area of an image as recorded, in its pixels: (0, 0) is the centre of the first one.
+struct MaskPolygon {
+  std::vector<Eigen::Vector2f> corners_px;
+  /// Not left out, but in use: a hole in the polygons before it.
+  bool in_use = false;
+  bool operator==(const MaskPolygon&) const = default;
+};
+
+/// Corners of all polygons of a camera, at most: the masks of both cameras travel in one datagram.
+inline constexpr size_t kMaxMaskCorners = 2000;
 
 /// One camera as calibrated. `model` is "pinhole" (no distortion), "radtan" (k1 k2 p1 p2 [k3]) or "equidistant"
 /// (k1 k2 k3 k4).
@@ -20,6 +33,8 @@ struct CameraCalibration {
   std::vector<double> distortion;
   /// Body (IMU or rig) from this camera.
   SE3 T_b_cam;
+  /// What is left out of its images, drawn one over the other (core/geometry/image_mask.h). Where nothing is: empty.
+  std::vector<MaskPolygon> mask{};
 };
 
 /// A rig as its dataset describes it; the content of `camera_t`.

@@ -8,6 +8,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/image_mask.h"
+
 namespace plslam {
 namespace {
 
@@ -27,13 +29,20 @@ int Rounded(double value) {
 }  // namespace
 
 Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
-  if (rectification_.identity) return;
   const bool stereo = rig.kind == RigCalibration::Kind::kStereo;
-  left_ = MakeMaps(rectification_.left, !stereo);
-  if (stereo) right_ = MakeMaps(rectification_.right, false);
+  const cv::Mat left_in_use = DrawMask(rig.left);
+  const cv::Mat right_in_use = DrawMask(rig.right);
+  if (rectification_.identity) {
+    left_.mask = left_in_use;
+    right_.mask = right_in_use;
+    return;
+  }
+  left_ = MakeMaps(rectification_.left, left_in_use, !stereo);
+  if (stereo) right_ = MakeMaps(rectification_.right, right_in_use, false);
 }
 
-Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, bool with_nearest) const {
+/// `in_use` is the mask of the image as recorded, or empty.
+Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const {
   const StereoCamera& c = rectification_.camera;
   Maps maps{BilinearWarp(c.width_px, c.height_px), cv::Mat(),
             cv::Mat(c.height_px, c.width_px, CV_8UC1, cv::Scalar(0))};
@@ -53,7 +62,9 @@ Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, bool with_nearest
       const double x = std::clamp(xs[u], 0.0, c.width_px - 1.0);
       const double y = std::clamp(ys[u], 0.0, c.height_px - 1.0);
       maps.warp->SetSource(u, v, Rounded(x * kSubpixels), Rounded(y * kSubpixels));
-      maps.mask.at<uint8_t>(v, u) = 255;
+      const bool left_out = !in_use.empty() && in_use.at<uint8_t>(Rounded(y), Rounded(x)) == 0;
+      everywhere = everywhere && !left_out;
+      if (!left_out) maps.mask.at<uint8_t>(v, u) = 255;
       if (with_nearest) maps.nearest.at<cv::Vec2s>(v, u) = {ToInt16(Rounded(x)), ToInt16(Rounded(y))};
     }
   }

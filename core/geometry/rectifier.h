@@ -29,7 +29,7 @@ class Rectifier {
   /// stay what they are (z of the camera as calibrated, which has the axis of the rectified one for RGB-D).
   cv::Mat RectifyDepth(const cv::Mat& depth) const;
 
-  /// 255 where the rectified left (right) image shows something; empty when that is everywhere.
+  /// 255 where the rectified left (right) image shows something that is in use; empty when that is everywhere.
   const cv::Mat& left_mask() const { return left_.mask; }
   const cv::Mat& right_mask() const { return right_.mask; }
 
@@ -41,7 +41,7 @@ class Rectifier {
     cv::Mat mask;
   };
 
-  Maps MakeMaps(const RectifiedView& view, bool with_nearest) const;
+  Maps MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const;
   void CheckImage(const cv::Mat& image, int type, const char* side) const;
 
   Rectification rectification_;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/datasets/camera_mask.h"
 #include "core/datasets/open_dataset.h"
 #include "core/process/worker.h"
 #include "core/run/run_counters.h"
@@ -49,6 +50,20 @@ std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   return dataset;
 }
 
+RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
+  const auto add = [](const char* key, const std::string& path, CameraCalibration* camera) {
+    if (path.empty()) return;
+    try {
+      AddMaskImage(path, camera);
+    } catch (const DatasetError& error) {
+      throw DatasetError(fmt::format("player.{} = {}", key, error.what()));
+    }
+  };
+  add("mask_left", options.mask_left, &rig.left);
+  add("mask_right", options.mask_right, &rig.right);
+  return rig;
+}
+
 PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
   std::vector<int64_t> times_ns(static_cast<size_t>(dataset.size()));
   for (int i = 0; i < dataset.size(); ++i) times_ns[static_cast<size_t>(i)] = dataset.t_ns(i);
@@ -82,6 +97,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
       options_(options),
       pace_(ParsePace(options.pace)),
       dataset_(Open(options)),
+      rig_(WithMasks(dataset_->rig(), options)),
       order_(Order(*dataset_, options)),
       clock_(pace_.speed, order_.period_ns()),
       publisher_(process.bus(), pace_.lockstep) {
@@ -267,7 +283,7 @@ void PlayerNode::PassOver(const LoadedFrame& frame) {
   spdlog::warn("passed over: {}", frame.error);
 }
 
-void PlayerNode::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(dataset_->rig())); }
+void PlayerNode::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(rig_)); }
 
 void PlayerNode::PublishTruth(const LoadedFrame& frame) {
   if (dataset_->HasRecordedTruth()) {

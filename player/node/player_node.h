@@ -55,6 +55,7 @@ class PlayerNode {
   const PlayerOptions options_;
   const Pace pace_;
   std::unique_ptr<Dataset> dataset_;
+  const RigCalibration rig_;           // the dataset's, with the masks of the options
   std::optional<ResumePoint> resume_;  // where the options name it
   const PlayOrder order_;
   RealtimeClock clock_;

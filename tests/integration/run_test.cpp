@@ -5,8 +5,13 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/bus/channels.h"
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/transport/encoded.h"
 #include "core/datasets/open_dataset.h"
+#include "core/io/images/png_file.h"
 #include "core/io/trajectories/trajectory.h"
+#include "plslam/tracks_t.hpp"
 #include "tests/integration/image_folder_of.h"
 #include "tests/integration/recorded_run.h"
 #include "tests/integration/whole_run.h"
@@ -93,6 +98,45 @@ TEST(Run, WithoutMapping) {
   EXPECT_FALSE(std::filesystem::exists(run.out() / "map.ply"));
   EXPECT_EQ(run.Read("trajectory.tum"), run.Read("trajectory_live.tum"));
   EXPECT_EQ(Lines(run.Read("keyframes.tum")), summary["keyframes"]);
+}
+
+/// Features of all frames of a recorded run.
+std::vector<tracks_t> TracksOf(const std::string& log) {
+  bus::LogReader reader(log);
+  std::vector<tracks_t> tracks;
+  while (const auto event = reader.Next()) {
+    if (event->channel != bus::kTracks.name) continue;
+    const auto message = bus::Decoded<tracks_t>(*reader.Data(event->data_offset, event->data_bytes));
+    if (message) tracks.push_back(*message);
+  }
+  return tracks;
+}
+
+TEST(Run, MaskedPartHasNoFeatureAlsoInTheReplayAndTheMapIsOfTheSameCamera) {
+  constexpr int kMaskedFrom = 170;
+  WholeRun run, again, unmasked;
+  cv::Mat mask(240, 376, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(kMaskedFrom, 240).setTo(0);
+  const std::string file = (run.folder() / "mask.png").string(), map = (run.folder() / "a.plmap").string();
+  WritePng(file, mask);
+  ASSERT_EQ(run.Run({"run", kWorld, "--record", run.log(), "--save-map", map, "--set", "player.mask_left=" + file,
+                     "--set", "player.mask_right=" + file}),
+            0)
+      << run.Logs();
+  ASSERT_EQ(again.Run({"run", run.log(), "--record", again.log()}), 0) << again.Logs();
+  for (const WholeRun* one : {&run, &again}) {
+    const std::vector<tracks_t> tracks = TracksOf(one->log());
+    EXPECT_GE(tracks.size(), static_cast<size_t>(kFrames));
+    for (const tracks_t& frame : tracks) {
+      EXPECT_GT(frame.points.size(), 30U) << frame.frame_id;
+      for (const track_point_t& point : frame.points) EXPECT_LT(point.v_px, kMaskedFrom) << frame.frame_id;
+      for (const track_line_t& line : frame.lines) EXPECT_LT(std::max(line.p_px[1], line.q_px[1]), kMaskedFrom);
+    }
+    EXPECT_EQ(one->Summary()["tracked_frames"], kFrames);
+    EXPECT_LT(one->Summary()["accuracy"]["ate_m"], 0.03);
+  }
+  EXPECT_EQ(run.Read("trajectory.tum"), again.Read("trajectory.tum"));
+  EXPECT_EQ(unmasked.Run({"run", kWorld, "--map", map}), 0) << unmasked.Logs();
 }
 
 TEST(Run, SameInputTwiceGivesTheSameBits) {

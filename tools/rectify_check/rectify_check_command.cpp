@@ -12,6 +12,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/datasets/camera_mask.h"
 #include "core/datasets/open_dataset.h"
 #include "core/features/feature_extractor.h"
 #include "core/features/feature_mask.h"
@@ -26,6 +27,8 @@ namespace {
 struct CheckOptions {
   std::string dataset;
   std::string kind;
+  std::string mask_left;
+  std::string mask_right;
   std::string out = "rectify_check.png";
   int frame = -1;
   int frames = 5;
@@ -41,9 +44,9 @@ struct Pair {
 
 class PairReader {
  public:
-  explicit PairReader(const Dataset& dataset)
+  PairReader(const Dataset& dataset, const RigCalibration& rig)
       : dataset_(dataset),
-        rectifier_(dataset.rig()),
+        rectifier_(rig),
         left_mask_(rectifier_.left_mask()),
         right_mask_(rectifier_.right_mask()),
         extractor_(PointsOnly()) {}
@@ -124,7 +127,10 @@ int Check(const CheckOptions& o) {
   if (shown >= dataset->size()) {
     throw std::runtime_error(fmt::format("--frame {}: {} has {} frames", shown, o.dataset, dataset->size()));
   }
-  PairReader reader(*dataset);
+  RigCalibration rig = dataset->rig();
+  if (!o.mask_left.empty()) AddMaskImage(o.mask_left, &rig.left);
+  if (!o.mask_right.empty()) AddMaskImage(o.mask_right, &rig.right);
+  PairReader reader(*dataset, rig);
   std::vector<RowMatch> all;
   std::optional<Pair> read;
   for (const int frame : SpreadFrames(dataset->size(), o.frames)) {
@@ -136,7 +142,8 @@ int Check(const CheckOptions& o) {
   const RowVerdict verdict = JudgeRows(errors);
   const Pair pair = read ? *std::move(read) : reader.Read(shown);
   WritePng(o.out,
-           DrawRectification(pair.left, pair.right, pair.matches,
+           DrawRectification({pair.left, reader.rectifier().left_mask()},
+                             {pair.right, reader.rectifier().right_mask()}, pair.matches,
                              fmt::format("frame {}, {} points, rows agree to {:.2f} px (95 %: {:.2f} px)", shown,
                                          pair.matches.size(), errors.median_abs_px, errors.p95_abs_px)));
   Print(o, errors, verdict, reader.rectifier());
@@ -151,6 +158,9 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       app->add_subcommand("rectify-check", "measures how well a stereo calibration makes rows agree, and draws it");
   sub->add_option("dataset", options->dataset, "folder, LCM log, or built-in world")->required();
   sub->add_option("--kind", options->kind, "format: kitti, euroc, images, log, synthetic [found by looking]");
+  sub->add_option("--mask-left", options->mask_left, "image as player.mask_left: black (0) is left out, and shaded")
+      ->type_name("FILE");
+  sub->add_option("--mask-right", options->mask_right, "the same of the right camera")->type_name("FILE");
   sub->add_option("--out", options->out, "picture to write (PNG)")->type_name("FILE")->capture_default_str();
   sub->add_option("--frame", options->frame, "frame of the picture [the middle one]")->check(CLI::NonNegativeNumber);
   sub->add_option("--frames", options->frames, "frames that are measured, evenly spread")

@@ -5,6 +5,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "core/geometry/image_mask.h"
+
 namespace plslam {
 namespace {
 
@@ -24,13 +26,16 @@ cv::Point At(const Eigen::Vector2d& px, int offset_x) {
   return {static_cast<int>(std::lround(px.x())) + offset_x, static_cast<int>(std::lround(px.y()))};
 }
 
-cv::Mat SideBySide(const cv::Mat& left, const cv::Mat& right, int caption_px) {
-  cv::Mat picture(std::max(left.rows, right.rows) + caption_px, left.cols + kGap + right.cols, CV_8UC3,
-                  cv::Scalar(40, 40, 40));
-  cv::Mat left_part = picture(cv::Rect(0, 0, left.cols, left.rows));
-  cv::Mat right_part = picture(cv::Rect(left.cols + kGap, 0, right.cols, right.rows));
-  cv::cvtColor(left, left_part, cv::COLOR_GRAY2BGR);
-  cv::cvtColor(right, right_part, cv::COLOR_GRAY2BGR);
+cv::Mat SideBySide(const MaskedImage& left, const MaskedImage& right, int caption_px) {
+  cv::Mat picture(std::max(left.pixels.rows, right.pixels.rows) + caption_px,
+                  left.pixels.cols + kGap + right.pixels.cols, CV_8UC3, cv::Scalar(40, 40, 40));
+  int x = 0;
+  for (const MaskedImage& image : {left, right}) {
+    cv::Mat part = picture(cv::Rect(x, 0, image.pixels.cols, image.pixels.rows));
+    cv::cvtColor(image.pixels, part, cv::COLOR_GRAY2BGR);
+    ShadeMask(image.mask, part);
+    x += image.pixels.cols + kGap;
+  }
   return picture;
 }
 
@@ -46,16 +51,17 @@ std::vector<RowMatch> EvenlyByRow(std::vector<RowMatch> matches) {
 
 }  // namespace
 
-cv::Mat DrawRectification(const cv::Mat& left, const cv::Mat& right, const std::vector<RowMatch>& matches,
+cv::Mat DrawRectification(const MaskedImage& left, const MaskedImage& right, const std::vector<RowMatch>& matches,
                           const std::string& caption) {
-  const double font = std::clamp(left.cols / 900.0, 0.45, 1.2);
+  const cv::Size size = left.pixels.size();
+  const double font = std::clamp(size.width / 900.0, 0.45, 1.2);
   const int caption_px = static_cast<int>(34.0 * font + 12.0);
   cv::Mat picture = SideBySide(left, right, caption_px);
   for (int i = 0; i < kEpipolarLines; ++i) {
-    const int y = (2 * i + 1) * left.rows / (2 * kEpipolarLines);
+    const int y = (2 * i + 1) * size.height / (2 * kEpipolarLines);
     cv::line(picture, {0, y}, {picture.cols - 1, y}, kLineColour, 1);
   }
-  const int offset = left.cols + kGap;
+  const int offset = size.width + kGap;
   for (const RowMatch& m : EvenlyByRow(matches)) {
     cv::line(picture, At(m.left_px, 0), At(m.right_px, offset), ColourOf(m.RowError()), 1, cv::LINE_AA);
   }

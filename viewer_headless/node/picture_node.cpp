@@ -109,7 +109,7 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
     }
     if (keyframe) store->AddKeyframe(frame_id, image);
     if (!drawn) return;
-    const cv::Mat picture = DrawOverlay(image, ready.features, FrameCaption(ready.pose));
+    const cv::Mat picture = DrawOverlay(image, ready.features, FrameCaption(ready.pose), rectifier_->left_mask());
     if (film_) film_->Add(ready.pose, picture, *sources_.map);
     if (IsOverlay(frame_id)) WriteOverlay(frame_id, picture);
   } catch (const std::exception& e) {

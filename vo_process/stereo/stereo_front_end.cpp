@@ -19,6 +19,17 @@ ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, c
   return features;
 }
 
+/// A point without a matching corner is searched by its patch along the row of the right image, also where that is left out.
+void ForgetPartnersOutside(const FeatureMask& right_mask, StereoFeatures& features) {
+  for (StereoPoint& point : features.points) {
+    if (!point.HasDepth() || !right_mask.IsOutside(point.left.px - Eigen::Vector2d(point.disparity_px, 0.0)))
+      continue;
+    point.disparity_px = -1.0;
+    point.row_offset_px = 0.0;
+    point.sigma_row_px = -1.0;
+  }
+}
+
 }  // namespace
 
 StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& options)
@@ -67,8 +78,10 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
         });
   });
   return timer.Time("stereo", [&] {
-    return MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options,
-                       OnBothThreads());
+    StereoFeatures features =
+        MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options, OnBothThreads());
+    if (!rig_.right.mask.empty()) ForgetPartnersOutside(right_mask_, features);
+    return features;
   });
 }
 

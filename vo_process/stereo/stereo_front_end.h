@@ -40,7 +40,7 @@ class StereoFrontEnd {
   RigCalibration rig_;
   VoOptions options_;
   Rectifier rectifier_;
-  // Against the edge of the warped image.
+  // Against the edge of the warped image, and what the rig leaves out.
   FeatureMask left_mask_;
   FeatureMask right_mask_;
   FeatureExtractor left_extractor_;

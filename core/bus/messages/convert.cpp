@@ -11,6 +11,7 @@
 #include "plslam/intrinsics_t.hpp"
 #include "plslam/line_feature_t.hpp"
 #include "plslam/point_feature_t.hpp"
+#include "plslam/polygon_t.hpp"
 #include "plslam/pose3_t.hpp"
 
 namespace plslam::bus {
@@ -40,6 +41,32 @@ bool ModelOk(std::string_view model, size_t n) {
 
 float ToFloat(double value) { return static_cast<float>(value); }
 
+polygon_t ToPolygon(const MaskPolygon& polygon) {
+  polygon_t message{};
+  message.in_use = polygon.in_use ? 1 : 0;
+  message.n_corners = static_cast<int32_t>(polygon.corners_px.size());
+  for (const Eigen::Vector2f& px : polygon.corners_px) message.corners_px.push_back({px.x(), px.y()});
+  return message;
+}
+
+/// nullopt where there are more corners than a camera may have, or one is far outside any image.
+std::optional<std::vector<MaskPolygon>> FromPolygons(const std::vector<polygon_t>& messages) {
+  std::vector<MaskPolygon> polygons;
+  size_t n_corners = 0;
+  for (const polygon_t& message : messages) {
+    n_corners += message.corners_px.size();
+    if (n_corners > kMaxMaskCorners) return std::nullopt;
+    MaskPolygon polygon;
+    polygon.in_use = message.in_use != 0;
+    for (const std::vector<float>& px : message.corners_px) {
+      if (!(std::abs(px[0]) <= 2.0 * kMaxSide_px && std::abs(px[1]) <= 2.0 * kMaxSide_px)) return std::nullopt;
+      polygon.corners_px.emplace_back(px[0], px[1]);
+    }
+    polygons.push_back(std::move(polygon));
+  }
+  return polygons;
+}
+
 intrinsics_t ToIntrinsics(const CameraCalibration& camera) {
   intrinsics_t message{};
   message.width_px = camera.width_px;
@@ -52,6 +79,8 @@ intrinsics_t ToIntrinsics(const CameraCalibration& camera) {
   message.n_distortion = static_cast<int32_t>(camera.distortion.size());
   message.distortion = camera.distortion;
   message.T_b_cam = ToMessage(camera.T_b_cam);
+  message.n_mask = static_cast<int32_t>(camera.mask.size());
+  for (const MaskPolygon& polygon : camera.mask) message.mask.push_back(ToPolygon(polygon));
   return message;
 }
 
@@ -63,7 +92,8 @@ std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
       PositiveFinite({message.fx_px, message.fy_px}) && Finite({message.cx_px, message.cy_px}) &&
       ModelOk(message.model, message.distortion.size()) &&
       std::all_of(message.distortion.begin(), message.distortion.end(), [](double k) { return std::isfinite(k); });
-  if (!T_b_cam || !size_ok || !lens_ok) return std::nullopt;
+  auto mask = FromPolygons(message.mask);
+  if (!T_b_cam || !size_ok || !lens_ok || !mask) return std::nullopt;
   CameraCalibration camera;
   camera.width_px = message.width_px;
   camera.height_px = message.height_px;
@@ -74,6 +104,7 @@ std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
   camera.cy_px = message.cy_px;
   camera.distortion = message.distortion;
   camera.T_b_cam = *T_b_cam;
+  camera.mask = *std::move(mask);
   return camera;
 }
 

@@ -120,6 +120,30 @@ TEST(Convert, RigSurvivesTheWire) {
   EXPECT_EQ(back->kind, RigCalibration::Kind::kStereo);
 }
 
+TEST(Convert, MasksSurviveTheWire) {
+  RigCalibration rig = SomeRig();
+  rig.left.mask = {{{{0.0F, 400.5F}, {751.0F, 380.0F}, {751.0F, 479.0F}}}, {{{1.0F, 2.0F}, {3.0F, 4.0F}}, true}};
+  const auto back = FromMessage(ToMessage(rig));
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->left.mask, rig.left.mask);
+  EXPECT_TRUE(back->right.mask.empty());
+}
+
+TEST(Convert, LargestMasksFitOneDatagram) {
+  // Triangles have the most bytes for their corners of what users draw; specks of one pixel are the worst of an image.
+  for (const size_t n_corners : {1U, 3U}) {
+    RigCalibration rig = SomeRig();
+    MaskPolygon polygon;
+    polygon.corners_px.assign(n_corners, {5.0F, 5.0F});
+    rig.left.mask.assign(kMaxMaskCorners / n_corners, polygon);
+    rig.right.mask = rig.left.mask;
+    EXPECT_LE(RigBytes(ToMessage(rig)).size(), 59'000U) << n_corners;
+    ASSERT_TRUE(FromMessage(ToMessage(rig)));
+    rig.right.mask.insert(rig.right.mask.end(), 3, polygon);
+    EXPECT_FALSE(FromMessage(ToMessage(rig))) << "more corners than a camera may have";
+  }
+}
+
 TEST(Convert, RigsThatCannotBeAreRefused) {
   const std::vector<std::function<void(camera_t&)>> faults = {
       [](camera_t& c) { c.kind = "mono"; },
@@ -137,6 +161,12 @@ TEST(Convert, RigsThatCannotBeAreRefused) {
       [](camera_t& c) { c.rate_hz = kNan; },
       [](camera_t& c) { c.kind = "rgbd"; },
       [](camera_t& c) { c.left.T_b_cam.q_wxyz[0] = 7.0; },
+      [](camera_t& c) {
+        c.left.mask = {{1, 1, {{0.0F, static_cast<float>(kNan)}}}};
+      },
+      [](camera_t& c) {
+        c.right.mask = {{0, 1, {{1e9F, 0.0F}}}};
+      },
   };
   for (size_t i = 0; i < faults.size(); ++i) {
     camera_t message = ToMessage(SomeRig());

@@ -305,6 +305,23 @@ TEST_F(RecordedLog, DamagedBytesArePassedOver) {
   }
 }
 
+TEST_F(RecordedLog, RigOfAnotherVersionIsSaid) {
+  std::vector<RawEvent> events = ReadAll(Record(Options()));
+  for (RawEvent& event : events) {
+    if (event.channel == kCamera.name) event.data[7] ^= 1;  // of LCM's fingerprint
+  }
+  const std::string path = folder_ / "other.lcm";
+  WriteAll(path, events);
+  try {
+    OpenLogDataset(path);
+    FAIL() << "accepted";
+  } catch (const DatasetError& error) {
+    EXPECT_NE(std::string(error.what()).find("other.lcm: its rig (channel CAMERA) is of another version of plslam"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(LogDataset, SaysWhatIsMissing) {
   const TemporaryFolder folder;
   const auto error_of = [](const std::string& path) -> std::string {

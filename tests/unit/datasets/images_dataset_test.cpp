@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <opencv2/core.hpp>
 
+#include "core/geometry/image_mask.h"
 #include "core/io/images/image_folder.h"
+#include "core/io/images/png_file.h"
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tests/unit/datasets/dataset_matchers.h"
 
@@ -101,6 +104,61 @@ right:
   EXPECT_DOUBLE_EQ(dataset->rig().baseline_m, 0.5);
   EXPECT_EQ(dataset->rig().left.model, "equidistant");
   EXPECT_EQ(dataset->rig().right.model, "pinhole");
+}
+
+/// Pixels that a camera leaves out.
+int LeftOut(const CameraCalibration& camera) {
+  const cv::Mat mask = DrawMask(camera);
+  return mask.empty() ? 0 : camera.width_px * camera.height_px - cv::countNonZero(mask);
+}
+
+TEST_F(ImagesDataset, MasksOfEachCamera) {
+  cv::Mat image(test::kTinyHeight_px, test::kTinyWidth_px, CV_8UC1, cv::Scalar(1));
+  image.rowRange(24, 32).setTo(0);
+  WritePng(At("bonnet.png"), image);
+  const std::string good = test::ReadText(camera_);
+  test::WriteText(camera_, good + "  mask: bonnet.png\n");
+  EXPECT_EQ(LeftOut(OpenImagesDataset(folder_.string())->rig().left), 8 * 48) << "0 is left out, all else in use";
+  EXPECT_EQ(LeftOut(OpenImagesDataset(folder_.string())->rig().right), 0) << "a mask is of one camera";
+  test::WriteText(
+      camera_,
+      good + "  mask_polygons: [[[0, 24], [47, 24], [47, 31], [0, 31]], [[0, 0], [9, 0], [9, 9], [0, 9]]]\n");
+  EXPECT_EQ(LeftOut(OpenImagesDataset(folder_.string())->rig().left), 8 * 48 + 100);
+  test::WriteText(camera_,
+                  good + "  borders_px: [1, 2, 3, 4]\nright:\n  mask: bonnet.png\n  borders_px: [0, 1, 0, 0]\n");
+  const auto dataset = OpenImagesDataset(folder_.string());
+  EXPECT_EQ(LeftOut(dataset->rig().left), 48 * 32 - 44 * 26);
+  EXPECT_EQ(LeftOut(dataset->rig().right), 9 * 48);
+  EXPECT_EQ(dataset->rig().right.model, "radtan") << "the lens of the left camera, about which nothing else is said";
+}
+
+TEST_F(ImagesDataset, BadMasksAreNamedWithTheirLine) {
+  const std::string good = test::ReadText(camera_);
+  WritePng(At("small.png"), cv::Mat(16, 16, CV_8UC1, cv::Scalar(255)));
+  WritePng(At("black.png"), cv::Mat(32, 48, CV_8UC1, cv::Scalar(0)));
+  struct Row {
+    const char* line;
+    const char* key;
+    const char* what;
+  };
+  for (const Row& row :
+       {Row{"mask: none.png", "mask", "none.png"},
+        Row{"mask: small.png", "mask", "small.png: has 16 x 16 pixels where 48 x 32 are expected"},
+        Row{"mask: black.png", "mask", "no pixel is left in use"}, Row{"mask: ../a.png", "mask", "leaves the folder"},
+        Row{"mask: camera.yaml", "mask", "camera.yaml"}, Row{"mask: [1]", "mask", "single value"},
+        Row{"mask_polygons: 3", "mask_polygons", "must be a list of polygons [[[x, y]"},
+        Row{"mask_polygons: [[0, 0], [1, 0], [1, 1]]", "mask_polygons", "polygon 1 has 2 corners"},
+        Row{"mask_polygons: [[[0, 0], [1, 0]]]", "mask_polygons", "polygon 1 has 2 corners, at least 3"},
+        Row{"mask_polygons: [[[0, 0], [1, 0], 3]]", "mask_polygons", "polygon 1, corner 3 is no pair [x, y]"},
+        Row{"mask_polygons: [[[0, 0], [1, nan], [1, 1]]]", "mask_polygons", "'nan' is not a finite number"},
+        Row{"mask_polygons: [[[0, 0], [1, 0], [1, 1000]]]", "mask_polygons",
+            "corner [1, 1000] is not within -48 to 96 and -32 to 64 pixels"},
+        Row{"borders_px: [0, 0, 0]", "borders_px", "has 3 numbers, not 4"},
+        Row{"borders_px: [0, 0, 0, -1]", "borders_px", "= -1 is not a whole number from 0 to 48"},
+        Row{"borders_px: [24, 0, 24, 0]", "borders_px", "no pixel is left in use"}}) {
+    test::WriteText(camera_, good + "  " + row.line + "\n");
+    EXPECT_THAT(OpenError(), AllOf(HasSubstr(At("camera.yaml") + ":9: " + row.key), HasSubstr(row.what))) << row.line;
+  }
 }
 
 TEST_F(ImagesDataset, UnpairedImageIsABadFrame) {

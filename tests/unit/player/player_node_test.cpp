@@ -18,6 +18,7 @@
 #include "core/bus/transport/encoded.h"
 #include "core/bus/transport/transport.h"
 #include "core/datasets/open_dataset.h"
+#include "core/io/images/png_file.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"
@@ -272,6 +273,25 @@ TEST_F(PlayerNodeTest, ResumePointThatIsNoneIsRefused) {
   options_.resume_after = "seven";
   bus::Process process("player", Loopback());
   EXPECT_THROW(PlayerNode(process, options_), std::runtime_error);
+}
+
+TEST_F(PlayerNodeTest, MasksOfTheOptionsAreInTheRigAndThoseThatDoNotFitAreRefused) {
+  cv::Mat image(test::kTinyHeight_px, test::kTinyWidth_px, CV_8UC1, cv::Scalar(255));
+  image.rowRange(20, 32).setTo(0);
+  options_.mask_right = (folder_.path() / "mask.png").string();
+  WritePng(options_.mask_right, image);
+  Reader reader(true);
+  {
+    Player player(options_);
+    ASSERT_TRUE(reader.WaitFor([&] { return !reader.rigs_.empty(); }));
+    EXPECT_EQ(reader.rigs_.front().left.n_mask, 0);
+    EXPECT_EQ(reader.rigs_.front().right.n_mask, 1);
+  }
+  WritePng(options_.mask_right, image.colRange(0, 20).clone());
+  bus::Process process("player", Loopback());
+  EXPECT_THAT([&] { PlayerNode(process, options_); },
+              testing::ThrowsMessage<DatasetError>(
+                  AllOf(HasSubstr("player.mask_right = " + options_.mask_right), HasSubstr("20 x 32"))));
 }
 
 TEST_F(PlayerNodeTest, MissingImageIsToldBeforeTheFirstFrame) {

@@ -101,12 +101,24 @@ TEST(RowErrors, ImagesThatAreShiftedByThreeRows) {
 
 TEST(RectifyPicture, ShowsBothImagesLinesAndPoints) {
   const cv::Mat left = Blobs();
-  const cv::Mat picture = DrawRectification(left, left, {{{100, 100}, {90, 100}}, {{50, 60}, {40, 63}}}, "caption");
+  const cv::Mat picture =
+      DrawRectification({left, {}}, {left, {}}, {{{100, 100}, {90, 100}}, {{50, 60}, {40, 63}}}, "caption");
   EXPECT_GT(picture.cols, 2 * left.cols);
   EXPECT_GT(picture.rows, left.rows);
   const auto circle = picture.at<cv::Vec3b>(100, 103);
   EXPECT_GT(circle[1], circle[0] + 80) << "the green circle of a good match";
-  EXPECT_EQ(DrawRectification(left, left, {}, "").cols, picture.cols);
+  EXPECT_EQ(DrawRectification({left, {}}, {left, {}}, {}, "").cols, picture.cols);
+}
+
+TEST(RectifyPicture, ShadesWhatIsLeftOut) {
+  const cv::Mat image = Blobs();
+  cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
+  mask.rowRange(200, 240).setTo(0);
+  const cv::Mat plain = DrawRectification({image, {}}, {image, {}}, {}, "");
+  const cv::Mat shaded = DrawRectification({image, {}}, {image, mask}, {}, "");
+  EXPECT_EQ(cv::norm(plain.colRange(0, 320), shaded.colRange(0, 320)), 0.0);
+  EXPECT_EQ(cv::norm(plain.rowRange(0, 200), shaded.rowRange(0, 200)), 0.0);
+  EXPECT_NE(plain.at<cv::Vec3b>(225, 400), shaded.at<cv::Vec3b>(225, 400));
 }
 
 }  // namespace

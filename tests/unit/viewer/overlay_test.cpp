@@ -38,6 +38,12 @@ TEST(Overlay, NothingTrackedLeavesTheImageAndAddsACaption) {
   EXPECT_NE(cv::norm(picture, DrawOverlay(Grey(), {}, "other")), 0.0);
 }
 
+TEST(Overlay, WhatTheMaskLeavesOutIsShaded) {
+  cv::Mat mask(120, 640, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(90, 120).setTo(0);
+  EXPECT_EQ(ColouredPixels(DrawOverlay(Grey(), {}, "caption", mask), {0, 0, 640, 120}), 30 * 640);
+}
+
 TEST(Overlay, NearPointsAreRedFarOnesBlueAndThoseWithoutDepthGrey) {
   const OverlayFeatures features{{{{20, 60}, 64.0F, 3}, {{60, 60}, 0.0F, 3}, {{100, 60}, -1.0F, 3}}, {}};
   const cv::Mat picture = DrawOverlay(Grey(), features, "");

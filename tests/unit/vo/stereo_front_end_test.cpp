@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include <opencv2/imgproc.hpp>
+
 namespace plslam {
 namespace {
 
@@ -31,6 +35,45 @@ TEST(StereoFrontEnd, BlackAndOverexposedImagesHaveNoFeatures) {
     const StereoFeatures features = front_end.Process(Uniform(320, 240, grey), timer);
     EXPECT_EQ(features.points.size() + features.lines.size(), 0U) << "grey " << grey;
   }
+}
+
+/// Texture that the right camera sees 12 px further to the left.
+StereoImages Textured(int width, int height) {
+  cv::Mat noise(height, width + 12, CV_8UC1);
+  cv::RNG(3).fill(noise, cv::RNG::UNIFORM, 0, 256);
+  cv::GaussianBlur(noise, noise, {0, 0}, 2.0);
+  cv::normalize(noise, noise, 0, 255, cv::NORM_MINMAX);
+  StereoImages images;
+  images.left = noise.colRange(0, width).clone();
+  images.right = noise.colRange(12, width + 12).clone();
+  return images;
+}
+
+MaskPolygon Rectangle(float x0, float y0, float x1, float y1) { return {{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}}; }
+
+TEST(StereoFrontEnd, MaskedPartsHaveNeitherFeaturesNorPartners) {
+  RigCalibration rig = Rig(320, 240);
+  StageTimer timer;
+  const StereoFeatures all = StereoFrontEnd(rig, VoOptions()).Process(Textured(320, 240), timer);
+  rig.left.mask = {Rectangle(0, 180, 319, 239)};
+  rig.right.mask = {Rectangle(0, 0, 100, 239)};
+  const StereoFeatures kept = StereoFrontEnd(rig, VoOptions()).Process(Textured(320, 240), timer);
+  size_t n_with_depth = 0;
+  for (const StereoPoint& point : kept.points) {
+    EXPECT_LT(point.left.px.y(), 180.0);
+    if (!point.HasDepth()) continue;
+    ++n_with_depth;
+    EXPECT_GT(point.left.px.x() - point.disparity_px, 100.0);
+  }
+  for (const StereoLine& line : kept.lines) {
+    EXPECT_LT(std::max(line.left.segment.p.y(), line.left.segment.q.y()), 180.0);
+  }
+  EXPECT_GT(n_with_depth, 50U);
+  EXPECT_LT(kept.points.size(), all.points.size());
+  const auto left_part = std::count_if(kept.points.begin(), kept.points.end(), [](const StereoPoint& point) {
+    return point.left.px.x() < 100.0 && !point.HasDepth();
+  });
+  EXPECT_GT(left_part, 20) << "a left feature needs no right partner";
 }
 
 TEST(StereoFrontEnd, ImagesOfAnotherSizeAreRefusedWithBothSizes) {

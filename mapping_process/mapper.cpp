@@ -145,6 +145,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
     *reason = fmt::format("keyframe {} of session {} came before", keyframe.keyframe_id, keyframe.session);
     return false;
   }
+  Withdraw(keyframe);
   MapKeyframe entry = Prepare(keyframe);
   Association association = tracker_.Claims(keyframe, map_);
   Join(keyframe, entry, association);
@@ -165,6 +166,20 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   next_keyframe_id_ = entry.id + 1;
   settled_ = false;
   return true;
+}
+
+/// What turned out to be of a moving body is no landmark. A landmark that many keyframes have seen stands, whatever a tracker
+/// says: a body would not have been where the map has it.
+void Mapper::Withdraw(const Keyframe& keyframe) {
+  constexpr size_t kBelievedSights = 8;
+  for (const int64_t id : tracker_.WithdrawnPoints(keyframe)) {
+    const MapPoint* const point = map_.FindPoint(id);
+    if (point != nullptr && point->sights.size() < kBelievedSights) map_.RemovePoint(id);
+  }
+  for (const int64_t id : tracker_.WithdrawnLines(keyframe)) {
+    const MapLine* const line = map_.FindLine(id);
+    if (line != nullptr && line->sights.size() < kBelievedSights) map_.RemoveLine(id);
+  }
 }
 
 void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {

@@ -100,6 +100,7 @@ class Mapper {
   void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
   bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
   void BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
+  void Withdraw(const Keyframe& keyframe);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
   BundleResult Adjusted(const MapBundle& window, const std::atomic<bool>* stop);
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);

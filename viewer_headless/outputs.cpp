@@ -86,7 +86,7 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
 
 std::string PosesCsv(const Recorder& recorder) {
   std::string text =
-      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames";
+      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,n_moving";
   for (const std::string& name : recorder.stage_names()) {
     text += ',';
     // Names come over the wire; a comma or quote in one must not shift the columns.
@@ -97,9 +97,9 @@ std::string PosesCsv(const Recorder& recorder) {
   const auto out = std::back_inserter(text);
   for (const auto& [frame_id, frame] : recorder.frames()) {
     const FrameCounts& n = frame.counts;
-    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{}", frame_id, SecondsText(frame.t_ns),
+    fmt::format_to(out, "{},{},{},{},{},{},{},{},{:.6g},{},{}", frame_id, SecondsText(frame.t_ns),
                    TrackingStateName(frame.state), n.points, n.lines, n.tracked_points, n.tracked_lines,
-                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames);
+                   frame.keyframe_id, frame.entropy_ratio, n.skipped_frames, n.moving);
     for (size_t i = 0; i < recorder.stage_names().size(); ++i) {
       text += ',';
       const bool known = i < frame.stages_ms.size() && std::isfinite(frame.stages_ms[i]);

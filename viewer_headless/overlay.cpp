@@ -15,6 +15,7 @@ constexpr float kNearDisparity_px = 64.0F;
 constexpr int kOldAge = 20;
 constexpr float kDash_px = 6.0F;
 const cv::Scalar kNoDepth(165, 165, 165);
+const cv::Scalar kMoving(255, 255, 255);
 const cv::Scalar kBar(32, 32, 32);
 const cv::Scalar kText(235, 235, 235);
 
@@ -61,13 +62,14 @@ void DrawSegment(const OverlaySegment& segment, cv::Mat& picture) {
     DrawDashed(picture, segment.p_px, segment.q_px, kNoDepth);
     return;
   }
-  cv::line(picture, Fixed(segment.p_px), Fixed(segment.q_px), AgeColour(segment.age), segment.age > 0 ? 3 : 2,
-           cv::LINE_AA, kShift);
+  const cv::Scalar colour = segment.moving ? kMoving : AgeColour(segment.age);
+  cv::line(picture, Fixed(segment.p_px), Fixed(segment.q_px), colour, segment.age > 0 ? 3 : 2, cv::LINE_AA, kShift);
 }
 
 void DrawPoint(const OverlayPoint& point, cv::Mat& picture) {
   if (!IsDrawable(point.px)) return;
-  const cv::Scalar colour = point.disparity_px < 0.0F ? kNoDepth : DisparityColour(point.disparity_px);
+  const cv::Scalar with_depth = point.moving ? kMoving : DisparityColour(point.disparity_px);
+  const cv::Scalar colour = point.disparity_px < 0.0F ? kNoDepth : with_depth;
   const int radius = (point.age > 0 ? 7 : 4) << (kShift - 1);
   cv::circle(picture, Fixed(point.px), radius, colour, point.age > 0 ? 2 : 1, cv::LINE_AA, kShift);
 }
@@ -87,6 +89,7 @@ void DrawKey(cv::Mat& picture, int y) {
   }
   PutText(picture, "old    no depth", {358, y});
   DrawDashed(picture, {474.0F, static_cast<float>(y) - 4.0F}, {520.0F, static_cast<float>(y) - 4.0F}, kNoDepth);
+  PutText(picture, "white: moves", {534, y});
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ struct OverlayPoint {
   cv::Point2f px;
   float disparity_px = -1.0F;  ///< < 0: no depth
   int age = 0;                 ///< frames its landmark has been seen in
+  bool moving = false;         ///< on a moving body
 };
 
 /// A tracked line segment of the rectified left image.
@@ -20,6 +21,7 @@ struct OverlaySegment {
   cv::Point2f q_px;
   bool has_depth = false;
   int age = 0;
+  bool moving = false;
 };
 
 struct OverlayFeatures {
@@ -29,7 +31,7 @@ struct OverlayFeatures {
 
 /// The image in grey with the features on it, and below it a bar with the caption and the key of the colours; 8-bit BGR.
 /// Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles coloured by
-/// disparity (red near, blue far), small ones with age 0, grey ones without depth. Features with coordinates that are
+/// disparity (red near, blue far; what is on a moving body is white), small ones with age 0, grey ones without depth. Features with coordinates that are
 /// not finite or far outside are left out. `image` is 8-bit grey. It is shaded where `mask` is 0: no features are taken there; an
 /// empty one is that of a camera that uses all.
 cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption,

@@ -20,6 +20,8 @@ struct FrameCounts {
   int32_t tracked_points = 0;
   int32_t tracked_lines = 0;
   int32_t skipped_frames = 0;
+  int32_t moving = 0;  ///< features on moving bodies, and bodies of the session so far
+  int32_t bodies = 0;
 };
 
 /// A pose as it comes from the tracker, as plain values. Frames: c rectified left camera.

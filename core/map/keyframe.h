@@ -8,6 +8,18 @@
 
 namespace plslam {
 
+/// A landmark that a keyframe has shown and that turned out to be of a moving body: its number in vo_process and, where known,
+/// in the map; -1 where there is none.
+struct Withdrawn {
+  int64_t landmark_id = -1;
+  int64_t map_id = -1;
+
+  template <class Archive, class Self>
+  static void Fields(Archive& a, Self& self) {
+    a(self.landmark_id, self.map_id);
+  }
+};
+
 /// What vo_process hands on of a keyframe; the content of `keyframe_t`.
 struct Keyframe {
   int64_t source = 0;   ///< publisher; set by the receiver
@@ -33,6 +45,8 @@ struct Keyframe {
   /// Landmark of the map that each feature was tracked as, or -1. As long as the features, or empty: none.
   std::vector<int64_t> point_map_ids;
   std::vector<int64_t> line_map_ids;
+  std::vector<Withdrawn> withdrawn_points;
+  std::vector<Withdrawn> withdrawn_lines;
 };
 
 }  // namespace plslam

@@ -41,6 +41,26 @@ struct FrameTally {
   bool operator==(const FrameTally&) const = default;
 };
 
+/// What was seen to move in a run, frame by frame.
+struct MovingTally {
+  int64_t bodies = 0;          ///< different ones
+  int64_t frames = 0;          ///< in which one was seen
+  double largest_share = 0.0;  ///< of a frame's features
+  int64_t first_frame = -1;
+  int64_t last_frame = -1;
+
+  void Add(int64_t frame_id, int64_t n_moving, int64_t n_features, int64_t n_bodies) {
+    bodies = std::max(bodies, n_bodies);
+    if (n_moving <= 0) return;
+    ++frames;
+    if (n_features > 0) {
+      largest_share = std::max(largest_share, static_cast<double>(n_moving) / static_cast<double>(n_features));
+    }
+    if (first_frame < 0) first_frame = frame_id;
+    last_frame = std::max(last_frame, frame_id);
+  }
+};
+
 /// How many frames the player has sent, and could not read, from what its status and the end of the stream say.
 class SentFrames {
  public:

@@ -30,10 +30,32 @@ std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const
 
 }  // namespace
 
-Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
+const TrackerLandmarks::Session& TrackerLandmarks::SessionOf(const Keyframe& keyframe) const {
   static const Session kNone;
   const auto known = sessions_.find(keyframe.session);
-  const Session& session = known == sessions_.end() ? kNone : known->second;
+  return known == sessions_.end() ? kNone : known->second;
+}
+
+std::vector<int64_t> TrackerLandmarks::InMap(const std::vector<Withdrawn>& withdrawn, const Table& table) {
+  std::vector<int64_t> map_ids;
+  for (const Withdrawn& landmark : withdrawn) {
+    for (const int64_t id : {landmark.map_id, table.Find(landmark.landmark_id)}) {
+      if (id >= 0) map_ids.push_back(id);
+    }
+  }
+  return map_ids;
+}
+
+std::vector<int64_t> TrackerLandmarks::WithdrawnPoints(const Keyframe& keyframe) const {
+  return InMap(keyframe.withdrawn_points, SessionOf(keyframe).points);
+}
+
+std::vector<int64_t> TrackerLandmarks::WithdrawnLines(const Keyframe& keyframe) const {
+  return InMap(keyframe.withdrawn_lines, SessionOf(keyframe).lines);
+}
+
+Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
+  const Session& session = SessionOf(keyframe);
   return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, keyframe.point_landmark_ids,
                               session.points, map),
           ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,

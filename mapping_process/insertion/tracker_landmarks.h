@@ -18,6 +18,10 @@ class TrackerLandmarks {
   /// Landmarks that the tracker was given by the map, whatever its own say.
   static Association Given(const Keyframe& keyframe, const Map& map);
 
+  /// Landmarks of the map that the keyframe takes back.
+  std::vector<int64_t> WithdrawnPoints(const Keyframe& keyframe) const;
+  std::vector<int64_t> WithdrawnLines(const Keyframe& keyframe) const;
+
   /// Remembers which landmarks the features of a keyframe turned out to show, and forgets what was not seen for long.
   void Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown);
 
@@ -65,6 +69,8 @@ class TrackerLandmarks {
       a(self.points, self.lines, self.learned);
     }
   };
+  static std::vector<int64_t> InMap(const std::vector<Withdrawn>& withdrawn, const Table& table);
+  const Session& SessionOf(const Keyframe& keyframe) const;
   void ForgetSessions();
 
   /// Several robots may be at work at once.

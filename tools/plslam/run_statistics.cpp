@@ -18,6 +18,7 @@ void RunStatistics::AddFrame(const FrameReport& frame) {
   }
   newest_frame_id_ = frame.frame_id;
   newest_t_ns_ = frame.t_ns;
+  moving_.Add(frame.frame_id, frame.moving, frame.features, frame.bodies);
   frames_.Count(frame.state, frame.keyframe_id);
 }
 

@@ -22,6 +22,9 @@ struct FrameReport {
   int tracked_points = 0;
   int tracked_lines = 0;
   int skipped_frames = 0;
+  int features = 0;
+  int moving = 0;  ///< features on moving bodies, and bodies of the session so far
+  int bodies = 0;
   std::vector<std::pair<std::string, double>> stage_ms;
 };
 
@@ -33,6 +36,7 @@ class RunStatistics {
 
   /// Frames with a pose message, and those that these say were skipped; one that a restarted tracker does again counts once.
   const FrameTally& frames() const { return frames_; }
+  const MovingTally& moving() const { return moving_; }
   int64_t keyframes() const { return keyframes_; }
   int64_t landmark_points() const { return points_.count(); }
   int64_t landmark_lines() const { return lines_.count(); }
@@ -45,6 +49,7 @@ class RunStatistics {
 
  private:
   FrameTally frames_;
+  MovingTally moving_;
   int64_t keyframes_ = 0;
   int64_t newest_frame_id_ = -1;
   int64_t newest_t_ns_ = 0;

@@ -79,6 +79,14 @@ json WarningsToJson(const std::vector<RunWarning>& warnings) {
   return result;
 }
 
+json MovingToJson(const MovingTally& moving) {
+  return {{"bodies", moving.bodies},
+          {"frames", moving.frames},
+          {"largest_percent", Rounded(100.0 * moving.largest_share, 0.1)},
+          {"first_frame", moving.first_frame},
+          {"last_frame", moving.last_frame}};
+}
+
 json DataToJson(const RunCounters& counters) {
   return {{"points_seen", counters.Sum(kPointsSeen)},
           {"points_matched", counters.Sum(kPointsMatched)},
@@ -102,6 +110,13 @@ std::string FramesToText(const json& s) {
     if (n > 0) text += fmt::format(", {} {}", n, std::string_view(part) == "bad" ? "unreadable" : part);
   }
   return text;
+}
+
+/// "2 objects, up to 38.0 % of the features, frames 40 to 75".
+std::string MovingToText(const json& moving) {
+  return fmt::format("{}, up to {:.1f} % of the features, frames {} to {}",
+                     Counted(moving["bodies"].get<int64_t>(), "object"), moving["largest_percent"].get<double>(),
+                     moving["first_frame"].get<int64_t>(), moving["last_frame"].get<int64_t>());
 }
 
 std::string SpeedToText(const json& s) {
@@ -269,6 +284,7 @@ json SummaryToJson(const RunSummary& summary) {
           {"all_frames", frames.all()},
           {"tracked_percent", frames.tracked_percent() ? json(*frames.tracked_percent()) : json(nullptr)},
           {"data", DataToJson(summary.counters)},
+          {"moving_objects", MovingToJson(s.moving())},
           {"keyframes", s.keyframes()},
           {"landmarks", LandmarksToJson(summary)},
           {"map", MapToJson(summary)},
@@ -295,6 +311,8 @@ std::string SummaryToText(const json& s, bool verbose) {
   text += Line("frames", FramesToText(s));
   text += Line("accuracy", AccuracyToText(s, verbose));
   if (s["path_m"].is_number()) text += Line("path", NumberText(s["path_m"], 2) + " m");
+  const json& moving = s["moving_objects"];
+  if (moving["frames"] > 0) text += Line("moving", MovingToText(moving));
   text += Line("speed", SpeedToText(s));
   text += Line("map", MapToText(s, verbose));
   if (const std::string restarts = RestartsToText(s["processes"]); !restarts.empty())

@@ -21,7 +21,7 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
                  .keyframe_id = message.keyframe_id,
                  .entropy_ratio = message.entropy_ratio,
                  .counts = {message.n_points, message.n_lines, message.n_tracked_points, message.n_tracked_lines,
-                            message.n_skipped_frames},
+                            message.n_skipped_frames, message.n_moving, message.n_bodies},
                  .stages_ms = {}};
   for (const stage_t& stage : message.stages) pose.stages_ms.emplace_back(stage.name, stage.ms);
   return pose;
@@ -29,9 +29,9 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
 
 OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
   OverlayFeatures features;
-  for (const track_point_t& p : message.points) features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age});
+  for (const track_point_t& p : message.points) features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age, p.body >= 0});
   for (const track_line_t& l : message.lines) {
-    features.segments.push_back({{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age});
+    features.segments.push_back({{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age, l.body >= 0});
   }
   return features;
 }

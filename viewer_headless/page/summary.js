@@ -37,6 +37,8 @@ function figures(run) {
     f.ate_m != null && ["Error (ATE)", metres(f.ate_m), `${metres(f.live_ate_m)} as published`],
     f.points > 0 && ["Map", count(f.points), `points, ${count(f.lines)} segments`],
     f.points > 0 && ["Loops", count(f.loops), f.loops ? "closed" : "none found"],
+    f.moving?.bodies > 0 && ["Moving objects", count(f.moving.bodies), `up to ${fixed(f.moving.percent, 0)} % of the ` +
+      `features, frames ${f.moving.first_frame} to ${f.moving.last_frame}`],
     ["Odometry", `${fixed(totalStage(run), 1)} ms`, "a frame, median"],
   ].filter(Boolean);
 }

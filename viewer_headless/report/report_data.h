@@ -22,6 +22,7 @@ struct RunFacts {
   int64_t announced_frames = -1;  ///< -1: unknown
   std::optional<StereoCamera> camera;
   FrameTally frames;
+  MovingTally moving;
   int64_t keyframes = 0;
   int64_t points = 0;  ///< landmarks of the map
   int64_t lines = 0;

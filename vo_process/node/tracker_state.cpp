@@ -15,7 +15,8 @@ namespace archive {
 template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
   a(k.session, k.t_ns, k.keyframe_id, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance, k.T_odom_kf,
-    k.state, k.lockstep, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids, k.line_map_ids);
+    k.state, k.lockstep, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids, k.line_map_ids,
+    k.withdrawn_points, k.withdrawn_lines);
 }
 
 template <class Archive, Is<TrackerState> T>
@@ -30,7 +31,7 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 5, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 6, "state of a tracker", Checksum::kPoly1305};
 
 /// How often one state is gone on with. Maybe the state is what kills trackers.
 constexpr int kMaxRestored = 5;

@@ -26,6 +26,8 @@ pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const st
   message.n_lines = static_cast<int32_t>(result.features.lines.size());
   message.n_tracked_points = result.n_tracked_points;
   message.n_tracked_lines = result.n_tracked_lines;
+  message.n_moving = result.n_moving;
+  message.n_bodies = result.n_bodies;
   message.n_skipped_frames = 0;
   for (const StageTime& stage : stages) {
     stage_t& time = message.stages.emplace_back();
@@ -45,6 +47,7 @@ tracks_t ToTracksMessage(const OdometryResult& result) {
     track.v_px = static_cast<float>(point.left.px.y());
     track.disparity_px = static_cast<float>(point.disparity_px);
     track.age = result.point_tracks[i].age;
+    track.body = static_cast<int8_t>(result.point_tracks[i].body);
   }
   for (size_t i = 0; i < result.features.lines.size(); ++i) {
     const StereoLine& line = result.features.lines[i];
@@ -53,6 +56,7 @@ tracks_t ToTracksMessage(const OdometryResult& result) {
     CopyPixel(line.left.segment.q, track.q_px);
     track.has_depth = line.HasDepth() ? 1 : 0;
     track.age = result.line_tracks[i].age;
+    track.body = static_cast<int8_t>(result.line_tracks[i].body);
   }
   message.n_points = static_cast<int32_t>(message.points.size());
   message.n_lines = static_cast<int32_t>(message.lines.size());
@@ -84,6 +88,8 @@ Keyframe ToKeyframe(const OdometryResult& result) {
   keyframe.line_landmark_ids = TrackedLandmarkIds(content.line_tracks);
   keyframe.point_map_ids = MapIds(content.point_tracks);
   keyframe.line_map_ids = MapIds(content.line_tracks);
+  keyframe.withdrawn_points = result.keyframe->withdrawn_points;
+  keyframe.withdrawn_lines = result.keyframe->withdrawn_lines;
   return keyframe;
 }
 

@@ -34,6 +34,8 @@ constexpr int kSurroundedTimes = 3;
 // Frames out of sight after which what is near by founds landmarks of the world again, and after which a body is forgotten.
 constexpr int kGuardedFrames = 5;
 constexpr int kMaxUnseenFrames = 10;
+// In how many frames a body must be found to be told of.
+constexpr int kMetFrames = 3;
 constexpr int kStandingFrames = 10;
 // What would move less than this in the image, had it moved with the camera, does not show whether it stands.
 constexpr double kShownMotion_px = 2.0;
@@ -255,6 +257,7 @@ void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims
       body.motion.Observe(body.T_b_c.Inverse() * found->T_odom_c, dt_s, found->covariance);
       body.T_b_c = found->T_odom_c;
       body.unseen_frames = 0;
+      if (++body.found_frames == kMetFrames) ++n_met_;
       matches_[k] = rest.InWhole(found->matches);
       Mark(matches_[k].points, claims.points);
       Mark(matches_[k].lines, claims.lines);
@@ -404,6 +407,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   body.motion.Forget();
   body.motion.Observe(T_odom_prev.Inverse() * body.T_b_c, dt_s,
                       first_is_world ? second->alignment.covariance : found.covariance);
+  body.found_frames = 1;
   body.unseen_frames = 0;
   body.standing_frames = 0;
   T_b_prev_[k] = T_odom_prev;
@@ -550,14 +554,36 @@ void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, Lo
 }
 
 void MovingBodies::Own(const LocalLandmarks& landmarks) {
-  for (const PointLandmark& landmark : landmarks.points.landmarks()) {
-    owned_points_.Add(landmark.id);
-    owned_points_.AddOfMap(landmark.map_id);
-  }
-  for (const LineLandmark& landmark : landmarks.lines.landmarks()) {
-    owned_lines_.Add(landmark.id);
-    owned_lines_.AddOfMap(landmark.map_id);
-  }
+  for (const PointLandmark& landmark : landmarks.points.landmarks()) owned_points_.Add(landmark.id, landmark.map_id);
+  for (const LineLandmark& landmark : landmarks.lines.landmarks()) owned_lines_.Add(landmark.id, landmark.map_id);
+}
+
+int MovingBodies::CountFeatures(const TrackedFrame& frame) const {
+  const auto is_on_body = [this](const FeatureTrack& track) {
+    return !track.IsOfWorld() && bodies_[track.body].found_frames >= kMetFrames;
+  };
+  return static_cast<int>(std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), is_on_body) +
+                          std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), is_on_body));
+}
+
+namespace {
+
+template <class Landmark>
+void LeaveOutOwned(OwnedIds& owned, std::vector<Adopted<Landmark>>& adopted) {
+  std::erase_if(adopted, [&owned](const Adopted<Landmark>& entry) {
+    const auto& ids = entry.tracker_ids;
+    const auto on_body = std::find_if(ids.begin(), ids.end(), [&owned](int64_t id) { return owned.Has(id); });
+    const bool is_owned = on_body != ids.end() || owned.HasOfMap(entry.landmark->id);
+    if (on_body != ids.end()) owned.Add(*on_body, entry.landmark->id);
+    return is_owned;
+  });
+}
+
+}  // namespace
+
+void MovingBodies::LeaveOut(MapPatch& patch) {
+  LeaveOutOwned(owned_points_, patch.points);
+  LeaveOutOwned(owned_lines_, patch.lines);
 }
 
 }  // namespace plslam

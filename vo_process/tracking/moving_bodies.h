@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/map/keyframe.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/local_landmarks.h"
+#include "vo_process/tracking/map_patch.h"
 #include "vo_process/tracking/motion_model.h"
 
 namespace plslam {
@@ -25,37 +28,48 @@ struct Body {
   LocalLandmarks landmarks;
   SE3 T_b_c;
   MotionModel motion;
-  /// Frames since it was seen last, and for how many it has stood while the camera moved.
+  /// Frames it was found in, those since it was seen last, and for how many it has stood while the camera moved.
+  int found_frames = 0;
   int unseen_frames = 0;
   int standing_frames = 0;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.id, self.landmarks, self.T_b_c, self.motion, self.unseen_frames, self.standing_frames);
+    a(self.id, self.landmarks, self.T_b_c, self.motion, self.found_frames, self.unseen_frames, self.standing_frames);
   }
 };
 
 /// Landmarks that bodies have taken: their numbers in the tracker and, where known, in the map.
 class OwnedIds {
  public:
-  void Add(int64_t id) { Insert(id, ids_); }
-  void AddOfMap(int64_t map_id) { Insert(map_id, map_ids_); }
+  void Add(int64_t id, int64_t map_id) {
+    const bool is_new = Insert(id, ids_);
+    if (Insert(map_id, map_ids_) || is_new) new_.push_back({id, map_id});
+  }
   void Remove(int64_t id, int64_t map_id) {
     Erase(id, ids_);
     Erase(map_id, map_ids_);
   }
   bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
+  /// Those added since this was asked last.
+  std::vector<Withdrawn> TakeNew() { return std::exchange(new_, {}); }
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.ids_, self.map_ids_);
+    a(self.ids_, self.map_ids_, self.new_);
   }
 
  private:
-  static void Insert(int64_t id, std::vector<int64_t>& ids) {
+  // The oldest give way: the tracker has long dropped them.
+  static constexpr size_t kMaxIds = 20'000;
+
+  static bool Insert(int64_t id, std::vector<int64_t>& ids) {
     const auto place = std::lower_bound(ids.begin(), ids.end(), id);
-    if (id >= 0 && (place == ids.end() || *place != id)) ids.insert(place, id);
+    if (id < 0 || (place != ids.end() && *place == id)) return false;
+    ids.insert(place, id);
+    if (ids.size() > kMaxIds) ids.erase(ids.begin());
+    return true;
   }
   static void Erase(int64_t id, std::vector<int64_t>& ids) {
     const auto place = std::lower_bound(ids.begin(), ids.end(), id);
@@ -65,6 +79,7 @@ class OwnedIds {
   /// Ascending.
   std::vector<int64_t> ids_;
   std::vector<int64_t> map_ids_;
+  std::vector<Withdrawn> new_;
 };
 
 /// The bodies in view, up to three.
@@ -90,18 +105,21 @@ class MovingBodies {
 
   const std::vector<Body>& bodies() const { return bodies_; }
 
-  /// Numbers of all landmarks that bodies have taken.
-  const OwnedIds& owned_points() const { return owned_points_; }
-  const OwnedIds& owned_lines() const { return owned_lines_; }
+  /// Bodies that the session has met so far, and features of the frame that are on one.
+  int64_t n_met() const { return n_met_; }
+  int CountFeatures(const TrackedFrame& frame) const;
 
-  /// A landmark of the map has turned out to be one of them.
-  void OwnMapPoint(int64_t map_id) { owned_points_.AddOfMap(map_id); }
-  void OwnMapLine(int64_t map_id) { owned_lines_.AddOfMap(map_id); }
+  /// Leaves out of what the map tells the landmarks that are on bodies; the map has them from before that was known.
+  void LeaveOut(MapPatch& patch);
+
+  /// Landmarks that bodies have taken since this was asked last.
+  std::vector<Withdrawn> TakeWithdrawnPoints() { return owned_points_.TakeNew(); }
+  std::vector<Withdrawn> TakeWithdrawnLines() { return owned_lines_.TakeNew(); }
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     for (auto& body : self.bodies_) a(body);
-    a(self.next_body_id_, self.owned_points_, self.owned_lines_);
+    a(self.next_body_id_, self.n_met_, self.owned_points_, self.owned_lines_);
   }
 
  private:
@@ -141,6 +159,7 @@ class MovingBodies {
   std::vector<FrameMatches> matches_;
   std::vector<SE3> T_b_prev_;
   int64_t next_body_id_ = 0;
+  int64_t n_met_ = 0;
   OwnedIds owned_points_;
   OwnedIds owned_lines_;
 };

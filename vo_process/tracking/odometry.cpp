@@ -50,12 +50,6 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   return camera.Depth(*middle);
 }
 
-int CountMoving(const TrackedFrame& frame) {
-  const auto moves = [](const FeatureTrack& track) { return !track.IsOfWorld(); };
-  return static_cast<int>(std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), moves) +
-                          std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), moves));
-}
-
 // What a keyframe says of a frame: bodies are left out, so that they come into no map.
 KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
   KeyframeContent content;
@@ -156,10 +150,13 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   if (result.keyframe) {
     KeyframeContent& content = result.keyframe->content;
     content = ContentOfWorld(frame);
+    result.keyframe->withdrawn_points = bodies_.TakeWithdrawnPoints();
+    result.keyframe->withdrawn_lines = bodies_.TakeWithdrawnLines();
     if (means) content = keyframe_measurements_.Take(landmarks_, std::move(content));
     keyframe_log_.Add(result.keyframe->id, TrackedLandmarkIds(content.point_tracks),
                       TrackedLandmarkIds(content.line_tracks));
   }
+  result.n_bodies = static_cast<int>(bodies_.n_met());
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
@@ -248,7 +245,7 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   }
   T_odom_c_ = alignment.T_odom_c;
   result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
-  result.n_moving = CountMoving(frame);
+  result.n_moving = bodies_.CountFeatures(frame);
   LearnMotion(tracked, dt_s, covariance_before, result);
   ChooseKeyframe(tracked, frame, result);
 }
@@ -357,8 +354,9 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
 // How odometry takes over what the map knows, and how a camera goes on in a map that it was found in.
 
 bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
-  const auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
+  auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
   if (!patch) return false;
+  bodies_.LeaveOut(*patch);
   T_w_odom_ = patch->T_w_odom;
   is_in_map_ = true;
   const bool keep_own = options_.map.landmarks == "unknown";
@@ -387,15 +385,17 @@ bool Odometry::AdoptAround(const Map& map) {
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto best = std::max_element(counts.begin(), counts.end(), fewer);
   if (dormant_ || best == counts.end()) return false;
-  const auto patch = PatchAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
+  auto patch = PatchAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
   if (!patch) return false;
+  bodies_.LeaveOut(*patch);
   landmarks_.Adopt(*patch, false);
   return true;
 }
 
 bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
-  const auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
+  auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
   if (!patch) return false;
+  bodies_.LeaveOut(*patch);
   relocalised_ = Relocalised{LocalLandmarks(camera_, options_), T_w_odom};
   LocalLandmarks& landmarks = relocalised_->landmarks;
   landmarks.NumberBehind(landmarks_);

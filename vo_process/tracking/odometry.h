@@ -28,6 +28,9 @@ struct KeyframeStep {
   Matrix6d covariance = Matrix6d::Zero();
   /// What the frames since the last keyframe saw, as seen from this one, and the landmarks it belongs to.
   KeyframeContent content;
+  /// Landmarks that keyframes before this one have shown and that turned out to be of a moving body.
+  std::vector<Withdrawn> withdrawn_points;
+  std::vector<Withdrawn> withdrawn_lines;
 };
 
 /// What odometry says of a frame.
@@ -46,8 +49,9 @@ struct OdometryResult {
   std::optional<KeyframeStep> keyframe;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
-  /// Features on moving bodies.
+  /// Features on moving bodies, and bodies met so far.
   int n_moving = 0;
+  int n_bodies = 0;
   /// The frame's features with the landmarks they belong to.
   StereoFeatures features;
   std::vector<FeatureTrack> point_tracks;

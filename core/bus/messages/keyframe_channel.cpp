@@ -29,6 +29,13 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   return page;
 }
 
+withdrawn_t ToMessage(const Withdrawn& landmark) {
+  withdrawn_t message;
+  message.landmark_id = landmark.landmark_id;
+  message.map_id = landmark.map_id;
+  return message;
+}
+
 bool AsMany(const std::vector<int64_t>& ids, const std::vector<int64_t>& map_ids, size_t n) {
   return ids.size() == n && (map_ids.empty() || map_ids.size() == n);
 }
@@ -62,6 +69,12 @@ bool SameHead(const keyframe_t& page, const Keyframe& keyframe) {
   return page.keyframe_id == keyframe.keyframe_id && page.header.session == keyframe.session;
 }
 
+bool Append(const std::vector<withdrawn_t>& messages, std::vector<Withdrawn>& withdrawn) {
+  if (withdrawn.size() + messages.size() > kMaxFeatures) return false;
+  for (const withdrawn_t& message : messages) withdrawn.push_back({message.landmark_id, message.map_id});
+  return true;
+}
+
 bool Append(const keyframe_t& page, Keyframe& keyframe) {
   StereoFeatures& features = keyframe.features;
   if (features.points.size() + page.points.size() > kMaxFeatures) return false;
@@ -80,7 +93,7 @@ bool Append(const keyframe_t& page, Keyframe& keyframe) {
     keyframe.line_landmark_ids.push_back(message.landmark_id);
     keyframe.line_map_ids.push_back(message.map_id);
   }
-  return true;
+  return Append(page.withdrawn_points, keyframe.withdrawn_points) && Append(page.withdrawn_lines, keyframe.withdrawn_lines);
 }
 
 }  // namespace
@@ -107,6 +120,18 @@ std::vector<keyframe_t> CutIntoPages(const Keyframe& keyframe, int64_t page_byte
     keyframe_t& page = pager.PageFor(line._getEncodedSizeNoHash());
     page.lines.push_back(line);
     ++page.n_lines;
+  }
+  for (const Withdrawn& landmark : keyframe.withdrawn_points) {
+    const withdrawn_t withdrawn = ToMessage(landmark);
+    keyframe_t& page = pager.PageFor(withdrawn._getEncodedSizeNoHash());
+    page.withdrawn_points.push_back(withdrawn);
+    ++page.n_withdrawn_points;
+  }
+  for (const Withdrawn& landmark : keyframe.withdrawn_lines) {
+    const withdrawn_t withdrawn = ToMessage(landmark);
+    keyframe_t& page = pager.PageFor(withdrawn._getEncodedSizeNoHash());
+    page.withdrawn_lines.push_back(withdrawn);
+    ++page.n_withdrawn_lines;
   }
   return pager.Finish();
 }

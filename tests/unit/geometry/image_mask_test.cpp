@@ -138,7 +138,6 @@ TEST(ImageMask, IsWarpedAsTheImage) {
   rig.right.mask = {{{{100.0F, 479.0F}, {380.0F, 200.5F}, {700.0F, 479.0F}}}};
   ExpectWarped(rig);
   EXPECT_TRUE(Rectifier(rig).left_mask().empty());
-  EXPECT_TRUE(Rectifier(rig, Rectifier::Sides::kLeft).left_mask().empty());
 }
 
 TEST(ImageMask, OfARectifiedPairPassesThrough) {

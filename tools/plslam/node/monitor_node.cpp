@@ -36,6 +36,9 @@ FrameReport FromMessage(const pose_t& message) {
   report.tracked_points = message.n_tracked_points;
   report.tracked_lines = message.n_tracked_lines;
   report.skipped_frames = message.n_skipped_frames;
+  report.features = message.n_points + message.n_lines;
+  report.moving = message.n_moving;
+  report.bodies = message.n_bodies;
   for (const stage_t& stage : message.stages) report.stage_ms.emplace_back(stage.name, stage.ms);
   return report;
 }

@@ -1,0 +1,156 @@
+#include "vo_process/tracking/moving_bodies.h"
+
+#include <algorithm>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/feature_world.h"
+#include "tests/unit/vo/feature_path.h"
+#include "vo_process/tracking/odometry.h"
+
+namespace plslam {
+namespace {
+
+using test::FeatureWorld;
+using test::kFrame_ns;
+using test::PathAt;
+
+constexpr double kNoise_px = 0.3;
+
+/// A box full of points, 1.6 x 1.2 x 0.5 m around its origin.
+FeatureWorld Box(int points, uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> unit(-0.5, 0.5);
+  std::vector<FeatureWorld::Point> all;
+  for (int i = 0; i < points; ++i) {
+    const Eigen::Vector3d p(1.6 * unit(generator), 1.2 * unit(generator), 0.5 * unit(generator));
+    all.push_back({p, {generator(), generator(), generator(), generator()}});
+  }
+  return {std::move(all), {}, 100.0};
+}
+
+/// Points and lines of the world, and a box in front of them whose features come last.
+struct Scene {
+  FeatureWorld world{{250, 40}, 3};
+  FeatureWorld box = Box(150, 4);
+
+  /// `T_w_b`: pose of the box; null: it is not there.
+  StereoFeatures See(const SE3& T_w_c, const SE3* T_w_b, int frame) {
+    const auto seed = static_cast<uint64_t>(frame);
+    StereoFeatures features = world.Observe(T_w_c, kNoise_px, seed);
+    n_world_points = features.points.size();
+    if (T_w_b == nullptr) return features;
+    const StereoFeatures on_box = box.Observe(T_w_b->Inverse() * T_w_c, kNoise_px, seed + 1000);
+    features.points.insert(features.points.end(), on_box.points.begin(), on_box.points.end());
+    return features;
+  }
+
+  size_t n_world_points = 0;
+};
+
+struct Shares {
+  double of_box = 0.0;    ///< share of the box's features that are named its
+  double of_world = 0.0;  ///< share of the world's that are
+};
+
+Shares NamedOnBody(const OdometryResult& result, size_t n_world_points) {
+  const auto on_body = [](const FeatureTrack& track) { return !track.IsOfWorld(); };
+  const auto middle = result.point_tracks.begin() + static_cast<std::ptrdiff_t>(n_world_points);
+  const auto share = [&](auto begin, auto end) {
+    return begin == end ? 0.0 : static_cast<double>(std::count_if(begin, end, on_body)) / static_cast<double>(end - begin);
+  };
+  return {share(middle, result.point_tracks.end()), share(result.point_tracks.begin(), middle)};
+}
+
+double PositionError(const OdometryResult& result, int frame) {
+  return (result.T_odom_c.translation() - (PathAt(0).Inverse() * PathAt(frame)).translation()).norm();
+}
+
+/// 3 m ahead of where the camera starts, `metres` to the right.
+SE3 AheadBy(double metres) { return PathAt(0) * SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(metres, 0.1, 3.0)); }
+
+TEST(MovingBodies, NothingMovesInAWorldThatStands) {
+  Scene scene;
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 40; ++i) {
+    const SE3 T_w_b = AheadBy(0.0);
+    const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+    ASSERT_EQ(result.state, TrackingState::kTracking);
+    ASSERT_EQ(result.n_moving, 0) << "frame " << i;
+    ASSERT_EQ(result.n_bodies, 0) << "frame " << i;
+  }
+}
+
+TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
+  Scene scene;
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 50; ++i) {
+    const SE3 T_w_b = AheadBy(-3.0 + 0.1 * i);  // 2 m/s
+    const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+    EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.02) << "frame " << i;
+    if (i < 25 || i > 35) continue;
+    const Shares named = NamedOnBody(result, scene.n_world_points);
+    EXPECT_GT(named.of_box, 0.9) << "frame " << i;
+    EXPECT_LT(named.of_world, 0.1) << "frame " << i;
+    EXPECT_EQ(result.n_bodies, 1);
+    EXPECT_GT(result.n_moving, 100);
+  }
+}
+
+TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {
+  Scene scene;
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  size_t withdrawn = 0;
+  for (int i = 0; i < 60; ++i) {
+    // It stands in the first keyframe, and moves on after ten frames.
+    const SE3 T_w_b = AheadBy(0.1 * std::max(0, i - 10));
+    const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
+    if (!result.keyframe) continue;
+    for (const FeatureTrack& track : result.keyframe->content.point_tracks) ASSERT_TRUE(track.IsOfWorld());
+    withdrawn += result.keyframe->withdrawn_points.size();
+  }
+  EXPECT_GT(withdrawn, 80U);
+}
+
+TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
+  // From the first frame on a box that moves with the camera has most of the features, in a small part of the image.
+  Scene scene{{{90, 15}, 3}, Box(400, 4)};
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  const SE3 T_c_b(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.0, 0.0, 2.5));
+  const auto path = [](int frame) {
+    return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.06 * frame, 0.0, 0.01 * frame));
+  };
+  for (int i = 0; i < 30; ++i) {
+    const SE3 T_w_b = path(i) * T_c_b;
+    const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(path(i), &T_w_b, i));
+    if (i == 1) EXPECT_EQ(result.state, TrackingState::kWeak) << "only geometry says which is the world";
+    if (i > 1) EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    EXPECT_LT((result.T_odom_c.translation() - path(i).translation()).norm(), 0.02) << "frame " << i;
+  }
+}
+
+TEST(MovingBodies, OneThatStandsForAWhileIsTheWorldAgain) {
+  Scene scene;
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  const auto path = [](int frame) {
+    return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.03 * frame, 0.0, 0.0));
+  };
+  int moving_at_20 = 0;
+  int moving_at_end = 0;
+  for (int i = 0; i < 60; ++i) {
+    const SE3 T_w_b = AheadBy(-2.0 + 0.1 * std::min(i, 25));
+    const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(path(i), &T_w_b, i));
+    EXPECT_LT((result.T_odom_c.translation() - path(i).translation()).norm(), 0.02) << "frame " << i;
+    if (i == 22) moving_at_20 = result.n_moving;
+    moving_at_end = result.n_moving;
+  }
+  EXPECT_GT(moving_at_20, 80);
+  EXPECT_EQ(moving_at_end, 0);
+}
+
+}  // namespace
+}  // namespace plslam

@@ -18,6 +18,9 @@ class FeatureMask {
 
   bool IsOutside(const Eigen::Vector2d& px) const;
 
+  /// CV_8UC1, 0 where features are outside; empty where none are.
+  const cv::Mat& inside() const { return inside_; }
+
  private:
   cv::Mat inside_;
 };

@@ -22,8 +22,10 @@ class FeatureExtractor {
   FeatureExtractor(FeatureExtractor&&) noexcept;
   FeatureExtractor& operator=(FeatureExtractor&&) noexcept;
 
-  /// `run_both` may do points and lines at the same time.
-  ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn);
+  /// `run_both` may do points and lines at the same time. Where `allowed` (of the size of the image, or empty) is 0 no points are
+  /// taken; lines are, as they may reach out of there.
+  ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn,
+                        const cv::Mat& allowed = cv::Mat());
 
  private:
   struct Impl;

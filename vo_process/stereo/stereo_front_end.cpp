@@ -12,9 +12,10 @@ namespace {
 constexpr double kUnknownRowTolerance_px = 4.0;
 constexpr double kUnknownRowSigma_px = 2.0;
 
-ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask,
-                            const RunBoth& run_both = RunInTurn) {
-  ImageFeatures features = extractor.Extract(image, run_both);
+/// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost nothing.
+ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const CameraCalibration& camera,
+                            const FeatureMask& mask, const RunBoth& run_both = RunInTurn) {
+  ImageFeatures features = extractor.Extract(image, run_both, camera.mask.empty() ? cv::Mat() : mask.inside());
   mask.RemoveOutside(features);
   return features;
 }
@@ -70,11 +71,11 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
     worker_.RunBoth(
         [&] {
           left = rectifier_.RectifyLeft(images.left);
-          left_features = ExtractInside(left_extractor_, left, left_mask_);
+          left_features = ExtractInside(left_extractor_, left, rig_.left, left_mask_);
         },
         [&] {
           right = rectifier_.RectifyRight(images.right);
-          right_features = ExtractInside(right_extractor_, right, right_mask_);
+          right_features = ExtractInside(right_extractor_, right, rig_.right, right_mask_);
         });
   });
   return timer.Time("stereo", [&] {
@@ -92,7 +93,7 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
   timer.Time("features", [&] {
     worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
                     [&] { depth = rectifier_.RectifyDepth(images.right); });
-    features = ExtractInside(left_extractor_, left, left_mask_, OnBothThreads());
+    features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, OnBothThreads());
   });
   return timer.Time("stereo", [&] {
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);

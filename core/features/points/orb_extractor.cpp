@@ -24,18 +24,30 @@ std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
   return quotas;
 }
 
+bool IsAllowed(const cv::Mat& allowed, const Eigen::Vector2d& px) {
+  const int u = std::clamp(static_cast<int>(std::lround(px.x())), 0, allowed.cols - 1);
+  const int v = std::clamp(static_cast<int>(std::lround(px.y())), 0, allowed.rows - 1);
+  return allowed.at<uint8_t>(v, u) != 0;
+}
+
 }  // namespace
 
-std::vector<Corner> OrbExtractor::FindCorners(const cv::Mat& image, int quota) {
+std::vector<Corner> OrbExtractor::FindCorners(int level, int quota, const cv::Mat& allowed) {
+  const cv::Mat& image = pyramid_.image(level);
   std::vector<Corner> corners =
       detector_.Detect(image, options_.fast_threshold, options_.min_fast_threshold, kDescriptorMargin_px);
+  if (!allowed.empty()) {
+    std::erase_if(corners, [&](const Corner& c) {
+      return !IsAllowed(allowed, pyramid_.ToImage(Eigen::Vector2d(c.x, c.y), level));
+    });
+  }
   // Shapes are looked at after a first choice, with some to spare: there may be ten times as many corners as wanted.
   corners = SpreadCorners(corners, quota + quota / 4, image.cols, image.rows);
   std::erase_if(corners, [&](const Corner& c) { return CornerRatio(image, c.x, c.y) < options_.min_corner_ratio; });
   return SpreadCorners(corners, quota, image.cols, image.rows);
 }
 
-std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
+std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image, const cv::Mat& allowed) {
   if (image.empty()) return {};
   if (image.type() != CV_8UC1) throw std::invalid_argument("OrbExtractor: the image must be 8 bit grey");
   pyramid_.Build(image, options_.levels, options_.scale_factor);
@@ -48,7 +60,7 @@ std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image) {
     // What a level could not give, the coarser ones may; the total never exceeds the maximum.
     const int room = options_.max_points - static_cast<int>(points.size());
     const int quota = std::min(quotas[level] + unused, room);
-    const std::vector<Corner> corners = FindCorners(level_image, quota);
+    const std::vector<Corner> corners = FindCorners(level, quota, allowed);
     unused = quota - static_cast<int>(corners.size());
     if (corners.empty()) continue;
     BlurForBrief(level_image, blurred_);

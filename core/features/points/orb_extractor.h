@@ -20,12 +20,13 @@ class OrbExtractor {
  public:
   explicit OrbExtractor(const OrbOptions& options) : options_(options) {}
 
-  /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave.
-  std::vector<PointFeature> Extract(const cv::Mat& image);
+  /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave. Where `allowed`
+  /// (of the same size, or empty) is 0 no points are taken, so that all of them are found elsewhere.
+  std::vector<PointFeature> Extract(const cv::Mat& image, const cv::Mat& allowed = cv::Mat());
 
  private:
   /// Corners of one level, at most `quota`, spread over it and firm in both directions.
-  std::vector<Corner> FindCorners(const cv::Mat& image, int quota);
+  std::vector<Corner> FindCorners(int level, int quota, const cv::Mat& allowed);
 
   OrbOptions options_;
   ImagePyramid pyramid_;

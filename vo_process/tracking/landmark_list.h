@@ -115,6 +115,16 @@ std::vector<Landmark> TakeFlagged(const std::vector<char>& taken, std::vector<La
   return result;
 }
 
+/// Those that `chosen` flags, in their order.
+template <class Landmark>
+std::vector<Landmark> CopyFlagged(const std::vector<char>& chosen, const std::vector<Landmark>& landmarks) {
+  std::vector<Landmark> result;
+  for (size_t i = 0; i < landmarks.size(); ++i) {
+    if (chosen[i] != 0) result.push_back(landmarks[i]);
+  }
+  return result;
+}
+
 /// Drops what has been out of sight, or missed in sight, for too long.
 template <class Landmark>
 void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {

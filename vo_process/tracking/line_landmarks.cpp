@@ -187,6 +187,12 @@ LineLandmarks LineLandmarks::Take(const std::vector<char>& taken) {
   return taken_out;
 }
 
+LineLandmarks LineLandmarks::Copy(const std::vector<char>& chosen) const {
+  LineLandmarks copied(camera_, options_);
+  copied.landmarks_ = CopyFlagged(chosen, landmarks_);
+  return copied;
+}
+
 void LineLandmarks::Append(const LineLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }

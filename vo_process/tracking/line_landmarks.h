@@ -77,6 +77,9 @@ class LineLandmarks {
   /// Moves those that `taken` flags to a list of their own.
   LineLandmarks Take(const std::vector<char>& taken);
 
+  /// A list of those that `chosen` flags.
+  LineLandmarks Copy(const std::vector<char>& chosen) const;
+
   /// Takes over the landmarks of another list, which lie in the same frame.
   void Append(const LineLandmarks& others);
 

@@ -57,6 +57,9 @@ struct LocalLandmarks {
   LocalLandmarks Take(const std::vector<char>& taken_points, const std::vector<char>& taken_lines) {
     return {points.Take(taken_points), lines.Take(taken_lines)};
   }
+  LocalLandmarks Copy(const std::vector<char>& chosen_points, const std::vector<char>& chosen_lines) const {
+    return {points.Copy(chosen_points), lines.Copy(chosen_lines)};
+  }
   void Append(const LocalLandmarks& others) {
     points.Append(others.points);
     lines.Append(others.lines);

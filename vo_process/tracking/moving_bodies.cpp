@@ -25,6 +25,11 @@ constexpr double kContradictionSigmas = 4.0;
 constexpr double kSearchRadius_px = 40.0;
 constexpr double kRansacInlier_px = 3.0;
 constexpr uint64_t kRansacSeed = 1;
+// Neighbours that a match of a body has: how many, how near, and how alike they move.
+constexpr int kMinTogether = 3;
+constexpr double kTogetherRadius_px = 80.0;
+constexpr double kTogether_px = 4.0;
+constexpr double kTogetherRatio = 0.15;
 // Around what a body is seen as, new features at the same depth are taken for the body's.
 constexpr double kSurrounding_px = 50.0;
 constexpr double kSameDepthRatio = 0.1;
@@ -130,6 +135,44 @@ Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const St
   const auto octaves =
       std::count_if(in_octave.begin(), in_octave.end(), [](int n) { return n >= kMinInOctave; });
   return {static_cast<int>(cells.size()), static_cast<int>(octaves)};
+}
+
+bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
+  const Vector6d off = ((T_odom_prev * prediction.T_prev_c).Inverse() * T_odom_c).Log();
+  return off.dot(prediction.covariance.ldlt().solve(off)) <= kExpectedChi2;
+}
+
+// Matches that went the same way in the image as some that are near by at the same depth: wrong ones go anywhere. `T_c_odom` is
+// where the landmarks were seen from before.
+std::vector<LandmarkMatch> MovingTogether(const PointLandmarks& landmarks, const SE3& T_c_odom,
+                                          const std::vector<LandmarkMatch>& matches, const TrackedFrame& frame,
+                                          const StereoCamera& camera) {
+  struct Flow {
+    Eigen::Vector2d px;
+    Eigen::Vector2d moved_px;
+    double disparity_px;
+  };
+  std::vector<Flow> flows;
+  flows.reserve(matches.size());
+  for (const LandmarkMatch& match : matches) {
+    const StereoPoint& seen = frame.features.points[match.feature];
+    const Eigen::Vector3d uvd = camera.ProjectStereo(T_c_odom * landmarks.landmarks()[match.landmark].p_odom);
+    flows.push_back({seen.left.px, seen.left.px - uvd.head<2>(), uvd.z()});
+  }
+  std::vector<LandmarkMatch> together;
+  for (size_t i = 0; i < flows.size(); ++i) {
+    int near = 0;
+    for (size_t j = 0; j < flows.size() && near < kMinTogether; ++j) {
+      const double allowed_px = kTogether_px + kTogetherRatio * flows[i].moved_px.norm();
+      if (i != j && (flows[i].px - flows[j].px).norm() < kTogetherRadius_px &&
+          (flows[i].moved_px - flows[j].moved_px).norm() < allowed_px &&
+          std::abs(flows[i].disparity_px - flows[j].disparity_px) < kSameDepth_px + 0.3 * flows[i].disparity_px) {
+        ++near;
+      }
+    }
+    if (near >= kMinTogether) together.push_back(matches[i]);
+  }
+  return together;
 }
 
 }  // namespace
@@ -323,18 +366,21 @@ std::optional<MovingBodies::Second> MovingBodies::FindSecond(const SE3& T_odom_p
   };
   const std::vector<int> point_places = places(points);
   const std::vector<int> line_places = places(lines);
-  const LocalLandmarks candidates = LocalLandmarks(world).Take(points, lines);
+  const LocalLandmarks candidates = world.Copy(points, lines);
   const Rest rest(frame, claims);
 
   // Where they would be if they stood, where they were last seen in the image, and where the motion so far would have them.
   const double radius_px = prediction.goes_on ? kSearchRadius_px : 2.0 * kSearchRadius_px;
   FrameMatches matches;
-  for (const SE3& T : {found.T_odom_c, T_odom_prev, T_odom_prev * prediction.T_prev_c}) {
+  std::vector<SE3> from{found.T_odom_c, T_odom_prev};
+  if (!IsExpected(found.T_odom_c, T_odom_prev, prediction)) from.push_back(T_odom_prev * prediction.T_prev_c);
+  for (const SE3& T : from) {
     const FrameMatches around = aligner_.MatchByProjection(candidates, rest.frame, T, {radius_px, 0});
     AddMatches(around.points, matches.points);
     AddMatches(around.lines, matches.lines);
   }
   matches = Contradicting(candidates, rest.frame, matches, found.T_odom_c);
+  matches.points = MovingTogether(candidates.points, T_odom_prev.Inverse(), matches.points, rest.frame, camera_);
   if (matches.Weight() < kMinWeight) return std::nullopt;
   const auto T_c_odom = EstimatePoseRansac(candidates.points.Observations(matches.points, rest.frame),
                                            candidates.lines.Observations(matches.lines, rest.frame), camera_,
@@ -364,17 +410,11 @@ bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, cons
     guessed = true;
     return first_spread.Score() >= second_spread.Score();
   }
-  const SE3 T_pred_odom = (T_odom_prev * prediction.T_prev_c).Inverse();
-  const auto chi2 = [&](const SE3& T_odom_c) {
-    const Vector6d off = (T_pred_odom * T_odom_c).Log();
-    return off.dot(prediction.covariance.ldlt().solve(off));
-  };
-  const double first = chi2(found.T_odom_c);
-  const double other = chi2(second.alignment.T_odom_c);
-  const bool goes_on = other <= kExpectedChi2 && second_spread.cells >= kMinCells;
-  if (first > kExpectedChi2 && goes_on) return false;
-  if (first <= kExpectedChi2 && !goes_on) return true;
-  if (!goes_on) {
+  const bool first_goes_on = IsExpected(found.T_odom_c, T_odom_prev, prediction);
+  const bool second_goes_on =
+      IsExpected(second.alignment.T_odom_c, T_odom_prev, prediction) && second_spread.cells >= kMinCells;
+  if (first_goes_on != second_goes_on) return first_goes_on;
+  if (!second_goes_on) {
     guessed = true;
     return first_spread.Score() >= second_spread.Score();
   }

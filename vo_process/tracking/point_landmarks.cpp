@@ -138,6 +138,12 @@ PointLandmarks PointLandmarks::Take(const std::vector<char>& taken) {
   return taken_out;
 }
 
+PointLandmarks PointLandmarks::Copy(const std::vector<char>& chosen) const {
+  PointLandmarks copied(camera_, orb_, options_);
+  copied.landmarks_ = CopyFlagged(chosen, landmarks_);
+  return copied;
+}
+
 void PointLandmarks::Append(const PointLandmarks& others) {
   landmarks_.insert(landmarks_.end(), others.landmarks_.begin(), others.landmarks_.end());
 }

@@ -78,6 +78,9 @@ class PointLandmarks {
   /// Moves those that `taken` flags to a list of their own.
   PointLandmarks Take(const std::vector<char>& taken);
 
+  /// A list of those that `chosen` flags.
+  PointLandmarks Copy(const std::vector<char>& chosen) const;
+
   /// Takes over the landmarks of another list, which lie in the same frame.
   void Append(const PointLandmarks& others);
 

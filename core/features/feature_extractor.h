@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include <opencv2/core/mat.hpp>
 
@@ -22,8 +23,9 @@ class FeatureExtractor {
   FeatureExtractor(FeatureExtractor&&) noexcept;
   FeatureExtractor& operator=(FeatureExtractor&&) noexcept;
 
-  /// `run_both` may do points and lines at the same time.
-  ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn);
+  /// `run_both` may do points and lines at the same time; `max_points` is for this image, instead of that of the options.
+  ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn,
+                        std::optional<int> max_points = std::nullopt);
 
  private:
   struct Impl;

@@ -21,7 +21,10 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbOptions& options) : options_(options) {}
 
   /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave.
-  std::vector<PointFeature> Extract(const cv::Mat& image);
+  std::vector<PointFeature> Extract(const cv::Mat& image) { return Extract(image, options_.max_points); }
+
+  /// The same with another maximum for this image.
+  std::vector<PointFeature> Extract(const cv::Mat& image, int max_points);
 
  private:
   /// Corners of one level, at most `quota`, spread over it and firm in both directions.

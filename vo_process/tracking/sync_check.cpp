@@ -1,0 +1,152 @@
+#include "vo_process/tracking/sync_check.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
+#include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/row_observations.h"
+
+namespace plslam {
+namespace {
+
+// Points of a frame that move up or down by more than this between frames, for the frame to tell anything.
+constexpr double kMinFlow_px = 1.0;
+constexpr int kMinMoving = 20;
+// What is expected: of the mean of the rows, of the shape of the field, and, in frames, of lateness and unevenness.
+constexpr double kShiftSigma_px = 5.0;
+constexpr double kShapeSigma_px = 1.0;
+constexpr double kLateSigma_frames = 1.0;
+constexpr double kUnevenSigma_frames = 0.1;
+// What counts of the past at the next frame: some thirty frames.
+constexpr double kMemory = 0.97;
+// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is found differs by
+// this share of it, for certain, they count little more.
+constexpr double kOtherLateness = 0.1;
+constexpr double kOtherDeviations = 3.0;
+constexpr double kMemoryOfOthers = 0.1;
+constexpr int kIterations = 3;
+// To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer believed.
+constexpr double kMinDeviations = 10.0;
+constexpr int64_t kMinFrames = 3;
+constexpr double kMinLate_frames = 0.05;
+constexpr double kMinLateOfUsed_frames = 0.03;
+// Motions are not foretold for longer.
+constexpr double kMaxLate_frames = 1.5;
+constexpr double kMinUneven_frames = 0.05;
+
+}  // namespace
+
+PairSkew SyncCheck::SkewOf(const SE3& T_prev_c, double dt_s) const {
+  if (!is_late_ || !(dt_s > 0.0)) return {};
+  const double frames = std::clamp(late_s() / dt_s, -kMaxLate_frames, kMaxLate_frames);
+  return {camera_, SE3::Exp(-frames * T_prev_c.Log())};
+}
+
+const SyncCheck::Seen* SyncCheck::FindSeen(int64_t landmark_id) const {
+  const auto before = [](const Seen& s, int64_t id) { return s.landmark_id < id; };
+  const auto found = std::lower_bound(seen_.begin(), seen_.end(), landmark_id, before);
+  return found == seen_.end() || found->landmark_id != landmark_id ? nullptr : &*found;
+}
+
+bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
+  const std::vector<Equation> equations = EquationsOf(frame, dt_s);
+  Remember(frame, dt_s);
+  const bool was_late = is_late_;
+  const auto moves = [dt_s](const Equation& e) { return std::abs(e.terms(kLate)) * dt_s > kMinFlow_px; };
+  if (std::count_if(equations.begin(), equations.end(), moves) >= kMinMoving) {
+    Learn(equations, dt_s);
+    Judge(dt_s);
+  }
+  return is_late_ != was_late;
+}
+
+// A motion that changes is, around the time of the left image, between that before and that after, and at the time of the next frame
+// that after.
+std::vector<SyncCheck::Equation> SyncCheck::EquationsOf(const TrackedFrame& frame, double dt_s) const {
+  std::vector<Equation> equations;
+  const double along = std::clamp(solution_(kLate) / dt_s, -1.0, 1.0);
+  for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
+    const Seen* seen = FindSeen(frame.point_tracks[i].landmark_id);
+    if (seen == nullptr || !seen->has_moved || seen->variance_px2 == 0.0) continue;
+    const double after_px_s = (frame.features.points[i].left.px.y() - seen->px.y()) / dt_s;
+    const double down_px_s = 0.5 * ((1.0 + along) * after_px_s + (1.0 - along) * seen->down_px_s);
+    Equation& equation = equations.emplace_back();
+    equation.terms << RowField::Terms(camera_, seen->place_px), down_px_s,
+        2.0 * (seen->px.y() - camera_.cy_px) / camera_.height_px * down_px_s;
+    equation.offset_px = seen->offset_px;
+    equation.variance_px2 = seen->variance_px2;
+  }
+  return equations;
+}
+
+void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
+  if (n_frames_ == 0) {
+    Vector8d sigmas;
+    sigmas << kShiftSigma_px, Eigen::Matrix<double, 5, 1>::Constant(kShapeSigma_px), kLateSigma_frames * dt_s,
+        kUnevenSigma_frames * dt_s;
+    information_ = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  }
+  ++n_frames_;
+  interval_s_ = dt_s;
+  const Matrix8d before = kMemory * information_;
+  const Vector8d vector_before = kMemory * vector_;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    information_ = before;
+    vector_ = vector_before;
+    for (const Equation& e : equations) {
+      const double deviation = std::abs(e.offset_px - e.terms.dot(solution_)) / std::sqrt(e.variance_px2);
+      const Vector8d weighted = e.terms / (e.variance_px2 * RowHuberFactor(deviation));
+      information_ += weighted * e.terms.transpose();
+      vector_ += e.offset_px * weighted;
+    }
+    solution_ = information_.ldlt().solve(vector_);
+  }
+}
+
+void SyncCheck::Judge(double dt_s) {
+  const Matrix8d covariance = information_.ldlt().solve(Matrix8d::Identity());
+  const auto is_significant = [&](int i, double least_frames) {
+    return n_frames_ >= kMinFrames && std::abs(solution_(i)) > least_frames * dt_s &&
+           std::abs(solution_(i)) > kMinDeviations * std::sqrt(covariance(i, i));
+  };
+  const bool was_late = is_late_;
+  is_late_ = was_late ? std::abs(solution_(kLate)) > kMinLateOfUsed_frames * dt_s
+                      : is_significant(kLate, kMinLate_frames);
+  is_uneven_ = is_significant(kUneven, kMinUneven_frames);
+  const double other_s = std::abs(late_s() - late_matched_s_);
+  if (other_s > kOtherLateness * std::abs(late_s()) && other_s > kOtherDeviations * std::sqrt(covariance(kLate, kLate))) {
+    information_ *= kMemoryOfOthers;
+    vector_ *= kMemoryOfOthers;
+    late_matched_s_ = late_s();
+  }
+}
+
+void SyncCheck::Remember(const TrackedFrame& frame, double dt_s) {
+  std::vector<Seen> now;
+  std::vector<size_t> place_of(frame.point_tracks.size(), frame.point_tracks.size());
+  for (size_t i = 0; i < frame.point_tracks.size(); ++i) {
+    const int64_t id = frame.point_tracks[i].landmark_id;
+    if (id < 0) continue;
+    place_of[i] = now.size();
+    Seen& seen = now.emplace_back();
+    seen.landmark_id = id;
+    seen.px = frame.features.points[i].left.px;
+    if (const Seen* before = FindSeen(id)) {
+      seen.down_px_s = (seen.px.y() - before->px.y()) / dt_s;
+      seen.has_moved = true;
+    }
+  }
+  for (const RowObservation& o : RowObservationsOf(frame.features, camera_)) {
+    if (place_of[o.point] == frame.point_tracks.size()) continue;
+    Seen& seen = now[place_of[o.point]];
+    seen.place_px = o.place_px;
+    seen.offset_px = o.offset_px;
+    seen.variance_px2 = o.variance_px2 * o.sharing;
+  }
+  std::sort(now.begin(), now.end(), [](const Seen& a, const Seen& b) { return a.landmark_id < b.landmark_id; });
+  seen_ = std::move(now);
+}
+
+}  // namespace plslam

@@ -45,8 +45,9 @@ std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int 
                        " is for pairs of two cameras, and this one has depth images; leave it at 0");
   }
   if (std::abs(offset) >= dataset->size()) {
-    throw DatasetError(dataset->name() + ": player.right_offset_frames=" + std::to_string(offset) + " leaves none of its " +
-                       std::to_string(dataset->size()) + " frames with a right image; give fewer");
+    throw DatasetError(dataset->name() + ": player.right_offset_frames=" + std::to_string(offset) +
+                       " leaves none of its " + std::to_string(dataset->size()) +
+                       " frames with a right image; give fewer");
   }
   return std::make_unique<ShiftedDataset>(std::move(dataset), offset);
 }

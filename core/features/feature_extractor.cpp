@@ -25,7 +25,8 @@ FeatureExtractor::~FeatureExtractor() = default;
 FeatureExtractor::FeatureExtractor(FeatureExtractor&&) noexcept = default;
 FeatureExtractor& FeatureExtractor::operator=(FeatureExtractor&&) noexcept = default;
 
-ImageFeatures FeatureExtractor::Extract(const cv::Mat& image, const RunBoth& run_both, std::optional<int> max_points) {
+ImageFeatures FeatureExtractor::Extract(const cv::Mat& image, const RunBoth& run_both,
+                                        std::optional<int> max_points) {
   ImageFeatures features;
   const auto find_points = [&] {
     features.points = max_points ? impl_->orb.Extract(image, *max_points) : impl_->orb.Extract(image);

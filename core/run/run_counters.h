@@ -26,9 +26,9 @@ inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
-inline constexpr std::array<const char*, 11> kRunCounters{
-    kPointsSeen,   kPointsMatched,   kFramesDark, kCornerRows, kTruthFrames,   kTruthMissing,
-    kPicturesMissing, kRightLate, kLeftLate,   kLateFrames, kUnequalReadout};
+inline constexpr std::array<const char*, 11> kRunCounters{kPointsSeen,  kPointsMatched, kFramesDark,      kCornerRows,
+                                                          kTruthFrames, kTruthMissing,  kPicturesMissing, kRightLate,
+                                                          kLeftLate,    kLateFrames,    kUnequalReadout};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -65,8 +65,9 @@ std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
   const std::string remedy =
-      offset == 0 ? std::string("this is made up for, but trigger the cameras together")
-                  : fmt::format("pair them anew (player.right_offset_frames={}), or trigger the cameras together", offset);
+      offset == 0
+          ? std::string("this is made up for, but trigger the cameras together")
+          : fmt::format("pair them anew (player.right_offset_frames={}), or trigger the cameras together", offset);
   return fmt::format("the {} images are taken {:.3g} ms after the {} ones: {}", right ? "right" : "left",
                      std::max(f.right_late_ms, f.left_late_ms), right ? "left" : "right", remedy);
 }
@@ -127,8 +128,7 @@ const Row kRows[] = {
        return Numbers{{"unequal_readout_ms", f.unequal_readout_ms}};
      }},
     // Of cameras out of step, rows differ by what they move, until that is known.
-    {"rows_corrected_far",
-     [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
+    {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
        return fmt::format(
            "rows of the right images differ from those of the left ones by up to {:.1f} px in the "

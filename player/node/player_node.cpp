@@ -45,7 +45,7 @@ constexpr milliseconds kResumeTick{50};
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
-  std::unique_ptr<Dataset> dataset = 
+  std::unique_ptr<Dataset> dataset =
       ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
   for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
   return dataset;

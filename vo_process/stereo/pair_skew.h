@@ -23,10 +23,7 @@ class PairSkew {
   PairSkew() = default;
   /// `T_late_c` takes points from the left camera as it took its image to the left camera when the right image was taken.
   PairSkew(const StereoCamera& camera, const SE3& T_late_c)
-      : camera_(camera),
-        R_late_c_(T_late_c.R()),
-        t_late_c_(T_late_c.translation()),
-        is_zero_(false) {}
+      : camera_(camera), R_late_c_(T_late_c.R()), t_late_c_(T_late_c.translation()), is_zero_(false) {}
 
   bool is_zero() const { return is_zero_; }
 

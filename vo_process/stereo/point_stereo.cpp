@@ -43,7 +43,8 @@ class RowIndex {
   Buckets<int> rows_;
 };
 
-bool MayMatch(const PointFeature& left, const PointFeature& right, const PairSkew& skew, const StereoOptions& options) {
+bool MayMatch(const PointFeature& left, const PointFeature& right, const PairSkew& skew,
+              const StereoOptions& options) {
   if (std::abs(left.octave - right.octave) > kMaxOctavesApart) return false;
   const double scale = std::max(left.scale, right.scale);
   const double row_px = left.px.y() + skew.RowOffset_px(left.px, left.px.x() - right.px.x());

@@ -100,12 +100,7 @@ void Odometry::Expect(int64_t t_ns) {
 }
 
 bool Odometry::LearnRows(const StereoFeatures& features) {
-  std::vector<RowObservation> observations = RowObservationsOf(features, camera_);
-  for (RowObservation& o : observations) {
-    const StereoPoint& point = features.points[o.point];
-    o.offset_px -= skew_.RowOffsetAt_px(point.left.px, point.disparity_px);
-  }
-  const bool changed = row_calibration_.Observe(observations);
+  const bool changed = row_calibration_.Observe(features, skew_);
   if (changed) calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
   return changed;
 }

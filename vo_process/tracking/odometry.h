@@ -116,11 +116,10 @@ class Odometry {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
-      self.corner_budget_, self.sync_check_,
-      self.landmarks_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
-      self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
-      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
-      self.keyframe_point_id_, self.keyframe_line_id_);
+      self.corner_budget_, self.sync_check_, self.landmarks_, self.keyframe_log_, self.T_w_odom_, self.initialised_,
+      self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_, self.is_in_map_,
+      self.is_adrift_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_,
+      self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
   }
 
  private:

@@ -1,7 +1,6 @@
 #include "vo_process/tracking/row_calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -45,9 +44,14 @@ RowCalibration::RowCalibration(const StereoCamera& camera, const RowCalibrationO
   covariance_ *= options.prior_sigma_px * options.prior_sigma_px;
 }
 
-bool RowCalibration::Observe(const std::vector<RowObservation>& observations) {
+bool RowCalibration::Observe(const StereoFeatures& features, const PairSkew& skew) {
   if (!options_.enabled) return false;
   ++n_frames_;
+  std::vector<RowObservation> observations = RowObservationsOf(features, camera_);
+  for (RowObservation& o : observations) {
+    const StereoPoint& point = features.points[o.point];
+    o.offset_px -= skew.RowOffsetAt_px(point.left.px, point.disparity_px);
+  }
   if (observations.size() < kEnoughToBegin) return false;
   has_learned_ = has_learned_ || observations.size() >= kEnough;
   // Several pixels, and what agrees would seem to be wrong: so what most agree on comes first.

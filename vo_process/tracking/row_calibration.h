@@ -33,9 +33,9 @@ class RowCalibration {
     return options_.enabled && !has_learned_ && now;
   }
 
-  /// Learns from the matches of a frame. True where `field` becomes zero by it, or is not zero any more.
-  bool Observe(const StereoFeatures& features) { return Observe(RowObservationsOf(features, camera_)); }
-  bool Observe(const std::vector<RowObservation>& observations);
+  /// Learns from the matches of a frame, by what their rows differ beyond the skew of the pair. True where `field` becomes zero by it,
+  /// or is not zero any more.
+  bool Observe(const StereoFeatures& features, const PairSkew& skew = {});
 
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>

@@ -31,8 +31,7 @@ std::vector<RowObservation> RowObservationsOf(const StereoFeatures& features, co
     const StereoPoint& point = features.points[i];
     if (!TellsItsRow(point)) continue;
     const Eigen::Vector2d place_px = point.left.px - Eigen::Vector2d(point.disparity_px, 0.0);
-    const auto along =
-        std::clamp(static_cast<int>(kCellsAlong * place_px.x() / camera.width_px), 0, kCellsAlong - 1);
+    const auto along = std::clamp(static_cast<int>(kCellsAlong * place_px.x() / camera.width_px), 0, kCellsAlong - 1);
     const auto down = std::clamp(static_cast<int>(kCellsDown * place_px.y() / camera.height_px), 0, kCellsDown - 1);
     cells.push_back(static_cast<size_t>(down * kCellsAlong + along));
     ++n_in_cell[cells.back()];

@@ -15,7 +15,8 @@ inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, con
   const bool looks = odometry.needs_rows();
   if (looks) timer.Time("rows", [&] { odometry.LearnRows(front_end.LookForRows(images, odometry.rows().skew())); });
   StereoFeatures features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
-  if (!looks && odometry.LearnRows(features)) features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
+  if (!looks && odometry.LearnRows(features))
+    features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
   return features;
 }
 

@@ -19,13 +19,15 @@ constexpr double kShiftSigma_px = 5.0;
 constexpr double kShapeSigma_px = 1.0;
 constexpr double kLateSigma_frames = 1.0;
 constexpr double kUnevenSigma_frames = 0.1;
-// What counts of the past at the next frame: some thirty frames.
-constexpr double kMemory = 0.97;
-// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is found differs by
-// this share of it, for certain, they count little more.
-constexpr double kOtherLateness = 0.1;
+// What counts of the past at the next frame: some fifty frames.
+constexpr double kMemory = 0.98;
+// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is found differs for
+// certain, and moves rows by so much that it matters to the search, they count little more.
+constexpr double kOtherRows_px = 1.0;
 constexpr double kOtherDeviations = 3.0;
 constexpr double kMemoryOfOthers = 0.1;
+// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard deviations.
+constexpr double kMinNoise = 0.3;
 constexpr int kIterations = 3;
 // To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer believed.
 constexpr double kMinDeviations = 10.0;
@@ -57,7 +59,7 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
   const auto moves = [dt_s](const Equation& e) { return std::abs(e.terms(kLate)) * dt_s > kMinFlow_px; };
   if (std::count_if(equations.begin(), equations.end(), moves) >= kMinMoving) {
     Learn(equations, dt_s);
-    Judge(dt_s);
+    Judge(equations, dt_s);
   }
   return is_late_ != was_late;
 }
@@ -77,6 +79,7 @@ std::vector<SyncCheck::Equation> SyncCheck::EquationsOf(const TrackedFrame& fram
         2.0 * (seen->px.y() - camera_.cy_px) / camera_.height_px * down_px_s;
     equation.offset_px = seen->offset_px;
     equation.variance_px2 = seen->variance_px2;
+    equation.sharing = seen->sharing;
   }
   return equations;
 }
@@ -92,31 +95,41 @@ void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
   interval_s_ = dt_s;
   const Matrix8d before = kMemory * information_;
   const Vector8d vector_before = kMemory * vector_;
+  double squares = 0.0;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     information_ = before;
     vector_ = vector_before;
+    squares = 0.0;
     for (const Equation& e : equations) {
       const double deviation = std::abs(e.offset_px - e.terms.dot(solution_)) / std::sqrt(e.variance_px2);
-      const Vector8d weighted = e.terms / (e.variance_px2 * RowHuberFactor(deviation));
+      const double factor = RowHuberFactor(deviation);
+      const Vector8d weighted = e.terms / (e.variance_px2 * e.sharing * factor);
       information_ += weighted * e.terms.transpose();
       vector_ += e.offset_px * weighted;
+      squares += deviation * deviation / factor;
     }
     solution_ = information_.ldlt().solve(vector_);
   }
+  squares_ = kMemory * squares_ + squares;
+  count_ = kMemory * count_ + static_cast<double>(equations.size());
 }
 
-void SyncCheck::Judge(double dt_s) {
-  const Matrix8d covariance = information_.ldlt().solve(Matrix8d::Identity());
+void SyncCheck::Judge(const std::vector<Equation>& equations, double dt_s) {
+  const double noise = std::max(std::sqrt(squares_ / count_), kMinNoise);
+  const Vector8d sigmas =
+      noise * information_.ldlt().solve(Matrix8d::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto is_significant = [&](int i, double least_frames) {
     return n_frames_ >= kMinFrames && std::abs(solution_(i)) > least_frames * dt_s &&
-           std::abs(solution_(i)) > kMinDeviations * std::sqrt(covariance(i, i));
+           std::abs(solution_(i)) > kMinDeviations * sigmas(i);
   };
-  const bool was_late = is_late_;
-  is_late_ = was_late ? std::abs(solution_(kLate)) > kMinLateOfUsed_frames * dt_s
-                      : is_significant(kLate, kMinLate_frames);
+  is_late_ =
+      is_late_ ? std::abs(solution_(kLate)) > kMinLateOfUsed_frames * dt_s : is_significant(kLate, kMinLate_frames);
   is_uneven_ = is_significant(kUneven, kMinUneven_frames);
+  double square_px_s = 0.0;
+  for (const Equation& e : equations) square_px_s += e.terms(kLate) * e.terms(kLate);
+  const double down_px_s = std::sqrt(square_px_s / static_cast<double>(equations.size()));
   const double other_s = std::abs(late_s() - late_matched_s_);
-  if (other_s > kOtherLateness * std::abs(late_s()) && other_s > kOtherDeviations * std::sqrt(covariance(kLate, kLate))) {
+  if (other_s * down_px_s > kOtherRows_px && other_s > kOtherDeviations * sigmas(kLate)) {
     information_ *= kMemoryOfOthers;
     vector_ *= kMemoryOfOthers;
     late_matched_s_ = late_s();
@@ -143,7 +156,8 @@ void SyncCheck::Remember(const TrackedFrame& frame, double dt_s) {
     Seen& seen = now[place_of[o.point]];
     seen.place_px = o.place_px;
     seen.offset_px = o.offset_px;
-    seen.variance_px2 = o.variance_px2 * o.sharing;
+    seen.variance_px2 = o.variance_px2;
+    seen.sharing = o.sharing;
   }
   std::sort(now.begin(), now.end(), [](const Seen& a, const Seen& b) { return a.landmark_id < b.landmark_id; });
   seen_ = std::move(now);

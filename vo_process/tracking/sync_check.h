@@ -48,8 +48,8 @@ class SyncCheck {
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.is_late_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.late_matched_s_, self.n_frames_, self.interval_s_,
-      self.seen_);
+    a(self.is_late_, self.is_uneven_, self.information_, self.vector_, self.solution_, self.squares_, self.count_,
+      self.late_matched_s_, self.n_frames_, self.interval_s_, self.seen_);
   }
 
  private:
@@ -69,23 +69,26 @@ class SyncCheck {
     Eigen::Vector2d place_px = Eigen::Vector2d::Zero();
     double offset_px = 0.0;
     double variance_px2 = 0.0;
+    double sharing = 1.0;
 
     template <class Archive, class Self>
     static void Fields(Archive& a, Self& self) {
-      a(self.landmark_id, self.px, self.down_px_s, self.has_moved, self.place_px, self.offset_px, self.variance_px2);
+      a(self.landmark_id, self.px, self.down_px_s, self.has_moved, self.place_px, self.offset_px, self.variance_px2,
+        self.sharing);
     }
   };
   struct Equation {
     Vector8d terms;
     double offset_px = 0.0;
     double variance_px2 = 1.0;
+    double sharing = 1.0;
   };
 
   const Seen* FindSeen(int64_t landmark_id) const;
   std::vector<Equation> EquationsOf(const TrackedFrame& frame, double dt_s) const;
   void Learn(const std::vector<Equation>& equations, double dt_s);
   void Remember(const TrackedFrame& frame, double dt_s);
-  void Judge(double dt_s);
+  void Judge(const std::vector<Equation>& equations, double dt_s);
 
   StereoCamera camera_;
   bool is_late_ = false;
@@ -94,6 +97,9 @@ class SyncCheck {
   Matrix8d information_ = Matrix8d::Zero();
   Vector8d vector_ = Vector8d::Zero();
   Vector8d solution_ = Vector8d::Zero();
+  /// Of the residuals: sum of their squares in standard deviations, and number, the past fading.
+  double squares_ = 0.0;
+  double count_ = 0.0;
   /// The lateness that the matches of the past were looked for with.
   double late_matched_s_ = 0.0;
   int64_t n_frames_ = 0;

@@ -174,8 +174,8 @@ std::vector<float> Simulator::RadianceAt(const Eye& eye, double frame) const {
     return RenderRadiance(world_, ViewOf(eye, motion_->At(frame)));
   }
   const double readout = 1e-3 * options_.readout_ms * options_.rate_hz;
-  return RenderRollingShutter(
-      world_, [&](double share) { return ViewOf(eye, motion_->At(frame + share * readout)); });
+  return RenderRollingShutter(world_,
+                              [&](double share) { return ViewOf(eye, motion_->At(frame + share * readout)); });
 }
 
 std::vector<float> Simulator::Radiance(const Eye& eye, double frame) const {

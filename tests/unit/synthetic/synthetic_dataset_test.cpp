@@ -83,7 +83,8 @@ TEST(Synthetic, StreaksAreOthersInEveryImageAndDirtStays) {
     return cv::Mat(difference > 10);
   };
   const auto common = [](const cv::Mat& a, const cv::Mat& b) {
-    return static_cast<double>(cv::countNonZero(a & b)) / std::max(1, std::min(cv::countNonZero(a), cv::countNonZero(b)));
+    return static_cast<double>(cv::countNonZero(a & b)) /
+           std::max(1, std::min(cv::countNonZero(a), cv::countNonZero(b)));
   };
   for (const bool right : {false, true}) {
     EXPECT_LT(common(changed("&streaks=10", 3, right), changed("&streaks=10", 4, right)), 0.4);

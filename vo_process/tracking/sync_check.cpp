@@ -26,7 +26,8 @@ constexpr double kMemory = 0.98;
 constexpr double kOtherRows_px = 1.0;
 constexpr double kOtherDeviations = 3.0;
 constexpr double kMemoryOfOthers = 0.1;
-// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard deviations.
+// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard deviations. Larger ones are
+// of wrong matches, which are many as long as matches are not looked for where they are.
 constexpr double kMinNoise = 0.3;
 constexpr int kIterations = 3;
 // To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer believed.
@@ -115,7 +116,7 @@ void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
 }
 
 void SyncCheck::Judge(const std::vector<Equation>& equations, double dt_s) {
-  const double noise = std::max(std::sqrt(squares_ / count_), kMinNoise);
+  const double noise = std::clamp(std::sqrt(squares_ / count_), kMinNoise, 1.0);
   const Vector8d sigmas =
       noise * information_.ldlt().solve(Matrix8d::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto is_significant = [&](int i, double least_frames) {

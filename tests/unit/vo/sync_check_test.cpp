@@ -21,7 +21,7 @@ constexpr double kInterval_s = 0.05;
 struct NoddingWorld {
   double late_s = 0.0;
   double longer_readout_s = 0.0;
-  RowField field;
+  RowField field{};
 
   static double Row_px(int i, double t_s) {
     const double nod_px = 12.0 * std::sin(9.0 * t_s) + 5.0 * std::sin(23.0 * t_s);

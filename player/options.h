@@ -19,6 +19,7 @@ struct PlayerOptions {
   int64_t stop = -1;
   int64_t stride = 1;
   int64_t loop = 1;
+  int64_t right_offset_frames = 0;
   bool bounce = false;
   bool skip_bad = false;
   bool exit = false;
@@ -40,6 +41,10 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end of the dataset");
   visit("stride", o.stride, Bounds{1, 1e9}, "every so many-th frame");
   visit("loop", o.loop, Bounds{1, 1e6}, "times to play it, with continuing time and frame ids");
+  visit("right_offset_frames", o.right_offset_frames, Bounds{-1e6, 1e6},
+        "the left image of a frame is played with the right image of so many frames later (earlier where negative): "
+        "for "
+        "pairs that were put together wrongly");
   visit("bounce", o.bounce, "each time forth and back, so that the path closes");
   visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
   visit("exit", o.exit, "end when all is sent and acknowledged, instead of staying for late readers");

@@ -25,9 +25,10 @@ FeatureExtractor::~FeatureExtractor() = default;
 FeatureExtractor::FeatureExtractor(FeatureExtractor&&) noexcept = default;
 FeatureExtractor& FeatureExtractor::operator=(FeatureExtractor&&) noexcept = default;
 
-ImageFeatures FeatureExtractor::Extract(const cv::Mat& image, const RunBoth& run_both, const cv::Mat& allowed) {
+ImageFeatures FeatureExtractor::Extract(const cv::Mat& image, const RunBoth& run_both, const cv::Mat& allowed,
+                                        std::optional<int> max_points) {
   ImageFeatures features;
-  const auto find_points = [&] { features.points = impl_->orb.Extract(image, allowed); };
+  const auto find_points = [&] { features.points = impl_->orb.Extract(image, allowed, max_points); };
   const auto find_lines = [&] { features.lines = impl_->lines.Extract(image); };
   if (impl_->with_points && impl_->with_lines) {
     run_both(find_points, find_lines);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace plslam {
@@ -53,8 +54,22 @@ std::string PartsText(const FrameTally& t) {
   return text;
 }
 
+bool IsOutOfStep(const RunFindings& f) { return f.right_late_ms > 0.0 || f.left_late_ms > 0.0; }
+
 bool LacksMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
+}
+
+/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time.
+std::string OutOfStepText(const RunFindings& f) {
+  const bool right = f.right_late_ms > 0.0;
+  const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
+  const std::string remedy =
+      offset == 0
+          ? std::string("this is made up for, but trigger the cameras together")
+          : fmt::format("pair them anew (player.right_offset_frames={}), or trigger the cameras together", offset);
+  return fmt::format("the {} images are taken {:.3g} ms after the {} ones: {}", right ? "right" : "left",
+                     std::max(f.right_late_ms, f.left_late_ms), right ? "left" : "right", remedy);
 }
 
 struct Row {
@@ -97,7 +112,23 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"points", f.points_seen}, {"matched", f.points_matched}};
      }},
-    {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px; },
+    {"cameras_out_of_step", IsOutOfStep, OutOfStepText,
+     [](const RunFindings& f) {
+       return Numbers{{"right_late_ms", f.right_late_ms > 0.0 ? f.right_late_ms : -f.left_late_ms},
+                      {"late_frames", f.late_frames}};
+     }},
+    {"readout_differs", [](const RunFindings& f) { return f.unequal_readout_ms > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "one of the cameras takes {:.3g} ms longer than the other to read an image (rolling shutter): use global "
+           "shutters, or cameras that are alike",
+           f.unequal_readout_ms);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"unequal_readout_ms", f.unequal_readout_ms}};
+     }},
+    // Of cameras out of step, rows differ by what they move, until that is known.
+    {"rows_corrected_far", [](const RunFindings& f) { return f.corner_rows_px > kFarRows_px && !IsOutOfStep(f); },
      [](const RunFindings& f) {
        return fmt::format(
            "rows of the right images differ from those of the left ones by up to {:.1f} px in the "
@@ -202,6 +233,10 @@ void RunFindings::Take(const RunCounters& counters) {
   points_matched = counters.Sum(kPointsMatched);
   dark_frames = counters.Sum(kFramesDark);
   corner_rows_px = counters.Largest(kCornerRows);
+  right_late_ms = counters.Largest(kRightLate);
+  left_late_ms = counters.Largest(kLeftLate);
+  late_frames = counters.Largest(kLateFrames);
+  unequal_readout_ms = counters.Largest(kUnequalReadout);
   truth_frames = counters.Sum(kTruthFrames);
   truth_missing = counters.Sum(kTruthMissing);
   pictures_missing = counters.Largest(kPicturesMissing);

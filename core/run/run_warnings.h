@@ -21,6 +21,10 @@ struct RunFindings {
   double points_matched = 0.0;
   double dark_frames = 0.0;
   double corner_rows_px = 0.0;
+  double right_late_ms = 0.0;
+  double left_late_ms = 0.0;
+  double late_frames = 0.0;
+  double unequal_readout_ms = 0.0;
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;

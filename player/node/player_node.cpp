@@ -11,6 +11,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/datasets/camera_mask.h"
 #include "core/datasets/open_dataset.h"
+#include "core/datasets/shifted_dataset.h"
 #include "core/process/worker.h"
 #include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
@@ -45,7 +46,8 @@ constexpr milliseconds kResumeTick{50};
 
 std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
   if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
-  std::unique_ptr<Dataset> dataset = OpenDataset(options.dataset, options.kind);
+  std::unique_ptr<Dataset> dataset =
+      ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
   for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
   return dataset;
 }

@@ -62,9 +62,10 @@ double Mean(const std::vector<OdometryFrame>& frames, Member member) {
 }
 
 void PrintFrame(int index, const OdometryFrame& f) {
-  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d  t %.4f %.4f %.4f\n", index, static_cast<int>(f.state),
-              f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines, f.keyframe ? 1 : 0,
-              f.T_odom_l.translation().x(), f.T_odom_l.translation().y(), f.T_odom_l.translation().z());
+  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d late %.1f ms  t %.4f %.4f %.4f\n", index,
+              static_cast<int>(f.state), f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines,
+              f.keyframe ? 1 : 0, 1e3 * f.late_s, f.T_odom_l.translation().x(), f.T_odom_l.translation().y(),
+              f.T_odom_l.translation().z());
 }
 
 double Quantile(std::vector<double> values, double q) {

@@ -93,8 +93,8 @@ void MatchPointsInStereo(benchmark::State& state) {
   double matched = 0.0;
   for (auto _ : state) {
     std::vector<StereoPoint> points = left;
-    MatchPointsStereo(points, right, FindPointCandidates(points, right, options), HalvedPair(pair.left, pair.right),
-                      RowField(), options);
+    MatchPointsStereo(points, right, FindPointCandidates(points, right, PairSkew(), options),
+                      HalvedPair(pair.left, pair.right), RowField(), options);
     matched = 0.0;
     for (const StereoPoint& p : points) matched += p.HasDepth() ? 1.0 : 0.0;
   }

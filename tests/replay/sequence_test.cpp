@@ -55,7 +55,8 @@ INSTANTIATE_TEST_SUITE_P(Hard, Replay,
                                          Sequence{"KittiEveryEighth", "kitti_03", 8, {}, 0.30},
                                          Sequence{"EurocEveryEighth", "euroc_MH_01_a", 8, {}, 0.006},
                                          Sequence{"TartanairEveryThird", "tartanair2_10", 3, {}, 0.004},
-                                         Sequence{"KittiInChangingLight", "kitti_03", 1, {.darkest = 0.25}, 0.075}),
+                                         Sequence{"KittiInChangingLight", "kitti_03", 1, {.darkest = 0.25}, 0.075},
+                                         Sequence{"KittiInSnow", "kitti_03", 1, {.streaks = 250}, 0.09}),
                          [](const auto& test) { return test.param.name; });
 
 }  // namespace

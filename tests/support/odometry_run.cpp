@@ -47,6 +47,7 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     OdometryFrame frame = Summarise(result, T_l_c);
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
+    frame.late_s = odometry.sync_check().late_s();
     frame.stages = timer.stages();
     frames.push_back(frame);
     if (visit) visit(images, result);

@@ -27,6 +27,8 @@ struct OdometryFrame {
   int n_lines = 0;
   int n_tracked_points = 0;
   int n_tracked_lines = 0;
+  /// By how much the right images are believed to be taken later than the left ones.
+  double late_s = 0.0;
   std::vector<StageTime> stages;
 };
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "core/datasets/synthetic/weather.h"
 
 namespace plslam::test {
 namespace {
@@ -19,6 +22,14 @@ void Cover(double share, cv::Mat& image) {
   const int side = static_cast<int>(share * image.rows);
   const cv::Rect middle((image.cols - side) / 2, (image.rows - side) / 2, side, side);
   image(middle & cv::Rect(0, 0, image.cols, image.rows)).setTo(0);
+}
+
+void AddSnow(int streaks, int index, int camera, cv::Mat& image) {
+  std::vector<float> radiance(image.total());
+  cv::Mat grey(image.size(), CV_32F, radiance.data());
+  image.convertTo(grey, CV_32F);
+  synthetic::Weather(image.cols, image.rows, streaks, 0, 1).Apply(index, camera, radiance);
+  grey.convertTo(image, CV_8U);
 }
 
 cv::Mat Worse(const cv::Mat& image, const Worsening& worsening, double gain, uint64_t seed) {
@@ -44,6 +55,10 @@ StereoImages WorseImages::Read(int index) const {
   const uint64_t seed = n_read_++;
   images.left = Worse(images.left, worsening_, gain, 2 * seed + 1);
   images.right = Worse(images.right, worsening_, 0.5 * (1.0 + gain), 2 * seed + 2);
+  if (worsening_.streaks > 0) {
+    AddSnow(worsening_.streaks, index, 0, images.left);
+    AddSnow(worsening_.streaks, index, 1, images.right);
+  }
   return images;
 }
 

@@ -15,6 +15,8 @@ struct Worsening {
   double blur_sigma_px = 0.0;
   /// Side of a black square in the middle of both images, as a share of their height; it covers what is behind it.
   double covered = 0.0;
+  /// Of snow, bright, in each image; other ones in every image.
+  int streaks = 0;
 };
 
 /// A dataset with its images made worse. Noise is seeded by the number of pairs read before: the same at every run, another

@@ -258,6 +258,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) Count("keyframes", 1);
   LookAt(frame.images, result.features);
   WarnAboutRows();
+  TellOfSync();
   TellOfWarnings();
   FinishIfDone();
 }
@@ -281,6 +282,10 @@ void VoNode::TellOfWarnings() {
   findings.points_seen = counts_[kPointsSeen];
   findings.points_matched = counts_[kPointsMatched];
   findings.corner_rows_px = counts_[kCornerRows];
+  findings.right_late_ms = counts_[kRightLate];
+  findings.left_late_ms = counts_[kLeftLate];
+  findings.late_frames = counts_[kLateFrames];
+  findings.unequal_readout_ms = counts_[kUnequalReadout];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
@@ -306,6 +311,18 @@ void VoNode::WarnAboutRows() {
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
       "but the calibration could be better",
       most_px);
+}
+
+/// Of cameras that are in step there are no such counters.
+void VoNode::TellOfSync() {
+  const SyncCheck& sync = odometry_->sync_check();
+  const auto tell = [this](const char* name, double value) {
+    if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
+  };
+  tell(kRightLate, 1e3 * sync.late_s());
+  tell(kLeftLate, -1e3 * sync.late_s());
+  tell(kLateFrames, std::abs(sync.late_frames()));
+  tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/features/features.h"
+#include "vo_process/stereo/pair_skew.h"
 
 namespace plslam {
 
@@ -19,6 +20,14 @@ void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
     correct(line.left.segment.p, line.disparity_p_px);
     correct(line.left.segment.q, line.disparity_q_px);
   }
+}
+
+/// From measured disparities, what the camera moved between the two images; where the pair then tells no depth, there is none.
+inline void TakeSkewAway(const PairSkew& skew, StereoFeatures& features) {
+  if (skew.is_zero()) return;
+  CorrectDisparities(features, [&skew](const Eigen::Vector2d& left_px, double disparity_px) {
+    return disparity_px - skew.Disparity_px(left_px, disparity_px).value_or(0.0);
+  });
 }
 
 }  // namespace plslam

@@ -60,7 +60,7 @@ double StripSimilarity(const cv::Mat& left_image, const cv::Mat& right_image, co
     const double t = (i + 0.5) / kPlaces;
     const Eigen::Vector2d at = left.p + t * (left.q - left.p);
     const double right_u = at.x() - disparity_p_px - t * (disparity_q_px - disparity_p_px);
-    const double right_v = at.y() + rows.Offset_px({right_u, at.y()});
+    const double right_v = at.y() + rows.MatchOffset_px(at, at.x() - right_u);
     if (SampleRow(left_image, at.x(), at.y(), a[count]) && SampleRow(right_image, right_u, right_v, b[count])) {
       ++count;
     }
@@ -239,14 +239,20 @@ class Appearance {
   double min_similarity_;
 };
 
-void SetDepth(StereoLine& line, const LineFeature& right, const RowLine& l, const RowLine& r,
+/// Where the right line crosses the row that a left pixel is found in: a row further down by the skew of the pair.
+double CrossingColumn(const RowLine& r, const PairSkew& skew, const Eigen::Vector2d& left_px) {
+  const double level_px = r.Column(left_px.y());
+  return skew.is_zero() ? level_px : r.Column(left_px.y() + skew.RowOffset_px(left_px, left_px.x() - level_px));
+}
+
+void SetDepth(StereoLine& line, const LineFeature& right, const RowLine& l, const RowLine& r, const PairSkew& skew,
               const StereoOptions& options) {
   const Segment2& s = line.left.segment;
   const double sigma_p = DisparitySigma(line.left, right, l, r, s.p.y());
   const double sigma_q = DisparitySigma(line.left, right, l, r, s.q.y());
   if (std::max(sigma_p, sigma_q) > options.line_max_sigma_disparity_px) return;
-  line.disparity_p_px = s.p.x() - r.Column(s.p.y());
-  line.disparity_q_px = s.q.x() - r.Column(s.q.y());
+  line.disparity_p_px = s.p.x() - CrossingColumn(r, skew, s.p);
+  line.disparity_q_px = s.q.x() - CrossingColumn(r, skew, s.q);
   line.sigma_disparity_p_px = sigma_p;
   line.sigma_disparity_q_px = sigma_q;
 }
@@ -278,7 +284,7 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
     const int rival = std::min(of_left[i].rival_distance, back.rival_distance);
     if (back.pairing->left != i || p->distance > options.line_max_ratio * rival) continue;
     if (!appearance.Confirms(left[i].left.segment, right_rows[p->right])) continue;
-    SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], options);
+    SetDepth(left[i], right[p->right], left_rows[i], right_rows[p->right], rows.skew(), options);
   }
 }
 

@@ -106,7 +106,7 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
 
   const double start = disparity_px / size_px;
   const double row_information = size_px * size_px / (sigma_row_px_ * sigma_row_px_);
-  const double expected_row = rows_.Offset_px(left_px - Eigen::Vector2d(disparity_px, 0.0)) / size_px;
+  const double expected_row = rows_.MatchOffset_px(left_px, disparity_px) / size_px;
   Eigen::Vector2d shift(-start, expected_row);
   Patch right;
   for (int iteration = 0; iteration < kMaxAlignIterations; ++iteration) {

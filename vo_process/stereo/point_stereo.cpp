@@ -43,13 +43,29 @@ class RowIndex {
   Buckets<int> rows_;
 };
 
-bool MayMatch(const PointFeature& left, const PointFeature& right, const StereoOptions& options) {
+bool MayMatch(const PointFeature& left, const PointFeature& right, const PairSkew& skew,
+              const StereoOptions& options) {
   if (std::abs(left.octave - right.octave) > kMaxOctavesApart) return false;
   const double scale = std::max(left.scale, right.scale);
-  if (std::abs(left.px.y() - right.px.y()) > options.point_row_tolerance_px * scale) return false;
+  const double row_px = left.px.y() + skew.RowOffset_px(left.px, left.px.x() - right.px.x());
+  if (std::abs(row_px - right.px.y()) > options.point_row_tolerance_px * scale) return false;
   // Corners are placed to a pixel or so of their octave; the gates on the disparity itself come after alignment.
   const double disparity_px = left.px.x() - right.px.x();
   return disparity_px >= options.min_disparity_px - scale && disparity_px <= options.max_disparity_px + scale;
+}
+
+/// The lowest and the highest row, from that of the left point, in which a skew may have put its match.
+struct RowRange {
+  double low_px = 0.0;
+  double high_px = 0.0;
+};
+
+RowRange RowsOf(const PointFeature& left, const PairSkew& skew, const StereoOptions& options) {
+  RowRange range;
+  if (skew.is_zero()) return range;
+  const double far_px = skew.RowOffset_px(left.px, options.min_disparity_px);
+  const double near_px = skew.RowOffset_px(left.px, options.max_disparity_px);
+  return {std::min(far_px, near_px), std::max(far_px, near_px)};
 }
 
 bool Accepted(const PatchAlignment& a, double scale, double min_correlation, const StereoOptions& options) {
@@ -105,7 +121,7 @@ std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const St
 }
 
 std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
-                                                const std::vector<PointFeature>& right,
+                                                const std::vector<PointFeature>& right, const PairSkew& skew,
                                                 const StereoOptions& options) {
   if (left.empty()) return {};
   const RowIndex rows(right);
@@ -117,8 +133,10 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
     PointCandidate& best = candidates[i];
     // The right point may be an octave coarser than the left.
     const double reach_px = options.point_row_tolerance_px * feature.scale * 2.0;
-    rows.ForEachNear(feature.px.y(), reach_px, [&](int j) {
-      if (!MayMatch(feature, right[j], options)) return;
+    const RowRange range = RowsOf(feature, skew, options);
+    const double row_px = feature.px.y() + 0.5 * (range.low_px + range.high_px);
+    rows.ForEachNear(row_px, reach_px + 0.5 * (range.high_px - range.low_px), [&](int j) {
+      if (!MayMatch(feature, right[j], skew, options)) return;
       const int distance = HammingDistance(feature.descriptor, right[j].descriptor);
       if (distance < of_right[j].distance) of_right[j] = {static_cast<int>(i), distance, kNone};
       if (distance < best.distance) {

@@ -20,11 +20,12 @@ struct PointCandidate {
   int second_distance = 0;
 };
 
-/// For each left point its candidate (PL-SLAM §IV.A), the right ones having been brought to left rows: on the same row within
-/// `point_row_tolerance_px` times the scale of the octave, at most one octave apart, with a disparity in range; its
+/// For each left point its candidate (PL-SLAM §IV.A), the right ones having been brought to left rows: on the same row (with a
+/// `skew`, on the row that it leads to) within `point_row_tolerance_px` times the scale of the octave, at most one octave apart, with a disparity in range; its
 /// descriptor must be near enough, clearly nearer than the second, and mutually best.
 std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
-                                                const std::vector<PointFeature>& right, const StereoOptions& options);
+                                                const std::vector<PointFeature>& right, const PairSkew& skew,
+                                                const StereoOptions& options);
 
 /// Sets the disparities of left points and their standard deviations by aligning patches of the two images
 /// (`PatchAligner`) at the candidates, or where a search along the row finds the patch. Points whose patches do not

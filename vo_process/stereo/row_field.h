@@ -5,6 +5,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/pair_skew.h"
 
 namespace plslam {
 
@@ -17,6 +18,9 @@ namespace plslam {
 /// What is left of a rotation between the cameras, of a focal length or of a distortion is of this shape, as far as it is
 /// smooth. Places are told by the column in the right image and the row in the left one, as a disparity tells them:
 /// u_left - disparity, v_left.
+///
+/// Where the two images are not taken at the same time, rows differ by what the camera moves in between, too: that is the `PairSkew` of the
+/// pair, which may come with the field.
 class RowField {
  public:
   using Coefficients = Eigen::Matrix<double, 6, 1>;
@@ -48,6 +52,19 @@ class RowField {
     return is_zero_ ? 0.0 : Terms(camera_, place_px).dot(coefficients_px_);
   }
 
+  /// The same of a pair with a skew.
+  RowField With(const PairSkew& skew) const {
+    RowField field = *this;
+    field.skew_ = skew;
+    return field;
+  }
+  const PairSkew& skew() const { return skew_; }
+
+  /// v_right - v_left of the match of a left pixel, whose column tells this disparity: of field and skew.
+  double MatchOffset_px(const Eigen::Vector2d& left_px, double disparity_px) const {
+    return Offset_px(left_px - Eigen::Vector2d(disparity_px, 0.0)) + skew_.RowOffset_px(left_px, disparity_px);
+  }
+
   /// The row in the left image of a pixel of the right one.
   double LeftRow_px(const Eigen::Vector2d& right_px) const {
     const double near_px = right_px.y() - Offset_px(right_px);
@@ -64,7 +81,7 @@ class RowField {
     return camera_.f_px * (straight.x() / straight.z() - turned.x());
   }
 
-  /// Everywhere, so that nothing is to be done.
+  /// The field is, everywhere, so that nothing is to be done; it may have a skew.
   bool is_zero() const { return is_zero_; }
 
  private:
@@ -72,6 +89,7 @@ class RowField {
   Coefficients coefficients_px_ = Coefficients::Zero();
   Eigen::Matrix3d R_straight_turned_ = Eigen::Matrix3d::Identity();
   bool is_zero_ = true;
+  PairSkew skew_;
 };
 
 }  // namespace plslam

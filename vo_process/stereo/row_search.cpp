@@ -105,7 +105,7 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
   const int u = static_cast<int>(std::lround(left.x()));
   const int v = static_cast<int>(std::lround(left.y()));
   const int columns = level.left.cols;
-  const int right_v = v + static_cast<int>(std::lround(rows_.Offset_px(left_px) / level.size_px));
+  const int right_v = v + static_cast<int>(std::lround(rows_.MatchOffset_px(left_px, 0.0) / level.size_px));
   const auto is_inside = [&level](int row) { return row >= kWindowHalf && row < level.left.rows - kWindowHalf; };
   if (u < kWindowHalf || u >= columns - kWindowHalf || !is_inside(v) || !is_inside(right_v)) return std::nullopt;
   const LeftPatch patch = ReadPatch(level.left, u, v);

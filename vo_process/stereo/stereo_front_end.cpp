@@ -14,8 +14,10 @@ constexpr double kUnknownRowSigma_px = 2.0;
 
 /// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost nothing.
 ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const CameraCalibration& camera,
-                            const FeatureMask& mask, const RunBoth& run_both = RunInTurn) {
-  ImageFeatures features = extractor.Extract(image, run_both, camera.mask.empty() ? cv::Mat() : mask.inside());
+                            const FeatureMask& mask, std::optional<int> max_points,
+                            const RunBoth& run_both = RunInTurn) {
+  ImageFeatures features =
+      extractor.Extract(image, run_both, camera.mask.empty() ? cv::Mat() : mask.inside(), max_points);
   mask.RemoveOutside(features);
   return features;
 }
@@ -42,18 +44,20 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
       left_extractor_(options.features),
       right_extractor_(options.features) {}
 
-StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows) {
+StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows,
+                                       std::optional<int> max_points) {
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
-  return rgbd ? ProcessRgbd(images, timer) : ProcessStereo(images, timer, rows, options_.stereo);
+  return rgbd ? ProcessRgbd(images, timer, max_points)
+              : ProcessStereo(images, timer, rows, max_points, options_.stereo);
 }
 
-StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images) {
+StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const PairSkew& skew) {
   if (rig_.kind == RigCalibration::Kind::kRgbd || options_.features.features == "lines") return {};
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
   StageTimer untimed([] { return 0.0; });
-  return ProcessStereo(images, untimed, RowField(), options);
+  return ProcessStereo(images, untimed, RowField().With(skew), std::nullopt, options);
 }
 
 RunBoth StereoFrontEnd::OnBothThreads() {
@@ -62,7 +66,7 @@ RunBoth StereoFrontEnd::OnBothThreads() {
 }
 
 StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                                             const StereoOptions& options) {
+                                             std::optional<int> max_points, const StereoOptions& options) {
   cv::Mat left;
   cv::Mat right;
   ImageFeatures left_features;
@@ -71,11 +75,11 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
     worker_.RunBoth(
         [&] {
           left = rectifier_.RectifyLeft(images.left);
-          left_features = ExtractInside(left_extractor_, left, rig_.left, left_mask_);
+          left_features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, max_points);
         },
         [&] {
           right = rectifier_.RectifyRight(images.right);
-          right_features = ExtractInside(right_extractor_, right, rig_.right, right_mask_);
+          right_features = ExtractInside(right_extractor_, right, rig_.right, right_mask_, max_points);
         });
   });
   return timer.Time("stereo", [&] {
@@ -86,14 +90,15 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
   });
 }
 
-StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTimer& timer) {
+StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTimer& timer,
+                                           std::optional<int> max_points) {
   cv::Mat left;
   cv::Mat depth;
   ImageFeatures features;
   timer.Time("features", [&] {
     worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
                     [&] { depth = rectifier_.RectifyDepth(images.right); });
-    features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, OnBothThreads());
+    features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, max_points, OnBothThreads());
   });
   return timer.Time("stereo", [&] {
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);

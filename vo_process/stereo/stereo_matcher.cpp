@@ -41,13 +41,14 @@ StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Ma
   features.lines = WithoutDepth(std::move(left.lines));
   std::vector<PointCandidate> candidates;
   std::optional<HalvedPair> pair;
-  run_both([&] { candidates = FindPointCandidates(features.points, right.points, options); },
+  run_both([&] { candidates = FindPointCandidates(features.points, right.points, rows.skew(), options); },
            [&] {
              if (!features.points.empty()) pair.emplace(left_image, right_image);
              MatchLinesStereo(features.lines, right.lines, left_image, right_image, rows, options);
            });
   if (pair) MatchPointsStereo(features.points, right.points, candidates, *pair, rows, options, run_both);
   TakeRotationAway(rows, features);
+  TakeSkewAway(rows.skew(), features);
   return features;
 }
 

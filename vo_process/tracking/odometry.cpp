@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "vo_process/stereo/correct_disparities.h"
 #include "vo_process/tracking/kind_balance.h"
 
 namespace plslam {
@@ -99,12 +100,27 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
       row_calibration_(camera, options.row_calibration),
+      corner_budget_(options.features.orb.max_points),
+      sync_check_(camera),
       landmarks_(camera, options),
       bodies_(camera, options),
       keyframe_measurements_(camera) {}
 
+// Of the last frame. Unsigned, or time stamps at both ends of their range overflow.
+double Odometry::SecondsSince(int64_t t_ns) const {
+  const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
+  return std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
+}
+
+void Odometry::Expect(int64_t t_ns) {
+  skew_ = PairSkew();
+  if (!initialised_ || sync_check_.late_s() == 0.0) return;
+  const double dt_s = SecondsSince(t_ns);
+  skew_ = sync_check_.SkewOf(motion_model_.Predict(dt_s).T_prev_c, dt_s);
+}
+
 bool Odometry::LearnRows(const StereoFeatures& features) {
-  const bool changed = row_calibration_.Observe(features);
+  const bool changed = row_calibration_.Observe(features, skew_);
   if (changed) calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
   return changed;
 }
@@ -117,9 +133,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   TrackedFrame frame(std::move(features));
   frame.point_sigma_scale = kind_balance_.scale();
   OdometryResult result;
-  // Unsigned, or time stamps at both ends of their range overflow.
-  const auto dt_ns = static_cast<int64_t>(static_cast<uint64_t>(t_ns) - static_cast<uint64_t>(last_t_ns_));
-  const double dt_s = std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
+  const double dt_s = SecondsSince(t_ns);
   last_t_ns_ = t_ns;
   // Of a frame in which two motions were equally likely: the answer covers both.
   Matrix6d doubt = Matrix6d::Zero();
@@ -136,9 +150,11 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
         doubt = between * between.transpose();
       }
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
+      CheckSync(frame, result.T_prev_c, dt_s);
     } else {
       Miss(prediction, dt_s, frame, result);
       calibration_.Interrupt();
+      sync_check_.Interrupt();
     }
   }
   result.T_odom_c = T_odom_c_;
@@ -157,10 +173,20 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
                       TrackedLandmarkIds(content.line_tracks));
   }
   result.n_bodies = static_cast<int>(bodies_.n_met());
+  corner_budget_.Observe(frame);
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
   result.line_tracks = std::move(frame.line_tracks);
   return result;
+}
+
+// What was learned of rows, disparities and landmarks from matches that are late is wrong.
+void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) {
+  if (!sync_check_.Observe(frame, dt_s)) return;
+  row_calibration_ = RowCalibration(camera_, options_.row_calibration);
+  calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
+  TakeSkewAway(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
+  landmarks_.FoundAnew(T_odom_c_, frame);
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {

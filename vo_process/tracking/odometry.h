@@ -6,6 +6,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/run/tracking_state.h"
+#include "vo_process/tracking/corner_budget.h"
 #include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/keyframe_measurements.h"
@@ -15,6 +16,7 @@
 #include "vo_process/tracking/motion_model.h"
 #include "vo_process/tracking/moving_bodies.h"
 #include "vo_process/tracking/row_calibration.h"
+#include "vo_process/tracking/sync_check.h"
 
 namespace plslam {
 
@@ -70,8 +72,16 @@ class Odometry {
 
   const DisparityCalibration& disparity_calibration() const { return calibration_; }
 
-  /// How rows of right images differ from those of left ones, as far as is known.
-  RowField rows() const { return row_calibration_.field(); }
+  const SyncCheck& sync_check() const { return sync_check_; }
+
+  /// Before the pair of this time is looked at: what it is expected to be like.
+  void Expect(int64_t t_ns);
+
+  /// How rows of the right image differ from those of the left one in the pair that is expected, as far as is known.
+  RowField rows() const { return row_calibration_.field().With(skew_); }
+
+  /// How many corners are wanted of each image of the next pair.
+  int max_points() const { return corner_budget_.max_points(); }
 
   /// Nothing is known of them yet: the next pair is to be looked at with that in mind.
   bool needs_rows() const { return row_calibration_.needs_look(); }
@@ -113,10 +123,10 @@ class Odometry {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
-      self.landmarks_, self.bodies_, self.keyframe_log_, self.T_w_odom_, self.initialised_, self.last_t_ns_, self.T_odom_c_,
-      self.tracked_weight_, self.alignment_covariance_, self.is_in_map_, self.is_adrift_, self.next_keyframe_id_,
-      self.T_odom_kf_, self.covariance_odom_kf_, self.covariance_kf_c_, self.alignment_covariance_kf_,
-      self.keyframe_point_id_, self.keyframe_line_id_);
+      self.corner_budget_, self.sync_check_, self.landmarks_, self.bodies_, self.keyframe_log_, self.T_w_odom_,
+      self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
+      self.is_in_map_, self.is_adrift_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
+      self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
   }
 
  private:
@@ -139,6 +149,7 @@ class Odometry {
     SE3 T_w_odom;
   };
 
+  double SecondsSince(int64_t t_ns) const;
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
@@ -151,6 +162,7 @@ class Odometry {
                    const OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
   void ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result);
   void MakeKeyframe(KeyframeReason reason, OdometryResult& result);
@@ -164,6 +176,10 @@ class Odometry {
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
   RowCalibration row_calibration_;
+  CornerBudget corner_budget_;
+  SyncCheck sync_check_;
+  /// Of the pair that is expected.
+  PairSkew skew_;
   LocalLandmarks landmarks_;
   MovingBodies bodies_;
   KeyframeLog keyframe_log_;

@@ -1,7 +1,6 @@
 #include "vo_process/tracking/row_calibration.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -12,15 +11,6 @@
 namespace plslam {
 namespace {
 
-// Patches that tell the row less well have little to say, and their errors are not of the normal kind.
-constexpr double kMaxSigmaRow_px = 0.4;
-// What the residuals of a patch do not show: slant, interpolation, the place of the corner in an image that is not sharp.
-constexpr double kRowModelError_px = 0.2;
-// Corners that lie together, or are the same one in several octaves, err together: a cell of the image has one voice.
-constexpr int kCellsAlong = 8;
-constexpr int kCellsDown = 6;
-constexpr double kMaxRowDeviation = 4.0;
-constexpr double kRowHuber = 1.5;
 // Change from frame to frame: of warmth, and of what the model leaves out as the view changes.
 constexpr double kRowDrift_px = 0.005;
 // Matches of a frame that tell something, and that tell whether rows differ.
@@ -39,14 +29,10 @@ constexpr double kPitchSigma_px = 5.0;
 constexpr double kShiftSigma_px = 0.7;
 constexpr double kBendSigma_px = 0.3;
 
-bool TellsItsRow(const StereoPoint& p) {
-  return p.HasDepth() && p.sigma_row_px >= 0.0 && p.sigma_row_px < kMaxSigmaRow_px;
-}
-
-template <class Sights, class Value>
-double MedianOf(const Sights& sights, const Value& value) {
-  std::vector<double> values(sights.size());
-  std::transform(sights.begin(), sights.end(), values.begin(), value);
+template <class Value>
+double MedianOf(const std::vector<RowObservation>& observations, const Value& value) {
+  std::vector<double> values(observations.size());
+  std::transform(observations.begin(), observations.end(), values.begin(), value);
   return Median(values);
 }
 
@@ -58,56 +44,46 @@ RowCalibration::RowCalibration(const StereoCamera& camera, const RowCalibrationO
   covariance_ *= options.prior_sigma_px * options.prior_sigma_px;
 }
 
-bool RowCalibration::Observe(const StereoFeatures& features) {
+bool RowCalibration::Observe(const StereoFeatures& features, const PairSkew& skew) {
   if (!options_.enabled) return false;
   ++n_frames_;
-  const std::vector<RowSight> sights = SightsOf(features);
-  if (sights.size() < kEnoughToBegin) return false;
-  has_learned_ = has_learned_ || sights.size() >= kEnough;
+  std::vector<RowObservation> observations = RowObservationsOf(features, camera_);
+  for (RowObservation& o : observations) {
+    const StereoPoint& point = features.points[o.point];
+    o.offset_px -= skew.RowOffsetAt_px(point.left.px, point.disparity_px);
+  }
+  if (observations.size() < kEnoughToBegin) return false;
+  has_learned_ = has_learned_ || observations.size() >= kEnough;
   // Several pixels, and what agrees would seem to be wrong: so what most agree on comes first.
-  if (n_compared_ == 0) state_(0) = MedianOf(sights, [](const RowSight& s) { return s.offset_px; });
+  if (n_compared_ == 0) state_(0) = MedianOf(observations, [](const RowObservation& o) { return o.offset_px; });
   covariance_.diagonal().array() += kRowDrift_px * kRowDrift_px;
-  for (const RowSight& sight : sights) Learn(sight);
-  Compare(sights);
+  for (const RowObservation& observation : observations) Learn(observation);
+  Compare(observations);
   const bool used_before = used_;
   used_ = IsWorthIt();
   return used_ != used_before;
 }
 
-std::vector<RowCalibration::RowSight> RowCalibration::SightsOf(const StereoFeatures& features) const {
-  std::vector<RowSight> sights;
-  std::array<int, kCellsAlong * kCellsDown> n_in_cell{};
-  std::vector<size_t> cells;
-  for (const StereoPoint& point : features.points) {
-    if (!TellsItsRow(point)) continue;
-    const Eigen::Vector2d place_px = point.left.px - Eigen::Vector2d(point.disparity_px, 0.0);
-    const auto along =
-        std::clamp(static_cast<int>(kCellsAlong * place_px.x() / camera_.width_px), 0, kCellsAlong - 1);
-    const auto down = std::clamp(static_cast<int>(kCellsDown * place_px.y() / camera_.height_px), 0, kCellsDown - 1);
-    cells.push_back(static_cast<size_t>(down * kCellsAlong + along));
-    ++n_in_cell[cells.back()];
-    sights.push_back({RowField::Terms(camera_, place_px), point.row_offset_px,
-                      point.sigma_row_px * point.sigma_row_px + kRowModelError_px * kRowModelError_px});
-  }
-  for (size_t i = 0; i < sights.size(); ++i) sights[i].sharing = n_in_cell[cells[i]];
-  return sights;
+double RowCalibration::Innovation_px(const RowObservation& observation) const {
+  return observation.offset_px - RowField::Terms(camera_, observation.place_px).dot(state_);
 }
 
-void RowCalibration::Learn(const RowSight& sight) {
-  const double innovation = sight.offset_px - sight.terms.dot(state_);
-  const RowField::Coefficients gain = covariance_ * sight.terms;
-  const double deviation = std::abs(innovation) / std::sqrt(sight.variance_px2 + sight.terms.dot(gain));
+void RowCalibration::Learn(const RowObservation& observation) {
+  const RowField::Coefficients terms = RowField::Terms(camera_, observation.place_px);
+  const double innovation = Innovation_px(observation);
+  const RowField::Coefficients gain = covariance_ * terms;
+  const double deviation = std::abs(innovation) / std::sqrt(observation.variance_px2 + terms.dot(gain));
   if (!(deviation <= kMaxRowDeviation)) return;
-  const double variance_px2 = sight.sharing * sight.variance_px2 * std::max(1.0, deviation / kRowHuber);
-  const double total = variance_px2 + sight.terms.dot(gain);
+  const double variance_px2 = observation.sharing * observation.variance_px2 * RowHuberFactor(deviation);
+  const double total = variance_px2 + terms.dot(gain);
   state_ += innovation / total * gain;
   covariance_ -= gain * gain.transpose() / total;
 }
 
-void RowCalibration::Compare(const std::vector<RowSight>& sights) {
-  const double without_px = MedianOf(sights, [](const RowSight& s) { return std::abs(s.offset_px); });
+void RowCalibration::Compare(const std::vector<RowObservation>& observations) {
+  const double without_px = MedianOf(observations, [](const RowObservation& o) { return std::abs(o.offset_px); });
   const double with_px =
-      MedianOf(sights, [this](const RowSight& s) { return std::abs(s.offset_px - s.terms.dot(state_)); });
+      MedianOf(observations, [this](const RowObservation& o) { return std::abs(Innovation_px(o)); });
   n_compared_ = std::min(n_compared_ + 1, kMemory_frames);
   const double share = 1.0 / static_cast<double>(n_compared_);
   median_without_px_ += share * (without_px - median_without_px_);

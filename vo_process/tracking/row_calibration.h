@@ -9,6 +9,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/row_observations.h"
 
 namespace plslam {
 
@@ -32,8 +33,9 @@ class RowCalibration {
     return options_.enabled && !has_learned_ && now;
   }
 
-  /// Learns from the matches of a frame. True where `field` becomes zero by it, or is not zero any more.
-  bool Observe(const StereoFeatures& features);
+  /// Learns from the matches of a frame, by what their rows differ beyond the skew of the pair. True where `field` becomes zero by it,
+  /// or is not zero any more.
+  bool Observe(const StereoFeatures& features, const PairSkew& skew = {});
 
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
@@ -46,18 +48,9 @@ class RowCalibration {
   static constexpr int64_t kFirstLooks = 10;
   static constexpr int64_t kLookEvery = 30;
 
-  /// A match that tells its row.
-  struct RowSight {
-    RowField::Coefficients terms;
-    double offset_px = 0.0;
-    double variance_px2 = 1.0;
-    /// With so many others in its part of the image.
-    double sharing = 1.0;
-  };
-
-  std::vector<RowSight> SightsOf(const StereoFeatures& features) const;
-  void Learn(const RowSight& sight);
-  void Compare(const std::vector<RowSight>& sights);
+  double Innovation_px(const RowObservation& observation) const;
+  void Learn(const RowObservation& observation);
+  void Compare(const std::vector<RowObservation>& observations);
   bool IsWorthIt() const;
   RowField::Turn TurnShown() const;
 

@@ -11,10 +11,12 @@ namespace plslam {
 /// `StereoFrontEnd::Process`.
 inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, const StereoImages& images,
                               StageTimer& timer) {
+  odometry.Expect(images.t_ns);
   const bool looks = odometry.needs_rows();
-  if (looks) timer.Time("rows", [&] { odometry.LearnRows(front_end.LookForRows(images)); });
-  StereoFeatures features = front_end.Process(images, timer, odometry.rows());
-  if (!looks && odometry.LearnRows(features)) features = front_end.Process(images, timer, odometry.rows());
+  if (looks) timer.Time("rows", [&] { odometry.LearnRows(front_end.LookForRows(images, odometry.rows().skew())); });
+  StereoFeatures features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
+  if (!looks && odometry.LearnRows(features))
+    features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
   return features;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/exact_math.h"
+#include "core/datasets/synthetic/rolling_shutter.h"
 #include "core/datasets/synthetic/worlds.h"
 
 namespace plslam::synthetic {
@@ -54,7 +55,9 @@ Options WithDefaults(Options options) {
 }  // namespace
 
 Simulator::Simulator(const Options& options)
-    : options_(WithDefaults(options)), sensor_(options.width_px, options.height_px, options.noise, options.seed) {
+    : options_(WithDefaults(options)),
+      weather_(options.width_px, options.height_px, options.streaks, options.dirt, options.seed),
+      sensor_(options.width_px, options.height_px, options.noise, options.seed) {
   MakeMotion();
   MakeEyes();
   MakeBodies();
@@ -182,9 +185,9 @@ double Simulator::Gain(int index) const {
   return 1.0 + kExposureSwing * options_.exposure * wave;
 }
 
-int Simulator::BlurSteps(const Eye& eye, int index) const {
-  const SE3 opens = motion_->At(index - 0.5 * options_.blur);
-  const SE3 closes = motion_->At(index + 0.5 * options_.blur);
+int Simulator::BlurSteps(const Eye& eye, double frame) const {
+  const SE3 opens = motion_->At(frame - 0.5 * options_.blur);
+  const SE3 closes = motion_->At(frame + 0.5 * options_.blur);
   // The chord of the rotation; of angles as small it is their length.
   const double turn_rad = (closes.R() - opens.R()).norm() / std::sqrt(2.0);
   const double way_m = (closes.translation() - opens.translation()).norm();
@@ -192,17 +195,25 @@ int Simulator::BlurSteps(const Eye& eye, int index) const {
   return std::clamp(static_cast<int>(std::ceil(moved_px / kBlurStep_px)), kMinBlurSteps, kMaxBlurSteps);
 }
 
-std::vector<float> Simulator::Radiance(const Eye& eye, int index) const {
-  if (options_.blur == 0.0) {
-    return RenderRadiance(SceneAt(index), ViewOf(eye, motion_->At(index)));
+std::vector<float> Simulator::RadianceAt(const Eye& eye, double frame) const {
+  if (options_.readout_ms == 0.0) {
+    return RenderRadiance(SceneAt(frame), ViewOf(eye, motion_->At(frame)));
   }
-  const int steps = BlurSteps(eye, index);
+  const double readout = 1e-3 * options_.readout_ms * options_.rate_hz;
+  return RenderRollingShutter(SceneAt(frame),
+                              [&](double share) { return ViewOf(eye, motion_->At(frame + share * readout)); });
+}
+
+std::vector<float> Simulator::Radiance(const Eye& eye, double frame) const {
+  if (options_.blur == 0.0) {
+    return RadianceAt(eye, frame);
+  }
+  const int steps = BlurSteps(eye, frame);
   const float share = 1.0F / static_cast<float>(steps);
   std::vector<float> sum;
   for (int step = 0; step < steps; ++step) {
     const double shutter = options_.blur * ((step + 0.5) / steps - 0.5);
-    const std::vector<float> part =
-        RenderRadiance(SceneAt(index + shutter), ViewOf(eye, motion_->At(index + shutter)));
+    const std::vector<float> part = RadianceAt(eye, frame + shutter);
     sum.resize(part.size(), 0.0F);
     std::transform(sum.begin(), sum.end(), part.begin(), sum.begin(),
                    [share](float a, float b) { return a + b * share; });
@@ -211,10 +222,12 @@ std::vector<float> Simulator::Radiance(const Eye& eye, int index) const {
 }
 
 cv::Mat Simulator::RenderEye(const Eye& eye, int index, int camera) const {
-  std::vector<float> radiance = Radiance(eye, index);
+  const double late = camera == 1 ? 1e-3 * options_.right_late_ms * options_.rate_hz : 0.0;
+  std::vector<float> radiance = Radiance(eye, index + late);
   if (eye.lens.is_distorted()) {
     radiance = eye.lens.Apply(radiance);
   }
+  weather_.Apply(index, camera, radiance);
   return sensor_.Expose(radiance, Gain(index), static_cast<uint64_t>(index) * 2 + camera);
 }
 

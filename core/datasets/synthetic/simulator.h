@@ -10,6 +10,7 @@
 #include "core/datasets/synthetic/options.h"
 #include "core/datasets/synthetic/renderer.h"
 #include "core/datasets/synthetic/sensor.h"
+#include "core/datasets/synthetic/weather.h"
 #include "core/datasets/synthetic/world.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
@@ -60,8 +61,10 @@ class Simulator {
   Scene SceneAt(double frame) const { return {world_, bodies_.At(frame).quads}; }
   CameraCalibration Calibration(const Eye& eye) const;
   View ViewOf(const Eye& eye, const SE3& T_w_c) const;
-  int BlurSteps(const Eye& eye, int index) const;
-  std::vector<float> Radiance(const Eye& eye, int index) const;
+  /// Of a time in frames, which need not be whole.
+  int BlurSteps(const Eye& eye, double frame) const;
+  std::vector<float> RadianceAt(const Eye& eye, double frame) const;
+  std::vector<float> Radiance(const Eye& eye, double frame) const;
   cv::Mat RenderEye(const Eye& eye, int index, int camera) const;
 
   Options options_;
@@ -73,6 +76,7 @@ class Simulator {
   Eye left_;
   Eye right_;
   RigCalibration rig_;
+  Weather weather_;
   Sensor sensor_;
 };
 

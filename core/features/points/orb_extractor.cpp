@@ -14,13 +14,13 @@ namespace {
 constexpr int kDescriptorMargin_px = kOrbPatchRadius_px + 1;
 
 /// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep enough).
-std::vector<int> LevelQuotas(const OrbOptions& options, int levels) {
+std::vector<int> LevelQuotas(const OrbOptions& options, int levels, int max_points) {
   std::vector<double> sides(levels, 1.0);
   for (int level = 1; level < levels; ++level) sides[level] = sides[level - 1] / options.scale_factor;
   const double sum = std::accumulate(sides.begin(), sides.end(), 0.0);
   std::vector<int> quotas;
   quotas.reserve(levels);
-  for (const double side : sides) quotas.push_back(static_cast<int>(std::lround(options.max_points * side / sum)));
+  for (const double side : sides) quotas.push_back(static_cast<int>(std::lround(max_points * side / sum)));
   return quotas;
 }
 
@@ -47,18 +47,20 @@ std::vector<Corner> OrbExtractor::FindCorners(int level, int quota, const cv::Ma
   return SpreadCorners(corners, quota, image.cols, image.rows);
 }
 
-std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image, const cv::Mat& allowed) {
+std::vector<PointFeature> OrbExtractor::Extract(const cv::Mat& image, const cv::Mat& allowed,
+                                                std::optional<int> maximum) {
+  const int max_points = maximum.value_or(options_.max_points);
   if (image.empty()) return {};
   if (image.type() != CV_8UC1) throw std::invalid_argument("OrbExtractor: the image must be 8 bit grey");
   pyramid_.Build(image, options_.levels, options_.scale_factor);
-  const std::vector<int> quotas = LevelQuotas(options_, pyramid_.levels());
+  const std::vector<int> quotas = LevelQuotas(options_, pyramid_.levels(), max_points);
   descriptors_.resize(std::max(descriptors_.size(), static_cast<size_t>(pyramid_.levels())));
   std::vector<PointFeature> points;
   int unused = 0;
   for (int level = 0; level < pyramid_.levels(); ++level) {
     const cv::Mat& level_image = pyramid_.image(level);
     // What a level could not give, the coarser ones may; the total never exceeds the maximum.
-    const int room = options_.max_points - static_cast<int>(points.size());
+    const int room = max_points - static_cast<int>(points.size());
     const int quota = std::min(quotas[level] + unused, room);
     const std::vector<Corner> corners = FindCorners(level, quota, allowed);
     unused = quota - static_cast<int>(corners.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -21,8 +22,10 @@ class OrbExtractor {
   explicit OrbExtractor(const OrbOptions& options) : options_(options) {}
 
   /// `image` is CV_8UC1 of any size. Pixels of the result are those of the image, whatever the octave. Where `allowed`
-  /// (of the same size, or empty) is 0 no points are taken, so that all of them are found elsewhere.
-  std::vector<PointFeature> Extract(const cv::Mat& image, const cv::Mat& allowed = cv::Mat());
+  /// (of the same size, or empty) is 0 no points are taken, so that all of them are found elsewhere. `maximum`: as many points
+  /// in this image, instead of what the options say.
+  std::vector<PointFeature> Extract(const cv::Mat& image, const cv::Mat& allowed = cv::Mat(),
+                                    std::optional<int> maximum = std::nullopt);
 
  private:
   /// Corners of one level, at most `quota`, spread over it and firm in both directions.

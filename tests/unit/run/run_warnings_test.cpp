@@ -52,6 +52,14 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "only 1.0 % of the points of the left ones: left and right may be exchanged, not taken at the same time, or "
        "badly "
        "calibrated; `plslam rectify-check '/data/kitti 03'` tells"},
+      {"cameras_out_of_step",
+       [](RunFindings& f) {
+         f.right_late_ms = 93.04;
+         f.late_frames = 0.9;
+         f.corner_rows_px = 12.0;
+       },
+       "the right images are taken 93 ms after the left ones: pair them anew (player.right_offset_frames=-1)"},
+      {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
@@ -83,6 +91,15 @@ TEST(RunWarnings, ConditionsOfEachRow) {
     codes.emplace_back(c.code);
   }
   EXPECT_EQ(codes, WarningCodes()) << "each row is tried";
+}
+
+TEST(RunWarnings, CamerasThatAreLateByLessThanAFrameAreNotPairedAnew) {
+  RunFindings findings = GoodRun();
+  findings.left_late_ms = 5.0;
+  findings.late_frames = 0.1;
+  ASSERT_THAT(CodesOf(findings), ElementsAre("cameras_out_of_step"));
+  EXPECT_THAT(WarningsOf(findings)[0].sentence,
+              HasSubstr("the left images are taken 5 ms after the right ones: this is made up for"));
 }
 
 TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {

@@ -8,8 +8,8 @@ namespace plslam::test {
 
 void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
            const cv::Mat& right, const StereoOptions& options) {
-  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, options), HalvedPair(left, right),
-                    RowField(), options);
+  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, PairSkew(), options),
+                    HalvedPair(left, right), RowField(), options);
 }
 
 std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options) {

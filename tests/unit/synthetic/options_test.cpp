@@ -27,7 +27,8 @@ TEST(SyntheticOptions, AllAreRead) {
   const Options o = ParseOptions(
       "street?seed=3&frames=30&loops=2&size=320x200&noise=1.5&blur=0.5&exposure=0&baseline=0.2&fov=90&rate=10&speed="
       "2&"
-      "distorted=1&trajectory=a/b.txt&bodies=3&body=stop&share=0.3&standing=1&static_body=0.2");
+      "distorted=1&right_late_ms=-5&readout_ms=20&streaks=250&dirt=12&trajectory=a/b.txt&bodies=3&body=stop&share=0.3&"
+      "standing=1&static_body=0.2");
   EXPECT_EQ(o.world, "street");
   EXPECT_EQ(o.seed, 3u);
   EXPECT_EQ(o.frames, 30);
@@ -42,6 +43,10 @@ TEST(SyntheticOptions, AllAreRead) {
   EXPECT_EQ(o.rate_hz, 10.0);
   EXPECT_EQ(o.speed, 2.0);
   EXPECT_TRUE(o.distorted);
+  EXPECT_EQ(o.right_late_ms, -5.0);
+  EXPECT_EQ(o.readout_ms, 20.0);
+  EXPECT_EQ(o.streaks, 250);
+  EXPECT_EQ(o.dirt, 12);
   EXPECT_EQ(o.trajectory, "a/b.txt");
   EXPECT_EQ(o.bodies, 3);
   EXPECT_EQ(o.body, BodyMotion::kStop);

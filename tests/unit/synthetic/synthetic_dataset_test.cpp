@@ -50,6 +50,52 @@ TEST(Synthetic, ReadingIsRandomAccess) {
   EXPECT_EQ(a->Read(20).frame_id, 20);
 }
 
+// The left image of the frame after is what the right camera would see a frame late if it sat in the place of the left one.
+TEST(Synthetic, LateRightImageIsTakenFromThePlaceOfThen) {
+  const std::string world = "room?size=160x120&noise=0&exposure=0&rate=20";
+  const auto on_time = OpenSyntheticDataset(world);
+  const auto late = OpenSyntheticDataset(world + "&right_late_ms=50");
+  EXPECT_EQ(Fnv(late->Read(3).left, 1), Fnv(on_time->Read(3).left, 1));
+  EXPECT_EQ(Fnv(late->Read(3).right, 1), Fnv(on_time->Read(4).right, 1));
+}
+
+TEST(Synthetic, RollingShutterTakesRowsOneAfterTheOther) {
+  const std::string world = "room?size=160x120&noise=0&exposure=0&rate=20";
+  const auto at_once = OpenSyntheticDataset(world);
+  const auto rolling = OpenSyntheticDataset(world + "&readout_ms=50");
+  const cv::Mat image = rolling->Read(3).left;
+  const auto difference = [&](int frame, int row) {
+    return cv::norm(image.row(row), at_once->Read(frame).left.row(row), cv::NORM_L1) / image.cols;
+  };
+  EXPECT_LT(difference(3, 1), 0.5);
+  EXPECT_GT(difference(4, 1), 2.0);
+  EXPECT_LT(difference(4, 118), 0.5);
+  EXPECT_GT(difference(3, 118), 2.0);
+}
+
+TEST(Synthetic, StreaksAreOthersInEveryImageAndDirtStays) {
+  const std::string world = "whitewall?size=160x120&noise=0&exposure=0";
+  const auto clean = OpenSyntheticDataset(world);
+  const auto changed = [&](const std::string& option, int frame, bool right) {
+    const auto dataset = OpenSyntheticDataset(world + option);
+    const StereoImages a = clean->Read(frame);
+    const StereoImages b = dataset->Read(frame);
+    cv::Mat difference;
+    cv::absdiff(right ? a.right : a.left, right ? b.right : b.left, difference);
+    return cv::Mat(difference > 10);
+  };
+  const auto common = [](const cv::Mat& a, const cv::Mat& b) {
+    return static_cast<double>(cv::countNonZero(a & b)) /
+           std::max(1, std::min(cv::countNonZero(a), cv::countNonZero(b)));
+  };
+  for (const bool right : {false, true}) {
+    EXPECT_LT(common(changed("&streaks=10", 3, right), changed("&streaks=10", 4, right)), 0.4);
+    EXPECT_GT(common(changed("&dirt=5", 3, right), changed("&dirt=5", 4, right)), 0.9);
+  }
+  EXPECT_LT(common(changed("&streaks=10", 3, false), changed("&streaks=10", 3, true)), 0.4);
+  EXPECT_LT(common(changed("&dirt=5", 3, false), changed("&dirt=5", 3, true)), 0.6);
+}
+
 TEST(Synthetic, SeedsDiffer) {
   EXPECT_NE(HashOfPair(OpenSyntheticDataset("room?size=160x120&noise=0&seed=1")->Read(0)),
             HashOfPair(OpenSyntheticDataset("room?size=160x120&noise=0&seed=2")->Read(0)));

@@ -70,6 +70,10 @@ TEST(OdometryState, GoesOnToTheLastBitWithABentRig) {
   ExpectSameBits(test::BentRig(*straight, {-0.005, 0.0, 0.01}), 40, VoOptions());
 }
 
+TEST(OdometryState, GoesOnToTheLastBitInSnowWithCamerasOutOfStep) {
+  ExpectSameBits("synthetic:room?size=320x240&frames=40&right_late_ms=10&streaks=150", 40, VoOptions());
+}
+
 TEST(OdometryState, GoesOnToTheLastBit) { ExpectSameBits("synthetic:room?size=320x240&frames=60", 60, VoOptions()); }
 
 TEST(OdometryState, GoesOnToTheLastBitFrameToFrameWithoutMeans) {

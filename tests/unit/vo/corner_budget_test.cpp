@@ -1,0 +1,66 @@
+#include "vo_process/tracking/corner_budget.h"
+
+#include <gtest/gtest.h>
+
+#include "core/io/files/archive.h"
+
+namespace plslam {
+namespace {
+
+/// `n` corners, the strongest `n_snow` of them seen in one image alone.
+TrackedFrame FrameWith(int n, int n_snow) {
+  StereoFeatures features;
+  for (int i = 0; i < n; ++i) {
+    StereoPoint point;
+    point.left.px = {static_cast<double>(i % 640), static_cast<double>(i % 480)};
+    point.left.response = i < n_snow ? 200.0F : 50.0F;
+    point.disparity_px = i < n_snow ? -1.0 : 10.0;
+    features.points.push_back(point);
+  }
+  return TrackedFrame(features);
+}
+
+TEST(CornerBudget, StaysAsItIsInGoodWeather) {
+  CornerBudget budget(1000);
+  for (int i = 0; i < 10; ++i) budget.Observe(FrameWith(1000, 500));
+  EXPECT_EQ(budget.max_points(), 1000);
+}
+
+TEST(CornerBudget, LooksForMoreInSnowAndNoLongerAfterIt) {
+  CornerBudget budget(1000);
+  budget.Observe(FrameWith(1000, 700));
+  EXPECT_EQ(budget.max_points(), 3333);
+  budget.Observe(FrameWith(3333, 500));
+  EXPECT_EQ(budget.max_points(), 2000) << "less snow, but not little";
+  budget.Observe(FrameWith(2000, 300));
+  EXPECT_EQ(budget.max_points(), 1000);
+  budget.Observe(FrameWith(1000, 1000));
+  EXPECT_EQ(budget.max_points(), 4000) << "no more than that";
+}
+
+TEST(CornerBudget, WhereThereAreFewCornersNoMoreAreLookedFor) {
+  CornerBudget budget(1000);
+  budget.Observe(FrameWith(300, 290));
+  EXPECT_EQ(budget.max_points(), 1000);
+  budget.Observe(FrameWith(0, 0));
+  EXPECT_EQ(budget.max_points(), 1000);
+}
+
+TEST(CornerBudget, WhatWasSeenBeforeIsOfUse) {
+  CornerBudget budget(1000);
+  TrackedFrame frame = FrameWith(1000, 700);
+  for (FeatureTrack& track : frame.point_tracks) track = {.landmark_id = 7, .age = 3};
+  budget.Observe(frame);
+  EXPECT_EQ(budget.max_points(), 1000);
+}
+
+TEST(CornerBudget, IsKeptForARestart) {
+  CornerBudget budget(1000);
+  budget.Observe(FrameWith(1000, 700));
+  CornerBudget restored(1000);
+  archive::FromBytes(archive::ToBytes(budget), restored);
+  EXPECT_EQ(restored.max_points(), budget.max_points());
+}
+
+}  // namespace
+}  // namespace plslam

@@ -66,7 +66,7 @@ TEST(RunWarnings, ConditionsOfEachRow) {
       {"truth_of_another_run", [](RunFindings& f) { f.ate_m = 19.0; },
        "off by 19 m (ATE) while the true one extends over 20 m: "},
       {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 2'400.0; },
-       "errors are about 200 times larger"},
+       "errors are about 20 times larger"},
       {"recording_in_parts",
        [](RunFindings& f) {
          f.recordings = {"a.lcm", "a.lcm.2"};

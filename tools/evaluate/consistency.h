@@ -28,6 +28,7 @@ Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovari
 /// Of the motion over `span` frames, from each estimated pose that is followed by so many; the covariances of its steps are composed as a
 /// filter does, which takes them as independent. `covariances` belong to the motion that ends at their time; a span with a pose without
 /// a row is passed over. Spans that share no frame are as good as independent, and the bounds count those.
-Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances, size_t span = 1);
+Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances,
+                              size_t span = 1);
 
 }  // namespace plslam

@@ -12,6 +12,7 @@
 
 #include "core/localisation/pose_refinement.h"
 #include "core/map/map_graph.h"
+#include "core/optim/pose_graph/map_pose_graph.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/corrections/correction.h"
 #include "mapping_process/corrections/loop_edges.h"
@@ -227,6 +228,11 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   } else {
     const MapBundle window = MakeLandmarkWindow(map_, features_, camera_);
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
+  }
+  // Composed along the way, covariances would not know what the loop has made certain.
+  if (map_.loops().empty()) return true;
+  for (const auto& [id, covariance] : CovariancesAround(map_.loops().back().keyframe_id, map_)) {
+    map_.SetPose(id, map_.FindKeyframe(id)->T_w_kf, covariance);
   }
   return true;
 }

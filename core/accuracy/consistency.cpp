@@ -31,6 +31,18 @@ std::optional<double> Nees(const Vector6d& x, const Matrix6d& covariance) {
   return std::isfinite(nees) ? std::optional(nees) : std::nullopt;
 }
 
+// Of the motion between two pairs; nullopt where a frame between them has no pose or no covariance.
+std::optional<Matrix6d> CovarianceOver(const PosePairs& pairs, size_t first, size_t last,
+                                       const std::vector<PoseCovariance>& covariances) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (size_t i = first + 1; i <= last; ++i) {
+    const Matrix6d* covariance = Find(covariances, pairs[i].t_ns);
+    if (covariance == nullptr || pairs[i].estimate_index != pairs[i - 1].estimate_index + 1) return std::nullopt;
+    sum = ComposeCovariance(sum, pairs[i - 1].estimate.Inverse() * pairs[i].estimate, *covariance);
+  }
+  return sum;
+}
+
 class Collector {
  public:
   // `error` takes the true motion to the estimated one: T_true = T * Exp(x) is T^-1 T_true = error^-1.
@@ -43,15 +55,17 @@ class Collector {
     }
   }
 
-  Consistency Result() {
+  // `shared`: samples that have data in common, so that they count as one where the bounds are concerned.
+  Consistency Result(size_t shared = 1) {
     result_.n = static_cast<int>(values_.size());
     if (values_.empty()) return result_;
     const double n = static_cast<double>(values_.size());
+    const double independent = std::max(1.0, n / static_cast<double>(shared));
     const auto above = std::count_if(values_.begin(), values_.end(), [](double v) { return v > kQuantile95Of6; });
     result_.above_95_percent = 100.0 * static_cast<double>(above) / n;
     result_.mean_nees = Summarise(values_).mean;
-    result_.lower_bound = ChiSquareQuantile(6.0 * n, -kZ95) / n;
-    result_.upper_bound = ChiSquareQuantile(6.0 * n, kZ95) / n;
+    result_.lower_bound = ChiSquareQuantile(6.0 * independent, -kZ95) / independent;
+    result_.upper_bound = ChiSquareQuantile(6.0 * independent, kZ95) / independent;
     return result_;
   }
 
@@ -81,14 +95,14 @@ Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovari
   return collector.Result();
 }
 
-Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances) {
+Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances, size_t span) {
   Collector collector;
-  for (size_t i = 1; i < pairs.size(); ++i) {
-    if (pairs[i].estimate_index != pairs[i - 1].estimate_index + 1) continue;
-    const Matrix6d* covariance = Find(covariances, pairs[i].t_ns);
-    if (covariance != nullptr) collector.Add(MotionError(pairs[i - 1], pairs[i]), *covariance);
+  for (size_t i = span; i < pairs.size(); ++i) {
+    if (const auto covariance = CovarianceOver(pairs, i - span, i, covariances)) {
+      collector.Add(MotionError(pairs[i - span], pairs[i]), *covariance);
+    }
   }
-  return collector.Result();
+  return collector.Result(span);
 }
 
 }  // namespace plslam

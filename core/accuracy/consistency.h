@@ -25,8 +25,10 @@ struct Consistency {
 /// than the bounds say.
 Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances);
 
-/// Of the motion from each estimated pose to the next one. `covariances` belong to the motion that ends at their time;
-/// a pose without a row is passed over. The samples are as good as independent, so the bounds apply.
-Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances);
+/// Of the motion over `span` frames, from each estimated pose that is followed by so many; the covariances of its steps are composed as a
+/// filter does, which takes them as independent. `covariances` belong to the motion that ends at their time; a span with a pose without
+/// a row is passed over. Spans that share no frame are as good as independent, and the bounds count those.
+Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances,
+                              size_t span = 1);
 
 }  // namespace plslam

@@ -94,6 +94,28 @@ double MotionNees(const std::vector<OdometryFrame>& frames) {
   return sum / static_cast<double>(values.size());
 }
 
+double SpanNees(const std::vector<OdometryFrame>& frames, size_t span) {
+  double sum = 0.0;
+  int n = 0;
+  for (size_t last = span; last < frames.size(); ++last) {
+    const OdometryFrame& first = frames[last - span];
+    const OdometryFrame& frame = frames[last];
+    SE3 motion;
+    Matrix6d covariance = Matrix6d::Zero();
+    bool tracked = first.T_w_l && frame.T_w_l;
+    for (size_t i = last - span + 1; i <= last; ++i) {
+      tracked = tracked && frames[i].state == TrackingState::kTracking;
+      covariance = ComposeCovariance(covariance, frames[i].T_prev_c, frames[i].motion_covariance);
+      motion = motion * frames[i].T_prev_c;
+    }
+    if (!tracked) continue;
+    const SE3 truth = frame.T_l_c.Inverse() * (first.T_w_l->Inverse() * *frame.T_w_l) * frame.T_l_c;
+    sum += ChiSquare((motion.Inverse() * truth).Log(), covariance);
+    ++n;
+  }
+  return n == 0 ? 0.0 : sum / n;
+}
+
 int LostFrames(const std::vector<OdometryFrame>& frames) {
   return static_cast<int>(std::count_if(
       frames.begin(), frames.end(), [](const OdometryFrame& frame) { return frame.state == TrackingState::kLost; }));

@@ -46,6 +46,10 @@ double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);
 /// out the largest hundredth, which are outliers of any Gaussian.
 double MotionNees(const std::vector<OdometryFrame>& frames);
 
+/// Mean of e^T cov^-1 e over the motions of `span` tracked frames, their covariances composed as a filter does: errors that frames have
+/// in common show here.
+double SpanNees(const std::vector<OdometryFrame>& frames, size_t span);
+
 /// Frames with state lost.
 int LostFrames(const std::vector<OdometryFrame>& frames);
 

@@ -71,6 +71,9 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
     frame.state = result.state;
     frame.T_w_l = dataset.GroundTruth(i);
     frame.T_odom_l = result.T_odom_c * T_c_l;
+    frame.T_prev_c = result.T_prev_c;
+    frame.motion_covariance = result.motion_covariance;
+    frame.T_l_c = T_c_l.Inverse();
     frame.keyframe = result.keyframe.has_value();
     in_odom.push_back(frame);
     frame.T_odom_l = odometry.T_w_odom() * frame.T_odom_l;

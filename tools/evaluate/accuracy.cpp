@@ -61,6 +61,7 @@ void AddOptionalMeasures(const EvaluateOptions& options, Accuracy& accuracy) {
   }
   if (!options.motion_covariances.empty()) {
     accuracy.motion_consistency = MotionConsistency(accuracy.pairs, options.motion_covariances);
+    accuracy.span_consistency = MotionConsistency(accuracy.pairs, options.motion_covariances, kConsistencySpan);
   }
 }
 

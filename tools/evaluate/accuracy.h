@@ -39,6 +39,9 @@ struct EvaluateOptions {
   double max_clock_offset_s = 0.0;
 };
 
+/// Frames over which a filter adds up motions until something else corrects it: errors that frames have in common show.
+constexpr size_t kConsistencySpan = 20;
+
 struct RelativeErrorSummary {
   Delta delta;
   Statistics translation_m;
@@ -68,6 +71,7 @@ struct Accuracy {
   std::optional<KeyframeErrors> keyframes;
   std::optional<Consistency> pose_consistency;
   std::optional<Consistency> motion_consistency;
+  std::optional<Consistency> span_consistency;  ///< over `kConsistencySpan` frames
   /// All else is without it.
   std::optional<ClockOffset> clock;
   /// A sentence where something stands in the way ("no pose of the estimate is within 0.02 s of a true one").

@@ -86,6 +86,7 @@ nlohmann::ordered_json ToJson(const Accuracy& a) {
   if (a.keyframes) json["keyframes"] = KeyframesJson(*a.keyframes);
   if (a.pose_consistency) json["nees_pose"] = ConsistencyJson(*a.pose_consistency);
   if (a.motion_consistency) json["nees_motion"] = ConsistencyJson(*a.motion_consistency);
+  if (a.span_consistency) json["nees_motion_20"] = ConsistencyJson(*a.span_consistency);
   if (a.clock) {
     json["clock"] = {{"offset_s", a.clock->offset_s}, {"ate_m", a.clock->ate_m}, {"ate_now_m", a.clock->ate_now_m}};
   }

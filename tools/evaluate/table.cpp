@@ -79,6 +79,9 @@ std::string AccuracyTable(const Accuracy& a) {
   if (a.keyframes) text += KeyframeTable(*a.keyframes);
   if (a.pose_consistency) text += ConsistencyRow("NEES of poses", *a.pose_consistency);
   if (a.motion_consistency) text += ConsistencyRow("NEES of motions", *a.motion_consistency);
+  if (a.span_consistency) {
+    text += ConsistencyRow(fmt::format("NEES over {} frames", kConsistencySpan), *a.span_consistency);
+  }
   if (a.clock) text += ClockRow(*a.clock);
   return text;
 }

@@ -156,9 +156,10 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
       calibration_.Interrupt();
       sync_check_.Interrupt();
     }
+    PublishCovariance(result);
   }
   result.T_odom_c = T_odom_c_;
-  result.covariance = ComposeCovariance(covariance_odom_kf_, T_odom_kf_.Inverse() * T_odom_c_, covariance_kf_c_) + doubt;
+  result.covariance += doubt;
   result.motion_covariance += doubt;
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
   const bool means = options_.keyframes.measurements == "mean";
@@ -313,6 +314,21 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   alignment_covariance_ = alignment;
 }
 
+// The tracker goes by its own covariances; only what others are told has the errors that frames have in common. A camera that jumped, always
+// to a keyframe, lies to the keyframe before as that says, whatever it was thought to have done meanwhile.
+void Odometry::PublishCovariance(OdometryResult& result) {
+  const bool measured = result.state != TrackingState::kLost && !result.jumped;
+  result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured);
+  const SE3 T_prevkf_c = result.keyframe ? result.keyframe->T_prevkf_kf : T_odom_kf_.Inverse() * T_odom_c_;
+  published_kf_c_ = result.jumped && result.keyframe
+                        ? uncertainty_.Of(T_prevkf_c, result.keyframe->covariance, false)
+                        : ComposeCovariance(published_kf_c_, result.T_prev_c, result.motion_covariance);
+  result.covariance = ComposeCovariance(covariance_odom_kf_, T_prevkf_c, published_kf_c_);
+  if (!result.keyframe) return;
+  covariance_odom_kf_ = result.covariance;
+  published_kf_c_.setZero();
+}
+
 void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kLost;
   if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
@@ -367,7 +383,6 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
     step.T_prevkf_kf = T_odom_kf_.Inverse() * T_odom_c_;
     step.covariance = covariance_between_keyframes_;
   }
-  covariance_odom_kf_ = ComposeCovariance(covariance_odom_kf_, step.T_prevkf_kf, covariance_kf_c_);
   covariance_kf_c_.setZero();
   alignment_covariance_kf_ = alignment_covariance_;
   T_odom_kf_ = T_odom_c_;
@@ -385,6 +400,7 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   bodies_.LeaveOut(*patch);
   T_w_odom_ = patch->T_w_odom;
   is_in_map_ = true;
+  uncertainty_.Learn(map, session);
   const bool keep_own = options_.map.landmarks == "unknown";
   if (!dormant_) {
     landmarks_.Adopt(*patch, keep_own);

@@ -14,6 +14,7 @@
 #include "vo_process/tracking/kind_balance.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
+#include "vo_process/tracking/motion_uncertainty.h"
 #include "vo_process/tracking/moving_bodies.h"
 #include "vo_process/tracking/row_calibration.h"
 #include "vo_process/tracking/sync_check.h"
@@ -38,14 +39,15 @@ struct KeyframeStep {
 /// What odometry says of a frame.
 struct OdometryResult {
   TrackingState state = TrackingState::kInitialising;
-  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation,
-  /// growing with the way.
+  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation, which is
+  /// composed of those of the motions.
   SE3 T_odom_c;
   Matrix6d covariance = Matrix6d::Zero();
   /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it was
   /// found.
   SE3 T_prev_c;
   bool jumped = false;
+  /// With what frames have in common (`MotionUncertainty`).
   Matrix6d motion_covariance = Matrix6d::Zero();
   double entropy_ratio = 0.0;
   std::optional<KeyframeStep> keyframe;
@@ -126,7 +128,8 @@ class Odometry {
       self.corner_budget_, self.sync_check_, self.landmarks_, self.bodies_, self.keyframe_log_, self.T_w_odom_,
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
       self.is_in_map_, self.is_adrift_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
-      self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_);
+      self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
+      self.uncertainty_);
   }
 
  private:
@@ -161,6 +164,7 @@ class Odometry {
   void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                    const OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
+  void PublishCovariance(OdometryResult& result);
   void Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result);
   void CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s);
   void Initialise(TrackedFrame& frame, OdometryResult& result);
@@ -172,6 +176,7 @@ class Odometry {
   VoOptions options_;
   FrameAligner aligner_;
   MotionModel motion_model_;
+  MotionUncertainty uncertainty_;
   KindBalance kind_balance_;
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
@@ -209,7 +214,9 @@ class Odometry {
 
   int64_t next_keyframe_id_ = 0;
   SE3 T_odom_kf_;
+  /// As published, of the keyframe and of the motion since.
   Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
+  Matrix6d published_kf_c_ = Matrix6d::Zero();
   /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion between two
   /// keyframes is less sure than the next keyframe is.
   Matrix6d covariance_kf_c_ = Matrix6d::Zero();

@@ -61,4 +61,26 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapDrift& drift) {
   return PoseGraphOf(map, MapGraph(map), T_w_kf, drift);
 }
 
+std::map<int64_t, Matrix6d> CovariancesAround(int64_t keyframe_id, const Map& map, const MapDrift& drift) {
+  const MapGraph graph(map);
+  std::map<int64_t, SE3> T_w_kf;
+  PoseGraphResult as_it_is;
+  for (const int64_t id : graph.Component(keyframe_id, MapGraph::Edges::kAll)) {
+    T_w_kf[id] = map.FindKeyframe(id)->T_w_kf;
+    as_it_is.T_w_kf.push_back(T_w_kf[id]);
+  }
+  const MapPoseGraph poses = PoseGraphOf(map, graph, T_w_kf, drift);
+  as_it_is.ok = true;
+  as_it_is.rejected.assign(poses.problem.edges.size(), false);
+  const std::vector<Matrix6d> marginals = PoseGraphCovariances(poses.problem, as_it_is);
+  const MapKeyframe& first = *map.FindKeyframe(poses.keyframe_ids.front());
+  std::map<int64_t, Matrix6d> covariances;
+  for (size_t i = 1; i < marginals.size(); ++i) {
+    const int64_t id = poses.keyframe_ids[i];
+    if (marginals[i].isZero(0.0) || !marginals[i].allFinite()) return {};
+    covariances[id] = ComposeCovariance(first.covariance, first.T_w_kf.Inverse() * T_w_kf[id], marginals[i]);
+  }
+  return covariances;
+}
+
 }  // namespace plslam

@@ -37,4 +37,9 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<i
 /// The same of all keyframes of a map, as they lie there.
 MapPoseGraph PoseGraphOf(const Map& map, const MapDrift& drift = {});
 
+/// How certain that graph is of where the keyframes lie that anything connects with this one: marginal covariances of their right
+/// perturbations, on top of the covariance that the first of them has. Loops count, which covariances composed along the way do not know.
+/// Empty where the graph has no answer. Costs about as much as one step of the optimisation.
+std::map<int64_t, Matrix6d> CovariancesAround(int64_t keyframe_id, const Map& map, const MapDrift& drift = {});
+
 }  // namespace plslam

@@ -83,6 +83,28 @@ TEST(Consistency, HalvedDeviationsQuadrupleNees) {
   EXPECT_NEAR(MotionConsistency(pairs, s.motions).mean_nees, 4.0 * honest, 1e-6 * honest);
 }
 
+TEST(Consistency, HonestCovariancesAreHonestOverSpans) {
+  const Trajectory truth = SomePath(4000);
+  const Simulation s = Simulate(truth, 2);
+  const Consistency c = MotionConsistency(Pair(s.estimate, truth), s.motions, 20);
+  EXPECT_EQ(c.n, 3980);
+  EXPECT_NEAR(c.mean_nees, 6.0, 1.0);
+  EXPECT_LT(c.lower_bound, 5.6);
+}
+
+TEST(Consistency, ErrorsThatFramesHaveInCommonShowOverSpans) {
+  const PosePairs pairs = [] {
+    PosePairs all;
+    for (int i = 0; i < 100; ++i) all.push_back({i, Translation(i, 0, 0), Translation(1.1 * i, 0, 0), i});
+    return all;
+  }();
+  std::vector<PoseCovariance> motions;
+  for (int i = 1; i < 100; ++i) motions.push_back({i, 0.01 * Matrix6d::Identity()});
+  const double of_one = MotionConsistency(pairs, motions).mean_nees;
+  EXPECT_NEAR(of_one, 1.0, 1e-9);
+  EXPECT_NEAR(MotionConsistency(pairs, motions, 20).mean_nees, 20.0 * of_one, 1e-6);
+}
+
 TEST(Consistency, OneMotionByHand) {
   const PosePairs pairs{{0, SE3(), SE3(), 0}, {1, Translation(1, 0, 0), Translation(1.2, 0, 0), 1}};
   const Matrix6d C = 0.01 * Matrix6d::Identity();

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -108,6 +110,44 @@ TEST(MapPoseGraph, NothingAndOneKeyframe) {
   const MapPoseGraph one = PoseGraphOf(Corridor(1));
   EXPECT_EQ(one.problem.poses.size(), 1U);
   EXPECT_FALSE(OptimisePoseGraph(one.problem, PoseGraphOptions()).ok);
+}
+
+double Sigma_m(const std::map<int64_t, Matrix6d>& covariances, int64_t id) {
+  return std::sqrt(covariances.at(id).topLeftCorner<3, 3>().trace());
+}
+
+TEST(MapPoseGraph, CovariancesGrowAlongTheWayAndEndAtALoop) {
+  Map map = Corridor(41);
+  const auto before = CovariancesAround(0, map);
+  ASSERT_EQ(before.size(), 40U);
+  EXPECT_LT(Sigma_m(before, 200), Sigma_m(before, 400));
+  LoopEdge loop;
+  loop.old_keyframe_id = 0;
+  loop.keyframe_id = 400;
+  loop.T_old_kf = map.FindKeyframe(400)->T_w_kf;
+  loop.covariance = 1e-6 * Matrix6d::Identity();
+  map.Add(loop);
+  const auto after = CovariancesAround(400, map);
+  EXPECT_LT(Sigma_m(after, 400), 0.002);
+  EXPECT_LT(Sigma_m(after, 200), 0.8 * Sigma_m(before, 200));
+  EXPECT_GT(Sigma_m(after, 200), 5.0 * Sigma_m(after, 400));
+}
+
+TEST(MapPoseGraph, CovariancesStandOnThatOfTheFirstKeyframe) {
+  Map map = Corridor(5);
+  map.SetPose(0, map.FindKeyframe(0)->T_w_kf, Matrix6d::Identity());
+  EXPECT_GT(Sigma_m(CovariancesAround(40, map), 10), std::sqrt(3.0));
+}
+
+// A correction of a large map must not wait for them.
+TEST(MapPoseGraph, CovariancesOfAThousandKeyframesTakeFractionsOfASecond) {
+  const Map map = Corridor(1300);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto covariances = CovariancesAround(0, map);
+  const double s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_EQ(covariances.size(), 1299U);
+  RecordProperty("ms", std::to_string(1e3 * s));
+  EXPECT_LT(s, 3.0) << "0.05 s on an idle machine";
 }
 
 }  // namespace

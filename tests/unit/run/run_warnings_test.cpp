@@ -25,7 +25,7 @@ RunFindings GoodRun() {
   findings.points_matched = 60'000;
   findings.ate_m = 0.06;
   findings.true_spread_m = 20.0;
-  findings.nees_pose = 20'000.0;
+  findings.nees_pose = 30.0;
   findings.nees_poses = 99;
   findings.truth_frames = 100;
   findings.recordings = {"a.lcm"};
@@ -73,8 +73,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "only 0 of 100 frames have a true pose"},
       {"truth_of_another_run", [](RunFindings& f) { f.ate_m = 19.0; },
        "off by 19 m (ATE) while the true one extends over 20 m: "},
-      {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 240'000.0; },
-       "errors are about 200 times larger"},
+      {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 2'400.0; },
+       "errors are about 20 times larger"},
       {"recording_in_parts",
        [](RunFindings& f) {
          f.recordings = {"a.lcm", "a.lcm.2"};

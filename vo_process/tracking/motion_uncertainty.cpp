@@ -1,0 +1,65 @@
+#include "vo_process/tracking/motion_uncertainty.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/map/map_graph.h"
+
+namespace plslam {
+namespace {
+
+// Motions between keyframes that are learned from: those of about the last hundred frames.
+constexpr int kSteps = 20;
+// As many motions as are taken to have been honest before anything is known.
+constexpr double kStepsBefore = 1.0;
+// One motion says no more than this: where the tracker was deceived, a loop was closed, or the map was wrong for a moment.
+constexpr double kMost = 25.0;
+// Pictures without noise, or landmarks that all are seen by few keyframes, would promise too much.
+constexpr double kLeast = 0.05;
+// From where on errors are taken as common: in rendered worlds, whose errors are independent, adjustment changes motions by 0.05 to 0.35
+// of what the tracker says (variances), in real pictures of good cameras by 1.4 to 20.
+constexpr double kIndependent = 0.5;
+// Frames over which motions are added up until something else is known of them.
+constexpr double kSpan = 20.0;
+// Drift (`drift_per_m` and `drift_deg_per_m` of loop_process); a turn of a radian counts as a metre.
+constexpr double kDriftPer_m = 0.005;
+constexpr double kDrift_radPer_m = 0.02 * kRadPerDeg;
+
+Matrix6d Drift(const SE3& T_prev_c) {
+  const double length_m = T_prev_c.translation().norm() + T_prev_c.Log().tail<3>().norm();
+  Vector6d sigma;
+  sigma << Eigen::Vector3d::Constant(kDriftPer_m * length_m), Eigen::Vector3d::Constant(kDrift_radPer_m * length_m);
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+}  // namespace
+
+void MotionUncertainty::Learn(const Map& map, int64_t session) {
+  double sum = kStepsBefore;
+  double n = kStepsBefore;
+  for (auto it = map.keyframes().rbegin(); it != map.keyframes().rend() && n < kStepsBefore + kSteps; ++it) {
+    const MapKeyframe& keyframe = it->second;
+    const MapKeyframe* previous = keyframe.session == session ? map.FindKeyframe(keyframe.previous_id) : nullptr;
+    if (previous == nullptr || !IsKnownStep(keyframe)) continue;
+    const Eigen::LDLT<Matrix6d> claimed(keyframe.relative_covariance);
+    if (claimed.info() != Eigen::Success || !claimed.isPositive()) continue;
+    const SE3 T_prevkf_kf = previous->T_w_kf.Inverse() * keyframe.T_w_kf;
+    const Vector6d change = (keyframe.T_prevkf_kf.Inverse() * T_prevkf_kf).Log();
+    const double ratio = change.dot(claimed.solve(change)) / 6.0;
+    sum += std::isfinite(ratio) ? std::min(ratio, kMost) : kMost;
+    n += 1.0;
+  }
+  variance_scale_ = std::clamp(sum / n, kLeast, kMost);
+}
+
+double MotionUncertainty::CommonShare() const { return std::clamp(variance_scale_ - kIndependent, 0.0, 1.0); }
+
+Matrix6d MotionUncertainty::Of(const SE3& T_prev_c, const Matrix6d& covariance, bool measured) const {
+  const double common = kSpan * CommonShare();
+  const double scale = measured ? variance_scale_ + common : 1.0;
+  return scale * covariance + common * Drift(T_prev_c);
+}
+
+}  // namespace plslam

@@ -24,7 +24,7 @@ struct NoddingWorld {
   RowField field{};
 
   static double Row_px(int i, double t_s) {
-    const double nod_px = 12.0 * std::sin(9.0 * t_s) + 5.0 * std::sin(23.0 * t_s);
+    const double nod_px = 12.0 * std::sin(6.0 * t_s) + 5.0 * std::sin(10.0 * t_s);
     return 40.0 + 400.0 * ((i * 37) % 200) / 200.0 + nod_px * (1.0 + 0.3 * ((i * 13) % 7) / 7.0);
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct Options {
   double rate_hz = 20.0;
   double speed = 0.0;  ///< metres a second along the path
   bool distorted = false;
+  /// Added to all disparities at the centres of the left, middle and right third of the left image.
+  std::array<double, 3> disparity_bias_px{};
   std::string trajectory;
 };
 

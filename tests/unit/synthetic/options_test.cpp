@@ -1,5 +1,6 @@
 #include "core/datasets/synthetic/options.h"
 
+#include <array>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -27,7 +28,7 @@ TEST(SyntheticOptions, AllAreRead) {
   const Options o = ParseOptions(
       "street?seed=3&frames=30&loops=2&size=320x200&noise=1.5&blur=0.5&exposure=0&baseline=0.2&fov=90&rate=10&speed="
       "2&"
-      "distorted=1&trajectory=a/b.txt");
+      "distorted=1&disparity_bias=0.25,0,-0.5&trajectory=a/b.txt");
   EXPECT_EQ(o.world, "street");
   EXPECT_EQ(o.seed, 3u);
   EXPECT_EQ(o.frames, 30);
@@ -42,6 +43,7 @@ TEST(SyntheticOptions, AllAreRead) {
   EXPECT_EQ(o.rate_hz, 10.0);
   EXPECT_EQ(o.speed, 2.0);
   EXPECT_TRUE(o.distorted);
+  EXPECT_EQ(o.disparity_bias_px, (std::array<double, 3>{0.25, 0.0, -0.5}));
   EXPECT_EQ(o.trajectory, "a/b.txt");
 }
 
@@ -63,6 +65,10 @@ TEST(SyntheticOptions, BadValuesNameTheirBounds) {
   }
   for (const char* bad : {"size=752", "size=752x", "size=x480", "size=1x1", "size=99999x480", "size=752x480x3"}) {
     EXPECT_THAT(ErrorOf(std::string("room?") + bad), HasSubstr("WIDTHxHEIGHT")) << bad;
+  }
+  for (const char* bad : {"0", "0,0", "0,0,", "0,0,0,0", "0;0;0", "0,0,6", "0,x,0", "nan,0,0"}) {
+    EXPECT_THAT(ErrorOf(std::string("room?disparity_bias=") + bad), HasSubstr("three numbers of pixels from -5 to 5"))
+        << bad;
   }
   EXPECT_THAT(ErrorOf("room?seed="), HasSubstr("has no value"));
   EXPECT_THAT(ErrorOf("room?seed"), HasSubstr("has no value"));

@@ -10,18 +10,21 @@
 namespace plslam {
 
 /// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that the right
-/// image has, too, frames that are nearly black, and by how many pixels rows of the right image differ in a corner. By the player,
+/// image has, too, frames that are nearly black, and by how many pixels rows of the right image differ in a corner, and by how
+/// many disparities are off. By the player,
 /// where the dataset has a ground truth: frames with a true pose, and without. By the viewer: frames without the picture that report,
 /// film or overlays should have had.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kFramesDark = "frames.dark";
 inline constexpr const char* kCornerRows = "rows.corner_px";
+inline constexpr const char* kDisparityError = "disparities.error_px";
 inline constexpr const char* kTruthFrames = "truth.frames";
 inline constexpr const char* kTruthMissing = "truth.missing";
 inline constexpr const char* kPicturesMissing = "pictures.missing";
-inline constexpr std::array<const char*, 7> kRunCounters{kPointsSeen,  kPointsMatched, kFramesDark,     kCornerRows,
-                                                         kTruthFrames, kTruthMissing,  kPicturesMissing};
+inline constexpr std::array<const char*, 8> kRunCounters{kPointsSeen,   kPointsMatched,  kFramesDark,
+                                                         kCornerRows,   kDisparityError, kTruthFrames,
+                                                         kTruthMissing, kPicturesMissing};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

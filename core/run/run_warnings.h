@@ -20,6 +20,7 @@ struct RunFindings {
   double points_matched = 0.0;
   double dark_frames = 0.0;
   double corner_rows_px = 0.0;
+  double disparity_error_px = 0.0;
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;

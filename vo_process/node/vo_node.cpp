@@ -258,6 +258,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) Count("keyframes", 1);
   LookAt(frame.images, result.features);
   WarnAboutRows();
+  TellDisparityError();
   TellOfWarnings();
   FinishIfDone();
 }
@@ -281,6 +282,7 @@ void VoNode::TellOfWarnings() {
   findings.points_seen = counts_[kPointsSeen];
   findings.points_matched = counts_[kPointsMatched];
   findings.corner_rows_px = counts_[kCornerRows];
+  findings.disparity_error_px = counts_[kDisparityError];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
@@ -306,6 +308,13 @@ void VoNode::WarnAboutRows() {
       "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
       "but the calibration could be better",
       most_px);
+}
+
+/// As it is known now, which grows better with time.
+void VoNode::TellDisparityError() {
+  const double error_px = odometry_->disparity_calibration().Largest_px();
+  const double before_px = counts_[kDisparityError];
+  if (error_px != before_px) Count(kDisparityError, error_px - before_px);
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {

@@ -111,6 +111,7 @@ class VoNode {
   void SetState(const std::string& state);
   void FinishIfDone();
   void WarnAboutRows();
+  void TellDisparityError();
   void LookAt(const StereoImages& images, const StereoFeatures& features);
   void TellOfWarnings();
 

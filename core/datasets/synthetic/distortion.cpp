@@ -99,10 +99,10 @@ std::vector<float> DisparityBias::Apply(const std::vector<float>& right, const s
     const int x0 = static_cast<int>(from);
     const auto t = static_cast<float>(from - x0);
     const float* p = &right[i - x + x0];
-    out[i] = p[0] + 0.5F * t *
-                        (p[1] - p[-1] +
-                         t * (2.0F * p[-1] - 5.0F * p[0] + 4.0F * p[1] - p[2] +
-                              t * (3.0F * (p[0] - p[1]) + p[2] - p[-1])));
+    out[i] = p[0] +
+             0.5F * t *
+                 (p[1] - p[-1] +
+                  t * (2.0F * p[-1] - 5.0F * p[0] + 4.0F * p[1] - p[2] + t * (3.0F * (p[0] - p[1]) + p[2] - p[-1])));
   }
   return out;
 }

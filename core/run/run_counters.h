@@ -10,15 +10,16 @@
 namespace plslam {
 
 /// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that the right
-/// image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a corner, by
-/// how much later the right images are taken than the left ones, or the left ones than the right ones, the same in frames, and by how
-/// much the times differ in which the two cameras read an image. By the player,
+/// image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a corner, by how many
+/// disparities are off, by how much later the right images are taken than the left ones, or the left ones than the right ones, the same
+/// in frames, and by how much the times differ in which the two cameras read an image. By the player,
 /// where the dataset has a ground truth: frames with a true pose, and without. By the viewer: frames without the picture that report,
 /// film or overlays should have had.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kFramesDark = "frames.dark";
 inline constexpr const char* kCornerRows = "rows.corner_px";
+inline constexpr const char* kDisparityError = "disparities.error_px";
 inline constexpr const char* kTruthFrames = "truth.frames";
 inline constexpr const char* kTruthMissing = "truth.missing";
 inline constexpr const char* kPicturesMissing = "pictures.missing";
@@ -26,9 +27,9 @@ inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
-inline constexpr std::array<const char*, 11> kRunCounters{kPointsSeen,  kPointsMatched, kFramesDark,      kCornerRows,
-                                                          kTruthFrames, kTruthMissing,  kPicturesMissing, kRightLate,
-                                                          kLeftLate,    kLateFrames,    kUnequalReadout};
+inline constexpr std::array<const char*, 12> kRunCounters{
+    kPointsSeen,   kPointsMatched,   kFramesDark, kCornerRows, kDisparityError, kTruthFrames,
+    kTruthMissing, kPicturesMissing, kRightLate,  kLeftLate,   kLateFrames,     kUnequalReadout};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -18,6 +18,8 @@ constexpr double kManyDark = 0.1;
 constexpr double kManySkipped = 0.01;
 /// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
 constexpr double kFarRows_px = 4.0;
+/// At a disparity of 25 px, 2 % of the depth.
+constexpr double kFarDisparities_px = 0.5;
 /// Two paths that have nothing to do with each other are, aligned, as far from each other as each extends.
 constexpr double kOtherPath = 0.3;
 /// The truth of a standing camera extends over its own errors.
@@ -138,6 +140,16 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"corner_rows_px", f.corner_rows_px}};
      }},
+    {"disparities_off", [](const RunFindings& f) { return f.disparity_error_px > kFarDisparities_px; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "disparities are off by up to {:.1f} px, and depths and the scale of the path with them: calibrate the "
+           "cameras anew. No more than 1 px of it is taken away",
+           f.disparity_error_px);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"disparity_error_px", f.disparity_error_px}};
+     }},
     {"dark_images",
      [](const RunFindings& f) {
        return f.dark_frames > 0.0 && f.dark_frames > kManyDark * Count(f.frames.answered());
@@ -237,6 +249,7 @@ void RunFindings::Take(const RunCounters& counters) {
   left_late_ms = counters.Largest(kLeftLate);
   late_frames = counters.Largest(kLateFrames);
   unequal_readout_ms = counters.Largest(kUnequalReadout);
+  disparity_error_px = counters.Largest(kDisparityError);
   truth_frames = counters.Sum(kTruthFrames);
   truth_missing = counters.Sum(kTruthMissing);
   pictures_missing = counters.Largest(kPicturesMissing);

@@ -25,6 +25,7 @@ struct RunFindings {
   double left_late_ms = 0.0;
   double late_frames = 0.0;
   double unequal_readout_ms = 0.0;
+  double disparity_error_px = 0.0;
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;

@@ -2,6 +2,7 @@
 // that count come from `plslam run`.
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
+//   accuracy_benchmark DATASET... --pieces N
 //   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S] [--covered F]
 
 #include <algorithm>
@@ -158,6 +159,7 @@ struct Arguments {
   bool verbose = false;
   bool mapping = false;
   bool loops = false;
+  int pieces = 0;
   plslam::test::Worsening worsening;
 };
 
@@ -171,6 +173,7 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_flag("--mapping", a.mapping, "tracking against the map instead of odometry alone");
   app.add_flag("--loops", a.loops, "mapping and loop closing");
   app.add_flag("--forth-and-back", run.forth_and_back, "with --loops: then all frames in reverse order");
+  app.add_option("--pieces", a.pieces, "then pieces of so many frames on their own: their scales against the whole");
   app.add_option("--ask-every", run.ask_every, "with --loops: ask where every so many frames are");
   app.add_option("--noise", a.worsening.noise_sigma, "added to the images, grey values");
   app.add_option("--darkest", a.worsening.darkest, "factor of the grey values, that comes and goes");
@@ -209,6 +212,11 @@ void RunOdometry(const std::string& location, const plslam::Dataset& dataset, co
               Mean(frames, &OdometryFrame::n_tracked_points), Mean(frames, &OdometryFrame::n_points),
               Mean(frames, &OdometryFrame::n_tracked_lines), Mean(frames, &OdometryFrame::n_lines),
               StageMedians(frames).c_str());
+  for (int first = 0; a.pieces > 0 && first + a.pieces / 2 <= static_cast<int>(frames.size()); first += a.pieces) {
+    const auto piece = plslam::test::RunOdometry(dataset, options.vo, 1, a.pieces, nullptr, first);
+    std::printf("    frames %4d to %4d: scale against the whole %.4f\n", first,
+                first + static_cast<int>(piece.size()) - 1, plslam::test::ScaleAgainst(piece, frames));
+  }
 }
 
 }  // namespace

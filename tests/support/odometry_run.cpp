@@ -31,12 +31,13 @@ OdometryFrame Summarise(const OdometryResult& result, const SE3& T_l_c) {
 }  // namespace
 
 std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& options, int stride, int max_frames,
-                                       const std::function<void(const StereoImages&, const OdometryResult&)>& visit) {
+                                       const std::function<void(const StereoImages&, const OdometryResult&)>& visit,
+                                       int first) {
   StereoFrontEnd front_end(dataset.rig(), options);
   Odometry odometry(front_end.camera(), options);
   const SE3 T_l_c(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero());
   std::vector<OdometryFrame> frames;
-  for (int i = 0; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
+  for (int i = first; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
     StageTimer timer(SteadyMs);
     OdometryResult result;
@@ -53,6 +54,21 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     if (visit) visit(images, result);
   }
   return frames;
+}
+
+double ScaleAgainst(const std::vector<OdometryFrame>& piece, const std::vector<OdometryFrame>& whole) {
+  Eigen::Matrix3Xd a(3, 0);
+  Eigen::Matrix3Xd b(3, 0);
+  for (const OdometryFrame& frame : piece) {
+    const auto same = std::find_if(whole.begin(), whole.end(), [&](const auto& f) { return f.t_ns == frame.t_ns; });
+    if (same == whole.end()) continue;
+    a.conservativeResize(Eigen::NoChange, a.cols() + 1);
+    b.conservativeResize(Eigen::NoChange, b.cols() + 1);
+    a.rightCols<1>() = same->T_odom_l.translation();
+    b.rightCols<1>() = frame.T_odom_l.translation();
+  }
+  if (a.cols() < 3) return 0.0;
+  return std::cbrt(Eigen::umeyama(a, b, true).topLeftCorner<3, 3>().determinant());
 }
 
 double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames) {

@@ -33,14 +33,18 @@ struct OdometryFrame {
 };
 
 /// Front end and odometry over a dataset in this process: what vo_process does, without messages. `visit`, if given,
-/// sees each frame's whole result with its images.
+/// sees each frame's whole result with its images. `first` is the frame to begin with.
 std::vector<OdometryFrame> RunOdometry(
     const Dataset& dataset, const VoOptions& options, int stride = 1, int max_frames = 1 << 30,
-    const std::function<void(const StereoImages&, const OdometryResult&)>& visit = nullptr);
+    const std::function<void(const StereoImages&, const OdometryResult&)>& visit = nullptr, int first = 0);
 
 /// Root mean square of the position error after the best rigid alignment, over frames that are not lost and have a
 /// truth. Negative where there are fewer than 3.
 double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);
+
+/// Scale of the path of these frames against that of the same frames in `whole`, after the best similarity; 0 where there are
+/// fewer than 3.
+double ScaleAgainst(const std::vector<OdometryFrame>& piece, const std::vector<OdometryFrame>& whole);
 
 /// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 where the covariance is honest), leaving
 /// out the largest hundredth, which are outliers of any Gaussian.

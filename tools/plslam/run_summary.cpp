@@ -91,7 +91,8 @@ json DataToJson(const RunCounters& counters) {
   return {{"points_seen", counters.Sum(kPointsSeen)},
           {"points_matched", counters.Sum(kPointsMatched)},
           {"dark_frames", counters.Sum(kFramesDark)},
-          {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)}};
+          {"corner_rows_px", Rounded(counters.Largest(kCornerRows), 1e-3)},
+          {"disparity_error_px", Rounded(counters.Largest(kDisparityError), 1e-3)}};
 }
 
 /// "1 loop", "2 loops".

@@ -259,6 +259,7 @@ void VoNode::Track(const Frame& frame) {
   LookAt(frame.images, result.features);
   WarnAboutRows();
   TellOfSync();
+  TellDisparityError();
   TellOfWarnings();
   FinishIfDone();
 }
@@ -286,6 +287,7 @@ void VoNode::TellOfWarnings() {
   findings.left_late_ms = counts_[kLeftLate];
   findings.late_frames = counts_[kLateFrames];
   findings.unequal_readout_ms = counts_[kUnequalReadout];
+  findings.disparity_error_px = counts_[kDisparityError];
   std::string warnings;
   for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
   if (warnings == warnings_) return;
@@ -323,6 +325,13 @@ void VoNode::TellOfSync() {
   tell(kLeftLate, -1e3 * sync.late_s());
   tell(kLateFrames, std::abs(sync.late_frames()));
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
+}
+
+/// As it is known now, which grows better with time.
+void VoNode::TellDisparityError() {
+  const double error_px = odometry_->disparity_calibration().Largest_px();
+  const double before_px = counts_[kDisparityError];
+  if (error_px != before_px) Count(kDisparityError, error_px - before_px);
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {

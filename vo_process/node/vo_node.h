@@ -112,6 +112,7 @@ class VoNode {
   void FinishIfDone();
   void WarnAboutRows();
   void TellOfSync();
+  void TellDisparityError();
   void LookAt(const StereoImages& images, const StereoFeatures& features);
   void TellOfWarnings();
 

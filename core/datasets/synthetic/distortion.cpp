@@ -82,4 +82,29 @@ std::vector<float> Lens::Apply(const std::vector<float>& ideal) const {
   return out;
 }
 
+double DisparityBias::At(double u_px) const {
+  const double t = (u_px - 0.5 * (width_ - 1)) / (width_ / 3.0);
+  const auto [a, b, c] = thirds_px_;
+  return b + t * (0.5 * (c - a) + t * (0.5 * (a + c) - b));
+}
+
+std::vector<float> DisparityBias::Apply(const std::vector<float>& right, const std::vector<float>& depth_m,
+                                        double focal_baseline) const {
+  std::vector<float> out(right.size());
+  for (size_t i = 0; i < right.size(); ++i) {
+    const int x = static_cast<int>(i % width_);
+    const double disparity_px = depth_m[i] > 0.0F ? focal_baseline / depth_m[i] : 0.0;
+    const double from = std::clamp(x + At(x + disparity_px), 1.0, width_ - 3.0);
+    // Catmull and Rom's cubic: hardly less sharp than what it reads.
+    const int x0 = static_cast<int>(from);
+    const auto t = static_cast<float>(from - x0);
+    const float* p = &right[i - x + x0];
+    out[i] = p[0] +
+             0.5F * t *
+                 (p[1] - p[-1] +
+                  t * (2.0F * p[-1] - 5.0F * p[0] + 4.0F * p[1] - p[2] + t * (3.0F * (p[0] - p[1]) + p[2] - p[-1])));
+  }
+  return out;
+}
+
 }  // namespace plslam::synthetic

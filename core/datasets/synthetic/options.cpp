@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <functional>
 #include <numeric>
 #include <set>
@@ -120,6 +121,25 @@ void ParseSize(const std::string& value, Options& options) {
   }
 }
 
+void ParseDisparityBias(const std::string& value, Options& options) {
+  constexpr double kMost_px = 5.0;
+  const char* at = value.data();
+  const char* end = at + value.size();
+  bool good = true;
+  for (size_t i = 0; good && i < options.disparity_bias_px.size(); ++i) {
+    double& px = options.disparity_bias_px[i];
+    const auto [next, error] = std::from_chars(at, end, px);
+    const bool last = i + 1 == options.disparity_bias_px.size();
+    good = error == std::errc() && std::abs(px) <= kMost_px && (last ? next == end : next != end && *next == ',');
+    at = last ? next : next + 1;
+  }
+  if (!good) {
+    throw DatasetError("synthetic: option disparity_bias='" + value.substr(0, 40) +
+                       "' must be three numbers of pixels from -5 to 5, of the left, middle and right third of the "
+                       "image, such as 0,0,-0.5");
+  }
+}
+
 void ParseBody(const std::string& value, Options& options) {
   const std::vector<std::string>& names = BodyNames();
   const auto name = std::find(names.begin(), names.end(), value);
@@ -161,6 +181,8 @@ std::string ParseOption(const std::string& text, Options& options) {
   const std::string value = text.substr(equals + 1);
   if (name == "size") {
     ParseSize(value, options);
+  } else if (name == "disparity_bias") {
+    ParseDisparityBias(value, options);
   } else if (name == "trajectory") {
     options.trajectory = value;
   } else if (name == "body") {
@@ -186,7 +208,7 @@ const std::vector<std::string>& BodyNames() {
 }
 
 std::vector<std::string> OptionNames() {
-  std::vector<std::string> names = {"size", "trajectory", "body"};
+  std::vector<std::string> names = {"size", "disparity_bias", "trajectory", "body"};
   for (const NumericOption& option : NumericOptions()) {
     names.emplace_back(option.name);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -34,6 +35,8 @@ struct Options {
   double readout_ms = 0.0;     ///< the time from the first row of an image to its last
   int streaks = 0;             ///< of snow, in an image
   int dirt = 0;                ///< spots on each lens
+  /// Added to all disparities at the centres of the left, middle and right third of the left image.
+  std::array<double, 3> disparity_bias_px{};
   std::string trajectory;
 };
 

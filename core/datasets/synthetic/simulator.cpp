@@ -131,6 +131,9 @@ void Simulator::MakeEyes() {
     right_.R_l_cam = q.normalized().toRotationMatrix();
     right_.t_l_cam = options_.baseline_m * Eigen::Vector3d(1.0, 0.012, -0.009);
   }
+  if (options_.distorted && !DisparityBias(options_.disparity_bias_px, options_.width_px).is_zero()) {
+    throw DatasetError("synthetic: options disparity_bias and distorted=1 exclude each other");
+  }
   rig_.name = options_.world;
   rig_.rate_hz = options_.rate_hz;
   rig_.left = Calibration(left_);
@@ -226,6 +229,11 @@ cv::Mat Simulator::RenderEye(const Eye& eye, int index, int camera) const {
   std::vector<float> radiance = Radiance(eye, index + late);
   if (eye.lens.is_distorted()) {
     radiance = eye.lens.Apply(radiance);
+  }
+  const DisparityBias bias(options_.disparity_bias_px, options_.width_px);
+  if (camera == 1 && !bias.is_zero()) {
+    const View view = ViewOf(eye, motion_->At(index));
+    radiance = bias.Apply(radiance, RenderDepthMap(SceneAt(index), view), view.fx * options_.baseline_m);
   }
   weather_.Apply(index, camera, radiance);
   return sensor_.Expose(radiance, Gain(index), static_cast<uint64_t>(index) * 2 + camera);

@@ -61,6 +61,9 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "the right images are taken 93 ms after the left ones: pair them anew (player.right_offset_frames=-1)"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
+      {"disparities_off", [](RunFindings& f) { f.disparity_error_px = 3.44; },
+       "disparities are off by up to 3.4 px, and depths and the scale of the path with them: calibrate the cameras "
+       "anew"},
       {"dark_images", [](RunFindings& f) { f.dark_frames = 30; }, "30 of 100 frames are nearly black"},
       {"unreadable_frames", [](RunFindings& f) { f.frames.unreadable = 2; }, "2 of 102 frames could not be read"},
       {"skipped_frames", [](RunFindings& f) { f.frames.skipped = 5; }, "5 of 105 frames were passed over"},
@@ -107,6 +110,7 @@ TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {
   findings.frames = {.tracked = 90, .lost = 9, .skipped = 1};
   findings.dark_frames = 5;
   findings.corner_rows_px = 2.0;
+  findings.disparity_error_px = 0.5;
   findings.truth_frames = 60;
   findings.truth_missing = 40;
   EXPECT_THAT(CodesOf(findings), IsEmpty());

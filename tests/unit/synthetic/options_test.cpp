@@ -1,5 +1,6 @@
 #include "core/datasets/synthetic/options.h"
 
+#include <array>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -27,8 +28,8 @@ TEST(SyntheticOptions, AllAreRead) {
   const Options o = ParseOptions(
       "street?seed=3&frames=30&loops=2&size=320x200&noise=1.5&blur=0.5&exposure=0&baseline=0.2&fov=90&rate=10&speed="
       "2&"
-      "distorted=1&right_late_ms=-5&readout_ms=20&streaks=250&dirt=12&trajectory=a/b.txt&bodies=3&body=stop&share=0.3&"
-      "standing=1&static_body=0.2");
+      "distorted=1&disparity_bias=0.25,0,-0.5&right_late_ms=-5&readout_ms=20&streaks=250&dirt=12&trajectory=a/b.txt&"
+      "bodies=3&body=stop&share=0.3&standing=1&static_body=0.2");
   EXPECT_EQ(o.world, "street");
   EXPECT_EQ(o.seed, 3u);
   EXPECT_EQ(o.frames, 30);
@@ -47,6 +48,7 @@ TEST(SyntheticOptions, AllAreRead) {
   EXPECT_EQ(o.readout_ms, 20.0);
   EXPECT_EQ(o.streaks, 250);
   EXPECT_EQ(o.dirt, 12);
+  EXPECT_EQ(o.disparity_bias_px, (std::array<double, 3>{0.25, 0.0, -0.5}));
   EXPECT_EQ(o.trajectory, "a/b.txt");
   EXPECT_EQ(o.bodies, 3);
   EXPECT_EQ(o.body, BodyMotion::kStop);
@@ -75,6 +77,10 @@ TEST(SyntheticOptions, BadValuesNameTheirBounds) {
   }
   for (const char* bad : {"size=752", "size=752x", "size=x480", "size=1x1", "size=99999x480", "size=752x480x3"}) {
     EXPECT_THAT(ErrorOf(std::string("room?") + bad), HasSubstr("WIDTHxHEIGHT")) << bad;
+  }
+  for (const char* bad : {"0", "0,0", "0,0,", "0,0,0,0", "0;0;0", "0,0,6", "0,x,0", "nan,0,0"}) {
+    EXPECT_THAT(ErrorOf(std::string("room?disparity_bias=") + bad), HasSubstr("three numbers of pixels from -5 to 5"))
+        << bad;
   }
   EXPECT_THAT(ErrorOf("room?seed="), HasSubstr("has no value"));
   EXPECT_THAT(ErrorOf("room?seed"), HasSubstr("has no value"));

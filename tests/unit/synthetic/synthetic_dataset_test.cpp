@@ -3,10 +3,13 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "core/datasets/dataset.h"
+#include "core/datasets/synthetic/distortion.h"
 #include "core/datasets/synthetic/simulator.h"
 
 namespace plslam {
@@ -132,6 +135,35 @@ TEST(Synthetic, RigSaysWhatIsRendered) {
   const cv::Mat image = distorted->Read(0).left;
   EXPECT_EQ(image.cols, 64);
   EXPECT_EQ(image.rows, 48);
+}
+
+// The middles of the thirds are columns 7.5, 23.5 and 39.5; everything lies in a plane 2 m away, at a disparity of 4 px.
+TEST(Synthetic, DisparityBiasMovesTheRightImage) {
+  constexpr int kWidth = 48;
+  const synthetic::DisparityBias parabola({0.25, -0.5, 1.0}, kWidth);
+  EXPECT_DOUBLE_EQ(parabola.At(7.5), 0.25);
+  EXPECT_DOUBLE_EQ(parabola.At(23.5), -0.5);
+  EXPECT_DOUBLE_EQ(parabola.At(39.5), 1.0);
+  std::vector<float> image(kWidth);
+  for (int x = 0; x < kWidth; ++x) image[x] = static_cast<float>(10 * x);
+  const std::vector<float> depth_m(kWidth, 2.0F);
+  const synthetic::DisparityBias constant({2.0, 2.0, 2.0}, kWidth);
+  const std::vector<float> shifted = constant.Apply(image, depth_m, 8.0);
+  for (int x = 1; x < kWidth - 5; ++x) EXPECT_EQ(shifted[x], image[x + 2]) << x;
+  const std::vector<float> bent = parabola.Apply(image, depth_m, 8.0);
+  for (int x = 2; x < kWidth - 8; ++x) EXPECT_NEAR(bent[x], 10.0 * (x + parabola.At(x + 4.0)), 1e-3) << x;
+}
+
+TEST(Synthetic, DisparityBiasLeavesTheLeftImageAndTheTruth) {
+  const auto plain = OpenSyntheticDataset("street?size=160x120&frames=3");
+  const auto none = OpenSyntheticDataset("street?size=160x120&frames=3&disparity_bias=0,0,0");
+  const auto biased = OpenSyntheticDataset("street?size=160x120&frames=3&disparity_bias=0,0,-2");
+  const auto differ = [](const cv::Mat& a, const cv::Mat& b) { return cv::norm(a, b, cv::NORM_INF) > 0.0; };
+  EXPECT_FALSE(differ(plain->Read(2).right, none->Read(2).right));
+  EXPECT_FALSE(differ(plain->Read(2).left, biased->Read(2).left));
+  EXPECT_TRUE(differ(plain->Read(2).right, biased->Read(2).right));
+  EXPECT_EQ(plain->rig().left.cx_px, biased->rig().left.cx_px);
+  EXPECT_THROW(OpenSyntheticDataset("street?distorted=1&disparity_bias=0,0,-2"), DatasetError);
 }
 
 TEST(Synthetic, NoiseHasItsDeviationAndNoMean) {

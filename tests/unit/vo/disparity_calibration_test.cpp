@@ -2,10 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <utility>
 
+#include "core/datasets/open_dataset.h"
+#include "core/io/files/archive.h"
 #include "tests/support/feature_world.h"
+#include "tests/support/steady_ms.h"
 #include "vo_process/tracking/odometry.h"
+#include "vo_process/tracking/see_pair.h"
 
 namespace plslam {
 namespace {
@@ -20,58 +27,123 @@ SE3 DrivenPoseAt(int frame) {
   return SE3(ExpSO3(Eigen::Vector3d(0.0, 0.01 * frame, 0.0)), Eigen::Vector3d(0.02 * frame, 0.0, 0.05 * frame - 2.0));
 }
 
-// Odometry over 60 frames whose disparities are wrong by `error_px` of the column.
-Odometry Drive(const std::function<double(double)>& error_px, bool enabled) {
+// By column and disparity.
+using Error = std::function<double(double u_px, double disparity_px)>;
+
+StereoFeatures WithError(StereoFeatures features, const Error& error_px) {
+  for (StereoPoint& point : features.points) {
+    point.disparity_px += error_px(point.left.px.x(), point.disparity_px);
+    point.sigma_row_px = kNoise_px;  // it is of a match
+  }
+  for (StereoLine& line : features.lines) {
+    if (!line.HasDepth()) continue;
+    line.disparity_p_px += error_px(line.left.segment.p.x(), line.disparity_p_px);
+    line.disparity_q_px += error_px(line.left.segment.q.x(), line.disparity_q_px);
+  }
+  return features;
+}
+
+void DriveOn(int first, int end, const Error& error_px, Odometry& odometry) {
   const FeatureWorld world({400, 60}, 11);
+  for (int i = first; i < end; ++i) {
+    StereoFeatures features = world.Observe(DrivenPoseAt(i), kNoise_px, static_cast<uint64_t>(i));
+    odometry.Track(i * kDriveFrame_ns, WithError(std::move(features), error_px));
+  }
+}
+
+// Odometry over frames whose disparities are wrong.
+Odometry Drive(const Error& error_px, bool enabled = true, int n_frames = 60) {
   VoOptions options;
   options.disparity_calibration.enabled = enabled;
   Odometry odometry(FeatureWorld::Camera(), options);
-  for (int i = 0; i < 60; ++i) {
-    StereoFeatures features = world.Observe(DrivenPoseAt(i), kNoise_px, static_cast<uint64_t>(i));
-    for (StereoPoint& point : features.points) point.disparity_px += error_px(point.left.px.x());
-    for (StereoLine& line : features.lines) {
-      if (!line.HasDepth()) continue;
-      line.disparity_p_px += error_px(line.left.segment.p.x());
-      line.disparity_q_px += error_px(line.left.segment.q.x());
-    }
-    odometry.Track(i * kDriveFrame_ns, std::move(features));
-  }
+  DriveOn(0, n_frames, error_px, odometry);
   return odometry;
 }
 
 double Offset(const Odometry& odometry, double u_px) { return odometry.disparity_calibration().Offset_px(u_px); }
 
+double Nothing(double, double) { return 0.0; }
+double Constant(double, double) { return -0.4; }
+
 TEST(DisparityCalibration, PerfectRigIsLeftAlone) {
-  const Odometry odometry = Drive([](double) { return 0.0; }, true);
+  const Odometry odometry = Drive(Nothing);
   for (const double u_px : {0.0, 320.0, 639.0}) EXPECT_EQ(Offset(odometry, u_px), 0.0);
+  EXPECT_EQ(odometry.disparity_calibration().Largest_px(), 0.0);
 }
 
 TEST(DisparityCalibration, ConstantOffsetIsFound) {
-  const Odometry odometry = Drive([](double) { return -0.4; }, true);
-  EXPECT_NEAR(Offset(odometry, 320.0), -0.4, 0.15);
+  const Odometry odometry = Drive(Constant, true, 120);
+  EXPECT_NEAR(odometry.disparity_calibration().Known_px(320.0), -0.4, 0.1);
+  EXPECT_LT(Offset(odometry, 320.0), -0.1);
+  EXPECT_NEAR(odometry.disparity_calibration().Largest_px(), 0.4, 0.2);
 }
 
 TEST(DisparityCalibration, SquareOffsetIsFound) {
-  const auto error_px = [](double u_px) { return 1.0 * (u_px - 320.0) * (u_px - 320.0) / (400.0 * 400.0); };
-  const Odometry odometry = Drive(error_px, true);
-  EXPECT_NEAR(Offset(odometry, 600.0) - Offset(odometry, 320.0), error_px(600.0), 0.25);
+  const auto error_px = [](double u_px, double) { return 1.0 * (u_px - 320.0) * (u_px - 320.0) / (400.0 * 400.0); };
+  const Odometry odometry = Drive(error_px);
+  const DisparityCalibration& calibration = odometry.disparity_calibration();
+  EXPECT_NEAR(calibration.Known_px(600.0) - calibration.Known_px(320.0), error_px(600.0, 0.0), 0.2);
+}
+
+TEST(DisparityCalibration, OfAWrongCalibrationNothingIsTakenAway) {
+  const Odometry odometry = Drive([](double, double) { return 3.0; });
+  for (const double u_px : {0.0, 320.0, 639.0}) EXPECT_EQ(Offset(odometry, u_px), 0.0);
+  EXPECT_NEAR(odometry.disparity_calibration().Largest_px(), 3.0, 0.5) << "but it is told";
+}
+
+TEST(DisparityCalibration, OfOneColumnAPixelIsTakenAwayAtMost) {
+  const Odometry odometry = Drive([](double u_px, double) { return 1.4 * u_px / 640.0; });
+  EXPECT_LE(Offset(odometry, 639.0), 1.0);
+  EXPECT_GT(odometry.disparity_calibration().Known_px(639.0), 1.1);
+  EXPECT_LT(Offset(odometry, 320.0), odometry.disparity_calibration().Known_px(320.0));
+}
+
+// As of sliding corners and moving things: no error of a camera depends on the depth.
+TEST(DisparityCalibration, WhatNearAndFarPointsDoNotAgreeOnIsNotBelieved) {
+  const Odometry odometry =
+      Drive([](double, double disparity_px) { return 0.01 * std::pow(disparity_px - 12.0, 2); });
+  for (const double u_px : {0.0, 320.0, 639.0}) EXPECT_NEAR(Offset(odometry, u_px), 0.0, 0.02);
+}
+
+TEST(DisparityCalibration, IsBelievedLittleByLittle) {
+  VoOptions options;
+  Odometry odometry(FeatureWorld::Camera(), options);
+  double before_px = 0.0;
+  double largest_step_px = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    DriveOn(i, i + 1, Constant, odometry);
+    largest_step_px = std::max(largest_step_px, std::abs(Offset(odometry, 320.0) - before_px));
+    before_px = Offset(odometry, 320.0);
+  }
+  EXPECT_LT(before_px, -0.1);
+  EXPECT_LT(largest_step_px, 0.25);
+}
+
+TEST(DisparityCalibration, GoesOnFromItsStateToTheLastBit) {
+  Odometry odometry = Drive(Constant);
+  const DisparityCalibration& one = odometry.disparity_calibration();
+  DisparityCalibration other(FeatureWorld::Camera(), {});
+  archive::FromBytes(archive::ToBytes(one), other);
+  EXPECT_EQ(archive::ToBytes(other), archive::ToBytes(one));
+  EXPECT_EQ(other.Offset_px(320.0), one.Offset_px(320.0));
+  EXPECT_NE(other.Offset_px(320.0), 0.0);
 }
 
 TEST(DisparityCalibration, SwitchedOffItChangesNothing) {
-  const Odometry odometry = Drive([](double) { return -0.4; }, false);
+  const Odometry odometry = Drive(Constant, false);
   EXPECT_EQ(Offset(odometry, 320.0), 0.0);
 }
 
 TEST(DisparityCalibration, CorrectionThatLeavesNoDisparityTakesTheDepth) {
-  const Odometry odometry = Drive([](double) { return 0.4; }, true);
+  const Odometry odometry = Drive([](double, double) { return 0.4; });
   DisparityCalibration calibration = odometry.disparity_calibration();
   StereoFeatures features;
   features.points.resize(3);
   for (StereoPoint& point : features.points) point.left.px = {320.0, 240.0};
   features.points[0].disparity_px = 5.0;
-  features.points[1].disparity_px = 0.1;
+  features.points[1].disparity_px = 0.5 * calibration.Offset_px(320.0);
   calibration.Correct(features);
-  EXPECT_NEAR(features.points[0].disparity_px, 4.6, 0.15);
+  EXPECT_NEAR(features.points[0].disparity_px, 5.0 - calibration.Offset_px(320.0), 1e-12);
   EXPECT_FALSE(features.points[1].HasDepth()) << "nothing is left of it";
   EXPECT_FALSE(features.points[2].HasDepth()) << "it never had one";
 }
@@ -81,10 +153,26 @@ TEST(DisparityCalibration, StandingCameraLearnsNothing) {
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 60; ++i) {
     StereoFeatures features = world.Observe(DrivenPoseAt(0), kNoise_px, static_cast<uint64_t>(i));
-    for (StereoPoint& point : features.points) point.disparity_px -= 0.4;
-    odometry.Track(i * kDriveFrame_ns, std::move(features));
+    odometry.Track(i * kDriveFrame_ns, WithError(std::move(features), Constant));
   }
   EXPECT_EQ(Offset(odometry, 320.0), 0.0);
+}
+
+TEST(DisparityCalibration, WrongDisparitiesOfImagesAreFound) {
+  const auto dataset = OpenDataset("synthetic:street?frames=60&disparity_bias=0,0,-0.5", "");
+  const VoOptions options;
+  StereoFrontEnd front_end(dataset->rig(), options);
+  Odometry odometry(front_end.camera(), options);
+  StageTimer timer(test::SteadyMs);
+  for (int i = 0; i < dataset->size(); ++i) {
+    const StereoImages images = dataset->Read(i);
+    odometry.Track(images.t_ns, SeePair(front_end, odometry, images, timer));
+  }
+  const DisparityCalibration& calibration = odometry.disparity_calibration();
+  EXPECT_NEAR(calibration.Known_px(752.0 / 6.0), 0.0, 0.1);
+  EXPECT_NEAR(calibration.Known_px(752.0 / 2.0), 0.0, 0.1);
+  EXPECT_NEAR(calibration.Known_px(752.0 * 5.0 / 6.0), -0.5, 0.1);
+  EXPECT_LT(calibration.Offset_px(752.0 * 5.0 / 6.0), -0.2);
 }
 
 }  // namespace

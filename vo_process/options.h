@@ -22,7 +22,7 @@ struct LandmarkOptions {
 struct DisparityCalibrationOptions {
   bool enabled = true;
   double prior_sigma_px = 0.3;
-  double min_chi_square = 9.0;
+  double min_chi_square = 6.0;
 };
 
 /// Self-calibration of the rows of the right image.

@@ -251,7 +251,7 @@ void DisparityCalibration::Judge() {
   // The less is taken away the less sure it is, as of Stein's estimate: nothing at first.
   const double significance = std::max(0.0, 1.0 - options_.min_chi_square / chi_square);
   const double certainty = std::max(0.0, 1.0 - std::pow(scale_sigma / kMaxScaleSigma, 2));
-  const double worth = Ramp(scale_error, kMinScaleError, 1.5 * kMinScaleError);
+  const double worth = Ramp(scale_error, kMinScaleError, 1.25 * kMinScaleError);
   is_known_ = significance > 0.0 && certainty > 0.0 && worth > 0.0;
   share_ = significance * certainty * worth * Ramp(std::sqrt(square_px2), kNothingTaken_px, kMostTaken_px);
 }

@@ -3,12 +3,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 #include "core/features/matching/segment_projection.h"
 #include "core/motion/pose_ransac.h"
 #include "vo_process/tracking/landmark_list.h"
+#include "vo_process/tracking/motion_evidence.h"
 
 namespace plslam {
 namespace {
@@ -18,6 +18,8 @@ constexpr size_t kMaxBodies = 3;
 constexpr int kMinWeight = 25;
 constexpr int kMinFollowedWeight = 15;
 constexpr double kMinInlierRatio = 0.5;
+// Of two groups of features the share that must agree on one motion for them to be one body.
+constexpr double kMinJoinedRatio = 0.7;
 // A match speaks against a pose where it is off by more than this, or by so many deviations of its disparity.
 constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
@@ -25,15 +27,6 @@ constexpr double kContradictionSigmas = 4.0;
 constexpr double kSearchRadius_px = 40.0;
 constexpr double kRansacInlier_px = 3.0;
 constexpr uint64_t kRansacSeed = 1;
-// Neighbours that a match of a body has: how many, how near, and how alike they move.
-constexpr int kMinTogether = 2;
-constexpr double kTogetherRadius_px = 160.0;
-constexpr double kTogether_px = 4.0;
-constexpr double kTogetherRatio = 0.15;
-// Around what a body is seen as, new features at the same depth are taken for the body's.
-constexpr double kSurrounding_px = 50.0;
-constexpr double kSameDepthRatio = 0.1;
-constexpr double kSameDepth_px = 1.5;
 // Features of the world are given to a body where so many times as many around them are the body's.
 constexpr int kSurroundedTimes = 3;
 // Frames out of sight after which what is near by founds landmarks of the world again, and after which a body is forgotten.
@@ -49,9 +42,6 @@ constexpr double kStandingMotion_px = 0.7;
 constexpr double kExpectedChi2 = 25.0;
 constexpr int kMinCells = 4;
 constexpr double kMoreSpread = 1.5;
-constexpr int kColumns = 8;
-constexpr int kRows = 6;
-constexpr int kMinInOctave = 3;
 
 std::vector<char> FlagsOf(const std::vector<LandmarkMatch>& matches, int LandmarkMatch::*member, size_t n) {
   std::vector<char> flags(n, 0);
@@ -104,75 +94,9 @@ std::vector<int> Unflagged(const std::vector<char>& flags) {
   return places;
 }
 
-double MiddleDisparity(const StereoLine& line) {
-  return line.HasDepth() ? 0.5 * (line.disparity_p_px + line.disparity_q_px) : -1.0;
-}
-
-// How widely what agrees with a motion is spread: cells of the image times octaves of depth.
-struct Spread {
-  int cells = 0;
-  int octaves = 0;
-  int Score() const { return cells * octaves; }
-};
-
-Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const StereoCamera& camera) {
-  std::set<int> cells;
-  std::array<int, 16> in_octave{};
-  const auto add = [&](const Eigen::Vector2d& px, double disparity_px) {
-    const int x = std::clamp(static_cast<int>(px.x() * kColumns / camera.width_px), 0, kColumns - 1);
-    const int y = std::clamp(static_cast<int>(px.y() * kRows / camera.height_px), 0, kRows - 1);
-    cells.insert(y * kColumns + x);
-    if (disparity_px > 0.0) ++in_octave[std::clamp(static_cast<int>(std::log2(disparity_px)) + 4, 0, 15)];
-  };
-  for (const LandmarkMatch& match : matches.points) {
-    const StereoPoint& point = frame.features.points[match.feature];
-    add(point.left.px, point.disparity_px);
-  }
-  for (const LandmarkMatch& match : matches.lines) {
-    const StereoLine& line = frame.features.lines[match.feature];
-    add(0.5 * (line.left.segment.p + line.left.segment.q), MiddleDisparity(line));
-  }
-  const auto octaves =
-      std::count_if(in_octave.begin(), in_octave.end(), [](int n) { return n >= kMinInOctave; });
-  return {static_cast<int>(cells.size()), static_cast<int>(octaves)};
-}
-
 bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
   const Vector6d off = ((T_odom_prev * prediction.T_prev_c).Inverse() * T_odom_c).Log();
   return off.dot(prediction.covariance.ldlt().solve(off)) <= kExpectedChi2;
-}
-
-// Matches that went the same way in the image as some that are near by at the same depth: wrong ones go anywhere. `T_c_odom` is
-// where the landmarks were seen from before.
-std::vector<LandmarkMatch> MovingTogether(const PointLandmarks& landmarks, const SE3& T_c_odom,
-                                          const std::vector<LandmarkMatch>& matches, const TrackedFrame& frame,
-                                          const StereoCamera& camera) {
-  struct Flow {
-    Eigen::Vector2d px;
-    Eigen::Vector2d moved_px;
-    double disparity_px;
-  };
-  std::vector<Flow> flows;
-  flows.reserve(matches.size());
-  for (const LandmarkMatch& match : matches) {
-    const StereoPoint& seen = frame.features.points[match.feature];
-    const Eigen::Vector3d uvd = camera.ProjectStereo(T_c_odom * landmarks.landmarks()[match.landmark].p_odom);
-    flows.push_back({seen.left.px, seen.left.px - uvd.head<2>(), uvd.z()});
-  }
-  std::vector<LandmarkMatch> together;
-  for (size_t i = 0; i < flows.size(); ++i) {
-    int near = 0;
-    for (size_t j = 0; j < flows.size() && near < kMinTogether; ++j) {
-      const double allowed_px = kTogether_px + kTogetherRatio * flows[i].moved_px.norm();
-      if (i != j && (flows[i].px - flows[j].px).norm() < kTogetherRadius_px &&
-          (flows[i].moved_px - flows[j].moved_px).norm() < allowed_px &&
-          std::abs(flows[i].disparity_px - flows[j].disparity_px) < kSameDepth_px + 0.3 * flows[i].disparity_px) {
-        ++near;
-      }
-    }
-    if (near >= kMinTogether) together.push_back(matches[i]);
-  }
-  return together;
 }
 
 }  // namespace
@@ -200,52 +124,6 @@ struct MovingBodies::Second {
   Alignment alignment;
 };
 
-struct MovingBodies::Places {
-  struct Place {
-    Eigen::Vector2d px = Eigen::Vector2d::Zero();
-    double disparity_px = -1.0;
-    int body = -1;
-  };
-  using Counts = std::array<int, kMaxBodies + 1>;
-
-  void Add(const Eigen::Vector2d& px, double disparity_px, int body) { places.push_back({px, disparity_px, body}); }
-
-  /// How many around are of each body, by slot, and, behind these, of the world; the place itself is not counted.
-  Counts Around(const Eigen::Vector2d& px, double disparity_px) const {
-    Counts counts{};
-    for (const Place& place : places) {
-      const double squared = (place.px - px).squaredNorm();
-      if (squared > kSurrounding_px * kSurrounding_px || squared == 0.0) continue;
-      const double allowed = kSameDepth_px + kSameDepthRatio * std::max(disparity_px, place.disparity_px);
-      const bool comparable = disparity_px > 0.0 && place.disparity_px > 0.0;
-      if (comparable && std::abs(place.disparity_px - disparity_px) > allowed) continue;
-      ++counts[place.body < 0 ? kMaxBodies : static_cast<size_t>(place.body)];
-    }
-    return counts;
-  }
-
-  /// The body that has more than `times` as many there as the world, or -1.
-  int Owner(const Eigen::Vector2d& px, double disparity_px, int times) const {
-    const Counts counts = Around(px, disparity_px);
-    const auto most = std::max_element(counts.begin(), counts.begin() + kMaxBodies);
-    if (*most < 2 || *most <= times * counts[kMaxBodies]) return -1;
-    return static_cast<int>(most - counts.begin());
-  }
-
-  /// Of a line the body that owns at least two of both ends and the middle.
-  int Owner(const StereoLine& line, int times) const {
-    const Segment2& segment = line.left.segment;
-    const std::array<int, 3> owners{
-        Owner(segment.p, line.HasDepth() ? line.disparity_p_px : -1.0, times),
-        Owner(0.5 * (segment.p + segment.q), MiddleDisparity(line), times),
-        Owner(segment.q, line.HasDepth() ? line.disparity_q_px : -1.0, times)};
-    if (owners[0] == owners[1] || owners[0] == owners[2]) return owners[0];
-    return owners[1] == owners[2] ? owners[1] : -1;
-  }
-
-  std::vector<Place> places;
-};
-
 MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options)
     : camera_(camera),
       aligner_(camera, options),
@@ -270,7 +148,7 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
   while (FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
   }
   if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); })) return rival;
-  const Places places = AllPlaces(found, frame);
+  const FeaturePlaces places = AllPlaces(found, frame);
   GiveToBodies(world, frame, places, found);
   NameFeatures(places, found, frame);
   for (size_t k = 0; k < kMaxBodies; ++k) {
@@ -428,33 +306,44 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   if (slot == bodies_.end()) return false;
   const auto second = FindSecond(T_odom_prev, prediction, world, frame, claims, found);
   if (!second) return false;
-  const auto k = static_cast<size_t>(slot - bodies_.begin());
   const FrameMatches own = Contradicting(world, frame, found.matches, second->alignment.T_odom_c);
   bool guessed = false;
   const bool first_is_world = own.Weight() < kMinWeight ||
                               IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
   if (guessed) rival = first_is_world ? second->alignment.T_odom_c : found.T_odom_c;
   const FrameMatches& of_body = first_is_world ? second->alignment.matches : own;
+  const int known = first_is_world ? BodyAround(of_body, found, frame) : -1;
   const std::vector<char> points = FlagsOf(of_body.points, &LandmarkMatch::landmark, world.points.landmarks().size());
   const std::vector<char> lines = FlagsOf(of_body.lines, &LandmarkMatch::landmark, world.lines.landmarks().size());
   const std::vector<int> point_places = PlacesAfterTaking(points);
   const std::vector<int> line_places = PlacesAfterTaking(lines);
+  LocalLandmarks taken = world.Take(points, lines);
+  const FrameMatches taken_matches = Renumbered(of_body, point_places, line_places);
+  Own(taken);
+  Mark(of_body.points, claims.points);
+  Mark(of_body.lines, claims.lines);
 
-  Body& body = *slot;
-  body.id = next_body_id_++;
-  body.landmarks = world.Take(points, lines);
+  if (known >= 0 && Join(known, T_odom_prev, taken, taken_matches, frame)) {
+    found.matches = Renumbered(found.matches, point_places, line_places);
+    return true;
+  }
+  // One that was lost out of sight there goes on under its number.
+  const bool goes_on = known >= 0 && bodies_[known].unseen_frames > 0;
+  const size_t k = goes_on ? static_cast<size_t>(known) : static_cast<size_t>(slot - bodies_.begin());
+  Body& body = bodies_[k];
+  if (!goes_on) {
+    body.id = next_body_id_++;
+    body.found_frames = 1;
+  }
+  body.landmarks = std::move(taken);
   body.T_b_c = first_is_world ? second->alignment.T_odom_c : found.T_odom_c;
   body.motion.Forget();
   body.motion.Observe(T_odom_prev.Inverse() * body.T_b_c, dt_s,
                       first_is_world ? second->alignment.covariance : found.covariance);
-  body.found_frames = 1;
   body.unseen_frames = 0;
   body.standing_frames = 0;
   T_b_prev_[k] = T_odom_prev;
-  matches_[k] = Renumbered(of_body, point_places, line_places);
-  Own(body.landmarks);
-  Mark(of_body.points, claims.points);
-  Mark(of_body.lines, claims.lines);
+  matches_[k] = taken_matches;
 
   if (first_is_world) {
     found.matches = Renumbered(found.matches, point_places, line_places);
@@ -485,8 +374,44 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   return true;
 }
 
-MovingBodies::Places MovingBodies::AllPlaces(const Alignment& found, const TrackedFrame& frame) const {
-  Places places;
+/// The body that most of these features are around, or -1.
+int MovingBodies::BodyAround(const FrameMatches& matches, const Alignment& found, const TrackedFrame& frame) const {
+  const FeaturePlaces places = AllPlaces(found, frame);
+  std::array<int, kMaxBodies> counts{};
+  for (const LandmarkMatch& match : matches.points) {
+    const StereoPoint& point = frame.features.points[match.feature];
+    const int owner = places.Owner(point.left.px, point.disparity_px, 1);
+    if (owner >= 0) ++counts[static_cast<size_t>(owner)];
+  }
+  const auto most = std::max_element(counts.begin(), counts.end());
+  return 2 * *most > static_cast<int>(matches.points.size()) ? static_cast<int>(most - counts.begin()) : -1;
+}
+
+/// Gives a body in sight what moves with it: its pose was measured at a small part of it and is off farther away. False, and
+/// nothing done, where that moves otherwise.
+bool MovingBodies::Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
+                        const TrackedFrame& frame) {
+  Body& body = bodies_[known];
+  if (body.unseen_frames > 0) return false;
+  LocalLandmarks all = body.landmarks;
+  const auto n_points = static_cast<int>(all.points.landmarks().size());
+  const auto n_lines = static_cast<int>(all.lines.landmarks().size());
+  LocalLandmarks added = taken;
+  added.Move(T_b_prev_[known] * T_odom_prev.Inverse());
+  all.Append(added);
+  FrameMatches joined = matches_[known];
+  for (const LandmarkMatch& match : matches.points) joined.points.push_back({match.landmark + n_points, match.feature});
+  for (const LandmarkMatch& match : matches.lines) joined.lines.push_back({match.landmark + n_lines, match.feature});
+  auto together = aligner_.Estimate(all, frame, joined, body.T_b_c, std::nullopt);
+  if (!together || together->matches.Weight() < kMinJoinedRatio * joined.Weight()) return false;
+  body.landmarks = std::move(all);
+  body.T_b_c = together->T_odom_c;
+  matches_[known] = std::move(together->matches);
+  return true;
+}
+
+FeaturePlaces MovingBodies::AllPlaces(const Alignment& found, const TrackedFrame& frame) const {
+  FeaturePlaces places;
   const auto add = [&](const FrameMatches& matches, int body) {
     for (const LandmarkMatch& match : matches.points) {
       const StereoPoint& point = frame.features.points[match.feature];
@@ -512,7 +437,7 @@ MovingBodies::Places MovingBodies::AllPlaces(const Alignment& found, const Track
 }
 
 // What a body surrounds is not the world's, though it agrees with its motion: edges along which a body slides.
-void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const Places& places,
+void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
                                 Alignment& found) const {
   FrameMatches left;
   for (const LandmarkMatch& match : found.matches.points) {
@@ -530,7 +455,7 @@ void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame&
   found.weak = weak;
 }
 
-void MovingBodies::NameFeatures(const Places& places, const Alignment& found, TrackedFrame& frame) const {
+void MovingBodies::NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
     frame.point_tracks[i].body = places.Owner(point.left.px, point.disparity_px, 1);

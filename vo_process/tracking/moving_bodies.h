@@ -12,6 +12,7 @@
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/map_patch.h"
+#include "vo_process/tracking/motion_evidence.h"
 #include "vo_process/tracking/motion_model.h"
 
 namespace plslam {
@@ -132,8 +133,6 @@ class MovingBodies {
   struct Rest;
   /// A second motion in a frame.
   struct Second;
-  /// Inliers with their places, for asking whose a place in the image is.
-  struct Places;
 
   void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
@@ -141,14 +140,17 @@ class MovingBodies {
   std::optional<Second> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
                                    const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
                                    const Alignment& found) const;
+  int BodyAround(const FrameMatches& matches, const Alignment& found, const TrackedFrame& frame) const;
+  bool Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
+            const TrackedFrame& frame);
   FrameMatches Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame, const FrameMatches& matches,
                              const SE3& T_odom_c) const;
   bool IsWorld(const Alignment& found, const FrameMatches& own, const Second& second, const SE3& T_odom_prev,
                const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
-  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const Places& places, Alignment& found) const;
-  void NameFeatures(const Places& places, const Alignment& found, TrackedFrame& frame) const;
+  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places, Alignment& found) const;
+  void NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const;
   void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
-  Places AllPlaces(const Alignment& found, const TrackedFrame& frame) const;
+  FeaturePlaces AllPlaces(const Alignment& found, const TrackedFrame& frame) const;
   void Own(const LocalLandmarks& landmarks);
 
   StereoCamera camera_;

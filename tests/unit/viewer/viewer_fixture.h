@@ -87,7 +87,7 @@ class ViewerFixture : public testing::Test {
   void PublishTracks(int64_t frame) {
     tracks_t tracks{};
     tracks.frame_id = frame;
-    tracks.points.push_back({50.0F, 60.0F, 5.0F, 3});
+    tracks.points.push_back({50.0F, 60.0F, 5.0F, 3, -1});
     tracks.n_points = 1;
     bus().Publish(bus::kTracks, tracks);
   }

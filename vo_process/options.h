@@ -21,8 +21,8 @@ struct LandmarkOptions {
 /// Self-calibration of the disparities.
 struct DisparityCalibrationOptions {
   bool enabled = true;
-  double prior_sigma_px = 0.3;
-  double min_chi_square = 6.0;
+  double prior_sigma_px = 0.1;
+  double min_chi_square = 25.0;
 };
 
 /// Self-calibration of the rows of the right image.

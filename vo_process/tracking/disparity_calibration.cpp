@@ -2,80 +2,58 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 
-#include "core/motion/robust.h"
 #include "vo_process/stereo/correct_disparities.h"
 
 namespace plslam {
 namespace {
 
-// A stretch ends when this share of its points is left: the longer, the more parallax.
-constexpr double kShareLeft = 0.5;
-constexpr size_t kMinPoints = 40;
-// Most new landmarks are not seen again: they say nothing of how long a stretch is.
-constexpr int kMinAge = 1;
-constexpr int kIterations = 3;
-// Of three residuals in their own deviations.
-constexpr double kHuber = 2.5;
-constexpr double kMaxDeviation = 5.0;
+// A comparison is made as soon as parallax fixes the disparity to this deviation.
+constexpr double kMaxImpliedSigma_px = 0.7;
+// Comparisons of one frame share the errors of its pose: they count as at most so many independent ones.
+constexpr double kIndependentPerFrame = 30.0;
+constexpr double kMaxDeviation = 4.0;
+constexpr double kHuber = 1.5;
+constexpr int kIterations = 4;
+// Deviations of the scale error: at first, and of its change from frame to frame.
+constexpr double kScaleSigma = 0.02;
+constexpr double kScaleDrift = 0.003;
 // Deviations of b1 and b2 relative to that of b0.
 constexpr double kLinearShare = 0.5;
 constexpr double kSquareShare = 2.0;
-// Uncertainty of the scale from which on nothing is believed: an offset is taken away to make it better than that.
-constexpr double kMaxScaleSigma = 0.01;
-// What matters less for the scale is left: slanted and sliding corners imitate as much.
-constexpr double kMinScaleError = 0.013;
-// More is no residue of a calibration but a wrong one, or not of the camera. Where the columns are off by more in the mean
-// square, less and less of it is taken away, and nothing from the second on.
+// How fast an estimate that is believed is taken away.
+constexpr double kShareOfAFrame = 0.5;
+// More is no residue of a calibration.
 constexpr double kMostTaken_px = 1.0;
-constexpr double kNothingTaken_px = 1.25;
-// Columns that offsets are judged by: the middles of the thirds, where points are; and for the largest the borders.
-constexpr double kThirds[] = {1.0 / 6.0, 0.5, 5.0 / 6.0};
-constexpr double kBorders[] = {0.0, 0.5, 1.0};
-
-using Motion = Eigen::Matrix<double, 6, 1>;
-
-/// 0 at `none` and beyond, 1 at `all` and beyond.
-double Ramp(double value, double none, double all) { return std::clamp((value - none) / (all - none), 0.0, 1.0); }
-
-/// Of normal equations of three coefficients and a motion: without the motion.
-template <class Evidence, class Normal>
-bool AddWithoutMotion(const Normal& normal, const Eigen::Vector3d& b, Evidence& evidence) {
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> motion(normal.template block<6, 6>(3, 3));
-  if (motion.info() != Eigen::Success || !motion.isPositive() || !(motion.rcond() > 1e-12)) return false;
-  const Eigen::Matrix<double, 3, 6> cross = normal.template block<3, 6>(0, 3);
-  const Eigen::Matrix3d information =
-      normal.template block<3, 3>(0, 0) - cross * motion.solve(Eigen::Matrix<double, 6, 3>(cross.transpose()));
-  evidence.information += information;
-  evidence.vector += information * b + normal.template block<3, 1>(0, 9) -
-                     cross * motion.solve(Motion(normal.template block<6, 1>(3, 9)));
-  return true;
-}
 
 }  // namespace
 
 DisparityCalibration::DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options)
-    : camera_(camera), options_(options) {}
+    : camera_(camera), options_(options), check_(camera, options) {
+  const double sigma = options.prior_sigma_px;
+  covariance_.diagonal() =
+      Eigen::Vector4d(sigma, kLinearShare * sigma, kSquareShare * sigma, kScaleSigma).cwiseAbs2();
+}
 
-Eigen::Vector3d DisparityCalibration::Row(double u_px) const {
+Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) const {
   const double x = (u_px - camera_.cx_px) / camera_.f_px;
-  return {1.0, x, x * x};
+  return {1.0, x, x * x, disparity_px};
 }
 
 double DisparityCalibration::Offset_px(double u_px) const {
-  return share_ == 0.0 ? 0.0 : std::clamp(share_ * Row(u_px).dot(estimate_), -kMostTaken_px, kMostTaken_px);
+  return share_ == 0.0 ? 0.0 : share_ * std::clamp(Row(u_px, 0.0).dot(state_), -kMostTaken_px, kMostTaken_px);
 }
-
-double DisparityCalibration::Known_px(double u_px) const { return is_known_ ? Row(u_px).dot(estimate_) : 0.0; }
 
 double DisparityCalibration::Largest_px() const {
   double largest_px = 0.0;
-  for (const double part : kBorders) largest_px = std::max(largest_px, std::abs(Known_px(part * camera_.width_px)));
+  for (const double u_px : {0.0, 0.5 * camera_.width_px, 1.0 * camera_.width_px}) {
+    const bool too_large = check_.verdict() == DisparityCheck::Verdict::kTooLarge;
+    const double error_px = too_large ? check_.Estimate_px(u_px) : IsBelieved() ? Row(u_px, 0.0).dot(state_) : 0.0;
+    largest_px = std::max(largest_px, std::abs(error_px));
+  }
   return largest_px;
 }
 
@@ -83,177 +61,88 @@ void DisparityCalibration::Correct(StereoFeatures& features) const {
   CorrectDisparities(features, [this](const Eigen::Vector2d& left_px, double) { return Offset_px(left_px.x()); });
 }
 
+bool DisparityCalibration::Compare(const Sight& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
+                                   Measurement& measurement) const {
+  const Eigen::Vector3d ray((before.px.x() - camera_.cx_px) / camera_.f_px,
+                            (before.px.y() - camera_.cy_px) / camera_.f_px, 1.0);
+  const Eigen::Vector3d turned = T_now_before.rotation() * ray;
+  const Eigen::Vector3d& t = T_now_before.translation();
+  // Gauss-Newton on the inverse depth alone: the pose is what it is.
+  double inverse_depth = before.disparity_px / camera_.FocalBaseline();
+  double information = 0.0;
+  for (int i = 0; i < kIterations; ++i) {
+    const Eigen::Vector3d p = turned + inverse_depth * t;
+    if (p.z() < camera_.MinDepth() * inverse_depth || p.z() <= 0.0) return false;
+    const Eigen::Vector2d J = camera_.f_px / (p.z() * p.z()) *
+                              Eigen::Vector2d(t.x() * p.z() - p.x() * t.z(), t.y() * p.z() - p.y() * t.z());
+    information = J.squaredNorm();
+    if (information <= 0.0) return false;
+    inverse_depth += J.dot(px_now - camera_.Project(p)) / information;
+  }
+  const double implied_sigma_px = M_SQRT2 * before.sigma_px / std::sqrt(information) * camera_.FocalBaseline();
+  if (!(implied_sigma_px < kMaxImpliedSigma_px)) return false;
+  measurement.u_px = before.px.x();
+  const double implied_px = inverse_depth * camera_.FocalBaseline();
+  const double implied_variance = implied_sigma_px * implied_sigma_px;
+  const double seen_variance = before.sigma_disparity_px * before.sigma_disparity_px;
+  measurement.residual_px = before.disparity_px - implied_px;
+  measurement.variance_px2 = implied_variance + seen_variance;
+  // The mean by weight is the one combination whose error is independent of the residual's; with any other the scale
+  // would take up noise.
+  measurement.mean_px =
+      (implied_variance * before.disparity_px + seen_variance * implied_px) / measurement.variance_px2;
+  return std::isfinite(measurement.residual_px);
+}
+
 void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
                                    const std::vector<double>& raw_disparities_px) {
   if (!options_.enabled) return;
-  std::vector<PairView> now;
+  std::vector<Sight> now;
+  check_.Observe(T_odom_c, frame, raw_disparities_px);
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
+    // What moves tells nothing of the cameras.
     const FeatureTrack& track = frame.point_tracks[i];
-    // Those of a depth camera tell no rows, and are off otherwise; what moves tells nothing.
-    const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
-    if (track.landmark_id < 0 || track.age < kMinAge || !is_matched || !track.IsOfWorld()) continue;
-    now.push_back(
-        {track.landmark_id, point.left.px, raw_disparities_px[i], point.sigma_px, point.sigma_disparity_px});
+    if (track.landmark_id < 0 || !track.IsOfWorld() || raw_disparities_px[i] <= 0.0) continue;
+    now.push_back({frame.point_tracks[i].landmark_id, T_odom_c, point.left.px, raw_disparities_px[i], point.sigma_px,
+                   point.sigma_disparity_px});
   }
-  const auto by_id = [](const PairView& a, const PairView& b) { return a.landmark_id < b.landmark_id; };
+  const auto by_id = [](const Sight& a, const Sight& b) { return a.landmark_id < b.landmark_id; };
   std::sort(now.begin(), now.end(), by_id);
-  std::vector<Seen> both;
-  for (const PairView& view : now) {
-    const auto before = std::lower_bound(begin_.begin(), begin_.end(), view, by_id);
-    if (before == begin_.end() || before->landmark_id != view.landmark_id) continue;
-    both.push_back({*before, view});
-  }
-  if (static_cast<double>(both.size()) > kShareLeft * static_cast<double>(begin_.size())) return;
-  if (both.size() >= kMinPoints) Learn(T_odom_c.Inverse() * T_odom_begin_, std::move(both));
-  T_odom_begin_ = T_odom_c;
-  begin_ = std::move(now);
-}
-
-/// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what a point says, its
-/// disparity eliminated, and improves that. Columns: the matrix, and the vector.
-bool DisparityCalibration::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point,
-                                     Normal& normal) const {
-  const PairView& before = point.before;
-  const PairView& now = point.now;
-  const double fb = camera_.FocalBaseline();
-  const double f = camera_.f_px;
-  const Eigen::Vector3d& t = T_now_before.translation();
-  const Eigen::Vector3d turned = T_now_before.rotation() * Eigen::Vector3d((before.px.x() - camera_.cx_px) / f,
-                                                                           (before.px.y() - camera_.cy_px) / f, 1.0);
-  const double sigma_px = std::hypot(before.sigma_px, now.sigma_px);
-  const Eigen::Vector4d weights(1.0 / before.sigma_disparity_px, 1.0 / sigma_px, 1.0 / sigma_px,
-                                1.0 / now.sigma_disparity_px);
-  Eigen::Vector4d residual;
-  Eigen::Vector4d by_disparity;
-  Eigen::Matrix<double, 4, 9> by_all;
-  double& d = point.disparity_px;
-  for (int i = 0; i < 2; ++i) {
-    // The point over its depth at the beginning.
-    const Eigen::Vector3d p = turned + d / fb * t;
-    if (!(d > 0.0 && p.z() > 0.1)) return false;
-    const double d_now = d / p.z();
-    residual << before.disparity_px - d - Row(before.px.x()).dot(b), now.px - camera_.Project(p),
-        now.disparity_px - d_now - Row(now.px.x()).dot(b);
-    Eigen::Matrix<double, 3, 3> by_p;
-    by_p << f / p.z(), 0.0, -f * p.x() / (p.z() * p.z()),  //
-        0.0, f / p.z(), -f * p.y() / (p.z() * p.z()),      //
-        0.0, 0.0, -d_now / p.z();
-    by_disparity << 1.0, by_p * t / fb;
-    by_disparity(3) += 1.0 / p.z();
-    by_disparity = by_disparity.cwiseProduct(weights);
-    residual = residual.cwiseProduct(weights);
-    if (i == 0) {
-      d += by_disparity.dot(residual) / by_disparity.squaredNorm();
-      continue;
+  const SE3 T_c_odom = T_odom_c.Inverse();
+  std::vector<Measurement> measurements;
+  for (Sight& sight : now) {
+    const auto before = std::lower_bound(sights_.begin(), sights_.end(), sight, by_id);
+    if (before == sights_.end() || before->landmark_id != sight.landmark_id) continue;
+    Measurement measurement;
+    if (Compare(*before, T_c_odom * before->T_odom_c, sight.px, measurement)) {
+      measurements.push_back(measurement);
+    } else {
+      sight = *before;  // not enough parallax yet: the stretch goes on
     }
-    Eigen::Matrix3d cross;
-    cross << 0.0, turned.z(), -turned.y(), -turned.z(), 0.0, turned.x(), turned.y(), -turned.x(), 0.0;
-    by_all.setZero();
-    by_all.block<1, 3>(0, 0) = Row(before.px.x()).transpose();
-    by_all.block<1, 3>(3, 0) = Row(now.px.x()).transpose();
-    by_all.block<3, 3>(1, 3) = by_p * cross;
-    by_all.block<3, 3>(1, 6) = by_p * (d / fb);
-    by_all = weights.asDiagonal() * by_all;
   }
-  const double norm = by_disparity.squaredNorm();
-  const double along = by_disparity.dot(residual);
-  const double deviation = std::sqrt(std::max(0.0, residual.squaredNorm() - along * along / norm));
-  if (!(deviation < kMaxDeviation)) return false;
-  const double weight = 1.0 / std::max(1.0, deviation / kHuber);
-  const Eigen::Matrix<double, 9, 1> cross = by_all.transpose() * by_disparity;
-  normal.leftCols<9>() += weight * (by_all.transpose() * by_all - cross * cross.transpose() / norm);
-  normal.col(9) += weight * (by_all.transpose() * residual - cross * (along / norm));
-  return true;
+  sights_ = std::move(now);
+  Learn(measurements);
 }
 
-Eigen::Matrix3d DisparityCalibration::Information(const Evidence& evidence) const {
-  const double sigma = options_.prior_sigma_px;
-  Eigen::Matrix3d information = evidence.information;
-  information.diagonal() +=
-      Eigen::Vector3d(sigma, kLinearShare * sigma, kSquareShare * sigma).cwiseAbs2().cwiseInverse();
-  return information;
-}
-
-Eigen::Vector3d DisparityCalibration::Solve(const Evidence& evidence) const {
-  return Information(evidence).ldlt().solve(evidence.vector);
-}
-
-DisparityCalibration::Evidence DisparityCalibration::AllEvidence() const {
-  return {by_stretch_.first.information + by_stretch_.second.information,
-          by_stretch_.first.vector + by_stretch_.second.vector};
-}
-
-void DisparityCalibration::Learn(SE3 T_now_before, std::vector<Seen> points) {
-  const Evidence known = AllEvidence();
-  Eigen::Vector3d b = Solve(known);
-  std::vector<double> disparities;
-  for (Seen& point : points) {
-    point.disparity_px = point.before.disparity_px - Row(point.before.px.x()).dot(b);
-    disparities.push_back(point.disparity_px);
+void DisparityCalibration::Learn(const std::vector<Measurement>& measurements) {
+  covariance_(3, 3) += kScaleDrift * kScaleDrift;
+  const double sharing = std::max(1.0, static_cast<double>(measurements.size()) / kIndependentPerFrame);
+  for (const Measurement& m : measurements) {
+    const Eigen::Vector4d row = Row(m.u_px, m.mean_px);
+    const double innovation = m.residual_px - row.dot(state_);
+    const Eigen::Vector4d gain = covariance_ * row;
+    const double deviation = std::abs(innovation) / std::sqrt(m.variance_px2 + row.dot(gain));
+    if (deviation > kMaxDeviation) continue;
+    const double variance = sharing * m.variance_px2 * std::max(1.0, deviation / kHuber);
+    const double total = variance + row.dot(gain);
+    state_ += innovation / total * gain;
+    covariance_ -= gain * gain.transpose() / total;
   }
-  const double median_px = Median(disparities);
-  for (int i = 0; i < kIterations; ++i) {
-    Normal normal = Normal::Zero();
-    for (Seen& point : points) Linearise(T_now_before, b, point, normal);
-    Evidence all = known;
-    if (!AddWithoutMotion(normal, b, all)) return;
-    const Eigen::Vector3d b_new = Solve(all);
-    const Motion step = normal.block<6, 6>(3, 3).ldlt().solve(
-        Motion(normal.block<6, 1>(3, 9) - normal.block<6, 3>(3, 0) * (b_new - b)));
-    T_now_before = SE3(ExpSO3(step.head<3>()) * T_now_before.rotation(), T_now_before.translation() + step.tail<3>());
-    b = b_new;
-  }
-  Normal all = Normal::Zero();
-  Normal odd = Normal::Zero();
-  Normal near = Normal::Zero();
-  for (Seen& point : points) {
-    Normal one = Normal::Zero();
-    if (!Linearise(T_now_before, b, point, one)) continue;
-    all += one;
-    if (point.before.landmark_id % 2 != 0) odd += one;
-    if (point.disparity_px > median_px) near += one;
-  }
-  const auto add = [&b](const Normal& first, const Normal& second, Division& division) {
-    AddWithoutMotion(first, b, division.first);
-    AddWithoutMotion(second, b, division.second);
-  };
-  AddWithoutMotion(all, b, n_stretches_ % 2 == 0 ? by_stretch_.first : by_stretch_.second);
-  add(odd, all - odd, by_landmark_);
-  add(near, all - near, by_depth_);
-  ++n_stretches_;
-  disparity_px_ += (median_px - disparity_px_) / static_cast<double>(n_stretches_);
-  Judge();
-}
-
-// What the halves differ by, halved, is the error of their mean: each division shows the covariance once, as it is and not as the
-// noise of the features says.
-void DisparityCalibration::Judge() {
-  const Evidence all = AllEvidence();
-  estimate_ = Solve(all);
-  const Eigen::Matrix3d information = Information(all);
-  Eigen::Matrix3d covariance = information.inverse();
-  const Division* divisions[] = {&by_landmark_, &by_depth_, &by_stretch_};
-  for (const Division* division : divisions) {
-    const Eigen::Vector3d half = 0.5 * (Solve(division->first) - Solve(division->second));
-    covariance += half * half.transpose() / static_cast<double>(std::size(divisions));
-  }
-  double square_px2 = 0.0;
-  double variance_px2 = 0.0;
-  for (const double part : kThirds) {
-    const Eigen::Vector3d row = Row(part * camera_.width_px);
-    square_px2 += row.dot(estimate_) * row.dot(estimate_) / static_cast<double>(std::size(kThirds));
-    variance_px2 += row.dot(covariance * row) / static_cast<double>(std::size(kThirds));
-  }
-  const double chi_square = square_px2 / variance_px2;
-  const double scale_error = std::sqrt(square_px2) / disparity_px_;
-  const double scale_sigma = std::sqrt(variance_px2) / disparity_px_;
-  // The less is taken away the less sure it is, as of Stein's estimate: nothing at first.
-  const double significance = std::max(0.0, 1.0 - options_.min_chi_square / chi_square);
-  const double certainty = std::max(0.0, 1.0 - std::pow(scale_sigma / kMaxScaleSigma, 2));
-  const double worth = Ramp(scale_error, kMinScaleError, 1.25 * kMinScaleError);
-  is_known_ = significance > 0.0 && certainty > 0.0 && worth > 0.0;
-  share_ = significance * certainty * worth * Ramp(std::sqrt(square_px2), kNothingTaken_px, kMostTaken_px);
+  const Eigen::Vector3d offset = state_.head<3>();
+  const Eigen::Matrix3d uncertainty = covariance_.topLeftCorner<3, 3>();
+  significant_ = offset.dot(uncertainty.ldlt().solve(offset)) > options_.min_chi_square;
+  share_ = std::clamp(share_ + (IsBelieved() ? kShareOfAFrame : -kShareOfAFrame), 0.0, 1.0);
 }
 
 }  // namespace plslam

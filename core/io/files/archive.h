@@ -40,7 +40,7 @@ struct IsArrayOfNumbers<std::array<T, n>> : std::is_arithmetic<T> {};
 
 /// Copied as it lies in memory.
 template <class T>
-concept Plain = std::is_arithmetic_v<T> || IsArrayOfNumbers<T>::value ||
+concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || IsArrayOfNumbers<T>::value ||
     (requires { T::SizeAtCompileTime; } && T::SizeAtCompileTime != Eigen::Dynamic);
 
 class Writer {

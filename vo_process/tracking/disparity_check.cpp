@@ -1,0 +1,256 @@
+#include "vo_process/tracking/disparity_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "core/motion/robust.h"
+
+namespace plslam {
+namespace {
+
+// A stretch ends when this share of its points is left: the longer, the more parallax.
+constexpr double kShareLeft = 0.5;
+constexpr size_t kMinPoints = 40;
+// Most new landmarks are not seen again: they say nothing of how long a stretch is.
+constexpr int kMinAge = 1;
+constexpr int kIterations = 3;
+// Of three residuals in their own deviations.
+constexpr double kHuber = 2.5;
+constexpr double kMaxDeviation = 5.0;
+// Deviations of b1 and b2 relative to that of b0.
+constexpr double kLinearShare = 0.5;
+// How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as such.
+constexpr double kPriorSigma_px = 0.3;
+constexpr double kSquareShare = 2.0;
+// Stretches before there is a verdict.
+constexpr int64_t kMinStretches = 3;
+// Halves differ where half of their difference is more than so many deviations and more than such a share of the estimate;
+// those that have differed until both are as small as the second pair.
+constexpr double kDifferSigmas = 3.0;
+constexpr double kDifferShare = 0.3;
+constexpr double kAgainSigmas = 2.0;
+constexpr double kAgainShare = 0.2;
+// What is larger for sure, over all columns, is no residue of a calibration but a wrong one, or not of the camera.
+constexpr double kTooLarge_px = 1.0;
+constexpr double kTooLargeSigmas = 3.0;
+// Columns that errors are judged by: the middles of the thirds, where points are.
+constexpr double kThirds[] = {1.0 / 6.0, 0.5, 5.0 / 6.0};
+
+using Motion = Eigen::Matrix<double, 6, 1>;
+
+/// Of normal equations of three coefficients and a motion: without the motion.
+template <class Evidence, class Normal>
+bool AddWithoutMotion(const Normal& normal, const Eigen::Vector3d& b, Evidence& evidence) {
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> motion(normal.template block<6, 6>(3, 3));
+  if (motion.info() != Eigen::Success || !motion.isPositive() || !(motion.rcond() > 1e-12)) return false;
+  const Eigen::Matrix<double, 3, 6> cross = normal.template block<3, 6>(0, 3);
+  const Eigen::Matrix3d information =
+      normal.template block<3, 3>(0, 0) - cross * motion.solve(Eigen::Matrix<double, 6, 3>(cross.transpose()));
+  evidence.information += information;
+  evidence.vector += information * b + normal.template block<3, 1>(0, 9) -
+                     cross * motion.solve(Motion(normal.template block<6, 1>(3, 9)));
+  return true;
+}
+
+}  // namespace
+
+DisparityCheck::DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options)
+    : camera_(camera), options_(options) {}
+
+Eigen::Vector3d DisparityCheck::Row(double u_px) const {
+  const double x = (u_px - camera_.cx_px) / camera_.f_px;
+  return {1.0, x, x * x};
+}
+
+double DisparityCheck::Estimate_px(double u_px) const { return Row(u_px).dot(estimate_); }
+
+void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
+                                   const std::vector<double>& raw_disparities_px) {
+  if (!options_.enabled) return;
+  std::vector<PairView> now;
+  for (size_t i = 0; i < frame.features.points.size(); ++i) {
+    const StereoPoint& point = frame.features.points[i];
+    const FeatureTrack& track = frame.point_tracks[i];
+    // Those of a depth camera tell no rows, and are off otherwise; what moves tells nothing.
+    const bool is_matched = raw_disparities_px[i] > 0.0 && point.sigma_row_px >= 0.0;
+    if (track.landmark_id < 0 || track.age < kMinAge || !is_matched || !track.IsOfWorld()) continue;
+    now.push_back(
+        {track.landmark_id, point.left.px, raw_disparities_px[i], point.sigma_px, point.sigma_disparity_px});
+  }
+  const auto by_id = [](const PairView& a, const PairView& b) { return a.landmark_id < b.landmark_id; };
+  std::sort(now.begin(), now.end(), by_id);
+  std::vector<Seen> both;
+  for (const PairView& view : now) {
+    const auto before = std::lower_bound(begin_.begin(), begin_.end(), view, by_id);
+    if (before == begin_.end() || before->landmark_id != view.landmark_id) continue;
+    both.push_back({*before, view});
+  }
+  if (static_cast<double>(both.size()) > kShareLeft * static_cast<double>(begin_.size())) return;
+  if (both.size() >= kMinPoints) Learn(T_odom_c.Inverse() * T_odom_begin_, std::move(both));
+  T_odom_begin_ = T_odom_c;
+  begin_ = std::move(now);
+}
+
+/// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what a point says, its
+/// disparity eliminated, and improves that. Columns: the matrix, and the vector.
+bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point,
+                                     Normal& normal) const {
+  const PairView& before = point.before;
+  const PairView& now = point.now;
+  const double fb = camera_.FocalBaseline();
+  const double f = camera_.f_px;
+  const Eigen::Vector3d& t = T_now_before.translation();
+  const Eigen::Vector3d turned = T_now_before.rotation() * Eigen::Vector3d((before.px.x() - camera_.cx_px) / f,
+                                                                           (before.px.y() - camera_.cy_px) / f, 1.0);
+  const double sigma_px = std::hypot(before.sigma_px, now.sigma_px);
+  const Eigen::Vector4d weights(1.0 / before.sigma_disparity_px, 1.0 / sigma_px, 1.0 / sigma_px,
+                                1.0 / now.sigma_disparity_px);
+  Eigen::Vector4d residual;
+  Eigen::Vector4d by_disparity;
+  Eigen::Matrix<double, 4, 9> by_all;
+  double& d = point.disparity_px;
+  for (int i = 0; i < 2; ++i) {
+    // The point over its depth at the beginning.
+    const Eigen::Vector3d p = turned + d / fb * t;
+    if (!(d > 0.0 && p.z() > 0.1)) return false;
+    const double d_now = d / p.z();
+    residual << before.disparity_px - d - Row(before.px.x()).dot(b), now.px - camera_.Project(p),
+        now.disparity_px - d_now - Row(now.px.x()).dot(b);
+    Eigen::Matrix<double, 3, 3> by_p;
+    by_p << f / p.z(), 0.0, -f * p.x() / (p.z() * p.z()),  //
+        0.0, f / p.z(), -f * p.y() / (p.z() * p.z()),      //
+        0.0, 0.0, -d_now / p.z();
+    by_disparity << 1.0, by_p * t / fb;
+    by_disparity(3) += 1.0 / p.z();
+    by_disparity = by_disparity.cwiseProduct(weights);
+    residual = residual.cwiseProduct(weights);
+    if (i == 0) {
+      d += by_disparity.dot(residual) / by_disparity.squaredNorm();
+      continue;
+    }
+    Eigen::Matrix3d cross;
+    cross << 0.0, turned.z(), -turned.y(), -turned.z(), 0.0, turned.x(), turned.y(), -turned.x(), 0.0;
+    by_all.setZero();
+    by_all.block<1, 3>(0, 0) = Row(before.px.x()).transpose();
+    by_all.block<1, 3>(3, 0) = Row(now.px.x()).transpose();
+    by_all.block<3, 3>(1, 3) = by_p * cross;
+    by_all.block<3, 3>(1, 6) = by_p * (d / fb);
+    by_all = weights.asDiagonal() * by_all;
+  }
+  const double norm = by_disparity.squaredNorm();
+  const double along = by_disparity.dot(residual);
+  const double deviation = std::sqrt(std::max(0.0, residual.squaredNorm() - along * along / norm));
+  if (!(deviation < kMaxDeviation)) return false;
+  const double weight = 1.0 / std::max(1.0, deviation / kHuber);
+  const Eigen::Matrix<double, 9, 1> cross = by_all.transpose() * by_disparity;
+  normal.leftCols<9>() += weight * (by_all.transpose() * by_all - cross * cross.transpose() / norm);
+  normal.col(9) += weight * (by_all.transpose() * residual - cross * (along / norm));
+  return true;
+}
+
+Eigen::Matrix3d DisparityCheck::Information(const Evidence& evidence) const {
+  const double sigma = kPriorSigma_px;
+  Eigen::Matrix3d information = evidence.information;
+  information.diagonal() +=
+      Eigen::Vector3d(sigma, kLinearShare * sigma, kSquareShare * sigma).cwiseAbs2().cwiseInverse();
+  return information;
+}
+
+Eigen::Vector3d DisparityCheck::Solve(const Evidence& evidence) const {
+  return Information(evidence).ldlt().solve(evidence.vector);
+}
+
+DisparityCheck::Evidence DisparityCheck::AllEvidence() const {
+  return {by_stretch_.first.information + by_stretch_.second.information,
+          by_stretch_.first.vector + by_stretch_.second.vector};
+}
+
+void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
+  const Evidence known = AllEvidence();
+  Eigen::Vector3d b = Solve(known);
+  std::vector<double> disparities;
+  for (Seen& point : points) {
+    point.disparity_px = point.before.disparity_px - Row(point.before.px.x()).dot(b);
+    disparities.push_back(point.disparity_px);
+  }
+  const double median_px = Median(disparities);
+  for (int i = 0; i < kIterations; ++i) {
+    Normal normal = Normal::Zero();
+    for (Seen& point : points) Linearise(T_now_before, b, point, normal);
+    Evidence all = known;
+    if (!AddWithoutMotion(normal, b, all)) return;
+    const Eigen::Vector3d b_new = Solve(all);
+    const Motion step = normal.block<6, 6>(3, 3).ldlt().solve(
+        Motion(normal.block<6, 1>(3, 9) - normal.block<6, 3>(3, 0) * (b_new - b)));
+    T_now_before = SE3(ExpSO3(step.head<3>()) * T_now_before.rotation(), T_now_before.translation() + step.tail<3>());
+    b = b_new;
+  }
+  Normal all = Normal::Zero();
+  Normal odd = Normal::Zero();
+  Normal near = Normal::Zero();
+  for (Seen& point : points) {
+    Normal one = Normal::Zero();
+    if (!Linearise(T_now_before, b, point, one)) continue;
+    all += one;
+    if (point.before.landmark_id % 2 != 0) odd += one;
+    if (point.disparity_px > median_px) near += one;
+  }
+  const auto add = [&b](const Normal& first, const Normal& second, Division& division) {
+    AddWithoutMotion(first, b, division.first);
+    AddWithoutMotion(second, b, division.second);
+  };
+  AddWithoutMotion(all, b, n_stretches_ % 2 == 0 ? by_stretch_.first : by_stretch_.second);
+  add(odd, all - odd, by_landmark_);
+  add(near, all - near, by_depth_);
+  ++n_stretches_;
+  Judge();
+}
+
+// Root of the mean square over the thirds of the image.
+double DisparityCheck::Size_px(const Eigen::Vector3d& coefficients) const {
+  double square = 0.0;
+  for (const double part : kThirds) square += std::pow(Row(part * camera_.width_px).dot(coefficients), 2);
+  return std::sqrt(square / static_cast<double>(std::size(kThirds)));
+}
+
+double DisparityCheck::Sigma_px(const Eigen::Matrix3d& covariance) const {
+  double variance = 0.0;
+  for (const double part : kThirds) {
+    const Eigen::Vector3d row = Row(part * camera_.width_px);
+    variance += row.dot(covariance * row);
+  }
+  return std::sqrt(variance / static_cast<double>(std::size(kThirds)));
+}
+
+// Halves that differ: by how much in their own deviations, and as a share of the estimate.
+bool DisparityCheck::Differ(const Division& division, double sigmas, double share) const {
+  const double half_px = Size_px(0.5 * (Solve(division.first) - Solve(division.second)));
+  const Eigen::Matrix3d covariance =
+      0.25 * (Information(division.first).inverse() + Information(division.second).inverse());
+  return half_px > sigmas * Sigma_px(covariance) && half_px > share * Size_px(estimate_);
+}
+
+void DisparityCheck::Judge() {
+  const Evidence all = AllEvidence();
+  estimate_ = Solve(all);
+  if (n_stretches_ < kMinStretches) return;
+  const double least_px = Size_px(estimate_) - kTooLargeSigmas * Sigma_px(Information(all).inverse());
+  if (least_px > kTooLarge_px) {
+    verdict_ = Verdict::kTooLarge;
+    return;
+  }
+  // What was contradicted once is believed only where the halves have come clearly nearer.
+  const bool was_contradicted = verdict_ == Verdict::kContradicts;
+  const double sigmas = was_contradicted ? kAgainSigmas : kDifferSigmas;
+  const double share = was_contradicted ? kAgainShare : kDifferShare;
+  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) ||
+                      Differ(by_stretch_, sigmas, share);
+  verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
+}
+
+}  // namespace plslam

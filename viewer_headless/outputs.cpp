@@ -86,7 +86,8 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
 
 std::string PosesCsv(const Recorder& recorder) {
   std::string text =
-      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,n_moving";
+      "frame_id,t_s,state,n_points,n_lines,n_tracked_points,n_tracked_lines,keyframe_id,entropy_ratio,skipped_frames,"
+      "n_moving";
   for (const std::string& name : recorder.stage_names()) {
     text += ',';
     // Names come over the wire; a comma or quote in one must not shift the columns.

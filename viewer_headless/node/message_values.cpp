@@ -29,9 +29,11 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
 
 OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
   OverlayFeatures features;
-  for (const track_point_t& p : message.points) features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age, p.body >= 0});
+  for (const track_point_t& p : message.points)
+    features.points.push_back({{p.u_px, p.v_px}, p.disparity_px, p.age, p.body >= 0});
   for (const track_line_t& l : message.lines) {
-    features.segments.push_back({{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age, l.body >= 0});
+    features.segments.push_back(
+        {{l.p_px[0], l.p_px[1]}, {l.q_px[0], l.q_px[1]}, l.has_depth != 0, l.age, l.body >= 0});
   }
   return features;
 }

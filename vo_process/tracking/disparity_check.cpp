@@ -70,7 +70,7 @@ Eigen::Vector3d DisparityCheck::Row(double u_px) const {
 double DisparityCheck::Estimate_px(double u_px) const { return Row(u_px).dot(estimate_); }
 
 void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
-                                   const std::vector<double>& raw_disparities_px) {
+                             const std::vector<double>& raw_disparities_px) {
   if (!options_.enabled) return;
   std::vector<PairView> now;
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
@@ -98,8 +98,7 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
 
 /// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what a point says, its
 /// disparity eliminated, and improves that. Columns: the matrix, and the vector.
-bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point,
-                                     Normal& normal) const {
+bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const {
   const PairView& before = point.before;
   const PairView& now = point.now;
   const double fb = camera_.FocalBaseline();
@@ -248,8 +247,8 @@ void DisparityCheck::Judge() {
   const bool was_contradicted = verdict_ == Verdict::kContradicts;
   const double sigmas = was_contradicted ? kAgainSigmas : kDifferSigmas;
   const double share = was_contradicted ? kAgainShare : kDifferShare;
-  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) ||
-                      Differ(by_stretch_, sigmas, share);
+  const bool differ =
+      Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) || Differ(by_stretch_, sigmas, share);
   verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
 }
 

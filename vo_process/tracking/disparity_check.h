@@ -47,8 +47,8 @@ class DisparityCheck {
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.by_stretch_,
-      self.n_stretches_, self.T_odom_begin_, self.begin_);
+    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.by_stretch_, self.n_stretches_,
+      self.T_odom_begin_, self.begin_);
   }
 
  private:

@@ -46,8 +46,7 @@ Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const St
     const StereoLine& line = frame.features.lines[match.feature];
     add(0.5 * (line.left.segment.p + line.left.segment.q), MiddleDisparity(line));
   }
-  const auto octaves =
-      std::count_if(in_octave.begin(), in_octave.end(), [](int n) { return n >= kMinInOctave; });
+  const auto octaves = std::count_if(in_octave.begin(), in_octave.end(), [](int n) { return n >= kMinInOctave; });
   return {static_cast<int>(cells.size()), static_cast<int>(octaves)};
 }
 
@@ -100,10 +99,9 @@ int FeaturePlaces::Owner(const Eigen::Vector2d& px, double disparity_px, int tim
 
 int FeaturePlaces::Owner(const StereoLine& line, int times) const {
   const Segment2& segment = line.left.segment;
-  const std::array<int, 3> owners{
-      Owner(segment.p, line.HasDepth() ? line.disparity_p_px : -1.0, times),
-      Owner(0.5 * (segment.p + segment.q), MiddleDisparity(line), times),
-      Owner(segment.q, line.HasDepth() ? line.disparity_q_px : -1.0, times)};
+  const std::array<int, 3> owners{Owner(segment.p, line.HasDepth() ? line.disparity_p_px : -1.0, times),
+                                  Owner(0.5 * (segment.p + segment.q), MiddleDisparity(line), times),
+                                  Owner(segment.q, line.HasDepth() ? line.disparity_q_px : -1.0, times)};
   if (owners[0] == owners[1] || owners[0] == owners[2]) return owners[0];
   return owners[1] == owners[2] ? owners[1] : -1;
 }

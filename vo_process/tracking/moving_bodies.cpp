@@ -155,7 +155,8 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
     body.landmarks.Update(body.T_b_c, matches_[k], frame);
-    for (const LandmarkMatch& match : matches_[k].points) frame.point_tracks[match.feature].body = static_cast<int>(k);
+    for (const LandmarkMatch& match : matches_[k].points)
+      frame.point_tracks[match.feature].body = static_cast<int>(k);
     for (const LandmarkMatch& match : matches_[k].lines) frame.line_tracks[match.feature].body = static_cast<int>(k);
     if (body.unseen_frames > 0) continue;
     body.landmarks.NumberBehind(world);
@@ -265,10 +266,9 @@ std::optional<MovingBodies::Second> MovingBodies::FindSecond(const SE3& T_odom_p
                                            kMinWeight, kRansacInlier_px, kRansacSeed, Neighbourhood{});
   if (!T_c_odom) return std::nullopt;
   const SE3 T_odom_c = T_c_odom->Inverse();
-  const FrameMatches guided =
-      Contradicting(candidates, rest.frame,
-                    aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kRansacInlier_px, 0}),
-                    found.T_odom_c);
+  const FrameMatches guided = Contradicting(
+      candidates, rest.frame,
+      aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kRansacInlier_px, 0}), found.T_odom_c);
   auto second = aligner_.Estimate(candidates, rest.frame, guided, T_odom_c, std::nullopt);
   if (!second || second->matches.Weight() < kMinWeight ||
       second->matches.Weight() < kMinInlierRatio * guided.Weight()) {
@@ -308,8 +308,8 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   if (!second) return false;
   const FrameMatches own = Contradicting(world, frame, found.matches, second->alignment.T_odom_c);
   bool guessed = false;
-  const bool first_is_world = own.Weight() < kMinWeight ||
-                              IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
+  const bool first_is_world =
+      own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
   if (guessed) rival = first_is_world ? second->alignment.T_odom_c : found.T_odom_c;
   const FrameMatches& of_body = first_is_world ? second->alignment.matches : own;
   const int known = first_is_world ? BodyAround(of_body, found, frame) : -1;
@@ -400,7 +400,8 @@ bool MovingBodies::Join(int known, const SE3& T_odom_prev, const LocalLandmarks&
   added.Move(T_b_prev_[known] * T_odom_prev.Inverse());
   all.Append(added);
   FrameMatches joined = matches_[known];
-  for (const LandmarkMatch& match : matches.points) joined.points.push_back({match.landmark + n_points, match.feature});
+  for (const LandmarkMatch& match : matches.points)
+    joined.points.push_back({match.landmark + n_points, match.feature});
   for (const LandmarkMatch& match : matches.lines) joined.lines.push_back({match.landmark + n_lines, match.feature});
   auto together = aligner_.Estimate(all, frame, joined, body.T_b_c, std::nullopt);
   if (!together || together->matches.Weight() < kMinJoinedRatio * joined.Weight()) return false;

@@ -98,8 +98,8 @@ class MovingBodies {
   /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion, or where
   /// features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's tracks what is on
   /// a body. Where only geometry decided which motion is the world's: the pose by the other one.
-  std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
-                TrackedFrame& frame, Alignment& found);
+  std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
+                              LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
   /// A frame that was not found: nobody knows where bodies are.
   void Forget();
@@ -147,7 +147,8 @@ class MovingBodies {
                              const SE3& T_odom_c) const;
   bool IsWorld(const Alignment& found, const FrameMatches& own, const Second& second, const SE3& T_odom_prev,
                const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
-  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places, Alignment& found) const;
+  void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
+                    Alignment& found) const;
   void NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const;
   void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
   FeaturePlaces AllPlaces(const Alignment& found, const TrackedFrame& frame) const;

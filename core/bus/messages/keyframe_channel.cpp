@@ -93,7 +93,8 @@ bool Append(const keyframe_t& page, Keyframe& keyframe) {
     keyframe.line_landmark_ids.push_back(message.landmark_id);
     keyframe.line_map_ids.push_back(message.map_id);
   }
-  return Append(page.withdrawn_points, keyframe.withdrawn_points) && Append(page.withdrawn_lines, keyframe.withdrawn_lines);
+  return Append(page.withdrawn_points, keyframe.withdrawn_points) &&
+         Append(page.withdrawn_lines, keyframe.withdrawn_lines);
 }
 
 }  // namespace

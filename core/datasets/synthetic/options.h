@@ -29,8 +29,8 @@ struct Options {
   bool standing = false;  ///< the camera stays where it is in frame 0
   int bodies = 0;         ///< boxes that move
   BodyMotion body = BodyMotion::kLead;
-  double share = 0.45;       ///< of the width of the image that a body covers, all together of a crowd
-  double static_body = 0.0;  ///< share of the height of the image that a bonnet covers
+  double share = 0.45;         ///< of the width of the image that a body covers, all together of a crowd
+  double static_body = 0.0;    ///< share of the height of the image that a bonnet covers
   double right_late_ms = 0.0;  ///< the right image is taken this much later than the left one
   double readout_ms = 0.0;     ///< the time from the first row of an image to its last
   int streaks = 0;             ///< of snow, in an image

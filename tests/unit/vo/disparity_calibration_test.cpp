@@ -82,7 +82,8 @@ TEST(DisparityCalibration, SquareOffsetIsFound) {
   const auto error_px = [](double u_px, double) { return 1.0 * (u_px - 320.0) * (u_px - 320.0) / (400.0 * 400.0); };
   const Odometry odometry = Drive(error_px);
   const DisparityCalibration& calibration = odometry.disparity_calibration();
-  EXPECT_NEAR(calibration.check().Estimate_px(600.0) - calibration.check().Estimate_px(320.0), error_px(600.0, 0.0), 0.2);
+  EXPECT_NEAR(calibration.check().Estimate_px(600.0) - calibration.check().Estimate_px(320.0), error_px(600.0, 0.0),
+              0.2);
 }
 
 TEST(DisparityCalibration, OfAWrongCalibrationNothingIsTakenAway) {

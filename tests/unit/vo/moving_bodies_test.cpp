@@ -60,7 +60,8 @@ Shares NamedOnBody(const OdometryResult& result, size_t n_world_points) {
   const auto on_body = [](const FeatureTrack& track) { return !track.IsOfWorld(); };
   const auto middle = result.point_tracks.begin() + static_cast<std::ptrdiff_t>(n_world_points);
   const auto share = [&](auto begin, auto end) {
-    return begin == end ? 0.0 : static_cast<double>(std::count_if(begin, end, on_body)) / static_cast<double>(end - begin);
+    return begin == end ? 0.0
+                        : static_cast<double>(std::count_if(begin, end, on_body)) / static_cast<double>(end - begin);
   };
   return {share(middle, result.point_tracks.end()), share(result.point_tracks.begin(), middle)};
 }

@@ -39,6 +39,7 @@
 #include "plslam/track_line_t.hpp"
 #include "plslam/track_point_t.hpp"
 #include "plslam/tracks_t.hpp"
+#include "plslam/withdrawn_t.hpp"
 
 namespace plslam::bus::test {
 namespace {
@@ -65,7 +66,8 @@ const auto& Table() {
               intrinsics_t, keyframe_name_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t,
               map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t,
               point_feature_t, polygon_t, pose3_t, pose_t, range_t, relocalisation_t, repair_request_t,
-              same_landmarks_t, sight_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t>();
+              same_landmarks_t, sight_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t,
+              withdrawn_t>();
   return table;
 }
 

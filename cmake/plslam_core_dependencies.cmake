@@ -9,6 +9,7 @@ find_package(JPEG REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
+find_package(nlohmann_json REQUIRED)
 find_package(spdlog REQUIRED)
 
 # Debian's LCM has no CMake package, and its pkg-config file asks for GLib's headers, which no user of it needs.

@@ -164,13 +164,8 @@ Eigen::Vector3d DisparityCheck::Solve(const Evidence& evidence) const {
   return Information(evidence).ldlt().solve(evidence.vector);
 }
 
-DisparityCheck::Evidence DisparityCheck::AllEvidence() const {
-  return {by_stretch_.first.information + by_stretch_.second.information,
-          by_stretch_.first.vector + by_stretch_.second.vector};
-}
-
 void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
-  const Evidence known = AllEvidence();
+  const Evidence known = all_;
   Eigen::Vector3d b = Solve(known);
   std::vector<double> disparities;
   for (Seen& point : points) {
@@ -203,7 +198,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
     AddWithoutMotion(first, b, division.first);
     AddWithoutMotion(second, b, division.second);
   };
-  AddWithoutMotion(all, b, n_stretches_ % 2 == 0 ? by_stretch_.first : by_stretch_.second);
+  AddWithoutMotion(all, b, all_);
   add(odd, all - odd, by_landmark_);
   add(near, all - near, by_depth_);
   ++n_stretches_;
@@ -235,10 +230,9 @@ bool DisparityCheck::Differ(const Division& division, double sigmas, double shar
 }
 
 void DisparityCheck::Judge() {
-  const Evidence all = AllEvidence();
-  estimate_ = Solve(all);
+  estimate_ = Solve(all_);
   if (n_stretches_ < kMinStretches) return;
-  const double least_px = Size_px(estimate_) - kTooLargeSigmas * Sigma_px(Information(all).inverse());
+  const double least_px = Size_px(estimate_) - kTooLargeSigmas * Sigma_px(Information(all_).inverse());
   if (least_px > kTooLarge_px) {
     verdict_ = Verdict::kTooLarge;
     return;
@@ -247,8 +241,7 @@ void DisparityCheck::Judge() {
   const bool was_contradicted = verdict_ == Verdict::kContradicts;
   const double sigmas = was_contradicted ? kAgainSigmas : kDifferSigmas;
   const double share = was_contradicted ? kAgainShare : kDifferShare;
-  const bool differ =
-      Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share) || Differ(by_stretch_, sigmas, share);
+  const bool differ = Differ(by_landmark_, sigmas, share) || Differ(by_depth_, sigmas, share);
   verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
 }
 

@@ -19,8 +19,8 @@ namespace plslam {
 /// the error and eliminated, so that a pose that gave way to wrong disparities does not hide them.
 ///
 /// Corners that slide, grazing ground and moving things look like such an error, too, and do not average out. So the
-/// estimate is made of halves of the points as well: odd and even landmarks, near and far ones, and every other stretch. An
-/// error of the cameras is the same for all.
+/// estimate is made of halves of the points as well: odd and even landmarks, near and far ones. An error of the cameras is the
+/// same for all.
 class DisparityCheck {
  public:
   enum class Verdict : uint8_t {
@@ -47,7 +47,7 @@ class DisparityCheck {
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.by_stretch_, self.n_stretches_,
+    a(self.verdict_, self.estimate_, self.by_landmark_, self.by_depth_, self.all_, self.n_stretches_,
       self.T_odom_begin_, self.begin_);
   }
 
@@ -97,7 +97,6 @@ class DisparityCheck {
   Eigen::Vector3d Row(double u_px) const;
   Eigen::Matrix3d Information(const Evidence& evidence) const;
   Eigen::Vector3d Solve(const Evidence& evidence) const;
-  Evidence AllEvidence() const;
   bool Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const;
   void Learn(SE3 T_now_before, std::vector<Seen> points);
   double Size_px(const Eigen::Vector3d& coefficients) const;
@@ -111,8 +110,7 @@ class DisparityCheck {
   Eigen::Vector3d estimate_ = Eigen::Vector3d::Zero();
   Division by_landmark_;
   Division by_depth_;
-  /// Both halves together are all there is.
-  Division by_stretch_;
+  Evidence all_;
   int64_t n_stretches_ = 0;
   SE3 T_odom_begin_;
   /// What was seen at the beginning of the present stretch, ordered by landmark.

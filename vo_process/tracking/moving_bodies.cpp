@@ -145,7 +145,11 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
                 FlagsOf(found.matches.lines, &LandmarkMatch::feature, frame.features.lines.size())};
   Follow(dt_s, frame, claims);
   std::optional<SE3> rival;
-  while (FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
+  // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first pair of frames the
+  // one that is found may be a body's.
+  const bool is_asked = prediction.goes_on || is_first_pair_;
+  is_first_pair_ = false;
+  while (is_asked && FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
   }
   if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); })) return rival;
   const FeaturePlaces places = AllPlaces(found, frame);

@@ -120,7 +120,7 @@ class MovingBodies {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     for (auto& body : self.bodies_) a(body);
-    a(self.next_body_id_, self.n_met_, self.owned_points_, self.owned_lines_);
+    a(self.is_first_pair_, self.next_body_id_, self.n_met_, self.owned_points_, self.owned_lines_);
   }
 
  private:
@@ -161,6 +161,7 @@ class MovingBodies {
   /// Of the frame at hand, by slot.
   std::vector<FrameMatches> matches_;
   std::vector<SE3> T_b_prev_;
+  bool is_first_pair_ = true;
   int64_t next_body_id_ = 0;
   int64_t n_met_ = 0;
   OwnedIds owned_points_;

@@ -105,6 +105,10 @@ int64_t Bus::page_bytes() const {
   return impl_->options.max_message_bytes - static_cast<int64_t>(impl_->authenticator.overhead());
 }
 
+int64_t Bus::largest_message_bytes() const {
+  return static_cast<int64_t>(kMaxMessageBytes - impl_->authenticator.overhead());
+}
+
 void Bus::Post(std::function<void()> f) { impl_->loop.Post(std::move(f)); }
 void Bus::Every(std::chrono::milliseconds period, std::function<void()> f) {
   impl_->loop.Every(period, std::move(f));

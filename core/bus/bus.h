@@ -98,6 +98,8 @@ class Bus {
   const BusOptions& options() const;
   /// Bytes that pages and strips may have, fingerprint and header included: `max_message_bytes` without the MAC.
   int64_t page_bytes() const;
+  /// Bytes that any message may have, whatever the options say of pages; `Publish` throws beyond.
+  int64_t largest_message_bytes() const;
 
   /// For assemblers of pages and strips: `take` gets the checked bytes of each message (without MAC) on the receiving
   /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back while

@@ -112,6 +112,21 @@ std::vector<tracks_t> TracksOf(const std::string& log) {
   return tracks;
 }
 
+TEST(Run, MoreFeaturesThanAMessageHasRoomForAreTrackedAllTheSame) {
+  WholeRun run;
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=4&noise=30", "--set", "vo.features.orb.max_points=6000", "--set",
+                     "vo.features.orb.fast_threshold=2", "--set", "vo.features.orb.min_fast_threshold=2", "--record",
+                     run.log()}),
+            0)
+      << run.Logs();
+  EXPECT_EQ(run.Summary()["tracked_frames"], 4);
+  EXPECT_EQ(run.Summary()["processes"]["vo"]["restarts"], 0);
+  const std::vector<tracks_t> tracks = TracksOf(run.log());
+  ASSERT_EQ(tracks.size(), 4U);
+  EXPECT_GT(tracks.back().points.size(), 2000U);
+  EXPECT_LT(tracks.back().getEncodedSize(), 60000);
+}
+
 TEST(Run, MaskedPartHasNoFeatureAlsoInTheReplayAndTheMapIsOfTheSameCamera) {
   constexpr int kMaskedFrom = 170;
   WholeRun run, again, unmasked;

@@ -1,5 +1,7 @@
 #include "vo_process/node/vo_messages.h"
 
+#include <vector>
+
 #include "core/bus/messages/convert.h"
 
 namespace plslam {
@@ -38,7 +40,24 @@ pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const st
   return message;
 }
 
-tracks_t ToTracksMessage(const OdometryResult& result) {
+namespace {
+
+/// Leaves out as many of the last tracks as exceed the room, or only new ones among them; returns what still exceeds it.
+template <class Track>
+int64_t LeaveOut(int64_t excess_bytes, bool only_new, std::vector<Track>& tracks) {
+  constexpr int kLeftOut = -1;
+  for (auto track = tracks.rbegin(); track != tracks.rend() && excess_bytes > 0; ++track) {
+    if (only_new && track->age > 0) continue;
+    excess_bytes -= track->_getEncodedSizeNoHash();
+    track->age = kLeftOut;
+  }
+  std::erase_if(tracks, [](const Track& track) { return track.age == kLeftOut; });
+  return excess_bytes;
+}
+
+}  // namespace
+
+tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes) {
   tracks_t message;
   for (size_t i = 0; i < result.features.points.size(); ++i) {
     const StereoPoint& point = result.features.points[i];
@@ -57,6 +76,13 @@ tracks_t ToTracksMessage(const OdometryResult& result) {
     track.has_depth = line.HasDepth() ? 1 : 0;
     track.age = result.line_tracks[i].age;
     track.body = static_cast<int8_t>(result.line_tracks[i].body);
+  }
+  message.n_points = static_cast<int32_t>(message.points.size());
+  message.n_lines = static_cast<int32_t>(message.lines.size());
+  int64_t excess_bytes = message.getEncodedSize() - max_bytes;
+  for (const bool only_new : {true, false}) {
+    excess_bytes = LeaveOut(excess_bytes, only_new, message.points);
+    excess_bytes = LeaveOut(excess_bytes, only_new, message.lines);
   }
   message.n_points = static_cast<int32_t>(message.points.size());
   message.n_lines = static_cast<int32_t>(message.lines.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/geometry/se3.h"
@@ -15,7 +16,8 @@ namespace plslam {
 
 pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const std::vector<StageTime>& stages);
 
-tracks_t ToTracksMessage(const OdometryResult& result);
+/// Of more features than the message has room for, new ones are left out first, points before lines.
+tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes);
 
 /// What others get of a frame that became a keyframe (`result.keyframe` must be set); session, time and frame are the
 /// caller's.

@@ -444,7 +444,7 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
 }
 
 void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
-  tracks_t message = ToTracksMessage(result);
+  tracks_t message = ToTracksMessage(result, process_.bus().largest_message_bytes());
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   process_.bus().Publish(frame.lockstep ? bus::kTracks : bus::kTracksLive, message);

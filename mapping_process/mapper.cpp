@@ -53,6 +53,15 @@ Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
   return chi2 <= kDoubted2 ? covariance : Matrix6d(covariance + Matrix6d(e.cwiseAbs2().asDiagonal()));
 }
 
+template <class Kind>
+void RemoveUnlessBelieved(const std::vector<int64_t>& ids, Map& map) {
+  constexpr size_t kBelievedSights = 8;
+  for (const int64_t id : ids) {
+    const auto* const landmark = Kind::Find(map, id);
+    if (landmark != nullptr && landmark->sights.size() < kBelievedSights) Kind::Remove(id, map);
+  }
+}
+
 void Append(const std::vector<int64_t>& more, std::vector<int64_t>& ids) {
   ids.insert(ids.end(), more.begin(), more.end());
 }
@@ -172,15 +181,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
 /// What turned out to be of a moving body is no landmark. A landmark that many keyframes have seen stands, whatever a tracker
 /// says: a body would not have been where the map has it.
 void Mapper::Withdraw(const Keyframe& keyframe) {
-  constexpr size_t kBelievedSights = 8;
-  for (const int64_t id : tracker_.WithdrawnPoints(keyframe)) {
-    const MapPoint* const point = map_.FindPoint(id);
-    if (point != nullptr && point->sights.size() < kBelievedSights) map_.RemovePoint(id);
-  }
-  for (const int64_t id : tracker_.WithdrawnLines(keyframe)) {
-    const MapLine* const line = map_.FindLine(id);
-    if (line != nullptr && line->sights.size() < kBelievedSights) map_.RemoveLine(id);
-  }
+  RemoveUnlessBelieved<PointKind>(tracker_.WithdrawnPoints(keyframe), map_);
+  RemoveUnlessBelieved<LineKind>(tracker_.WithdrawnLines(keyframe), map_);
 }
 
 void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {

@@ -113,8 +113,7 @@ template <class Visitor>
 void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
   visit("enabled", o.enabled, "whether offsets of the disparities are estimated and taken away");
   visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large an offset is expected to be");
-  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6},
-        "how many times larger than its variance its square must be to be used");
+  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (3 degrees of freedom) needed to use it");
 }
 
 template <class Visitor>

@@ -69,6 +69,8 @@ struct StereoLine {
   double sigma_disparity_q_px = 1.0;
 
   bool HasDepth() const { return disparity_p_px > 0.0 && disparity_q_px > 0.0; }
+  /// Disparity of the middle; negative without depth.
+  double MiddleDisparity_px() const { return HasDepth() ? 0.5 * (disparity_p_px + disparity_q_px) : -1.0; }
 };
 
 /// What one stereo frame offers to tracking and mapping. Points and lines without depth are kept: time may give it.

@@ -258,8 +258,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) Count("keyframes", 1);
   LookAt(frame.images, result.features);
   WarnAboutRows();
-  TellOfSync();
-  TellDisparityError();
+  TellOfCameras();
   TellOfWarnings();
   FinishIfDone();
 }
@@ -315,23 +314,17 @@ void VoNode::WarnAboutRows() {
       most_px);
 }
 
-/// Of cameras that are in step there are no such counters.
-void VoNode::TellOfSync() {
-  const SyncCheck& sync = odometry_->sync_check();
+/// As these are known now, which grows better with time. Of cameras that are in step and well calibrated there are no such counters.
+void VoNode::TellOfCameras() {
   const auto tell = [this](const char* name, double value) {
     if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
   };
+  const SyncCheck& sync = odometry_->sync_check();
   tell(kRightLate, 1e3 * sync.late_s());
   tell(kLeftLate, -1e3 * sync.late_s());
   tell(kLateFrames, std::abs(sync.late_frames()));
   tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
-}
-
-/// As it is known now, which grows better with time.
-void VoNode::TellDisparityError() {
-  const double error_px = odometry_->disparity_calibration().Largest_px();
-  const double before_px = counts_[kDisparityError];
-  if (error_px != before_px) Count(kDisparityError, error_px - before_px);
+  tell(kDisparityError, odometry_->disparity_calibration().Largest_px());
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {

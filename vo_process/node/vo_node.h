@@ -111,8 +111,7 @@ class VoNode {
   void SetState(const std::string& state);
   void FinishIfDone();
   void WarnAboutRows();
-  void TellOfSync();
-  void TellDisparityError();
+  void TellOfCameras();
   void LookAt(const StereoImages& images, const StereoFeatures& features);
   void TellOfWarnings();
 

@@ -21,9 +21,6 @@ constexpr int kIterations = 4;
 // Deviations of the scale error: at first, and of its change from frame to frame.
 constexpr double kScaleSigma = 0.02;
 constexpr double kScaleDrift = 0.003;
-// Deviations of b1 and b2 relative to that of b0.
-constexpr double kLinearShare = 0.5;
-constexpr double kSquareShare = 2.0;
 // How fast an estimate that is believed is taken away.
 constexpr double kShareOfAFrame = 0.5;
 // More is no residue of a calibration.
@@ -33,14 +30,13 @@ constexpr double kMostTaken_px = 1.0;
 
 DisparityCalibration::DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options)
     : camera_(camera), options_(options), check_(camera, options) {
-  const double sigma = options.prior_sigma_px;
-  covariance_.diagonal() =
-      Eigen::Vector4d(sigma, kLinearShare * sigma, kSquareShare * sigma, kScaleSigma).cwiseAbs2();
+  covariance_.diagonal() << DisparityErrorSigmas(options.prior_sigma_px).cwiseAbs2(), kScaleSigma * kScaleSigma;
 }
 
 Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) const {
-  const double x = (u_px - camera_.cx_px) / camera_.f_px;
-  return {1.0, x, x * x, disparity_px};
+  Eigen::Vector4d row;
+  row << DisparityErrorTerms(camera_, u_px), disparity_px;
+  return row;
 }
 
 double DisparityCalibration::Offset_px(double u_px) const {

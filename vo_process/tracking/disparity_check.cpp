@@ -22,11 +22,8 @@ constexpr int kIterations = 3;
 // Of three residuals in their own deviations.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
-// Deviations of b1 and b2 relative to that of b0.
-constexpr double kLinearShare = 0.5;
 // How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as such.
 constexpr double kPriorSigma_px = 0.3;
-constexpr double kSquareShare = 2.0;
 // Stretches before there is a verdict.
 constexpr int64_t kMinStretches = 3;
 // Halves differ where half of their difference is more than so many deviations and more than such a share of the estimate;
@@ -59,13 +56,21 @@ bool AddWithoutMotion(const Normal& normal, const Eigen::Vector3d& b, Evidence& 
 
 }  // namespace
 
+Eigen::Vector3d DisparityErrorTerms(const StereoCamera& camera, double u_px) {
+  const double x = (u_px - camera.cx_px) / camera.f_px;
+  return {1.0, x, x * x};
+}
+
+Eigen::Vector3d DisparityErrorSigmas(double sigma_px) {
+  constexpr double kLinearShare = 0.5;
+  constexpr double kSquareShare = 2.0;
+  return {sigma_px, kLinearShare * sigma_px, kSquareShare * sigma_px};
+}
+
 DisparityCheck::DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options)
     : camera_(camera), options_(options) {}
 
-Eigen::Vector3d DisparityCheck::Row(double u_px) const {
-  const double x = (u_px - camera_.cx_px) / camera_.f_px;
-  return {1.0, x, x * x};
-}
+Eigen::Vector3d DisparityCheck::Row(double u_px) const { return DisparityErrorTerms(camera_, u_px); }
 
 double DisparityCheck::Estimate_px(double u_px) const { return Row(u_px).dot(estimate_); }
 
@@ -153,10 +158,8 @@ bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b
 }
 
 Eigen::Matrix3d DisparityCheck::Information(const Evidence& evidence) const {
-  const double sigma = kPriorSigma_px;
   Eigen::Matrix3d information = evidence.information;
-  information.diagonal() +=
-      Eigen::Vector3d(sigma, kLinearShare * sigma, kSquareShare * sigma).cwiseAbs2().cwiseInverse();
+  information.diagonal() += DisparityErrorSigmas(kPriorSigma_px).cwiseAbs2().cwiseInverse();
   return information;
 }
 
@@ -165,8 +168,7 @@ Eigen::Vector3d DisparityCheck::Solve(const Evidence& evidence) const {
 }
 
 void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
-  const Evidence known = all_;
-  Eigen::Vector3d b = Solve(known);
+  Eigen::Vector3d b = Solve(all_);
   std::vector<double> disparities;
   for (Seen& point : points) {
     point.disparity_px = point.before.disparity_px - Row(point.before.px.x()).dot(b);
@@ -176,7 +178,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
   for (int i = 0; i < kIterations; ++i) {
     Normal normal = Normal::Zero();
     for (Seen& point : points) Linearise(T_now_before, b, point, normal);
-    Evidence all = known;
+    Evidence all = all_;
     if (!AddWithoutMotion(normal, b, all)) return;
     const Eigen::Vector3d b_new = Solve(all);
     const Motion step = normal.block<6, 6>(3, 3).ldlt().solve(

@@ -11,8 +11,7 @@ namespace {
 constexpr int kRecentFrames = 2;
 constexpr double kRansacInlier_px = 4.0;
 constexpr uint64_t kRansacSeed = 1;
-// Motions that are expected (all but one in 3000, 6 degrees of freedom), and how much farther off elsewhere is.
-constexpr double kExpectedChi2 = 25.0;
+// How much farther off than an expected motion one is that is elsewhere.
 constexpr double kFartherChi2 = 4.0;
 
 // The first estimate has only to bring the second search near.
@@ -81,8 +80,7 @@ std::optional<Alignment> FrameAligner::FindWeak(const LocalLandmarks& landmarks,
 bool FrameAligner::IsBetter(const Alignment& found, const Alignment& best, const SE3& T_odom_predicted,
                             const MotionPrediction& prediction) const {
   const auto chi2 = [&](const Alignment& alignment) {
-    const Vector6d off = (T_odom_predicted.Inverse() * alignment.T_odom_c).Log();
-    return off.dot(prediction.covariance.ldlt().solve(off));
+    return SquaredDeviation(prediction, T_odom_predicted, alignment.T_odom_c);
   };
   const bool is_elsewhere = prediction.goes_on && chi2(found) > kExpectedChi2 + kFartherChi2 * chi2(best);
   const double needed = is_elsewhere ? options_.tracking.elsewhere_ratio : 1.0;

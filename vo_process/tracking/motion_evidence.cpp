@@ -5,11 +5,11 @@
 #include <cmath>
 #include <set>
 
+#include "vo_process/tracking/image_cells.h"
+
 namespace plslam {
 namespace {
 
-constexpr int kColumns = 8;
-constexpr int kRows = 6;
 constexpr int kMinInOctave = 3;
 // Neighbours that a match of a body has: how many, how near, and how alike they move.
 constexpr int kMinTogether = 2;
@@ -21,11 +21,6 @@ constexpr double kSurrounding_px = 50.0;
 constexpr double kSameDepthRatio = 0.1;
 constexpr double kSameDepth_px = 1.5;
 constexpr int kMinAround = 2;
-constexpr size_t kMaxBodies = 3;
-
-double MiddleDisparity(const StereoLine& line) {
-  return line.HasDepth() ? 0.5 * (line.disparity_p_px + line.disparity_q_px) : -1.0;
-}
 
 }  // namespace
 
@@ -33,9 +28,7 @@ Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const St
   std::set<int> cells;
   std::array<int, 16> in_octave{};
   const auto add = [&](const Eigen::Vector2d& px, double disparity_px) {
-    const int x = std::clamp(static_cast<int>(px.x() * kColumns / camera.width_px), 0, kColumns - 1);
-    const int y = std::clamp(static_cast<int>(px.y() * kRows / camera.height_px), 0, kRows - 1);
-    cells.insert(y * kColumns + x);
+    cells.insert(CellOf(px, camera));
     if (disparity_px > 0.0) ++in_octave[std::clamp(static_cast<int>(std::log2(disparity_px)) + 4, 0, 15)];
   };
   for (const LandmarkMatch& match : matches.points) {
@@ -44,7 +37,7 @@ Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const St
   }
   for (const LandmarkMatch& match : matches.lines) {
     const StereoLine& line = frame.features.lines[match.feature];
-    add(0.5 * (line.left.segment.p + line.left.segment.q), MiddleDisparity(line));
+    add(0.5 * (line.left.segment.p + line.left.segment.q), line.MiddleDisparity_px());
   }
   const auto octaves = std::count_if(in_octave.begin(), in_octave.end(), [](int n) { return n >= kMinInOctave; });
   return {static_cast<int>(cells.size()), static_cast<int>(octaves)};
@@ -100,7 +93,7 @@ int FeaturePlaces::Owner(const Eigen::Vector2d& px, double disparity_px, int tim
 int FeaturePlaces::Owner(const StereoLine& line, int times) const {
   const Segment2& segment = line.left.segment;
   const std::array<int, 3> owners{Owner(segment.p, line.HasDepth() ? line.disparity_p_px : -1.0, times),
-                                  Owner(0.5 * (segment.p + segment.q), MiddleDisparity(line), times),
+                                  Owner(0.5 * (segment.p + segment.q), line.MiddleDisparity_px(), times),
                                   Owner(segment.q, line.HasDepth() ? line.disparity_q_px : -1.0, times)};
   if (owners[0] == owners[1] || owners[0] == owners[2]) return owners[0];
   return owners[1] == owners[2] ? owners[1] : -1;

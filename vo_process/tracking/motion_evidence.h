@@ -13,6 +13,9 @@ namespace plslam {
 // What speaks for a motion that a part of the image shows: how wide the part is, whether its features go the same way, and
 // which motion the features around a place follow.
 
+/// Bodies that are told apart at once.
+inline constexpr size_t kMaxBodies = 3;
+
 /// How widely what agrees with a motion is spread: cells of the image, of 8 x 6, and octaves of depth.
 struct Spread {
   int cells = 0;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
+
 namespace plslam {
 namespace {
 
@@ -23,6 +25,11 @@ Matrix6d Isotropic(const Eigen::Vector2d& variances) {
 }
 
 }  // namespace
+
+double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c) {
+  const Vector6d off = (T_odom_predicted.Inverse() * T_odom_c).Log();
+  return off.dot(prediction.covariance.ldlt().solve(off));
+}
 
 double MotionModel::Horizon_s(double dt_s) const { return std::min(dt_s, kMaxExtrapolation * last_dt_s_); }
 

@@ -16,6 +16,12 @@ struct MotionPrediction {
   bool is_near = false;
 };
 
+/// Expected motions (all but one in 3000, 6 degrees of freedom) have less of `SquaredDeviation`.
+inline constexpr double kExpectedChi2 = 25.0;
+
+/// How far a pose is from the predicted one, in standard deviations of the prediction, squared.
+double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c);
+
 /// Constant velocity. Uncertain is how fast the camera was, what it was accelerated by since, and what of its motion is not gone
 /// on with: across gaps and while lost, all of these last, so deviations grow with the time since the last measured frame, and
 /// covariances of one frame after the other add up to that.

@@ -1,19 +1,17 @@
 #include "vo_process/tracking/moving_bodies.h"
 
 #include <array>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "core/features/matching/segment_projection.h"
 #include "core/motion/pose_ransac.h"
+#include "core/motion/robust.h"
 #include "vo_process/tracking/landmark_list.h"
 #include "vo_process/tracking/motion_evidence.h"
 
 namespace plslam {
 namespace {
 
-constexpr size_t kMaxBodies = 3;
 // Exclusive inliers (points + 2 x lines) that make a second motion, and those that one that is known needs to be followed.
 constexpr int kMinWeight = 25;
 constexpr int kMinFollowedWeight = 15;
@@ -38,8 +36,7 @@ constexpr int kStandingFrames = 10;
 // What would move less than this in the image, had it moved with the camera, does not show whether it stands.
 constexpr double kShownMotion_px = 2.0;
 constexpr double kStandingMotion_px = 0.7;
-// Motions that are expected, as in `FrameAligner`, and in how many cells of the image those must be seen that agree.
-constexpr double kExpectedChi2 = 25.0;
+// In how many cells of the image features must be seen that agree on an expected motion.
 constexpr int kMinCells = 4;
 constexpr double kMoreSpread = 1.5;
 
@@ -51,6 +48,11 @@ std::vector<char> FlagsOf(const std::vector<LandmarkMatch>& matches, int Landmar
 
 void Mark(const std::vector<LandmarkMatch>& matches, std::vector<char>& claimed) {
   for (const LandmarkMatch& match : matches) claimed[match.feature] = 1;
+}
+
+void NameMatched(const FrameMatches& matches, int body, TrackedFrame& frame) {
+  for (const LandmarkMatch& match : matches.points) frame.point_tracks[match.feature].body = body;
+  for (const LandmarkMatch& match : matches.lines) frame.line_tracks[match.feature].body = body;
 }
 
 // Adds those that are not there yet.
@@ -86,25 +88,25 @@ std::vector<Feature> Chosen(const std::vector<Feature>& features, const std::vec
   return chosen;
 }
 
-std::vector<int> Unflagged(const std::vector<char>& flags) {
+// Places in `flags` of what is flagged, or of what is not.
+std::vector<int> PlacesOf(const std::vector<char>& flags, bool flagged) {
   std::vector<int> places;
   for (size_t i = 0; i < flags.size(); ++i) {
-    if (flags[i] == 0) places.push_back(static_cast<int>(i));
+    if ((flags[i] != 0) == flagged) places.push_back(static_cast<int>(i));
   }
   return places;
 }
 
 bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
-  const Vector6d off = ((T_odom_prev * prediction.T_prev_c).Inverse() * T_odom_c).Log();
-  return off.dot(prediction.covariance.ldlt().solve(off)) <= kExpectedChi2;
+  return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
 }
 
 }  // namespace
 
 struct MovingBodies::Rest {
   Rest(const TrackedFrame& whole, const Claims& claims)
-      : points(Unflagged(claims.points)),
-        lines(Unflagged(claims.lines)),
+      : points(PlacesOf(claims.points, false)),
+        lines(PlacesOf(claims.lines, false)),
         frame({Chosen(whole.features.points, points), Chosen(whole.features.lines, lines)}) {
     frame.point_sigma_scale = whole.point_sigma_scale;
   }
@@ -117,11 +119,6 @@ struct MovingBodies::Rest {
   std::vector<int> points;
   std::vector<int> lines;
   TrackedFrame frame;
-};
-
-struct MovingBodies::Second {
-  /// Matches of landmarks of the world with features of the whole frame, all of which contradict the first motion.
-  Alignment alignment;
 };
 
 MovingBodies::MovingBodies(const StereoCamera& camera, const VoOptions& options)
@@ -159,9 +156,7 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
     body.landmarks.Update(body.T_b_c, matches_[k], frame);
-    for (const LandmarkMatch& match : matches_[k].points)
-      frame.point_tracks[match.feature].body = static_cast<int>(k);
-    for (const LandmarkMatch& match : matches_[k].lines) frame.line_tracks[match.feature].body = static_cast<int>(k);
+    NameMatched(matches_[k], static_cast<int>(k), frame);
     if (body.unseen_frames > 0) continue;
     body.landmarks.NumberBehind(world);
     body.landmarks.Found(body.T_b_c, frame, static_cast<int>(k));
@@ -225,10 +220,9 @@ FrameMatches MovingBodies::Contradicting(const LocalLandmarks& landmarks, const 
   return contradicting;
 }
 
-std::optional<MovingBodies::Second> MovingBodies::FindSecond(const SE3& T_odom_prev,
-                                                             const MotionPrediction& prediction,
-                                                             const LocalLandmarks& world, const TrackedFrame& frame,
-                                                             const Claims& claims, const Alignment& found) const {
+std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                                  const LocalLandmarks& world, const TrackedFrame& frame,
+                                                  const Claims& claims, const Alignment& found) const {
   // Only what the last frame saw: of a thing that moves, every frame founds the same landmarks anew.
   std::vector<char> points = FlagsOf(found.matches.points, &LandmarkMatch::landmark, world.points.landmarks().size());
   std::vector<char> lines = FlagsOf(found.matches.lines, &LandmarkMatch::landmark, world.lines.landmarks().size());
@@ -237,18 +231,9 @@ std::optional<MovingBodies::Second> MovingBodies::FindSecond(const SE3& T_odom_p
   };
   only_recent(world.points.landmarks(), points);
   only_recent(world.lines.landmarks(), lines);
-  const auto n_points = std::count(points.begin(), points.end(), 1);
-  const auto n_lines = std::count(lines.begin(), lines.end(), 1);
-  if (n_points + 2 * n_lines < kMinWeight) return std::nullopt;
-  const auto places = [](const std::vector<char>& flags) {
-    std::vector<int> which;
-    for (size_t i = 0; i < flags.size(); ++i) {
-      if (flags[i] != 0) which.push_back(static_cast<int>(i));
-    }
-    return which;
-  };
-  const std::vector<int> point_places = places(points);
-  const std::vector<int> line_places = places(lines);
+  const std::vector<int> point_places = PlacesOf(points, true);
+  const std::vector<int> line_places = PlacesOf(lines, true);
+  if (point_places.size() + 2 * line_places.size() < static_cast<size_t>(kMinWeight)) return std::nullopt;
   const LocalLandmarks candidates = world.Copy(points, lines);
   const Rest rest(frame, claims);
 
@@ -279,28 +264,24 @@ std::optional<MovingBodies::Second> MovingBodies::FindSecond(const SE3& T_odom_p
     return std::nullopt;
   }
   second->matches = Renumbered(rest.InWhole(second->matches), point_places, line_places);
-  return Second{std::move(*second)};
+  return second;
 }
 
 // Of two motions: is the first the world's?
-bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, const Second& second,
+bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second,
                            const SE3& T_odom_prev, const MotionPrediction& prediction, const TrackedFrame& frame,
                            bool& guessed) const {
   const Spread first_spread = SpreadOf(own, frame, camera_);
-  const Spread second_spread = SpreadOf(second.alignment.matches, frame, camera_);
-  if (!prediction.goes_on) {
-    guessed = true;
-    return first_spread.Score() >= second_spread.Score();
-  }
-  const bool first_goes_on = IsExpected(found.T_odom_c, T_odom_prev, prediction);
-  const bool second_goes_on =
-      IsExpected(second.alignment.T_odom_c, T_odom_prev, prediction) && second_spread.cells >= kMinCells;
+  const Spread second_spread = SpreadOf(second.matches, frame, camera_);
+  const auto goes_on = [&](const Alignment& alignment) {
+    return prediction.goes_on && IsExpected(alignment.T_odom_c, T_odom_prev, prediction);
+  };
+  const bool first_goes_on = goes_on(found);
+  const bool second_goes_on = goes_on(second) && second_spread.cells >= kMinCells;
   if (first_goes_on != second_goes_on) return first_goes_on;
-  if (!second_goes_on) {
-    guessed = true;
-    return first_spread.Score() >= second_spread.Score();
-  }
-  return second_spread.Score() <= kMoreSpread * first_spread.Score();
+  guessed = !first_goes_on;
+  const double more = guessed ? 1.0 : kMoreSpread;
+  return second_spread.Score() <= more * first_spread.Score();
 }
 
 bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
@@ -310,12 +291,12 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   if (slot == bodies_.end()) return false;
   const auto second = FindSecond(T_odom_prev, prediction, world, frame, claims, found);
   if (!second) return false;
-  const FrameMatches own = Contradicting(world, frame, found.matches, second->alignment.T_odom_c);
+  const FrameMatches own = Contradicting(world, frame, found.matches, second->T_odom_c);
   bool guessed = false;
   const bool first_is_world =
       own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
-  if (guessed) rival = first_is_world ? second->alignment.T_odom_c : found.T_odom_c;
-  const FrameMatches& of_body = first_is_world ? second->alignment.matches : own;
+  if (guessed) rival = first_is_world ? second->T_odom_c : found.T_odom_c;
+  const FrameMatches& of_body = first_is_world ? second->matches : own;
   const int known = first_is_world ? BodyAround(of_body, found, frame) : -1;
   const std::vector<char> points = FlagsOf(of_body.points, &LandmarkMatch::landmark, world.points.landmarks().size());
   const std::vector<char> lines = FlagsOf(of_body.lines, &LandmarkMatch::landmark, world.lines.landmarks().size());
@@ -340,10 +321,10 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     body.found_frames = 1;
   }
   body.landmarks = std::move(taken);
-  body.T_b_c = first_is_world ? second->alignment.T_odom_c : found.T_odom_c;
+  body.T_b_c = first_is_world ? second->T_odom_c : found.T_odom_c;
   body.motion.Forget();
   body.motion.Observe(T_odom_prev.Inverse() * body.T_b_c, dt_s,
-                      first_is_world ? second->alignment.covariance : found.covariance);
+                      first_is_world ? second->covariance : found.covariance);
   body.unseen_frames = 0;
   body.standing_frames = 0;
   T_b_prev_[k] = T_odom_prev;
@@ -354,8 +335,8 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     return true;
   }
   // The world anew, from the second motion on, among what is not the body's.
-  Alignment coarse = second->alignment;
-  coarse.matches = Renumbered(second->alignment.matches, point_places, line_places);
+  Alignment coarse = *second;
+  coarse.matches = Renumbered(second->matches, point_places, line_places);
   Claims of_bodies{std::vector<char>(claims.points.size(), 0), std::vector<char>(claims.lines.size(), 0)};
   for (const FrameMatches& matches : matches_) {
     Mark(matches.points, of_bodies.points);
@@ -468,8 +449,7 @@ void MovingBodies::NameFeatures(const FeaturePlaces& places, const Alignment& fo
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     frame.line_tracks[i].body = places.Owner(frame.features.lines[i], 1);
   }
-  for (const LandmarkMatch& match : found.matches.points) frame.point_tracks[match.feature].body = -1;
-  for (const LandmarkMatch& match : found.matches.lines) frame.line_tracks[match.feature].body = -1;
+  NameMatched(found.matches, -1, frame);
 }
 
 void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world,
@@ -493,31 +473,29 @@ void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, Lo
       moved.push_back((camera_.ProjectStereo(standing) - camera_.ProjectStereo(now)).norm());
     }
     if (moved.empty()) continue;
-    const auto median = [](std::vector<double>& values) {
-      const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-      std::nth_element(values.begin(), middle, values.end());
-      return *middle;
-    };
-    const double moved_px = median(moved);
+    const double moved_px = Median(moved);
     if (moved_px > kStandingMotion_px) {
       body.standing_frames = 0;
-    } else if (median(shown) > kShownMotion_px) {
+    } else if (Median(shown) > kShownMotion_px) {
       ++body.standing_frames;
     }
-    if (body.standing_frames < kStandingFrames) continue;
-    body.landmarks.Move(T_odom_c * T_c_b);
-    for (const PointLandmark& landmark : body.landmarks.points.landmarks()) {
-      owned_points_.Remove(landmark.id, landmark.map_id);
-    }
-    for (const LineLandmark& landmark : body.landmarks.lines.landmarks()) {
-      owned_lines_.Remove(landmark.id, landmark.map_id);
-    }
-    world.Append(body.landmarks);
-    body.id = -1;
-    for (FeatureTrack& track : frame.point_tracks) {
-      if (track.body == static_cast<int>(k)) track.body = -1;
-    }
-    for (FeatureTrack& track : frame.line_tracks) {
+    if (body.standing_frames >= kStandingFrames) GiveBack(k, T_odom_c, world, frame);
+  }
+}
+
+void MovingBodies::GiveBack(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame) {
+  Body& body = bodies_[k];
+  body.landmarks.Move(T_odom_c * body.T_b_c.Inverse());
+  for (const PointLandmark& landmark : body.landmarks.points.landmarks()) {
+    owned_points_.Remove(landmark.id, landmark.map_id);
+  }
+  for (const LineLandmark& landmark : body.landmarks.lines.landmarks()) {
+    owned_lines_.Remove(landmark.id, landmark.map_id);
+  }
+  world.Append(body.landmarks);
+  body.id = -1;
+  for (std::vector<FeatureTrack>* const tracks : {&frame.point_tracks, &frame.line_tracks}) {
+    for (FeatureTrack& track : *tracks) {
       if (track.body == static_cast<int>(k)) track.body = -1;
     }
   }

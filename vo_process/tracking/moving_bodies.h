@@ -104,8 +104,6 @@ class MovingBodies {
   /// A frame that was not found: nobody knows where bodies are.
   void Forget();
 
-  const std::vector<Body>& bodies() const { return bodies_; }
-
   /// Bodies that the session has met so far, and features of the frame that are on one.
   int64_t n_met() const { return n_met_; }
   int CountFeatures(const TrackedFrame& frame) const;
@@ -131,26 +129,26 @@ class MovingBodies {
   };
   /// The features of a frame that nobody has claimed, as a frame of their own.
   struct Rest;
-  /// A second motion in a frame.
-  struct Second;
 
   void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
                const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
-  std::optional<Second> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
-                                   const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
-                                   const Alignment& found) const;
+  /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the first.
+  std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                      const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
+                                      const Alignment& found) const;
   int BodyAround(const FrameMatches& matches, const Alignment& found, const TrackedFrame& frame) const;
   bool Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
             const TrackedFrame& frame);
   FrameMatches Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame, const FrameMatches& matches,
                              const SE3& T_odom_c) const;
-  bool IsWorld(const Alignment& found, const FrameMatches& own, const Second& second, const SE3& T_odom_prev,
+  bool IsWorld(const Alignment& found, const FrameMatches& own, const Alignment& second, const SE3& T_odom_prev,
                const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
   void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
                     Alignment& found) const;
   void NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const;
   void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
+  void GiveBack(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
   FeaturePlaces AllPlaces(const Alignment& found, const TrackedFrame& frame) const;
   void Own(const LocalLandmarks& landmarks);
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "core/motion/robust.h"
 #include "vo_process/stereo/correct_disparities.h"
 #include "vo_process/tracking/kind_balance.h"
 
@@ -42,13 +43,9 @@ double MedianDepth(const TrackedFrame& frame, const StereoCamera& camera) {
   }
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     const StereoLine& line = frame.features.lines[i];
-    if (!line.HasDepth() || !frame.line_tracks[i].IsOfWorld()) continue;
-    disparities.push_back(0.5 * (line.disparity_p_px + line.disparity_q_px));
+    if (line.HasDepth() && frame.line_tracks[i].IsOfWorld()) disparities.push_back(line.MiddleDisparity_px());
   }
-  if (disparities.empty()) return 0.0;
-  const auto middle = disparities.begin() + static_cast<std::ptrdiff_t>(disparities.size() / 2);
-  std::nth_element(disparities.begin(), middle, disparities.end());
-  return camera.Depth(*middle);
+  return disparities.empty() ? 0.0 : camera.Depth(Median(disparities));
 }
 
 // What a keyframe says of a frame: bodies are left out, so that they come into no map.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "vo_process/tracking/image_cells.h"
+
 namespace plslam {
 namespace {
 
@@ -11,8 +13,6 @@ constexpr double kMaxSigmaRow_px = 0.4;
 // What the residuals of a patch do not show: slant, interpolation, the place of the corner in an image that is not sharp.
 constexpr double kRowModelError_px = 0.2;
 // Corners that lie together, or are the same one in several octaves, err together: a cell of the image has one voice.
-constexpr int kCellsAlong = 8;
-constexpr int kCellsDown = 6;
 constexpr double kRowHuber = 1.5;
 
 bool TellsItsRow(const StereoPoint& p) {
@@ -25,15 +25,13 @@ double RowHuberFactor(double deviation) { return std::max(1.0, deviation / kRowH
 
 std::vector<RowObservation> RowObservationsOf(const StereoFeatures& features, const StereoCamera& camera) {
   std::vector<RowObservation> observations;
-  std::array<int, kCellsAlong * kCellsDown> n_in_cell{};
+  std::array<int, kCellColumns * kCellRows> n_in_cell{};
   std::vector<size_t> cells;
   for (size_t i = 0; i < features.points.size(); ++i) {
     const StereoPoint& point = features.points[i];
     if (!TellsItsRow(point)) continue;
     const Eigen::Vector2d place_px = point.left.px - Eigen::Vector2d(point.disparity_px, 0.0);
-    const auto along = std::clamp(static_cast<int>(kCellsAlong * place_px.x() / camera.width_px), 0, kCellsAlong - 1);
-    const auto down = std::clamp(static_cast<int>(kCellsDown * place_px.y() / camera.height_px), 0, kCellsDown - 1);
-    cells.push_back(static_cast<size_t>(down * kCellsAlong + along));
+    cells.push_back(static_cast<size_t>(CellOf(place_px, camera)));
     ++n_in_cell[cells.back()];
     observations.push_back({i, place_px, point.row_offset_px,
                             point.sigma_row_px * point.sigma_row_px + kRowModelError_px * kRowModelError_px});

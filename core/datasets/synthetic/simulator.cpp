@@ -6,7 +6,6 @@
 
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/exact_math.h"
-#include "core/datasets/synthetic/rolling_shutter.h"
 #include "core/datasets/synthetic/worlds.h"
 
 namespace plslam::synthetic {

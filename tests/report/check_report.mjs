@@ -117,7 +117,7 @@ async function checkRightImage(page) {
   check.that(`${await browser.run(button)}` === "false,true", "a button shows the right image");
   const right = await page.look("#frame");
   if (right_picture) writeFileSync(`${right_picture}_right.png`, await browser.screenshot());
-  check.that(right.colours > 100 && right.drawn !== left.drawn, `which is another, and not blank: ${right.colours} colours`);
+  check.that(right.colours > 100 && right.digest !== left.digest, `which is another, and not blank: ${right.colours} colours`);
   const [there, before, behind] = await browser.run(kUnlike);
   check.that(there < 0.75 * Math.min(before, behind), `its points are where their disparities say: unlike by ${there}, beside it ${before} and ${behind}`);
   await browser.key("r", "r");

@@ -32,7 +32,8 @@ export class Page {
     await this.browser.run(`
       const wait = () => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
       document.getElementById("stage").scrollIntoView();
-      return wait().then(wait).then(() => new Promise((resolve) => setTimeout(resolve, 30)));`);
+      const loaded = () => plslam.picture.loaded;
+      return wait().then(loaded).then(wait);`);
   }
 
   box(selector) {
@@ -60,18 +61,21 @@ export class Page {
     await this.settle();
   }
 
-  /** Of an element as it is on the screen: pixels near a colour of the style, colours in all, pixels unlike the corner. */
+  /** Of an element as it is on the screen: pixels near a colour of the style, colours in all, pixels unlike the corner, and a
+   * digest of all its pixels, which is another for another picture. */
   async look(selector, names = []) {
     const wanted = await this.browser.run(`return arguments[0].map((name) => {
       const hex = getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
       return [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
     })`, names);
     const box = await this.box(selector);
-    const seen = { colours: new Set(), drawn: 0, near: Object.fromEntries(names.map((name) => [name, 0])) };
+    const seen = { colours: new Set(), drawn: 0, digest: 0, near: Object.fromEntries(names.map((name) => [name, 0])) };
     let ground = null;
     eachPixel(decodePng(await this.browser.screenshot()), box, (r, g, b) => {
       ground ??= [r, g, b];
-      seen.colours.add((r << 16) | (g << 8) | b);
+      const colour = (r << 16) | (g << 8) | b;
+      seen.colours.add(colour);
+      seen.digest = (Math.imul(seen.digest, 31) + colour) | 0;
       if (Math.abs(r - ground[0]) + Math.abs(g - ground[1]) + Math.abs(b - ground[2]) > kNear) ++seen.drawn;
       names.forEach((name, i) => {
         const [wr, wg, wb] = wanted[i];

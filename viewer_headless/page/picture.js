@@ -47,7 +47,8 @@ export class Picture {
     this.canvas = byId("frame");
     this.layers = layers;
     this.image = new Image();
-    this.image.onload = () => this.draw();
+    // Settled when the picture asked for last has been drawn.
+    this.loaded = Promise.resolve();
     this.shown = null;
     this.button = byId("right-image");
     this.button.addEventListener("click", () => {
@@ -90,7 +91,14 @@ export class Picture {
   load() {
     if (!this.shown) return;
     this.button.hidden = !this.shown.right_jpeg;
-    this.image.src = `data:image/jpeg;base64,${this.isRight ? this.shown.right_jpeg : this.shown.jpeg}`;
+    const image = new Image();
+    image.src = `data:image/jpeg;base64,${this.isRight ? this.shown.right_jpeg : this.shown.jpeg}`;
+    this.asked = image;
+    this.loaded = image.decode().then(() => {
+      if (this.asked !== image) return;
+      this.image = image;
+      this.draw();
+    });
   }
 
   find(run, frame) {

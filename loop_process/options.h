@@ -18,40 +18,66 @@ struct VocabularyOptions {
 
 /// Which keyframes may show the same place (PL-SLAM §VI.A.1).
 struct CandidateOptions {
+  /// Similarity to a candidate, relative to that with the keyframe before.
   double min_relative_score = 0.3;
+  /// Landmarks that make two keyframes neighbours, which are no candidates, nor are their neighbours.
   int min_shared = 15;
+  /// Newest keyframes of the session, no candidates.
   int recent_keyframes = 5;
+  /// Best neighbours of a candidate whose similarities count with its own.
   int group_keyframes = 10;
+  /// Most similar keyframes looked at.
   int max_queried = 20;
+  /// Places that are verified, the most similar ones.
   int max_candidates = 3;
+  /// Distance from which a loop was closed, a radian counting as two metres, above which it is measured again when
+  /// the place is seen from half as far.
   double near_m = 1.0;
 };
 
 /// What a place must show to be believed (PL-SLAM §VI.A.2).
 struct VerificationOptions {
   std::string gates = "default";
+  /// Keyframes whose landmarks are the place.
   int local_keyframes = 8;
+  /// Matches by descriptor (points + 2 x lines) worth a pose.
   int min_matches = 16;
   int min_inliers = 40;
+  /// Inliers of the old keyframe among the landmarks of the new.
   int min_reverse_inliers = 25;
+  /// Inliers with which a keyframe before the new one confirms the place.
   int min_neighbour_inliers = 25;
+  /// Inliers that make up for one confirming keyframe; twice as many for two.
   int strong_inliers = 120;
+  /// Inliers relative to the landmarks of the old keyframe that should be in view and features that could show them.
   double min_inlier_share = 0.15;
+  /// The same where nothing connects the two keyframes, so that no drift tells.
   double min_inlier_share_unconnected = 0.4;
+  /// Cells of a 4 x 4 grid over the image that must hold inliers.
   int min_cells = 5;
+  /// Consecutive keyframes that must agree on the place, the new one included.
   int consistent_keyframes = 3;
+  /// Largest eigenvalue of the covariance of the pose.
   double max_eigenvalue = 0.01;
+  /// Difference of positions seen from both sides or by neighbours, relative to the distance of the landmarks.
   double max_disagreement = 0.05;
+  /// The same of rotations.
   double max_disagreement_deg = 2.0;
+  /// Deviation of drift along the shortest way through the map.
   double drift_per_m = 0.005;
+  /// The same of rotation.
   double drift_deg_per_m = 0.02;
+  /// Factor on the deviations of the motions along that way.
   double covariance_scale = 5.0;
+  /// Chi-square, 6 degrees of freedom, of a correction under that drift, above which a loop is not believed.
   double max_drift_chi2 = 25.0;
 };
 
 /// How a loop is closed in the pose graph (PL-SLAM §VI.B).
 struct CorrectionOptions {
+  /// Least deviation of a loop, all axes.
   double loop_sigma_m = 0.01;
+  /// The same of rotation.
   double loop_sigma_deg = 0.1;
   MapDrift drift;
   PoseGraphOptions graph;
@@ -60,9 +86,13 @@ struct CorrectionOptions {
 /// Adjustment of the whole map after a loop.
 struct WholeMapOptions {
   bool enabled = true;
+  /// Keyframes that see a landmark which takes part.
   int min_sights = 3;
+  /// Points that take part, of each keyframe: those that most others see.
   int points_per_keyframe = 200;
+  /// The same of lines.
   int lines_per_keyframe = 30;
+  /// Deviation of the tracker's motion between keyframes, relative to what the tracker says of it.
   double relative_sigma = 1.0;
   BundleOptions bundle;
 
@@ -74,10 +104,14 @@ struct WholeMapOptions {
 
 /// When a camera of which nothing is known is found in the map.
 struct RelocalisationOptions {
+  /// Most similar keyframes looked at.
   int max_queried = 40;
+  /// Places that are verified, the most similar ones.
   int max_candidates = 8;
   int min_inliers = 50;
+  /// As in `VerificationOptions`.
   double min_inlier_share = 0.3;
+  /// Inliers of another pose elsewhere, relative to the best, above which neither is believed.
   double max_rival_share = 0.5;
 };
 
@@ -101,86 +135,22 @@ void VisitFields(Visitor& visit, VocabularyOptions& o) {
 }
 
 template <class Visitor>
-void VisitFields(Visitor& visit, CandidateOptions& o) {
-  visit("min_relative_score", o.min_relative_score, Bounds{0, 10},
-        "similarity to a candidate, relative to that with the keyframe before");
-  visit("min_shared", o.min_shared, Bounds{1, 10000},
-        "landmarks that make two keyframes neighbours, which are no candidates, nor are their neighbours");
-  visit("recent_keyframes", o.recent_keyframes, Bounds{1, 1000}, "newest keyframes of the session, no candidates");
-  visit("group_keyframes", o.group_keyframes, Bounds{0, 1000},
-        "best neighbours of a candidate whose similarities count with its own");
-  visit("max_queried", o.max_queried, Bounds{1, 1000}, "most similar keyframes looked at");
-  visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
-  visit("near_m", o.near_m, Bounds{0, 1e6},
-        "distance from which a loop was closed, a radian counting as two metres, above which it is measured again "
-        "when the "
-        "place is seen from half as far");
-}
-
-template <class Visitor>
 void VisitFields(Visitor& visit, VerificationOptions& o) {
   visit("gates", o.gates, OneOf{"default", "paper"},
         "default, or the paper's three tests: eigenvalues of the covariance below 0.01, at most 0.50 m and 3.00 deg "
         "apart, more than half of the matches inliers");
-  visit("local_keyframes", o.local_keyframes, Bounds{1, 1000}, "keyframes whose landmarks are the place");
-  visit("min_matches", o.min_matches, Bounds{3, 10000}, "matches by descriptor (points + 2 x lines) worth a pose");
   visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the keyframe in the place");
-  visit("min_reverse_inliers", o.min_reverse_inliers, Bounds{0, 10000},
-        "inliers of the old keyframe among the landmarks of the new");
-  visit("min_neighbour_inliers", o.min_neighbour_inliers, Bounds{3, 10000},
-        "inliers with which a keyframe before the new one confirms the place");
-  visit("strong_inliers", o.strong_inliers, Bounds{3, 100000},
-        "inliers that make up for one confirming keyframe; twice as many for two");
-  visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1},
-        "inliers relative to the landmarks of the old keyframe that should be in view and features that could show "
-        "them");
-  visit("min_inlier_share_unconnected", o.min_inlier_share_unconnected, Bounds{0, 1},
-        "the same where nothing connects the two keyframes, so that no drift tells");
-  visit("min_cells", o.min_cells, Bounds{1, 16}, "cells of a 4 x 4 grid over the image that must hold inliers");
-  visit("consistent_keyframes", o.consistent_keyframes, Bounds{1, 10},
-        "consecutive keyframes that must agree on the place, the new one included");
-  visit("max_eigenvalue", o.max_eigenvalue, Bounds{1e-9, 1e6}, "largest eigenvalue of the covariance of the pose");
-  visit("max_disagreement", o.max_disagreement, Bounds{0.0001, 10},
-        "difference of positions seen from both sides or by neighbours, relative to the distance of the landmarks");
-  visit("max_disagreement_deg", o.max_disagreement_deg, Bounds{0.01, 180}, "the same of rotations");
-  visit("drift_per_m", o.drift_per_m, Bounds{0, 1}, "deviation of drift along the shortest way through the map");
-  visit("drift_deg_per_m", o.drift_deg_per_m, Bounds{0, 90}, "the same of rotation");
-  visit("covariance_scale", o.covariance_scale, Bounds{0, 1000},
-        "factor on the deviations of the motions along that way");
-  visit("max_drift_chi2", o.max_drift_chi2, Bounds{1, 1e12},
-        "chi-square, 6 degrees of freedom, of a correction under that drift, above which a loop is not believed");
-}
-
-template <class Visitor>
-void VisitFields(Visitor& visit, CorrectionOptions& o) {
-  visit("loop_sigma_m", o.loop_sigma_m, Bounds{1e-6, 10}, "least deviation of a loop, all axes");
-  visit("loop_sigma_deg", o.loop_sigma_deg, Bounds{1e-6, 90}, "the same of rotation");
-  visit("drift_per_m", o.drift.per_m, Bounds{1e-6, 1},
-        "deviation of the motion between keyframes of the map that share a hundred landmarks, for each metre");
-  visit("drift_deg_per_m", o.drift.deg_per_m, Bounds{1e-6, 90}, "the same of rotation");
-  visit("graph", o.graph, "pose graph");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, WholeMapOptions& o) {
   visit("enabled", o.enabled, "adjust the whole map after each loop");
-  visit("min_sights", o.min_sights, Bounds{2, 1000}, "keyframes that see a landmark which takes part");
-  visit("points_per_keyframe", o.points_per_keyframe, Bounds{0, 100000},
-        "points that take part, of each keyframe: those that most others see");
-  visit("lines_per_keyframe", o.lines_per_keyframe, Bounds{0, 100000}, "the same of lines");
-  visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
-        "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");
   visit("bundle", o.bundle, "bundle adjustment");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationOptions& o) {
-  visit("max_queried", o.max_queried, Bounds{1, 1000}, "most similar keyframes looked at");
-  visit("max_candidates", o.max_candidates, Bounds{1, 100}, "places that are verified, the most similar ones");
   visit("min_inliers", o.min_inliers, Bounds{3, 10000}, "inliers (points + 2 x lines) of the frame in the place");
-  visit("min_inlier_share", o.min_inlier_share, Bounds{0, 1}, "as loop.verification.min_inlier_share");
-  visit("max_rival_share", o.max_rival_share, Bounds{0, 1},
-        "inliers of another pose elsewhere, relative to the best, above which neither is believed");
 }
 
 template <class Visitor>
@@ -188,10 +158,7 @@ void VisitFields(Visitor& visit, LoopOptions& o) {
   visit("enabled", o.enabled, "look for loops");
   visit("vocabularies", o.vocabularies, "words that places are described by");
   visit("places", o.places, "how similar two places look");
-  visit("candidates", o.candidates, "which keyframes may show the same place");
-  visit("localisation", o.localisation, "pose of a keyframe among the landmarks of a place");
   visit("verification", o.verification, "what a place must show to be believed");
-  visit("correction", o.correction, "pose graph of the map with its loops");
   visit("adjustment", o.adjustment, "adjustment of the whole map after a loop");
   visit("relocalisation", o.relocalisation, "where a camera is of which nothing is known");
 }

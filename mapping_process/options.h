@@ -10,10 +10,15 @@ namespace plslam {
 
 /// How a keyframe is joined to the map (PL-SLAM §V.A).
 struct InsertionOptions {
+  /// Window in which neighbours are searched for duplicates.
   double fuse_radius_px = 4.0;
+  /// Keyframes whose landmarks are the local map.
   int local_keyframes = 15;
+  /// Neighbours that new landmarks are searched in.
   int fuse_keyframes = 5;
+  /// Largest deviation of a disparity, relative, with which a landmark is made.
   double max_relative_depth_sigma = 0.3;
+  /// Least angle of the planes of two views at which a segment is triangulated.
   double min_plane_angle_deg = 2.0;
 };
 
@@ -21,19 +26,27 @@ struct InsertionOptions {
 struct WindowOptions {
   int keyframes = 5;
   int fixed_keyframes = 6;
+  /// Points that are adjusted: those that most keyframes see.
   int max_points = 600;
+  /// The same of lines.
   int max_lines = 200;
+  /// Sights of adjusted points, of each as many as the window may hold: fewer points where each is seen often.
   int max_point_sights = 4000;
+  /// The same of lines.
   int max_line_sights = 1300;
+  /// Landmarks that a neighbour shares with the new keyframe.
   int min_shared = 15;
+  /// Deviation of the tracker's motion between keyframes, relative to what the tracker says of it.
   double relative_sigma = 1.0;
 };
 
 /// What is taken out of the map again.
 struct CullingOptions {
+  /// Keyframes after which a new landmark is judged.
   int trial_keyframes = 3;
   int min_sights = 3;
   double redundant_share = 0.9;
+  /// How many others must see a landmark for that.
   int redundant_sights = 5;
 };
 
@@ -59,38 +72,16 @@ struct MappingOptions {
 };
 
 template <class Visitor>
-void VisitFields(Visitor& visit, InsertionOptions& o) {
-  visit("fuse_radius_px", o.fuse_radius_px, Bounds{0.5, 100},
-        "window in which neighbours are searched for duplicates");
-  visit("local_keyframes", o.local_keyframes, Bounds{1, 1000}, "keyframes whose landmarks are the local map");
-  visit("fuse_keyframes", o.fuse_keyframes, Bounds{0, 1000}, "neighbours that new landmarks are searched in");
-  visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
-        "largest deviation of a disparity, relative, with which a landmark is made");
-  visit("min_plane_angle_deg", o.min_plane_angle_deg, Bounds{0.1, 90},
-        "least angle of the planes of two views at which a segment is triangulated");
-}
-
-template <class Visitor>
 void VisitFields(Visitor& visit, WindowOptions& o) {
   visit("keyframes", o.keyframes, Bounds{2, 1000}, "keyframes that are adjusted: the new one and its neighbours");
   visit("fixed_keyframes", o.fixed_keyframes, Bounds{1, 1000}, "keyframes held fixed that see the same landmarks");
-  visit("max_points", o.max_points, Bounds{0, 1000000}, "points that are adjusted: those that most keyframes see");
-  visit("max_lines", o.max_lines, Bounds{0, 1000000}, "the same of lines");
-  visit("max_point_sights", o.max_point_sights, Bounds{0, 10000000},
-        "sights of adjusted points, of each as many as the window may hold: fewer points where each is seen often");
-  visit("max_line_sights", o.max_line_sights, Bounds{0, 10000000}, "the same of lines");
-  visit("min_shared", o.min_shared, Bounds{1, 10000}, "landmarks that a neighbour shares with the new keyframe");
-  visit("relative_sigma", o.relative_sigma, Bounds{0.01, 1e6},
-        "deviation of the tracker's motion between keyframes, relative to what the tracker says of it");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CullingOptions& o) {
-  visit("trial_keyframes", o.trial_keyframes, Bounds{1, 1000}, "keyframes after which a new landmark is judged");
   visit("min_sights", o.min_sights, Bounds{1, 1000}, "keyframes that must see it by then");
   visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
         "share of a keyframe's landmarks that others see as well, at which it goes; above 1: never");
-  visit("redundant_sights", o.redundant_sights, Bounds{1, 1000}, "how many others must see a landmark for that");
 }
 
 template <class Visitor>
@@ -102,8 +93,6 @@ void VisitFields(Visitor& visit, LoopUseOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, MappingOptions& o) {
-  visit("insertion", o.insertion, "how keyframes join the map");
-  visit("localisation", o.localisation, "pose of a new keyframe among the landmarks");
   visit("window", o.window, "which part of the map is adjusted");
   visit("bundle", o.bundle, "bundle adjustment");
   visit("culling", o.culling, "what is taken out again");

@@ -10,39 +10,56 @@ namespace plslam {
 
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
+  /// Deviation of lines from the model of a straight edge in space, added to that of their fit.
   double line_model_sigma_px = 0.1;
+  /// Largest factor of the deviations of points where lines show that they are too small; 1 leaves them.
   double max_point_scale = 16.0;
+  /// Largest deviation of a disparity, relative, with which a landmark is founded.
   double max_relative_depth_sigma = 0.3;
+  /// Growth of a landmark's covariance before each new sight of it.
   double forgetting = 1.02;
+  /// Frames out of sight after which it is dropped.
   int max_unseen_frames = 30;
+  /// Frames it should have been seen in but was not, then dropped.
   int max_missed = 8;
 };
 
 /// Self-calibration of the disparities.
 struct DisparityCalibrationOptions {
   bool enabled = true;
+  /// How large an offset is expected to be.
   double prior_sigma_px = 0.1;
+  /// Evidence (3 degrees of freedom) needed to use it.
   double min_chi_square = 25.0;
 };
 
 /// Self-calibration of the rows of the right image.
 struct RowCalibrationOptions {
   bool enabled = true;
+  /// How large each term of them is expected to be.
   double prior_sigma_px = 0.5;
+  /// Evidence (6 degrees of freedom) needed to use them.
   double min_chi_square = 40.0;
+  /// Length of the vector of terms above which they matter.
   double min_offset_px = 0.5;
 };
 
 /// Matching of landmarks with a frame, and what counts as tracked.
 struct TrackingOptions {
   std::string reference = "landmarks";
+  /// Search window around predictions.
   double search_radius_px = 18.0;
+  /// The same where the first search fails.
   double wide_radius_px = 70.0;
+  /// The same once the pose is known.
   double refine_radius_px = 6.0;
   int min_inliers = 10;
   int weak_inliers = 25;
+  /// Share of matches that must agree with the motion.
   double min_inlier_ratio = 0.3;
+  /// Share of the last frame's inliers below which wider searches are tried too.
   double convincing_ratio = 0.7;
+  /// Times the inliers at an expected pose with which an unexpected one is believed instead.
   double elsewhere_ratio = 1.5;
   double max_acceleration_m_s2 = 10.0;
   double max_angular_acceleration_rad_s2 = 20.0;
@@ -66,13 +83,17 @@ struct RelocalisationUseOptions {
 /// Keyframe choice (PL-SLAM §IV.D) and its floors.
 struct KeyframeOptions {
   double entropy_ratio = 0.9;
+  /// Keyframe when this share of the last one's landmarks is left.
   double min_tracked_ratio = 0.45;
+  /// Motion that counts, relative to the median depth.
   double min_baseline_ratio = 0.02;
   double max_baseline_ratio = 0.15;
+  /// Rotation that counts.
   double min_rotation_deg = 2.0;
   double max_rotation_deg = 15.0;
   int max_frames = 40;
   double known_share = 0.5;
+  /// Keyframes that see a landmark that the map knows well.
   int known_sights = 6;
   std::string measurements = "mean";
 };
@@ -96,48 +117,21 @@ struct VoOptions {
 };
 
 template <class Visitor>
-void VisitFields(Visitor& visit, LandmarkOptions& o) {
-  visit("line_model_sigma_px", o.line_model_sigma_px, Bounds{0, 10},
-        "deviation of lines from the model of a straight edge in space, added to that of their fit");
-  visit("max_point_scale", o.max_point_scale, Bounds{1, 100},
-        "largest factor of the deviations of points where lines show that they are too small; 1 leaves them");
-  visit("max_relative_depth_sigma", o.max_relative_depth_sigma, Bounds{0.01, 10},
-        "largest deviation of a disparity, relative, with which a landmark is founded");
-  visit("forgetting", o.forgetting, Bounds{1.0, 2.0},
-        "growth of a landmark's covariance before each new sight of it");
-  visit("max_unseen_frames", o.max_unseen_frames, Bounds{1, 10000}, "frames out of sight after which it is dropped");
-  visit("max_missed", o.max_missed, Bounds{1, 10000}, "frames it should have been seen in but was not, then dropped");
-}
-
-template <class Visitor>
 void VisitFields(Visitor& visit, DisparityCalibrationOptions& o) {
   visit("enabled", o.enabled, "whether offsets of the disparities are estimated and taken away");
-  visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large an offset is expected to be");
-  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (3 degrees of freedom) needed to use it");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, RowCalibrationOptions& o) {
   visit("enabled", o.enabled, "whether rows by which the right image differs from the left are estimated and minded");
-  visit("prior_sigma_px", o.prior_sigma_px, Bounds{1e-6, 10}, "how large each term of them is expected to be");
-  visit("min_chi_square", o.min_chi_square, Bounds{0, 1e6}, "evidence (6 degrees of freedom) needed to use them");
-  visit("min_offset_px", o.min_offset_px, Bounds{0, 10}, "length of the vector of terms above which they matter");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, TrackingOptions& o) {
   visit("reference", o.reference, OneOf{"landmarks", "previous_frame"},
         "landmarks: positions fused over frames; previous_frame: frame to frame, as in the paper");
-  visit("search_radius_px", o.search_radius_px, Bounds{1, 1000}, "search window around predictions");
-  visit("wide_radius_px", o.wide_radius_px, Bounds{1, 1000}, "the same where the first search fails");
-  visit("refine_radius_px", o.refine_radius_px, Bounds{1, 1000}, "the same once the pose is known");
   visit("min_inliers", o.min_inliers, Bounds{3, 1000}, "inliers (points + 2 x lines) below which a frame is lost");
   visit("weak_inliers", o.weak_inliers, Bounds{3, 1000}, "the same below which tracking is weak and the prior helps");
-  visit("min_inlier_ratio", o.min_inlier_ratio, Bounds{0, 1}, "share of matches that must agree with the motion");
-  visit("convincing_ratio", o.convincing_ratio, Bounds{0, 1},
-        "share of the last frame's inliers below which wider searches are tried too");
-  visit("elsewhere_ratio", o.elsewhere_ratio, Bounds{1, 100},
-        "times the inliers at an expected pose with which an unexpected one is believed instead");
   visit("max_acceleration_m_s2", o.max_acceleration_m_s2, Bounds{0.01, 1000}, "deviation of the motion prior");
   visit("max_angular_acceleration_rad_s2", o.max_angular_acceleration_rad_s2, Bounds{0.01, 1000},
         "deviation of the motion prior");
@@ -164,17 +158,12 @@ void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
 template <class Visitor>
 void VisitFields(Visitor& visit, KeyframeOptions& o) {
   visit("entropy_ratio", o.entropy_ratio, Bounds{0, 1}, "keyframe when the entropy ratio falls below");
-  visit("min_tracked_ratio", o.min_tracked_ratio, Bounds{0, 1},
-        "keyframe when this share of the last one's landmarks is left");
-  visit("min_baseline_ratio", o.min_baseline_ratio, Bounds{0, 1}, "motion that counts, relative to the median depth");
   visit("max_baseline_ratio", o.max_baseline_ratio, Bounds{0, 10}, "motion, relative to the median depth, at which");
-  visit("min_rotation_deg", o.min_rotation_deg, Bounds{0, 180}, "rotation that counts");
   visit("max_rotation_deg", o.max_rotation_deg, Bounds{0, 180}, "rotation at which");
   visit("max_frames", o.max_frames, Bounds{1, 100000}, "frames after which, if the camera has moved");
   visit("known_share", o.known_share, Bounds{0, 1.01},
         "share of what is tracked that the map knows well, at which baseline, rotation and age are no reason; above "
         "1: never");
-  visit("known_sights", o.known_sights, Bounds{1, 1000}, "keyframes that see a landmark that the map knows well");
   visit("measurements", o.measurements, OneOf{"mean", "frame"},
         "what a keyframe says of its landmarks: mean of the frames since the last one, or its own frame's");
 }
@@ -183,12 +172,9 @@ template <class Visitor>
 void VisitFields(Visitor& visit, VoOptions& o) {
   visit("features", o.features, "what is detected");
   visit("stereo", o.stereo, "stereo matching");
-  visit("point_matching", o.point_matching, "matching of points over time");
-  visit("line_matching", o.line_matching, "matching of lines over time");
   visit("motion", o.motion, "motion estimation");
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
-  visit("landmarks", o.landmarks, "life of the landmarks");
   visit("tracking", o.tracking, "search, and what counts as tracked");
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");

@@ -9,7 +9,9 @@ namespace plslam {
 /// ORB points (PL-SLAM §IV.A).
 struct OrbOptions {
   int max_points = 1000;
+  /// Levels of the image pyramid.
   int levels = 8;
+  /// Size ratio of neighbouring levels.
   double scale_factor = 1.2;
   int fast_threshold = 20;
   int min_fast_threshold = 7;
@@ -33,12 +35,15 @@ struct LineOptions {
 
 /// Matching of lines between frames, by projection or by descriptors alone.
 struct LineMatchOptions {
+  /// Difference of direction from the prediction.
   double max_angle_deg = 12.0;
   /// Distance of the feature's endpoints from the predicted infinite line, and the other way round.
   double max_across_px = 20.0;
   /// Shared part along the line, relative to the shorter of the two; and shorter to longer length.
   double min_overlap = 0.3;
+  /// Shorter to longer segment.
   double min_length_ratio = 0.25;
+  /// Differing bits of a match.
   int max_descriptor_distance = 70;
   /// Best to second best descriptor distance.
   double max_ratio = 0.85;
@@ -52,7 +57,9 @@ struct StereoOptions {
   double row_sigma_px = 0.3;
   /// Points: standard deviation of a position, and tolerance of rows, both for octave 0; they grow with the scale.
   double point_sigma_px = 0.5;
+  /// Difference of rows, for octave 0.
   double point_row_tolerance_px = 2.0;
+  /// Differing bits of a match.
   int point_max_descriptor_distance = 80;
   /// Best to second best descriptor distance (the paper asks for 0.5).
   double point_max_ratio = 0.9;
@@ -61,7 +68,9 @@ struct StereoOptions {
   /// Also search the row of the right image for the patches of points without a matching corner ("direct"), asking for
   /// this correlation, and for a second best whose distance to 1 is larger by this factor.
   bool point_direct = true;
+  /// Correlation of such a match.
   double point_direct_min_correlation = 0.9;
+  /// 1 - correlation of the best place over that of the second, at most.
   double point_direct_max_ratio = 0.6;
   /// Largest standard deviation of a disparity, for octave 0; above it the point has no depth.
   double point_max_sigma_disparity_px = 0.5;
@@ -69,10 +78,13 @@ struct StereoOptions {
   double depth_noise_per_m = 0.002;
   /// Lines: least angle to the baseline for a depth, and the largest difference of directions.
   double line_min_angle_deg = 10.0;
+  /// Left to right direction.
   double line_max_angle_difference_deg = 25.0;
   /// Shorter to longer segment, and shared rows relative to the shorter one.
   double line_min_length_ratio = 0.3;
+  /// Shared rows, of the shorter segment.
   double line_min_overlap = 0.4;
+  /// Differing bits of a match.
   int line_max_descriptor_distance = 70;
   /// Best to second best descriptor distance.
   double line_max_ratio = 0.85;
@@ -86,9 +98,13 @@ struct StereoOptions {
 
 /// Matching of descriptors between images.
 struct MatchOptions {
+  /// Largest number of differing descriptor bits of a match.
   int max_distance = 64;
+  /// Best distance over second best, at most; 1 switches the test off.
   double ratio = 0.85;
+  /// Octaves by which a match may differ from the prediction.
   int octave_window = 1;
+  /// Reject matches whose turn disagrees with most others.
   bool check_rotation = false;
 };
 
@@ -102,11 +118,8 @@ struct FeatureOptions {
 template <class Visitor>
 void VisitFields(Visitor& visit, OrbOptions& o) {
   visit("max_points", o.max_points, Bounds{0, 20000}, "points kept in an image");
-  visit("levels", o.levels, Bounds{1, 12}, "levels of the image pyramid");
-  visit("scale_factor", o.scale_factor, Bounds{1.05, 2.0}, "size ratio of neighbouring levels");
   visit("fast_threshold", o.fast_threshold, Bounds{2, 100}, "contrast of a FAST corner, grey levels");
   visit("min_fast_threshold", o.min_fast_threshold, Bounds{2, 100}, "the same where the first finds none");
-  visit("min_corner_ratio", o.min_corner_ratio, Bounds{0, 1}, "ratio of eigenvalues below which a corner is an edge");
 }
 
 template <class Visitor>
@@ -115,59 +128,13 @@ void VisitFields(Visitor& visit, LineOptions& o) {
   visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest, spread");
   visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
   visit("min_contrast", o.min_contrast, Bounds{2, 100}, "contrast across a segment, grey levels (edgechain)");
-  visit("levels", o.levels, Bounds{1, 5},
-        "images that are searched where few lines are sharp, as in motion: the whole one, half of its size, a "
-        "quarter, ...");
-  visit("lsd_scale", o.lsd_scale, Bounds{0.3, 2.0}, "size of the image LSD works on, relative to the input");
-}
-
-template <class Visitor>
-void VisitFields(Visitor& visit, LineMatchOptions& o) {
-  visit("max_angle_deg", o.max_angle_deg, Bounds{0.1, 90}, "difference of direction from the prediction");
-  visit("max_across_px", o.max_across_px, Bounds{0.5, 1000}, "distance of a segment's ends from the predicted line");
-  visit("min_overlap", o.min_overlap, Bounds{0, 1}, "overlap along the line, of the shorter segment");
-  visit("min_length_ratio", o.min_length_ratio, Bounds{0, 1}, "shorter to longer segment");
-  visit("max_descriptor_distance", o.max_descriptor_distance, Bounds{0, 256}, "differing bits of a match");
-  visit("max_ratio", o.max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
 }
 
 template <class Visitor>
 void VisitFields(Visitor& visit, StereoOptions& o) {
   visit("min_disparity_px", o.min_disparity_px, Bounds{0.01, 100}, "smallest disparity with a depth");
   visit("max_disparity_px", o.max_disparity_px, Bounds{1, 2000}, "largest disparity searched");
-  visit("row_sigma_px", o.row_sigma_px, Bounds{0.01, 10}, "standard deviation of rows between left and right");
-  visit("point_sigma_px", o.point_sigma_px, Bounds{0.05, 10}, "standard deviation of a point of octave 0");
-  visit("point_row_tolerance_px", o.point_row_tolerance_px, Bounds{0.1, 20}, "difference of rows, for octave 0");
-  visit("point_max_descriptor_distance", o.point_max_descriptor_distance, Bounds{0, 256},
-        "differing bits of a match");
-  visit("point_max_ratio", o.point_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
-  visit("point_min_correlation", o.point_min_correlation, Bounds{0, 1}, "correlation of the aligned patches");
-  visit("point_direct", o.point_direct, "search the right row for points without a matching right corner");
-  visit("point_direct_min_correlation", o.point_direct_min_correlation, Bounds{0, 1}, "correlation of such a match");
-  visit("point_direct_max_ratio", o.point_direct_max_ratio, Bounds{0.05, 1},
-        "1 - correlation of the best place over that of the second, at most");
-  visit("point_max_sigma_disparity_px", o.point_max_sigma_disparity_px, Bounds{0.01, 100},
-        "uncertainty of a disparity above which a point of octave 0 has no depth");
   visit("depth_noise_per_m", o.depth_noise_per_m, Bounds{1e-5, 1}, "depth cameras: sigma of a depth over its square");
-  visit("line_min_angle_deg", o.line_min_angle_deg, Bounds{0, 90},
-        "angle of a line to the baseline that gives depth");
-  visit("line_max_angle_difference_deg", o.line_max_angle_difference_deg, Bounds{0.1, 90}, "left to right direction");
-  visit("line_min_length_ratio", o.line_min_length_ratio, Bounds{0, 1}, "shorter to longer segment");
-  visit("line_min_overlap", o.line_min_overlap, Bounds{0, 1}, "shared rows, of the shorter segment");
-  visit("line_max_descriptor_distance", o.line_max_descriptor_distance, Bounds{0, 256}, "differing bits of a match");
-  visit("line_max_ratio", o.line_max_ratio, Bounds{0.1, 1}, "best to second best descriptor distance");
-  visit("line_min_disparity_ratio", o.line_min_disparity_ratio, Bounds{0, 1}, "smaller to larger endpoint disparity");
-  visit("line_min_similarity", o.line_min_similarity, Bounds{-1, 1}, "correlation of the images along the segment");
-  visit("line_max_sigma_disparity_px", o.line_max_sigma_disparity_px, Bounds{0.01, 100},
-        "uncertainty of an endpoint disparity above which a line has no depth");
-}
-
-template <class Visitor>
-void VisitFields(Visitor& visit, MatchOptions& o) {
-  visit("max_distance", o.max_distance, Bounds{0, 256}, "largest number of differing descriptor bits of a match");
-  visit("ratio", o.ratio, Bounds{0.1, 1.0}, "best distance over second best, at most; 1 switches the test off");
-  visit("octave_window", o.octave_window, Bounds{0, 12}, "octaves by which a match may differ from the prediction");
-  visit("check_rotation", o.check_rotation, "reject matches whose turn disagrees with most others");
 }
 
 template <class Visitor>

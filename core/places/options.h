@@ -22,9 +22,6 @@ void VisitFields(Visitor& visit, PlaceOptions& o) {
         "weights of the similarities of points and lines: by number with lines at their worth and words by their "
         "rarity in the map, the same with all words alike, by number and dispersion (the paper's), by number, by "
         "dispersion, one kind alone");
-  visit("line_worth", o.line_worth, Bounds{0, 1000}, "what a line counts in adaptive and balanced, in points");
-  visit("rarity", o.rarity, Bounds{0, 100},
-        "a word counts by this power of the share of places without it, in adaptive");
 }
 
 }  // namespace plslam

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/map/keyframe.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "core/map/map.h"
 #include "core/places/place_recogniser.h"
 
@@ -20,12 +20,12 @@ std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure);
 PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
                                FeatureNodes& point_nodes);
 
-/// Features of the keyframes and the index of places, by the ids of the map. Features and map come from two senders, so
-/// either may know of a keyframe first; and a map may be replaced by one that starts anew.
+/// Features of the keyframes and the index of places, by the ids of the map. Features and map come from two senders,
+/// so either may know of a keyframe first; and a map may be replaced by one that starts anew.
 class KeyframeMemory {
  public:
-  /// Of a session that no map has taken anything of so far (of another camera, say) only so many wait, the newest: as many as a map
-  /// that is built anew may be behind.
+  /// Of a session that no map has taken anything of so far (of another camera, say) only so many wait, the newest: as
+  /// many as a map that is built anew may be behind.
   static constexpr int64_t kMostUntaken = 500;
 
   explicit KeyframeMemory(PlaceRecogniser places) : places_(std::move(places)) {}
@@ -36,8 +36,9 @@ class KeyframeMemory {
   /// Whether the features of a keyframe are here. Of one that has gone for good they are not.
   bool Knows(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
 
-  /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may still
-  /// take them, that is until a later keyframe of their session is in it; see also `kMostUntaken`. Before there is a map all wait.
+  /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may
+  /// still take them, that is until a later keyframe of their session is in it; see also `kMostUntaken`. Before there
+  /// is a map all wait.
   void Follow(const Map& map);
 
   /// Those of the map, as of the last `Follow`, that came with features.

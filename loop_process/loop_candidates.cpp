@@ -27,7 +27,8 @@ std::set<int64_t> Surroundings(const Map& map, int64_t keyframe_id, const Candid
   return all;
 }
 
-// Similarity to the keyframe before, or to a neighbour: what a good match is worth in this image. 0 where there is none.
+// Similarity to the keyframe before, or to a neighbour: what a good match is worth in this image. 0 where there is
+// none.
 double ReferenceScore(const Map& map, const PlaceRecogniser& places, int64_t keyframe_id,
                       const CandidateOptions& options) {
   const PlaceDescription& description = places.Of(keyframe_id);

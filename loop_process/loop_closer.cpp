@@ -30,7 +30,7 @@ const MapKeyframe* FindByName(const Map& map, int64_t session, int64_t session_k
 LoopCloser::LoopCloser(const StereoCamera& camera, PlaceRecogniser places, const LoopOptions& options)
     : camera_(camera), options_(options), memory_(std::move(places)) {}
 
-LoopClosure LoopCloser::Judge(const Map& map, int64_t session, int64_t session_keyframe_id) {
+LoopClosure LoopCloser::Check(const Map& map, int64_t session, int64_t session_keyframe_id) {
   LoopClosure closure;
   closure.session = session;
   closure.session_keyframe_id = session_keyframe_id;

@@ -14,8 +14,8 @@
 
 namespace plslam {
 
-/// Loop closing (PL-SLAM §VI): recognises places that were seen before, verifies them, and says how the map must bend. No
-/// clock, no thread, no messages: the same calls give the same answers.
+/// Loop closing (PL-SLAM §VI): recognises places that were seen before, verifies them, and says how the map must
+/// bend. No clock, no thread, no messages: the same calls give the same answers.
 ///
 /// It remembers the features of the keyframes and nothing else: whether there is a loop follows from them, the map
 /// and the newest keyframe alone, so a loop_process that starts anew goes on as the old one would have.
@@ -27,21 +27,21 @@ class LoopCloser {
   bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
   bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
 
-  /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in. `Judge` does
-  /// it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to judge.
+  /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in.
+  /// `Judge` does it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to check.
   void Follow(const Map& map) { memory_.Follow(map); }
 
-  /// What to say of a keyframe, given the map right after it was inserted and adjusted: kNone, or kLoop with the edge, the
-  /// landmarks that are the same and where the keyframes lie when it is closed; then `more` says whether an adjustment of
-  /// the whole map should follow. The caller fills in the map's source and version and the times. A keyframe that is not in
-  /// the map, or came without features, is kNone.
-  LoopClosure Judge(const Map& map, int64_t session, int64_t session_keyframe_id);
+  /// What to say of a keyframe, given the map right after it was inserted and adjusted: kNone, or kLoop with the
+  /// edge, the landmarks that are the same and where the keyframes lie when it is closed; then `more` says whether an
+  /// adjustment of the whole map should follow. The caller fills in the map's source and version and the times. A
+  /// keyframe that is not in the map, or came without features, is kNone.
+  LoopClosure Check(const Map& map, int64_t session, int64_t session_keyframe_id);
 
-  /// The map as it is, to be adjusted as a whole: after the map has taken over a loop that asked for it by `more`. The
-  /// session and keyframe are those of the loop.
+  /// The map as it is, to be adjusted as a whole: after the map has taken over a loop that asked for it by `more`.
+  /// The session and keyframe are those of the loop.
   WholeMapProblem WholeMap(const Map& map, const LoopClosure& loop) const;
 
-  /// Where a frame is of which nothing is known. The caller fills in whose question it is.
+  /// Where a frame is of which nothing is known. The caller fills in whose request it is.
   Relocalisation Relocalise(const Map& map, const StereoFeatures& features) const;
 
   const LoopOptions& options() const { return options_; }

@@ -32,10 +32,10 @@ bool AreTwoPlaces(const FoundPlace& a, const FoundPlace& b) {
 
 }  // namespace
 
-bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapWays& ways_to_best,
+bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapPaths& paths_to_best,
              const RelocalisationOptions& options) {
   return other.inliers > options.max_rival_share * best.inliers && AreTwoPlaces(best, other) &&
-         ways_to_best.From(other_keyframe_id).has_value();
+         paths_to_best.From(other_keyframe_id).has_value();
 }
 
 LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
@@ -44,19 +44,19 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   search.candidates = FindLoopCandidates(map, memory.places(), keyframe_id, options.candidates);
   if (const auto again = FindSecondLook(map, keyframe_id, options.candidates)) search.candidates.push_back(*again);
   if (search.candidates.empty()) return search;
-  MapWays ways(map, keyframe_id);
+  MapPaths paths(map, keyframe_id);
   for (const LoopCandidate& candidate : search.candidates) {
-    search.evidence.push_back(VerifyLoop(map, memory, camera, options, ways, candidate.keyframe_id, keyframe_id));
+    search.evidence.push_back(VerifyLoop(map, memory, camera, options, paths, candidate.keyframe_id, keyframe_id));
   }
   search.best = Strongest(search.evidence);
   if (!search.best) return search;
   const LoopEvidence& best = search.evidence[*search.best];
-  MapWays ways_to_best(map, best.edge.old_keyframe_id);
+  MapPaths paths_to_best(map, best.edge.old_keyframe_id);
   for (const LoopEvidence& other : search.evidence) {
     // Where drift tells nothing, another place need not pass all gates to cast doubt.
     const bool counts = other.verdict == LoopVerdict::kAccepted || !best.connected;
     const bool rival =
-        counts && IsRival(best.place, other.place, other.edge.old_keyframe_id, ways_to_best, options.relocalisation);
+        counts && IsRival(best.place, other.place, other.edge.old_keyframe_id, paths_to_best, options.relocalisation);
     if (rival) search.best.reset();
     if (rival) break;
   }

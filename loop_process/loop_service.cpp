@@ -36,7 +36,7 @@ LoopService::Output LoopService::OnKeyframe(const Keyframe& keyframe) {
 
 LoopService::Output LoopService::OnTick() {
   Output output;
-  JudgeWhatIsDue(output);
+  CheckWhatIsDue(output);
   AnswerWhatIsDue(output);
   return output;
 }
@@ -52,9 +52,9 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   const int64_t source = replica_.source();
   if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
   if (replica_.source() != source) {
-    judged_.clear();
+    checked_.clear();
     newest_.clear();
-    settled_.clear();
+    committed_.clear();
     due_.clear();
     told_.reset();
     on_its_way_since_ms_.reset();
@@ -62,48 +62,48 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   }
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
   Follow(update, output);
-  JudgeWhatIsDue(output);
+  CheckWhatIsDue(output);
   AnswerWhatIsDue(output);
   return output;
 }
 
-LoopService::Output LoopService::OnQuestion(const Keyframe& frame) {
+LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   Output output;
-  // A tracker asks again only where it has given up on the question before.
-  std::erase_if(questions_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
-  questions_.push_back(frame);
+  // A tracker asks again only where it has given up on the request before.
+  std::erase_if(requests_, [&frame](const Keyframe& asked) { return asked.session == frame.session; });
+  requests_.push_back(frame);
   AnswerWhatIsDue(output);
   return output;
 }
 
-/// What an update means for what is to be judged.
+/// What an update means for what is to be checked.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
   NoteNewest(update);
   FollowLoops(update, output);
   if (update.session_keyframe_id < 0) return;
-  const bool begins = update.base_version == 0 && !judged_.contains(update.session);
-  // What another loop_process has judged, or will never be: of all sessions but for the newest keyframe.
-  if (update.base_version == 0) judged_.insert(newest_.begin(), newest_.end());
-  int64_t judged = Newest(judged_, update.session);
+  const bool begins = update.base_version == 0 && !checked_.contains(update.session);
+  // What another loop_process has checked, or will never be: of all sessions but for the newest keyframe.
+  if (update.base_version == 0) checked_.insert(newest_.begin(), newest_.end());
+  int64_t checked = Newest(checked_, update.session);
   if (begins) {
-    judged = update.session_keyframe_id - 1;
+    checked = update.session_keyframe_id - 1;
     if (AwaitsAdjustment(update)) {
       unadjusted_.emplace();
       unadjusted_->session = update.session;
-      unadjusted_->session_keyframe_id = ++judged;
+      unadjusted_->session_keyframe_id = ++checked;
       unadjusted_->t_ns = update.t_ns;
     }
   }
-  if (update.settled) {
-    judged = std::max(judged, update.session_keyframe_id);
+  if (update.committed) {
+    checked = std::max(checked, update.session_keyframe_id);
     unadjusted_.reset();
   }
-  AddDue(update, judged);
-  judged_[update.session] = std::max(judged, update.session_keyframe_id);
+  AddDue(update, checked);
+  checked_[update.session] = std::max(checked, update.session_keyframe_id);
 }
 
-/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process tells of
-/// loops, and a map that one has bent refuses those computed before.
+/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process
+/// tells of loops, and a map that one has changed refuses those computed before.
 void LoopService::FollowLoops(const MapUpdate& update, Output& output) {
   const size_t n_loops = replica_.map().loops().size();
   const bool arrived = n_loops > std::exchange(n_loops_, n_loops);
@@ -114,40 +114,41 @@ void LoopService::FollowLoops(const MapUpdate& update, Output& output) {
   told_.reset();
 }
 
-/// A map that refuses a loop settles what it has. But another robot's keyframe may be settled because it has been judged.
+/// A map that refuses a loop commits what it has. But another robot's keyframe may be committed because it has been
+/// checked.
 bool LoopService::IsRefused(const MapUpdate& update) const {
-  if (!update.settled) return false;
+  if (!update.committed) return false;
   if (update.session == told_->session) return update.session_keyframe_id >= told_->session_keyframe_id;
   return std::any_of(due_.begin(), due_.end(), [&update](const Due& due) {
     return due.session == update.session && due.keyframe_id == update.session_keyframe_id;
   });
 }
 
-/// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means little:
-/// anybody could send a large one.)
-void LoopService::AddDue(const MapUpdate& update, int64_t judged) {
-  if (update.session_keyframe_id <= judged) return;
+/// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means
+/// little: anybody could send a large one.)
+void LoopService::AddDue(const MapUpdate& update, int64_t checked) {
+  if (update.session_keyframe_id <= checked) return;
   const double now_ms = now_ms_();
   std::vector<Due> newest_first{{update.session, update.session_keyframe_id, now_ms}};
   const auto& keyframes = replica_.map().keyframes();
   for (auto entry = keyframes.rbegin(); entry != keyframes.rend(); ++entry) {
     const MapKeyframe& keyframe = entry->second;
     if (keyframe.session != update.session) continue;
-    if (keyframe.session_keyframe_id <= judged) break;
+    if (keyframe.session_keyframe_id <= checked) break;
     if (keyframe.session_keyframe_id >= update.session_keyframe_id) continue;
     newest_first.push_back({update.session, keyframe.session_keyframe_id, now_ms});
   }
   due_.insert(due_.end(), newest_first.rbegin(), newest_first.rend());
 }
 
-/// A settled update settles what all robots have in the map.
+/// A committed update commits what all robots have in the map.
 void LoopService::NoteNewest(const MapUpdate& update) {
   if (update.base_version == 0) {
     for (const auto& [id, keyframe] : replica_.map().keyframes())
       newest_[keyframe.session] = keyframe.session_keyframe_id;
   }
   if (update.session_keyframe_id >= 0) newest_[update.session] = update.session_keyframe_id;
-  if (update.settled) settled_ = newest_;
+  if (update.committed) committed_ = newest_;
 }
 
 void LoopService::Adjust(const LoopClosure& loop, Output& output) {
@@ -157,10 +158,10 @@ void LoopService::Adjust(const LoopClosure& loop, Output& output) {
   output.adjustment->map_version = replica_.version();
 }
 
-/// Its newest keyframe has a loop in it, and is not settled.
+/// Its newest keyframe has a loop in it, and is not committed.
 bool LoopService::AwaitsAdjustment(const MapUpdate& update) const {
   const std::vector<LoopEdge>& loops = replica_.map().loops();
-  if (update.settled || loops.empty() || !closer_.options().adjustment.enabled) return false;
+  if (update.committed || loops.empty() || !closer_.options().adjustment.enabled) return false;
   const MapKeyframe* keyframe = replica_.map().FindKeyframe(loops.back().keyframe_id);
   return keyframe != nullptr && keyframe->session == update.session &&
          keyframe->session_keyframe_id == update.session_keyframe_id;
@@ -201,7 +202,7 @@ std::deque<LoopService::Due>::iterator LoopService::NextDue() {
   });
 }
 
-void LoopService::JudgeWhatIsDue(Output& output) {
+void LoopService::CheckWhatIsDue(Output& output) {
   if (!IsComplete()) return;
   if (unadjusted_) {
     Adjust(*unadjusted_, output);
@@ -215,7 +216,7 @@ void LoopService::JudgeWhatIsDue(Output& output) {
     const auto [session, keyframe_id, since_ms] = *next;
     due_.erase(next);
     const double began_ms = now_ms_();
-    LoopClosure closure = closer_.Judge(replica_.map(), session, keyframe_id);
+    LoopClosure closure = closer_.Check(replica_.map(), session, keyframe_id);
     closure.session = session;
     closure.session_keyframe_id = keyframe_id;
     closure.map_source = replica_.source();
@@ -233,11 +234,11 @@ void LoopService::JudgeWhatIsDue(Output& output) {
 bool LoopService::IsAnswerable(const Keyframe& frame) {
   // Whoever asks has the map, so it is on its way here too.
   if (!frame.lockstep) return true;
-  return replica_.version() > 0 && IsComplete() && Newest(settled_, frame.session) >= frame.previous_keyframe_id;
+  return replica_.version() > 0 && IsComplete() && Newest(committed_, frame.session) >= frame.previous_keyframe_id;
 }
 
 void LoopService::AnswerWhatIsDue(Output& output) {
-  for (auto frame = questions_.begin(); frame != questions_.end();) {
+  for (auto frame = requests_.begin(); frame != requests_.end();) {
     if (!IsAnswerable(*frame)) {
       ++frame;
       continue;
@@ -250,7 +251,7 @@ void LoopService::AnswerWhatIsDue(Output& output) {
     answer.map_source = replica_.source();
     answer.map_version = replica_.version();
     output.answers.push_back(answer);
-    frame = questions_.erase(frame);
+    frame = requests_.erase(frame);
   }
 }
 

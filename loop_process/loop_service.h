@@ -16,24 +16,25 @@
 
 namespace plslam {
 
-/// What loop_process does, without threads and messages: keeps a copy of the map, and says when what is to be answered. The
-/// same arrivals give the same answers, in whichever order keyframes, updates of the map and questions come in between.
+/// What loop_process does, without threads and messages: keeps a copy of the map, and says when what is to be
+/// answered. The same arrivals give the same answers, in whichever order keyframes, updates of the map and requests
+/// come in between.
 ///
-/// Each keyframe is judged once, on the map right after it came in, and its features are waited for. While a loop is on
-/// its way into the map, nothing else is judged, until it is there or refused, or for a while where that cannot be told;
-/// whenever it arrives, the adjustment of the whole map follows. A question of a lockstep stream is answered on the map that
-/// loop_process has had its say about, as of the tracker's last keyframe.
+/// Each keyframe is checked once, on the map right after it came in, and its features are waited for. While a loop is
+/// on its way into the map, nothing else is checked, until it is there or refused, or for a while where that cannot
+/// be told; whenever it arrives, the adjustment of the whole map follows. A request of a lockstep stream is answered
+/// on the map that loop_process has had its say about, as of the tracker's last keyframe.
 ///
-/// A map that comes whole (one of the two processes was started again) is judged when the features of all its keyframes
-/// are there, whoever tells them; features that do not come are waited for a while only. Of its keyframes only the newest is
-/// judged, of another session none. One that has a loop of its newest keyframe, and is not settled, waits for the adjustment
-/// that the loop_process before this one died over.
+/// A map that comes whole (one of the two processes was started again) is checked when the features of all its
+/// keyframes are there, whoever tells them; features that do not come are waited for a while only. Of its keyframes
+/// only the newest is checked, of another session none. One that has a loop of its newest keyframe, and is not
+/// committed, waits for the adjustment that the loop_process before this one died over.
 class LoopService {
  public:
   /// How long features that do not come are waited for, and loops of which the map says nothing.
   static constexpr double kPatience_ms = 3000.0;
-  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others wait in
-  /// lockstep (`wait_s` of the other processes by default).
+  /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others
+  /// wait in lockstep (`wait_s` of the other processes by default).
   static constexpr double kLockstepPatience_ms = 15000.0;
 
   /// What is to be sent, and what is to be adjusted meanwhile.
@@ -49,8 +50,8 @@ class LoopService {
 
   Output OnKeyframe(const Keyframe& keyframe);
   Output OnUpdate(const MapUpdate& update);
-  /// Features of a frame; `frame_id` names the question, `previous_keyframe_id` the tracker's last keyframe.
-  Output OnQuestion(const Keyframe& frame);
+  /// Features of a frame; `frame_id` names the request, `previous_keyframe_id` the tracker's last keyframe.
+  Output OnRequest(const Keyframe& frame);
   /// Time passes: now and then.
   Output OnTick();
   /// A process lives; named as in `Keyframe::source`.
@@ -59,7 +60,7 @@ class LoopService {
   const MapReplica& replica() const { return replica_; }
 
  private:
-  /// A keyframe to be judged, as its session counts, and since when.
+  /// A keyframe to be checked, as its session counts, and since when.
   struct Due {
     int64_t session = 0;
     int64_t keyframe_id = -1;
@@ -76,37 +77,38 @@ class LoopService {
   void FollowLoops(const MapUpdate& update, Output& output);
   bool IsRefused(const MapUpdate& update) const;
   void NoteNewest(const MapUpdate& update);
-  void AddDue(const MapUpdate& update, int64_t judged);
+  void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
   bool AwaitsAdjustment(const MapUpdate& update) const;
   void NoteLacking(bool whole);
   bool IsComplete();
   bool HasWaited(const Due& due) const;
   std::deque<Due>::iterator NextDue();
-  void JudgeWhatIsDue(Output& output);
+  void CheckWhatIsDue(Output& output);
   void AnswerWhatIsDue(Output& output);
   bool IsAnswerable(const Keyframe& frame);
 
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
-  /// Newest keyframe by session: that was judged, that is in the map, that is settled there.
-  std::map<int64_t, int64_t> judged_;
+  /// Newest keyframe by session: that was checked, that is in the map, that is committed there.
+  std::map<int64_t, int64_t> checked_;
   std::map<int64_t, int64_t> newest_;
-  std::map<int64_t, int64_t> settled_;
+  std::map<int64_t, int64_t> committed_;
   std::deque<Due> due_;
   std::map<int64_t, Teller> lockstep_;  // by session
-  /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none has come.
+  /// Keyframes of a map that came whole, (session, number there), whose features are waited for, and since when none
+  /// has come.
   std::set<std::pair<int64_t, int64_t>> lacking_;
   double lacking_since_ms_ = 0.0;
   /// The loop whose adjustment another loop_process died over.
   std::optional<LoopClosure> unadjusted_;
-  /// The last loop told that the map has not taken over, without edges and poses; it may yet come when it seemed refused. And since
-  /// when it is on its way.
+  /// The last loop told that the map has not taken over, without edges and poses; it may yet come when it seemed
+  /// refused. And since when it is on its way.
   std::optional<LoopClosure> told_;
   std::optional<double> on_its_way_since_ms_;
   size_t n_loops_ = 0;  ///< in the map
-  std::deque<Keyframe> questions_;
+  std::deque<Keyframe> requests_;
 };
 
 }  // namespace plslam

@@ -30,19 +30,19 @@ Matrix6d Isotropic(double sigma_m, double sigma_rad) {
 // Sees no keyframe both: two landmarks of one image are two.
 template <class Landmark>
 bool MayBeOne(const Landmark& a, const Landmark& b) {
-  return std::none_of(a.sights.begin(), a.sights.end(),
-                      [&b](const Sight& sight) { return IsSeenBy(b, sight.keyframe_id); });
+  return std::none_of(a.observations.begin(), a.observations.end(),
+                      [&b](const Observation& observation) { return IsSeenBy(b, observation.keyframe_id); });
 }
 
 // Landmarks that one feature shows from both sides; each at most once, the first association counting more.
-template <class Kind>
+template <class Type>
 class Pairs {
  public:
   explicit Pairs(const Map& map) : map_(map) {}
 
   void Add(int64_t a, int64_t b) {
     if (a < 0 || b < 0 || a == b || taken_a_.contains(a) || taken_b_.contains(b)) return;
-    if (!MayBeOne(*Kind::Find(map_, a), *Kind::Find(map_, b))) return;
+    if (!MayBeOne(*Type::Find(map_, a), *Type::Find(map_, b))) return;
     taken_a_.insert(a);
     taken_b_.insert(b);
     pairs_.push_back({a, b});
@@ -63,13 +63,13 @@ class Pairs {
 class Verification {
  public:
   Verification(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera, const LoopOptions& options,
-               MapWays& ways, int64_t old_id, int64_t id)
+               MapPaths& paths, int64_t old_id, int64_t id)
       : map_(map),
         memory_(memory),
         camera_(camera),
         options_(options),
         gates_(options.verification),
-        ways_(ways),
+        paths_(paths),
         old_(*map.FindKeyframe(old_id)),
         keyframe_(*map.FindKeyframe(id)),
         old_place_(PlaceAround(map, old_id, options.verification.local_keyframes)) {}
@@ -88,7 +88,7 @@ class Verification {
   int NeededConfirmations() const;
   bool IsWithinDrift();
   bool Agree(const SE3& predicted, const SE3& found) const;
-  template <class Kind>
+  template <class Type>
   std::vector<SameLandmarks> PairUp(const std::vector<int64_t>& seen_now,
                                     const std::vector<int64_t>& seen_then) const;
 
@@ -97,7 +97,7 @@ class Verification {
   const StereoCamera& camera_;
   const LoopOptions& options_;
   const VerificationOptions& gates_;
-  MapWays& ways_;
+  MapPaths& paths_;
   const MapKeyframe& old_;
   const MapKeyframe& keyframe_;
   Place old_place_;
@@ -163,20 +163,20 @@ bool Verification::IsSeenFromOldSide() {
     evidence_.reverse_inliers = place->inliers;
     then = place->association;
   }
-  evidence_.points = PairUp<PointKind>(evidence_.place.association.points, then.points);
-  evidence_.lines = PairUp<LineKind>(evidence_.place.association.lines, then.lines);
+  evidence_.points = PairUp<PointType>(evidence_.place.association.points, then.points);
+  evidence_.lines = PairUp<LineType>(evidence_.place.association.lines, then.lines);
   return place && place->inliers >= gates_.min_reverse_inliers && Agree(T_w_old, place->pose.T_w_kf);
 }
 
-template <class Kind>
+template <class Type>
 std::vector<SameLandmarks> Verification::PairUp(const std::vector<int64_t>& seen_now,
                                                 const std::vector<int64_t>& seen_then) const {
-  Pairs<Kind> pairs(map_);
+  Pairs<Type> pairs(map_);
   for (int32_t i = 0; i < static_cast<int32_t>(seen_now.size()); ++i) {
-    pairs.Add(seen_now[static_cast<size_t>(i)], LandmarkAt<Kind>(map_, {keyframe_.id, i}));
+    pairs.Add(seen_now[static_cast<size_t>(i)], LandmarkAt<Type>(map_, {keyframe_.id, i}));
   }
   for (int32_t i = 0; i < static_cast<int32_t>(seen_then.size()); ++i) {
-    pairs.Add(LandmarkAt<Kind>(map_, {old_.id, i}), seen_then[static_cast<size_t>(i)]);
+    pairs.Add(LandmarkAt<Type>(map_, {old_.id, i}), seen_then[static_cast<size_t>(i)]);
   }
   return pairs.Take();
 }
@@ -195,27 +195,27 @@ void Verification::AskKeyframesBefore() {
 }
 
 int Verification::NeededConfirmations() const {
-  // Without a way there is no drift that tells two places that look the same from one.
+  // Without a path there is no drift that tells two places that look the same from one.
   if (!evidence_.connected) return gates_.consistent_keyframes;
   const int spared = evidence_.place.inliers / std::max(1, gates_.strong_inliers);
   return std::max(1, gates_.consistent_keyframes - std::min(2, spared));
 }
 
 bool Verification::IsWithinDrift() {
-  const auto way = ways_.From(old_.id);
-  evidence_.connected = way.has_value();
-  if (!way) return true;
-  const double turn_rad = gates_.drift_deg_per_m * kRadPerDeg * way->length_m;
-  const double move_m = gates_.drift_per_m * way->length_m + turn_rad * way->reach_m;
+  const auto path = paths_.From(old_.id);
+  evidence_.connected = path.has_value();
+  if (!path) return true;
+  const double turn_rad = gates_.drift_deg_per_m * kRadPerDeg * path->length_m;
+  const double move_m = gates_.drift_per_m * path->length_m + turn_rad * path->reach_m;
   const Matrix6d least = Isotropic(move_m, turn_rad) + evidence_.edge.covariance;
   const SE3 T_old_kf = old_.T_w_kf.Inverse() * keyframe_.T_w_kf;
   const Vector6d correction = (T_old_kf.Inverse() * evidence_.edge.T_old_kf).Log();
   const auto chi2 = [&](const Matrix6d& covariance) { return correction.dot(covariance.llt().solve(correction)); };
   evidence_.drift_chi2 = chi2(least);
   if (evidence_.drift_chi2 <= gates_.max_drift_chi2) return true;
-  // The covariance of the way makes it smaller still; it costs as much as the way is long.
+  // The covariance of the path makes it smaller still; it costs as much as the path is long.
   const double scale = gates_.covariance_scale * gates_.covariance_scale;
-  evidence_.drift_chi2 = chi2(least + scale * ways_.CovarianceFrom(old_.id));
+  evidence_.drift_chi2 = chi2(least + scale * paths_.CovarianceFrom(old_.id));
   return evidence_.drift_chi2 <= gates_.max_drift_chi2;
 }
 
@@ -264,11 +264,11 @@ const char* LoopVerdictName(LoopVerdict verdict) {
 }
 
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, MapWays& ways, int64_t old_keyframe_id, int64_t keyframe_id) {
+                        const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id) {
   const bool known = map.FindKeyframe(old_keyframe_id) != nullptr && map.FindKeyframe(keyframe_id) != nullptr &&
                      memory.places().Has(old_keyframe_id) && memory.places().Has(keyframe_id);
   if (!known) return {};
-  return Verification(map, memory, camera, options, ways, old_keyframe_id, keyframe_id).Run();
+  return Verification(map, memory, camera, options, paths, old_keyframe_id, keyframe_id).Run();
 }
 
 }  // namespace plslam

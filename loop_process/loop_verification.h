@@ -8,7 +8,7 @@
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 #include "loop_process/keyframe_memory.h"
-#include "loop_process/map_way.h"
+#include "loop_process/map_path.h"
 #include "loop_process/options.h"
 #include "loop_process/place_search.h"
 
@@ -47,14 +47,14 @@ struct LoopEvidence {
   double drift_chi2 = 0.0;
 };
 
-/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2). `ways` are those to
-/// the keyframe.
+/// Whether a keyframe sees the place of an old one, and how both lie to each other (PL-SLAM §VI.A.2). `paths` are
+/// those to the keyframe.
 ///
-/// Default gates: the correction is within what the way between both may have drifted; enough inliers over the image and a
-/// fair share of what should be seen, a larger one where no way tells; the old keyframe is found among the landmarks of
-/// the new one at the same place; and the keyframes before are found where odometry says they must be, unless there are
-/// so many inliers that they need not.
+/// Default gates: the correction is within what the path between both may have drifted; enough inliers over the image
+/// and a fair share of what should be seen, a larger one where no path tells; the old keyframe is found among the
+/// landmarks of the new one at the same place; and the keyframes before are found where odometry says they must be,
+/// unless there are so many inliers that they need not.
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
-                        const LoopOptions& options, MapWays& ways, int64_t old_keyframe_id, int64_t keyframe_id);
+                        const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id);
 
 }  // namespace plslam

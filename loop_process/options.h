@@ -63,7 +63,7 @@ struct VerificationOptions {
   double max_disagreement = 0.05;
   /// The same of rotations.
   double max_disagreement_deg = 2.0;
-  /// Deviation of drift along the shortest way through the map.
+  /// Deviation of drift along the shortest path through the map.
   double drift_per_m = 0.005;
   /// The same of rotation.
   double drift_deg_per_m = 0.02;
@@ -87,7 +87,7 @@ struct CorrectionOptions {
 struct WholeMapOptions {
   bool enabled = true;
   /// Keyframes that see a landmark which takes part.
-  int min_sights = 3;
+  int min_observations = 3;
   /// Points that take part, of each keyframe: those that most others see.
   int points_per_keyframe = 200;
   /// The same of lines.

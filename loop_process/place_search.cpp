@@ -32,16 +32,16 @@ struct Shown {
   }
 };
 
-template <class Kind>
-Shown<typename Kind::Feature> ThatShow(const Map& map, int64_t keyframe_id, const StereoFeatures& features) {
-  Shown<typename Kind::Feature> shown;
-  const std::vector<int64_t>& ids = Kind::Of(map, keyframe_id);
-  const auto& of_kind = Kind::Features(features);
-  for (size_t i = 0; i < ids.size() && i < of_kind.size(); ++i) {
+template <class Type>
+Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, const StereoFeatures& features) {
+  Shown<typename Type::Feature> shown;
+  const std::vector<int64_t>& ids = Type::Of(map, keyframe_id);
+  const auto& of_type = Type::Features(features);
+  for (size_t i = 0; i < ids.size() && i < of_type.size(); ++i) {
     if (ids[i] < 0) continue;
     shown.ids.push_back(ids[i]);
     shown.places.push_back(i);
-    shown.descriptors.push_back(of_kind[i].left.descriptor);
+    shown.descriptors.push_back(of_type[i].left.descriptor);
   }
   return shown;
 }
@@ -59,14 +59,14 @@ Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + l
 Eigen::Vector2d Middle(const StereoPoint& point) { return point.left.px; }
 Eigen::Vector2d Middle(const StereoLine& line) { return 0.5 * (line.left.segment.p + line.left.segment.q); }
 
-// Evidence of one kind, each landmark with this weight.
-template <class Kind>
+// Evidence of one feature type, each landmark with this weight.
+template <class Type>
 void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCamera& camera,
            const std::vector<int64_t>& association, int weight, FoundPlace& place) {
   std::vector<int64_t> shown = association;
   std::sort(shown.begin(), shown.end());
-  for (const int64_t id : Kind::Of(map, keyframe_id)) {
-    if (id < 0 || !Projection(Middle(*Kind::Find(map, id)), T_c_w, camera)) continue;
+  for (const int64_t id : Type::Of(map, keyframe_id)) {
+    if (id < 0 || !Projection(Middle(*Type::Find(map, id)), T_c_w, camera)) continue;
     place.expected += weight;
     if (std::binary_search(shown.begin(), shown.end(), id)) place.found += weight;
   }
@@ -76,15 +76,15 @@ size_t CellOf(double px, int size_px) {
   return static_cast<size_t>(std::clamp(static_cast<int>(px * kGrid / size_px), 0, kGrid - 1));
 }
 
-template <class Kind>
+template <class Type>
 void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
-            const std::vector<typename Kind::Feature>& features, const std::vector<int64_t>& association,
+            const std::vector<typename Type::Feature>& features, const std::vector<int64_t>& association,
             std::array<bool, kGrid * kGrid>& cells, std::vector<double>& depths) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const Eigen::Vector2d px = Middle(features[i]);
     cells[CellOf(px.y(), camera.height_px) * kGrid + CellOf(px.x(), camera.width_px)] = true;
-    depths.push_back((T_c_w * Middle(*Kind::Find(map, association[i]))).z());
+    depths.push_back((T_c_w * Middle(*Type::Find(map, association[i]))).z());
   }
 }
 
@@ -92,12 +92,12 @@ void Weigh(const Map& map, int64_t keyframe_id, const StereoFeatures& features, 
            FoundPlace& place) {
   const SE3 T_c_w = place.pose.T_w_kf.Inverse();
   place.inliers = place.association.Weight();
-  Count<PointKind>(map, keyframe_id, T_c_w, camera, place.association.points, 1, place);
-  Count<LineKind>(map, keyframe_id, T_c_w, camera, place.association.lines, 2, place);
+  Count<PointType>(map, keyframe_id, T_c_w, camera, place.association.points, 1, place);
+  Count<LineType>(map, keyframe_id, T_c_w, camera, place.association.lines, 2, place);
   std::array<bool, kGrid * kGrid> cells{};
   std::vector<double> depths;
-  Spread<PointKind>(map, T_c_w, camera, features.points, place.association.points, cells, depths);
-  Spread<LineKind>(map, T_c_w, camera, features.lines, place.association.lines, cells, depths);
+  Spread<PointType>(map, T_c_w, camera, features.points, place.association.points, cells, depths);
+  Spread<LineType>(map, T_c_w, camera, features.lines, place.association.lines, cells, depths);
   place.cells = static_cast<int>(std::count(cells.begin(), cells.end(), true));
   place.median_depth_m = Median(depths);
 }
@@ -106,14 +106,14 @@ void Weigh(const Map& map, int64_t keyframe_id, const StereoFeatures& features, 
 
 Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes) {
   const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, Map::kCovisible, max_keyframes);
-  return {keyframe_id, {SeenBy<PointKind>(keyframes, map), SeenBy<LineKind>(keyframes, map)}};
+  return {keyframe_id, {SeenBy<PointType>(keyframes, map), SeenBy<LineType>(keyframes, map)}};
 }
 
 std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
                                       const DescribedImage& image, const StereoCamera& camera,
                                       const LocalisationOptions& options, int min_matches) {
-  const Shown<StereoPoint> points = ThatShow<PointKind>(map, keyframe_id, keyframe.features);
-  const Shown<StereoLine> lines = ThatShow<LineKind>(map, keyframe_id, keyframe.features);
+  const Shown<StereoPoint> points = ThatShow<PointType>(map, keyframe_id, keyframe.features);
+  const Shown<StereoLine> lines = ThatShow<LineType>(map, keyframe_id, keyframe.features);
   const auto seen_points = DescriptorsOf(image.features.points);
   const bool few = seen_points.size() * points.ids.size() <= kFewPairs;
   FeatureNodes nodes;

@@ -42,9 +42,10 @@ struct DescribedImage {
   const FeatureNodes& point_nodes;
 };
 
-/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): features matched by
-/// descriptor with those of the keyframe that show a landmark (points in the same node of the vocabulary, or all where
-/// they are few), pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than `min_matches` agree.
+/// Where a camera is of which nothing is known but that it may see what a keyframe saw (PL-SLAM §VI.A.2): features
+/// matched by descriptor with those of the keyframe that show a landmark (points in the same node of the vocabulary,
+/// or all where they are few), pose from minimal sets, robust estimator of §IV.C. nullopt where fewer than
+/// `min_matches` agree.
 std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const DescribedImage& keyframe,
                                       const DescribedImage& image, const StereoCamera& camera,
                                       const LocalisationOptions& options, int min_matches);

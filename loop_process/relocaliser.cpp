@@ -7,7 +7,7 @@
 
 #include "loop_process/loop_candidates.h"
 #include "loop_process/loop_search.h"
-#include "loop_process/map_way.h"
+#include "loop_process/map_path.h"
 #include "loop_process/place_search.h"
 
 namespace plslam {
@@ -64,9 +64,9 @@ Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const St
     if (!best || place->inliers > best->place.inliers) best = all.back();
   }
   if (!best) return {};
-  MapWays ways_to_best(map, best->keyframe_id);
+  MapPaths paths_to_best(map, best->keyframe_id);
   const bool rivalled = std::any_of(all.begin(), all.end(), [&](const Answer& other) {
-    return IsRival(best->place, other.place, other.keyframe_id, ways_to_best, options.relocalisation);
+    return IsRival(best->place, other.place, other.keyframe_id, paths_to_best, options.relocalisation);
   });
   return rivalled ? Relocalisation() : ToRelocalisation(*best);
 }

@@ -5,8 +5,8 @@
 
 namespace plslam {
 
-/// A recogniser without places; `FindSharedFile` finds its vocabularies. Throws std::runtime_error with one sentence where
-/// one cannot be read.
+/// A recogniser without places; `FindSharedFile` finds its vocabularies. Throws std::runtime_error with one sentence
+/// where one cannot be read.
 PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& options);
 
 }  // namespace plslam

@@ -12,27 +12,29 @@ namespace {
 
 using Places = std::map<int64_t, int>;
 
-// Sights of a landmark by keyframes that take part.
+// Observations of a landmark by keyframes that take part.
 template <class Landmark>
-int CountSights(const Landmark& landmark, const Places& poses) {
-  return static_cast<int>(std::count_if(landmark.sights.begin(), landmark.sights.end(),
-                                        [&poses](const Sight& sight) { return poses.contains(sight.keyframe_id); }));
+int CountObservations(const Landmark& landmark, const Places& poses) {
+  return static_cast<int>(
+      std::count_if(landmark.observations.begin(), landmark.observations.end(),
+                    [&poses](const Observation& observation) { return poses.contains(observation.keyframe_id); }));
 }
 
-// Of each keyframe the landmarks that most others see, until it has enough; those already taken for another one count.
-template <class Kind>
-std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_sights, int per_keyframe) {
-  std::map<int64_t, int> sights;
-  for (const auto& [id, landmark] : Kind::Landmarks(map)) {
-    const int count = CountSights(landmark, poses);
-    if (count >= min_sights) sights[id] = count;
+// Of each keyframe the landmarks that most others see, until it has enough; those already taken for another one
+// count.
+template <class Type>
+std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observations, int per_keyframe) {
+  std::map<int64_t, int> observations;
+  for (const auto& [id, landmark] : Type::Landmarks(map)) {
+    const int count = CountObservations(landmark, poses);
+    if (count >= min_observations) observations[id] = count;
   }
   std::set<int64_t> chosen;
   for (const auto& [keyframe_id, place] : poses) {
     std::vector<int64_t> seen;
     int taken = 0;
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
-      if (id < 0 || !sights.contains(id)) continue;
+    for (const int64_t id : Type::Of(map, keyframe_id)) {
+      if (id < 0 || !observations.contains(id)) continue;
       if (chosen.contains(id)) {
         ++taken;
       } else {
@@ -40,7 +42,7 @@ std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_sights,
       }
     }
     std::stable_sort(seen.begin(), seen.end(),
-                     [&sights](int64_t a, int64_t b) { return sights.at(a) > sights.at(b); });
+                     [&observations](int64_t a, int64_t b) { return observations.at(a) > observations.at(b); });
     for (size_t i = 0; i < seen.size() && taken < per_keyframe; ++i, ++taken) chosen.insert(seen[i]);
   }
   return {chosen.begin(), chosen.end()};
@@ -62,8 +64,8 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
   std::vector<bool> fixed(keyframes.size());
   if (!fixed.empty()) fixed.front() = true;
   problem.bundle = MakeMapBundle(map, features, camera, std::move(keyframes), fixed,
-                                 Choose<PointKind>(map, poses, options.min_sights, options.points_per_keyframe),
-                                 Choose<LineKind>(map, poses, options.min_sights, options.lines_per_keyframe),
+                                 Choose<PointType>(map, poses, options.min_observations, options.points_per_keyframe),
+                                 Choose<LineType>(map, poses, options.min_observations, options.lines_per_keyframe),
                                  options.relative_sigma)
                        .problem;
   return problem;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 #include "core/optim/bundle/bundle.h"
@@ -26,13 +26,14 @@ struct WholeMapProblem {
   BundleProblem bundle;
 };
 
-/// All keyframes whose features are known, the first fixed, and of their landmarks those that most keyframes see, so many for
-/// each keyframe.
+/// All keyframes whose features are known, the first fixed, and of their landmarks those that most keyframes see, so
+/// many for each keyframe.
 WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera,
                                     const WholeMapOptions& options);
 
-/// Bundle adjustment of the whole map (what follows PL-SLAM §VI.B, which stops at the pose graph). kind kAdjustment with
-/// poses, or kAdjustment without any where it failed; `failure` says why. Slow; `stop` ends it early with what it has.
+/// Bundle adjustment of the whole map (what follows PL-SLAM §VI.B, which stops at the pose graph). kind kAdjustment
+/// with poses, or kAdjustment without any where it failed; `failure` says why. Slow; `stop` ends it early with what
+/// it has.
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
                            const std::atomic<bool>* stop, std::string* failure = nullptr);
 

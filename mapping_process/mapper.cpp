@@ -21,7 +21,7 @@
 #include "mapping_process/insertion/line_extent.h"
 #include "mapping_process/insertion/line_triangulation.h"
 #include "mapping_process/insertion/local_window.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
@@ -29,12 +29,12 @@ namespace {
 // Newest keyframes of a session that are never redundant: the tracker's next steps lean on them.
 constexpr int kNewestKept = 3;
 
-template <class Kind>
-void AddSights(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
-               Map& map) {
+template <class Type>
+void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
+                     Map& map) {
   for (int32_t i = 0; i < static_cast<int32_t>(association.size()); ++i) {
     const int64_t id = association[static_cast<size_t>(i)];
-    if (id >= 0) AddSight<Kind>(id, {keyframe_id, i}, features, map);
+    if (id >= 0) AddObservation<Type>(id, {keyframe_id, i}, features, map);
   }
 }
 
@@ -53,12 +53,12 @@ Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
   return chi2 <= kDoubted2 ? covariance : Matrix6d(covariance + Matrix6d(e.cwiseAbs2().asDiagonal()));
 }
 
-template <class Kind>
+template <class Type>
 void RemoveUnlessBelieved(const std::vector<int64_t>& ids, Map& map) {
-  constexpr size_t kBelievedSights = 8;
+  constexpr size_t kBelievedObservations = 8;
   for (const int64_t id : ids) {
-    const auto* const landmark = Kind::Find(map, id);
-    if (landmark != nullptr && landmark->sights.size() < kBelievedSights) Kind::Remove(id, map);
+    const auto* const landmark = Type::Find(map, id);
+    if (landmark != nullptr && landmark->observations.size() < kBelievedObservations) Type::Remove(id, map);
   }
 }
 
@@ -85,20 +85,20 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
 
 Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state)
     : Mapper(camera, options, std::move(state.stored)) {
-  trial_ = std::move(state.trial);
+  recent_landmarks_ = std::move(state.recent_landmarks);
   tracker_ = std::move(state.tracker);
   figures_ = state.figures;
-  settled_ = state.settled != 0;
-  bent_version_ = state.bent_version;
+  committed_ = state.committed != 0;
+  structural_version_ = state.structural_version;
 }
 
 StoredMap Mapper::Store() {
-  trial_ = {};
+  recent_landmarks_ = {};
   return Stored();
 }
 
 MapperState Mapper::State() const {
-  return {Stored(), trial_, tracker_, figures_, settled_ ? uint8_t{1} : uint8_t{0}, bent_version_};
+  return {Stored(), recent_landmarks_, tracker_, figures_, committed_ ? uint8_t{1} : uint8_t{0}, structural_version_};
 }
 
 StoredMap Mapper::Stored() const {
@@ -157,7 +157,7 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
   }
   Withdraw(keyframe);
   MapKeyframe entry = Prepare(keyframe);
-  Association association = tracker_.Claims(keyframe, map_);
+  Association association = tracker_.Associations(keyframe, map_);
   Join(keyframe, entry, association);
   if (keyframe.state == kRecovered && entry.previous_id >= 0) {
     const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
@@ -168,28 +168,28 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
       CreateLandmarks(entry.id, keyframe.features, camera_, options_.insertion, landmark_ids_, map_);
   Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
-  trial_.Begin(created, entry.session);
+  recent_landmarks_.Begin(created, entry.session);
   tracker_.Learn(keyframe, map_.LandmarksOf(entry.id));
   sessions_[keyframe.session] = {entry.id, keyframe.keyframe_id};
   newest_session_ = keyframe.session;
   newest_t_ns_ = keyframe.t_ns;
   next_keyframe_id_ = entry.id + 1;
-  settled_ = false;
+  committed_ = false;
   return true;
 }
 
-/// What turned out to be of a moving body is no landmark. A landmark that many keyframes have seen stands, whatever a tracker
-/// says: a body would not have been where the map has it.
+/// What turned out to be of a moving body is no landmark. A landmark that many keyframes have seen stands, whatever a
+/// tracker says: a body would not have been where the map has it.
 void Mapper::Withdraw(const Keyframe& keyframe) {
-  RemoveUnlessBelieved<PointKind>(tracker_.WithdrawnPoints(keyframe), map_);
-  RemoveUnlessBelieved<LineKind>(tracker_.WithdrawnLines(keyframe), map_);
+  RemoveUnlessBelieved<PointType>(tracker_.WithdrawnPoints(keyframe), map_);
+  RemoveUnlessBelieved<LineType>(tracker_.WithdrawnLines(keyframe), map_);
 }
 
 void Mapper::Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association) {
   map_.Put(entry);
   features_[entry.id] = keyframe.features;
-  AddSights<PointKind>(entry.id, association.points, features_, map_);
-  AddSights<LineKind>(entry.id, association.lines, features_, map_);
+  AddObservations<PointType>(entry.id, association.points, features_, map_);
+  AddObservations<LineType>(entry.id, association.lines, features_, map_);
   MapKeyframe with_parent = entry;
   // A false landmark or two must not tie it to another place.
   const std::vector<Map::Neighbour> neighbours = map_.Neighbours(entry.id, Map::kParent);
@@ -222,7 +222,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     *reason = "the map is only localised in (mapping.localise_only)";
     return false;
   }
-  *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, bent_version_}, map_);
+  *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, structural_version_}, map_);
   if (!reason->empty()) return false;
   MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);
   if (closure.kind == LoopClosure::Kind::kLoop) {
@@ -240,7 +240,7 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
 }
 
 void Mapper::CloseLoop(const LoopClosure& closure) {
-  bent_version_ = version_ + 1;
+  structural_version_ = version_ + 1;
   std::vector<LoopSides> sides;
   for (const LoopEdge& edge : EdgesInMap(closure, map_)) {
     map_.Add(edge);
@@ -264,7 +264,7 @@ bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
 }
 
 void Mapper::Cull() {
-  trial_.Judge(options_.culling, map_);
+  recent_landmarks_.Cull(options_.culling, map_);
   std::vector<int64_t> candidates;
   for (const Map::Neighbour& neighbour : map_.Neighbours(next_keyframe_id_ - 1, options_.window.min_shared)) {
     if (!IsAmongNewest(*map_.FindKeyframe(neighbour.keyframe_id))) candidates.push_back(neighbour.keyframe_id);
@@ -292,7 +292,7 @@ void Mapper::Sign(MapUpdate& update) const {
   const auto newest = sessions_.find(newest_session_);
   update.session_keyframe_id = newest == sessions_.end() ? -1 : newest->second.session_keyframe_id;
   update.t_ns = newest_t_ns_;
-  update.settled = settled_;
+  update.committed = committed_;
   update.adjustment = figures_;
 }
 
@@ -314,36 +314,36 @@ int Contradicting(const Association& a, const Association& b) {
          2 * std::transform_reduce(a.lines.begin(), a.lines.end(), b.lines.begin(), 0, std::plus<>(), differ);
 }
 
-template <class Kind>
-void DropFarOf(const Map& map, const std::vector<typename Kind::Feature>& features, const SE3& T_kf_w,
+template <class Type>
+void DropFarOf(const Map& map, const std::vector<typename Type::Feature>& features, const SE3& T_kf_w,
                const StereoCamera& camera, std::vector<int64_t>& association) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
-    const auto& landmark = *Kind::Find(map, association[i]);
+    const auto& landmark = *Type::Find(map, association[i]);
     if (!IsNear(landmark, features[i], T_kf_w, camera)) association[i] = -1;
   }
 }
 
-// Claims that no pose confirms hold only where the landmark should appear near the feature.
+// Associations that no pose confirms hold only where the landmark should appear near the feature.
 void DropFar(const Map& map, const StereoFeatures& features, const SE3& T_w_kf, const StereoCamera& camera,
              Association& association) {
   const SE3 T_kf_w = T_w_kf.Inverse();
-  DropFarOf<PointKind>(map, features.points, T_kf_w, camera, association.points);
-  DropFarOf<LineKind>(map, features.lines, T_kf_w, camera, association.lines);
+  DropFarOf<PointType>(map, features.points, T_kf_w, camera, association.points);
+  DropFarOf<LineType>(map, features.lines, T_kf_w, camera, association.lines);
 }
 
 // The keyframe that sees most of the landmarks; there are some.
 int64_t MostSeen(const Association& association, const Map& map) {
   std::map<int64_t, int> counts;
-  CountKeyframes<PointKind>(association.points, map, counts);
-  CountKeyframes<LineKind>(association.lines, map, counts);
+  CountKeyframes<PointType>(association.points, map, counts);
+  CountKeyframes<LineType>(association.lines, map, counts);
   return MostCounted(counts, 1).front();
 }
 
-template <class Kind>
+template <class Type>
 void ForgetGone(const Map& map, std::vector<int64_t>& ids) {
   for (int64_t& id : ids) {
-    if (id >= 0 && Kind::Find(map, id) == nullptr) id = -1;
+    if (id >= 0 && Type::Find(map, id) == nullptr) id = -1;
   }
 }
 
@@ -368,7 +368,8 @@ bool Mapper::Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& a
   return pose.has_value();
 }
 
-// From where the keyframe should be, or from anywhere if most of what the tracker claims to see cannot be seen from there.
+// From where the keyframe should be, or from anywhere if most of what the tracker from_tracker to see cannot be seen
+// from there.
 void Mapper::Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association) {
   const Association given = TrackerLandmarks::Given(keyframe, map_);
   if (Contradicting(given, association) >= kRecognisedWeight) {
@@ -377,18 +378,18 @@ void Mapper::Place(const Keyframe& keyframe, MapKeyframe& entry, Association& as
     const bool agrees = Refine(keyframe, unused, there) && 2 * there.Weight() >= given.Weight();
     if (!agrees && Relocate(keyframe, given, entry, association)) return;
   }
-  const Association claims = association;
-  const bool agrees = Refine(keyframe, entry, association) && 2 * association.Weight() >= claims.Weight();
-  if (agrees || Relocate(keyframe, claims, entry, association)) return;
+  const Association from_tracker = association;
+  const bool agrees = Refine(keyframe, entry, association) && 2 * association.Weight() >= from_tracker.Weight();
+  if (agrees || Relocate(keyframe, from_tracker, entry, association)) return;
   DropFar(map_, keyframe.features, entry.T_w_kf, camera_, association);
 }
 
-bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry,
+bool Mapper::Relocate(const Keyframe& keyframe, const Association& from_tracker, MapKeyframe& entry,
                       Association& association) {
-  if (claims.Weight() < kRecognisedWeight) return false;
-  Association found = claims;
-  const auto pose =
-      FindPose(map_, keyframe.features, camera_, options_.localisation.motion, (claims.Weight() + 1) / 2, found);
+  if (from_tracker.Weight() < kRecognisedWeight) return false;
+  Association found = from_tracker;
+  const auto pose = FindPose(map_, keyframe.features, camera_, options_.localisation.motion,
+                             (from_tracker.Weight() + 1) / 2, found);
   if (!pose) return false;
   association = found;
   const MapKeyframe& seen = *map_.FindKeyframe(MostSeen(association, map_));
@@ -397,8 +398,8 @@ bool Mapper::Relocate(const Keyframe& keyframe, const Association& claims, MapKe
   return true;
 }
 
-// The landmarks are of a part of the map that nothing has tied to the keyframe before: it lies elsewhere than the tracker's
-// motion says, which is right as long as the tracker was not lost.
+// The landmarks are of a part of the map that nothing has tied to the keyframe before: it lies elsewhere than the
+// tracker's motion says, which is right as long as the tracker was not lost.
 void Mapper::BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry) {
   if (entry.previous_id < 0 || keyframe.state == kRecovered || association.Weight() < kMinWeight) return;
   const SE3 T_w_predicted = map_.FindKeyframe(entry.previous_id)->T_w_kf * entry.T_prevkf_kf;
@@ -417,11 +418,11 @@ void Mapper::BringTogether(const Keyframe& keyframe, Association& association, M
     poses[id] = T_w_fixed * (T_w_moving.Inverse() * map_.FindKeyframe(id)->T_w_kf);
   }
   MoveKeyframes(poses, features_, camera_, map_);
-  bent_version_ = version_ + 1;
+  structural_version_ = version_ + 1;
   entry.T_w_kf = T_w_fixed;
-  // A landmark goes when the move leaves it no sight that can be.
-  ForgetGone<PointKind>(map_, association.points);
-  ForgetGone<LineKind>(map_, association.lines);
+  // A landmark goes when the move leaves it no observation that can be.
+  ForgetGone<PointType>(map_, association.points);
+  ForgetGone<LineType>(map_, association.lines);
 }
 
 void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const {

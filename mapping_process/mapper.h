@@ -9,7 +9,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/io/maps/map_file.h"
 #include "core/map/keyframe.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
 #include "core/run/tracking_state.h"
@@ -34,13 +34,15 @@ class Mapper {
   /// Goes on exactly where another one was: the same calls give the same bits from here on.
   Mapper(const StereoCamera& camera, const MappingOptions& options, MapperState state);
 
-  /// Joins a keyframe to the map: pose among the landmarks it shows, sights, new landmarks, duplicates (§V.A). Keyframes
-  /// of one session come in order; one that came before is ignored. A session that starts while there is a map
-  /// is joined to it where its first keyframe shows landmarks that the map gave its tracker, or is recognised among the
-  /// newest keyframes, and else begins at the place of the newest one without connection (no parent, none before).
+  /// Joins a keyframe to the map: pose among the landmarks it shows, observations, new landmarks, duplicates (§V.A).
+  /// Keyframes of one session come in order; one that came before is ignored. A session that starts while there is a
+  /// map is joined to it where its first keyframe shows landmarks that the map gave its tracker, or is recognised
+  /// among the newest keyframes, and else begins at the place of the newest one without connection (no parent, none
+  /// before).
   ///
-  /// A keyframe that the map's own landmarks place elsewhere than the motion since the one before (its tracker was lost and has been found
-  /// again) lies where they say. If that ties two parts of the map that nothing connected, the younger is moved to fit.
+  /// A keyframe that the map's own landmarks place elsewhere than the motion since the one before (its tracker was
+  /// lost and has been found again) lies where they say. If that ties two parts of the map that nothing connected,
+  /// the younger is moved to fit.
   ///
   /// False where the keyframe was ignored; `reason` says why.
   bool Insert(const Keyframe& keyframe, std::string* reason);
@@ -51,23 +53,23 @@ class Mapper {
   /// Takes out landmarks that did not prove themselves, and redundant keyframes.
   void Cull();
 
-  /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move with
-  /// them. Of a loop, its edges become part of the map, the landmarks of both sides that are the same become one, more
-  /// of these are searched, and the map is adjusted around it. After an adjustment of the whole map, landmarks are placed
-  /// anew as the keyframes see them. kNone does nothing. False, and nothing done, where it cannot be one of this map;
-  /// `reason` says why.
+  /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move
+  /// with them. Of a loop, its edges become part of the map, the landmarks of both sides that are the same become
+  /// one, more of these are searched, and the map is adjusted around it. After an adjustment of the whole map,
+  /// landmarks are placed anew as the keyframes see them. kNone does nothing. False, and nothing done, where it
+  /// cannot be one of this map; `reason` says why.
   bool Correct(const LoopClosure& closure, std::string* reason);
 
   /// Nothing more is to be said about the newest keyframe; until the next `Insert`, updates carry that.
-  void Settle() { settled_ = true; }
+  void Commit() { committed_ = true; }
 
   /// What has changed since the last one; `version` counts up from 1.
   MapUpdate TakeUpdate();
   /// All of the map at the version of the last update.
   MapUpdate Whole() const;
 
-  /// All that is needed to go on with new sessions, but for `rig`. Landmarks on trial are acquitted, here too: so this mapper
-  /// and one that goes on from what was stored make the same of the same new sessions.
+  /// All that is needed to go on with new sessions, but for `rig`. Recent landmarks are accepted, here too: so this
+  /// mapper and one that goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
   /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
   MapperState State() const;
@@ -98,7 +100,8 @@ class Mapper {
   void Join(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
   bool Refine(const Keyframe& keyframe, MapKeyframe& entry, Association& association) const;
   void Place(const Keyframe& keyframe, MapKeyframe& entry, Association& association);
-  bool Relocate(const Keyframe& keyframe, const Association& claims, MapKeyframe& entry, Association& association);
+  bool Relocate(const Keyframe& keyframe, const Association& from_tracker, MapKeyframe& entry,
+                Association& association);
   void BringTogether(const Keyframe& keyframe, Association& association, MapKeyframe& entry);
   void Withdraw(const Keyframe& keyframe);
   void Put(const Keyframe& keyframe, const MapKeyframe& entry, const Association& association);
@@ -113,7 +116,7 @@ class Mapper {
   Map map_;
   KeyframeFeatures features_;
   TrackerLandmarks tracker_;
-  Trial trial_;
+  RecentLandmarks recent_landmarks_;
   LandmarkIds landmark_ids_;
   int64_t next_keyframe_id_ = 0;
   std::map<int64_t, Session> sessions_;
@@ -121,8 +124,8 @@ class Mapper {
   int64_t newest_t_ns_ = 0;
   int64_t version_ = 0;
   /// The first version that has the last loop in it, or the last that brought two parts together.
-  int64_t bent_version_ = 0;
-  bool settled_ = false;
+  int64_t structural_version_ = 0;
+  bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;
 };

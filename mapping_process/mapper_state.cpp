@@ -21,7 +21,7 @@ void Fields(Archive& a, T& f) {
 /// All but the map, whose bytes are those of a map file.
 template <class Archive, Is<MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.trial, state.tracker, state.figures, state.settled, state.bent_version);
+  a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version);
 }
 
 }  // namespace archive

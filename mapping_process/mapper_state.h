@@ -12,22 +12,23 @@
 
 namespace plslam {
 
-/// Everything that a `Mapper` knows as of its last update: one that is made of it goes on with the same bits. What a saved
-/// map leaves out is of the running sessions only: landmarks on trial, and which landmarks of the tracker became which.
+/// Everything that a `Mapper` knows as of its last update: one that is made of it goes on with the same bits. What a
+/// saved map leaves out is of the running sessions only: recent landmarks, and which landmarks of the tracker became
+/// which.
 struct MapperState {
   StoredMap stored;
-  Trial trial;
+  RecentLandmarks recent_landmarks;
   TrackerLandmarks tracker;
   AdjustmentFigures figures;
-  uint8_t settled = 0;  ///< 1: nothing more is to be said about the newest keyframe
+  uint8_t committed = 0;  ///< 1: nothing more is to be said about the newest keyframe
   /// Adjustments of the map as it was before this version are refused (`WhyNotOfMap`).
-  int64_t bent_version = 0;
+  int64_t structural_version = 0;
 };
 
 /// The same state gives the same bytes. Throws std::runtime_error where its map breaks what `DecodeMap` demands.
 std::vector<uint8_t> EncodeState(const MapperState& state);
-/// Throws std::runtime_error, in a sentence, for bytes that are none. What is said of landmarks that the map does not have
-/// counts for nothing.
+/// Throws std::runtime_error, in a sentence, for bytes that are none. What is said of landmarks that the map does not
+/// have counts for nothing.
 MapperState DecodeState(std::span<const uint8_t> bytes);
 
 /// A sealed file (core/io/files/sealed_file.h), for programs of this version only. Errors name the file.

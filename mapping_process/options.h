@@ -30,10 +30,10 @@ struct WindowOptions {
   int max_points = 600;
   /// The same of lines.
   int max_lines = 200;
-  /// Sights of adjusted points, of each as many as the window may hold: fewer points where each is seen often.
-  int max_point_sights = 4000;
+  /// Observations of adjusted points, of each as many as the window may hold: fewer points where each is seen often.
+  int max_point_observations = 4000;
   /// The same of lines.
-  int max_line_sights = 1300;
+  int max_line_observations = 1300;
   /// Landmarks that a neighbour shares with the new keyframe.
   int min_shared = 15;
   /// Deviation of the tracker's motion between keyframes, relative to what the tracker says of it.
@@ -43,11 +43,11 @@ struct WindowOptions {
 /// What is taken out of the map again.
 struct CullingOptions {
   /// Keyframes after which a new landmark is judged.
-  int trial_keyframes = 3;
-  int min_sights = 3;
+  int recent_keyframes = 3;
+  int min_observations = 3;
   double redundant_share = 0.9;
   /// How many others must see a landmark for that.
-  int redundant_sights = 5;
+  int redundant_observations = 5;
 };
 
 /// What loop_process says.
@@ -66,7 +66,8 @@ struct MappingOptions {
   LoopUseOptions loops;
   std::string map_file;
   bool localise_only = false;
-  /// What is needed to go on exactly where a crash was, written now and then. Empty: all is built anew from the history.
+  /// What is needed to go on exactly where a crash was, written now and then. Empty: all is built anew from the
+  /// history.
   std::string state_file;
   int state_every = 100;
 };
@@ -79,7 +80,7 @@ void VisitFields(Visitor& visit, WindowOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CullingOptions& o) {
-  visit("min_sights", o.min_sights, Bounds{1, 1000}, "keyframes that must see it by then");
+  visit("min_observations", o.min_observations, Bounds{1, 1000}, "keyframes that must see it by then");
   visit("redundant_share", o.redundant_share, Bounds{0.1, 1.01},
         "share of a keyframe's landmarks that others see as well, at which it goes; above 1: never");
 }

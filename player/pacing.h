@@ -30,8 +30,8 @@ struct ResumePoint {
 ResumePoint ParseResumePoint(const std::string& text);
 std::string ToText(const ResumePoint& point);
 
-/// Frames in the order in which they are played, with continuing times: a pass over the dataset after another follows at
-/// the mean distance of frames; on the way back (`bounce`) times go on by the same distances.
+/// Frames in the order in which they are played, with continuing times: a pass over the dataset after another follows
+/// at the mean distance of frames; on the way back (`bounce`) times go on by the same distances.
 class PlayOrder {
  public:
   struct Item {

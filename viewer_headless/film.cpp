@@ -94,8 +94,8 @@ void Film::Write(const FramePose& pose, const cv::Mat& picture) {
     shown_ = 0.0;
   }
   t_ns_ = pose.t_ns;
-  // Each stands at its time, so that the film takes the time that the run took: one for those that did not come before it, and
-  // none where the next comes in the same slot.
+  // Each stands at its time, so that the film takes the time that the run took: one for those that did not come
+  // before it, and none where the next comes in the same slot.
   const double due = std::round(1e-9 * static_cast<double>(t_ns_ - began_ns_) * rate_hz_) + 1.0;
   const double pictures = std::clamp(due - shown_, 0.0, kLongestStill);
   for (int i = 0; i < static_cast<int>(pictures); ++i) video_->Add(picture);

@@ -14,8 +14,8 @@
 
 namespace plslam {
 
-/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then, with the path
-/// so far in it.
+/// The film of a run: what the camera sees with its features, and beside it the map from above as it was then, with
+/// the path so far in it.
 class Film {
  public:
   explicit Film(std::string path) : path_(std::move(path)), program_(StartFilm(path_)) {}
@@ -26,10 +26,11 @@ class Film {
 
   /// Pictures a second of the camera, before the first picture; without that, or with 0, the first two pictures tell.
   void SetRate(double camera_rate_hz) { camera_rate_hz_ = camera_rate_hz; }
-  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and `Finish` says it again.
+  /// `overlay` as DrawOverlay draws it. Where nothing can be written the log says so, once, and `Finish` says it
+  /// again.
   void Add(const FramePose& pose, const cv::Mat& overlay, const Map& map);
-  /// No more pictures: puts the film in place, and says in the log what there is. Throws std::runtime_error where there is no
-  /// film.
+  /// No more pictures: puts the film in place, and says in the log what there is. Throws std::runtime_error where
+  /// there is no film.
   void Finish();
 
  private:

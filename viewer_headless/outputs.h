@@ -10,8 +10,9 @@
 
 namespace plslam {
 
-/// What the files say, as values; l is the left camera as calibrated. Frames with state lost have no pose of their own
-/// and are left out everywhere but in `poses.csv`. A frame whose time is not after the one before is left out too.
+/// What the files say, as values; l is the left camera as calibrated. Frames with state lost have no pose of their
+/// own and are left out everywhere but in `poses.csv`. A frame whose time is not after the one before is left out
+/// too.
 struct RunTrajectories {
   Trajectory all;        ///< T_w_l of every frame in the map as it is at the end (FinalPoses)
   Trajectory live;       ///< of the same frames as it was published with them
@@ -19,7 +20,8 @@ struct RunTrajectories {
   Trajectory truth;      ///< true T_w_l
   /// Of `all`, of the right perturbation in l.
   std::vector<PoseCovariance> covariances;
-  /// Of the motion between neighbours of `all` that are neighbours in the recording too, at the time of the later one.
+  /// Of the motion between neighbours of `all` that are neighbours in the recording too, at the time of the later
+  /// one.
   std::vector<PoseCovariance> motion_covariances;
 };
 
@@ -32,8 +34,8 @@ std::string PosesCsv(const Recorder& recorder);
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
 
-/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each: a sentence for each that could not
-/// be written comes back.
+/// Writes all files of docs/viewer.md but the pictures, each whole or not at all. Tries each: a sentence for each
+/// that could not be written comes back.
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c);
 

@@ -29,11 +29,11 @@ struct OverlayFeatures {
   std::vector<OverlaySegment> segments;
 };
 
-/// The image in grey with the features on it, and below it a bar with the caption and the key of the colours; 8-bit BGR.
-/// Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles coloured by
-/// disparity (red near, blue far; what is on a moving body is white), small ones with age 0, grey ones without depth. Features with coordinates that are
-/// not finite or far outside are left out. `image` is 8-bit grey. It is shaded where `mask` is 0: no features are taken there; an
-/// empty one is that of a camera that uses all.
+/// The image in grey with the features on it, and below it a bar with the caption and the key of the colours; 8-bit
+/// BGR. Segments are thick and coloured by age, those without depth thin, grey and dashed; points are circles
+/// coloured by disparity (red near, blue far; what is on a moving body is white), small ones with age 0, grey ones
+/// without depth. Features with coordinates that are not finite or far outside are left out. `image` is 8-bit grey.
+/// It is shaded where `mask` is 0: no features are taken there; an empty one is that of a camera that uses all.
 cv::Mat DrawOverlay(const cv::Mat& image, const OverlayFeatures& features, const std::string& caption,
                     const cv::Mat& mask = cv::Mat());
 

@@ -26,8 +26,9 @@ class OverlayQueue {
 
   bool Wants(int64_t frame_id) const { return every_ > 0 && frame_id >= 0 && frame_id % every_ == 0; }
 
-  /// Each adds one part of a wanted frame (others are ignored). Of frames that stay incomplete the oldest are dropped: 1024
-  /// wait at most, with 64 MB of images. The right image comes with the left one, where somebody has a use for it.
+  /// Each adds one part of a wanted frame (others are ignored). Of frames that stay incomplete the oldest are
+  /// dropped: 1024 wait at most, with 64 MB of images. The right image comes with the left one, where somebody has a
+  /// use for it.
   void AddImage(int64_t frame_id, const cv::Mat& image, const cv::Mat& right = {});
   void AddFeatures(int64_t frame_id, OverlayFeatures features);
   /// Once for each frame.

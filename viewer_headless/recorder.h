@@ -75,9 +75,9 @@ struct TruthRecord {
   SE3 T_w_l;
 };
 
-/// Everything that is worth keeping of a run, in order of frames. Messages may come in any order and more than once; of
-/// two poses of a frame the later one counts (a tracker that is started again says some again). Poses that are not finite,
-/// states that do not exist and negative frames are refused.
+/// Everything that is worth keeping of a run, in order of frames. Messages may come in any order and more than once;
+/// of two poses of a frame the later one counts (a tracker that is started again says some again). Poses that are not
+/// finite, states that do not exist and negative frames are refused.
 class Recorder {
  public:
   /// False where it is refused.
@@ -103,7 +103,8 @@ class Recorder {
   const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   int64_t keyframes() const { return keyframes_; }
-  /// What became of the frames so far. Those sent and not answered count once the run `is_over`: before that they are on their way.
+  /// What became of the frames so far. Those sent and not answered count once the run `is_over`: before that they are
+  /// on their way.
   FrameTally Tally(bool is_over) const;
 
  private:

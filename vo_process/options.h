@@ -14,11 +14,11 @@ struct LandmarkOptions {
   double line_model_sigma_px = 0.1;
   /// Largest factor of the deviations of points where lines show that they are too small; 1 leaves them.
   double max_point_scale = 16.0;
-  /// Largest deviation of a disparity, relative, with which a landmark is founded.
+  /// Largest deviation of a disparity, relative, with which a landmark is created.
   double max_relative_depth_sigma = 0.3;
-  /// Growth of a landmark's covariance before each new sight of it.
+  /// Growth of a landmark's covariance before each new observation of it.
   double forgetting = 1.02;
-  /// Frames out of sight after which it is dropped.
+  /// Frames out of view after which it is dropped.
   int max_unseen_frames = 30;
   /// Frames it should have been seen in but was not, then dropped.
   int max_missed = 8;
@@ -94,7 +94,7 @@ struct KeyframeOptions {
   int max_frames = 40;
   double known_share = 0.5;
   /// Keyframes that see a landmark that the map knows well.
-  int known_sights = 6;
+  int known_observations = 6;
   std::string measurements = "mean";
 };
 

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Whether covariances fit the errors: NEES x^T C^-1 x of the error x with T_true = T * Exp(x) (Bar-Shalom et al. 2001,
-/// §5.4). With honest covariances it has mean 6.
+/// Whether covariances fit the errors: NEES x^T C^-1 x of the error x with T_true = T * Exp(x) (Bar-Shalom et al.
+/// 2001, §5.4). With honest covariances it has mean 6.
 struct Consistency {
   int n = 0;
   int singular = 0;  ///< left out: no positive definite covariance
@@ -20,14 +20,15 @@ struct Consistency {
   double upper_bound = 0.0;
 };
 
-/// Of the pose since the first pair that has a covariance: both trajectories are made equal there, and its covariance,
-/// carried along, is taken off the later ones. Errors of successive poses are correlated, so the mean scatters more
-/// than the bounds say.
+/// Of the pose since the first pair that has a covariance: both trajectories are made equal there, and its
+/// covariance, carried along, is taken off the later ones. Errors of successive poses are correlated, so the mean
+/// scatters more than the bounds say.
 Consistency PoseConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances);
 
-/// Of the motion over `span` frames, from each estimated pose that is followed by so many; the covariances of its steps are composed as a
-/// filter does, which takes them as independent. `covariances` belong to the motion that ends at their time; a span with a pose without
-/// a row is passed over. Spans that share no frame are as good as independent, and the bounds count those.
+/// Of the motion over `span` frames, from each estimated pose that is followed by so many; the covariances of its
+/// steps are composed as a filter does, which takes them as independent. `covariances` belong to the motion that ends
+/// at their time; a span with a pose without a row is passed over. Spans that share no frame are as good as
+/// independent, and the bounds count those.
 Consistency MotionConsistency(const PosePairs& pairs, const std::vector<PoseCovariance>& covariances,
                               size_t span = 1);
 

@@ -85,9 +85,11 @@ class Bus {
 
   /// Blocks until every such reader has everything sent, or the time is over. True if they have.
   bool Flush(std::chrono::milliseconds limit);
-  /// The same, and those who have fallen silent, too: a cable may be out, and whoever ends now cannot tell them any more.
+  /// The same, and those who have fallen silent, too: a cable may be out, and whoever ends now cannot tell them any
+  /// more.
   bool FlushToSilent(std::chrono::milliseconds limit);
-  /// Grows whenever some reader has acknowledged more than before: who waits for all of them sees whether they get on.
+  /// Grows whenever some reader has acknowledged more than before: who waits for all of them sees whether they get
+  /// on.
   int64_t acknowledged() const;
 
   BusCounters counters() const;
@@ -102,15 +104,16 @@ class Bus {
   int64_t largest_message_bytes() const;
 
   /// For assemblers of pages and strips: `take` gets the checked bytes of each message (without MAC) on the receiving
-  /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back while
-  /// `ready` is false (ask again comes within milliseconds). kAsItComes: every message, in the order of arrival, also
-  /// of kLatest channels. kPaced: the same, acknowledged, so that the publisher does not outrun us by much.
+  /// thread; it must be quick and must not publish. kOrdered: in order, repaired and acknowledged, and held back
+  /// while `ready` is false (ask again comes within milliseconds). kAsItComes: every message, in the order of
+  /// arrival, also of kLatest channels. kPaced: the same, acknowledged, so that the publisher does not outrun us by
+  /// much.
   enum class Reading { kOrdered, kAsItComes, kPaced };
   void SubscribeBytes(const Channel& channel, Reading reading, std::function<bool()> ready,
                       std::function<void(std::span<const uint8_t>)> take);
 
-  /// For recorders, before any other subscription: the raw bytes of every message that no other subscription is for, on
-  /// the receiving thread, unchecked.
+  /// For recorders, before any other subscription: the raw bytes of every message that no other subscription is for,
+  /// on the receiving thread, unchecked.
   void SubscribeRest(std::function<void(std::string_view wire_name, std::span<const uint8_t>)> take);
 
   /// Counts a message whose content turned out to be nonsense.

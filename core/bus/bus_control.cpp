@@ -24,8 +24,9 @@ const Channel* FindChannel(std::string_view name) {
 
 }  // namespace
 
-/// Whether a request or announcement that came as `wire_name` can speak of our channel. Members called `channel` hold names
-/// without prefix: what comes under the map's may be about the same channel of another robot, or of the map's owner.
+/// Whether a request or announcement that came as `wire_name` can speak of our channel. Members called `channel` hold
+/// names without prefix: what comes under the map's may be about the same channel of another robot, or of the map's
+/// owner.
 bool Bus::Impl::IsAbout(const Channel& channel, std::string_view wire_name, const Channel& control) const {
   const std::string& prefix = PrefixOf(channel.scope);
   return wire_name.size() == prefix.size() + control.name.size() && wire_name.starts_with(prefix);

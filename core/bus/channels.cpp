@@ -5,10 +5,24 @@
 namespace plslam::bus {
 
 std::span<const Channel> Channels() {
-  static constexpr std::array kRows = {kCamera,     kStream,        kStereoFrame, kStereoFrameLive, kGroundTruth,
-                                       kPose,       kTracks,        kTracksLive,  kKeyframe,        kMapUpdate,
-                                       kMapRequest, kLoopClosure,   kWhereAmI,    kRelocalisation,  kStatus,
-                                       kCommand,    kRepairRequest, kAnnounce};
+  static constexpr std::array kRows = {kCamera,
+                                       kStream,
+                                       kStereoFrame,
+                                       kStereoFrameLive,
+                                       kGroundTruth,
+                                       kPose,
+                                       kTracks,
+                                       kTracksLive,
+                                       kKeyframe,
+                                       kMapUpdate,
+                                       kMapRequest,
+                                       kLoopClosure,
+                                       kRelocalisationRequest,
+                                       kRelocalisation,
+                                       kStatus,
+                                       kCommand,
+                                       kRepairRequest,
+                                       kAnnounce};
   return kRows;
 }
 

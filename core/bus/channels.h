@@ -79,16 +79,17 @@ inline constexpr Channel kLoopClosure{
     "loop",          Delivery::kEvery,
     Retention::kAll, "loops found and corrections of the map, by pages; every keyframe is answered",
     Scope::kMap};
-inline constexpr Channel kWhereAmI{"WHERE_AM_I",
-                                   "keyframe_t",
-                                   "vo",
-                                   Delivery::kEvery,
-                                   Retention::kUnacknowledged,
-                                   "features of a frame whose place in the map is asked for, by pages",
-                                   Scope::kMap};
-inline constexpr Channel kRelocalisation{"RELOCALISATION", "relocalisation_t",         "loop",
-                                         Delivery::kEvery, Retention::kUnacknowledged, "answers to WHERE_AM_I",
-                                         Scope::kMap};
+inline constexpr Channel kRelocalisationRequest{"RELOCALISATION_REQUEST",
+                                                "keyframe_t",
+                                                "vo",
+                                                Delivery::kEvery,
+                                                Retention::kUnacknowledged,
+                                                "features of a frame whose place in the map is asked for, by pages",
+                                                Scope::kMap};
+inline constexpr Channel kRelocalisation{
+    "RELOCALISATION", "relocalisation_t",         "loop",
+    Delivery::kEvery, Retention::kUnacknowledged, "answers to RELOCALISATION_REQUEST",
+    Scope::kMap};
 inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Delivery::kLatest, Retention::kNone, "health of each process, at 1 Hz",
                                  Scope::kFromMap};

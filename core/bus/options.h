@@ -23,8 +23,8 @@ struct BusOptions {
   std::string history_dir;
   /// Longest time that publishing waits for a slow reader; then the reader is left to repair until it has caught up.
   int64_t max_wait_ms = 1000;
-  /// How long a publisher that has fallen silent is waited for (a link may be cut) before the gaps in what came from it are
-  /// given up. Publishers keep messages twice as long for readers that have fallen silent.
+  /// How long a publisher that has fallen silent is waited for (a link may be cut) before the gaps in what came from
+  /// it are given up. Publishers keep messages twice as long for readers that have fallen silent.
   double give_up_s = 30.0;
   /// What an ordered channel keeps in memory for repair; more goes to disk (kAll) or is forgotten (kUnacknowledged).
   int64_t history_bytes = 32'000'000;

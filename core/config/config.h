@@ -17,8 +17,8 @@ class ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// One YAML file (or none) plus `key=value` overrides, with dotted keys ("vo.features.orb.max_points=800"). The first level
-/// of the file are sections, one for each process or shared part: `bus:`, `vo:`, `player:`, `viewer:`.
+/// One YAML file (or none) plus `key=value` overrides, with dotted keys ("vo.features.orb.max_points=800"). The first
+/// level of the file are sections, one for each process or shared part: `bus:`, `vo:`, `player:`, `viewer:`.
 ///
 /// Strict: duplicate keys, wrong types, values out of bounds and keys that no option struct of their section has are
 /// `ConfigError`s. Sections of other processes are not looked at, so that one file serves all processes.

@@ -12,7 +12,8 @@
 namespace plslam {
 namespace {
 
-/// Puts the whole of `text` into `value` as a number. invalid_argument: it is none; result_out_of_range: too large for the type.
+/// Puts the whole of `text` into `value` as a number. invalid_argument: it is none; result_out_of_range: too large
+/// for the type.
 template <class T>
 std::errc ParseNumber(const std::string& text, T* value) {
   const char* first = text.data();

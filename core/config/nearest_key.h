@@ -10,9 +10,9 @@ namespace plslam {
 /// alignment distance).
 int EditDistance(std::string_view a, std::string_view b);
 
-/// The key of `known`, or the group of keys of as many parts as `key`, that a person who wrote `key` will have meant. Dotted keys
-/// are compared part by part; a part that is left out costs as much as two wrong letters, one too many as five. The first of
-/// equals; empty where `known` is.
+/// The key of `known`, or the group of keys of as many parts as `key`, that a person who wrote `key` will have meant.
+/// Dotted keys are compared part by part; a part that is left out costs as much as two wrong letters, one too many as
+/// five. The first of equals; empty where `known` is.
 std::string NearestKey(std::string_view key, const std::vector<std::string>& known);
 
 }  // namespace plslam

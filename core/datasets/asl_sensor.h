@@ -11,8 +11,8 @@ namespace plslam {
 /// distortion_model (radial-tangential, equidistant or none), distortion_coefficients. Throws DatasetError.
 CameraCalibration ReadAslCamera(const std::string& path);
 
-/// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0 and cam1, each with T_cam_imu (the inverse of T_BS; for
-/// cam1 T_cn_cnm1, from cam0, does too), distortion_coeffs, and the rest as above. Throws DatasetError.
+/// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0 and cam1, each with T_cam_imu (the inverse of
+/// T_BS; for cam1 T_cn_cnm1, from cam0, does too), distortion_coeffs, and the rest as above. Throws DatasetError.
 std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path);
 
 }  // namespace plslam

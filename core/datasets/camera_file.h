@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Our own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM RGB-D sequence.
-/// Cameras that name no `resolution` get `image_size`. Throws DatasetError.
+/// Our own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM RGB-D
+/// sequence. Cameras that name no `resolution` get `image_size`. Throws DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size);
 
 /// An RGB-D rig from its camera: the right one is a copy of it, moved by the virtual baseline along its x axis.

@@ -79,7 +79,8 @@ void ReadMask(const YamlMap& yaml, CameraCalibration* camera) {
 
 void AddMaskImage(const std::string& path, CameraCalibration* camera) {
   cv::Mat image = ReadGreyImage(path, {camera->width_px, camera->height_px});
-  // With what is left out already in one image: polygons that are drawn one over the other would open it where the other has holes.
+  // With what is left out already in one image: polygons that are drawn one over the other would open it where the
+  // other has holes.
   const cv::Mat before = DrawMask(*camera);
   if (!before.empty()) image.setTo(0, before == 0);
   camera->mask = TraceMask(image);

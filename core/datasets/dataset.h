@@ -26,8 +26,8 @@ class Dataset {
   /// Throws DatasetError where an image is missing, truncated, of the wrong size, or the two differ in size.
   /// `frame_id` is the index.
   virtual StereoImages Read(int index) const = 0;
-  /// Why the pair cannot be there, as far as that is known without reading it: a file is missing, or has no partner. Empty
-  /// otherwise. Cheap.
+  /// Why the pair cannot be there, as far as that is known without reading it: a file is missing, or has no partner.
+  /// Empty otherwise. Cheap.
   virtual std::string Missing(int /*index*/) const { return {}; }
   /// True pose at the time of the pair; nullopt where unknown. Dense ground truth of another sensor is interpolated
   /// and moved to the left camera here.

@@ -19,11 +19,12 @@ Trajectory ReadDatasetTrajectory(const std::string& path, TrajectoryFormat forma
 /// Fails where `row` has not `n` fields; `what` says what they are ("time and file name").
 void RequireColumns(const TextRow& row, size_t n, const char* what);
 
-/// Appends the time in `field`, in units of 10^`decimals` ns (9: seconds), or fails where it is negative or not after the last one.
+/// Appends the time in `field`, in units of 10^`decimals` ns (9: seconds), or fails where it is negative or not after
+/// the last one.
 void AppendTime(const TextRow& row, size_t field, int decimals, std::vector<int64_t>* times_ns);
 
-/// Throws DatasetError where the times of `path` lie apart as those of no camera do, more than 10 s or less than 0.1 ms in the
-/// median: then they are in another unit than 10^`decimals` ns, which the sentence names.
+/// Throws DatasetError where the times of `path` lie apart as those of no camera do, more than 10 s or less than 0.1
+/// ms in the median: then they are in another unit than 10^`decimals` ns, which the sentence names.
 void CheckUnitOfTime(const std::string& path, int decimals, const std::vector<int64_t>& times_ns);
 
 /// One time in seconds a line.
@@ -35,9 +36,9 @@ struct Shots {
   std::vector<std::string> files;
 };
 
-/// The table at `path`, one image a row: its time in units of 10^`decimals` ns (CheckUnitOfTime), which increases, and its file, below
-/// `folder`; names of columns with commas are passed over. Fails where there are none, or where rows do not have these two
-/// columns (called `columns` when they fail).
+/// The table at `path`, one image a row: its time in units of 10^`decimals` ns (CheckUnitOfTime), which increases,
+/// and its file, below `folder`; names of columns with commas are passed over. Fails where there are none, or where
+/// rows do not have these two columns (called `columns` when they fail).
 Shots ReadShots(const std::string& path, const std::string& folder, int decimals, const char* columns);
 
 /// The file of `row.fields[field]`, which must lie below `folder`: no absolute path, no "..".

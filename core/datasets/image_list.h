@@ -29,12 +29,12 @@ struct ImageList {
 };
 
 /// Sets the rate from the median distance in time. Throws DatasetError where the list is empty, the times do not
-/// increase (readers check that earlier, with the line), the rig is not valid (RigComplaint) or of another size than the
-/// images; `calibration_path` is named then.
+/// increase (readers check that earlier, with the line), the rig is not valid (RigComplaint) or of another size than
+/// the images; `calibration_path` is named then.
 std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string& calibration_path);
 
-/// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError where
-/// no pair has one.
+/// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError
+/// where no pair has one.
 ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries);
 
 }  // namespace plslam

@@ -7,15 +7,15 @@
 
 namespace plslam::bus {
 
-/// The stereo stream of an LCM log, made by the stock lcm-logger or by `plslam record`: rig, frames of the lockstep or
-/// the live channel, ground truth. Channels may have a prefix, messages a MAC (which is not checked here), strips may be
-/// repeated or out of order. Of several publishers the one with the most strips counts.
+/// The stereo stream of an LCM log, made by the stock lcm-logger or by `plslam record`: rig, frames of the lockstep
+/// or the live channel, ground truth. Channels may have a prefix, messages a MAC (which is not checked here), strips
+/// may be repeated or out of order. Of several publishers the one with the most strips counts.
 ///
-/// Frames that lack strips are passed over, and of frames whose times do not increase (a camera's clock was set back) as few
-/// as possible; `Notes` says how many.
+/// Frames that lack strips are passed over, and of frames whose times do not increase (a camera's clock was set back)
+/// as few as possible; `Notes` says how many.
 ///
-/// Throws DatasetError naming the file where it cannot be read or has no rig or no whole frames. `Read` of a frame with
-/// malformed strips throws DatasetError naming file and frame.
+/// Throws DatasetError naming the file where it cannot be read or has no rig or no whole frames. `Read` of a frame
+/// with malformed strips throws DatasetError naming file and frame.
 std::unique_ptr<Dataset> OpenLogDataset(const std::string& path);
 
 }  // namespace plslam::bus

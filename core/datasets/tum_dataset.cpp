@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 constexpr int64_t kMaxDepthPairing_ns = 20'000'000;
 constexpr double kDepthUnitsPerM = 5000.0;
 
-// Calibration of the colour cameras as TUM's "file formats" page gives it; 640 x 480 pixels. Depth maps are registered
-// to the colour images. Those of freiburg3 are undistorted.
+// Calibration of the colour cameras as TUM's "file formats" page gives it; 640 x 480 pixels. Depth maps are
+// registered to the colour images. Those of freiburg3 are undistorted.
 struct KnownCamera {
   std::string_view long_name;
   std::string_view short_name;

@@ -10,9 +10,9 @@
 
 namespace plslam {
 
-/// A map of a YAML calibration file, read strictly. Every complaint is a DatasetError `FILE:LINE: KEY...`. Files above
-/// 64 kB, duplicate keys and numbers that are not finite are refused. A first line `%YAML:1.0`, as OpenCV writes it, is
-/// passed over.
+/// A map of a YAML calibration file, read strictly. Every complaint is a DatasetError `FILE:LINE: KEY...`. Files
+/// above 64 kB, duplicate keys and numbers that are not finite are refused. A first line `%YAML:1.0`, as OpenCV
+/// writes it, is passed over.
 class YamlMap {
  public:
   static YamlMap FromFile(const std::string& path);

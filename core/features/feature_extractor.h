@@ -23,8 +23,9 @@ class FeatureExtractor {
   FeatureExtractor(FeatureExtractor&&) noexcept;
   FeatureExtractor& operator=(FeatureExtractor&&) noexcept;
 
-  /// `run_both` may do points and lines at the same time. Where `allowed` (of the size of the image, or empty) is 0 no points are
-  /// taken; lines are, as they may reach out of there. `max_points` is for this image, instead of that of the options.
+  /// `run_both` may do points and lines at the same time. Where `allowed` (of the size of the image, or empty) is 0
+  /// no points are taken; lines are, as they may reach out of there. `max_points` is for this image, instead of that
+  /// of the options.
   ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn, const cv::Mat& allowed = cv::Mat(),
                         std::optional<int> max_points = std::nullopt);
 

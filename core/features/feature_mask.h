@@ -6,8 +6,9 @@
 
 namespace plslam {
 
-/// Where features of a rectified image may be: inside what the camera has seen and the rig does not leave out, and so far from
-/// its border that detectors do not take the border for an edge. Descriptors of coarse octaves and of lines reach farther, and may hold some of its black.
+/// Where features of a rectified image may be: inside what the camera has seen and the rig does not leave out, and so
+/// far from its border that detectors do not take the border for an edge. Descriptors of coarse octaves and of lines
+/// reach farther, and may hold some of its black.
 class FeatureMask {
  public:
   /// `seen` is CV_8UC1 of the size of the image, zero where rectification found nothing or the rig leaves something

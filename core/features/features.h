@@ -49,7 +49,8 @@ struct StereoPoint {
   /// Standard deviations of u and v, and of the disparity.
   double sigma_px = 1.0;
   double sigma_disparity_px = 1.0;
-  /// Row of the match minus row of the left point, as the images tell, and its standard deviation; negative where they do not.
+  /// Row of the match minus row of the left point, as the images tell, and its standard deviation; negative where
+  /// they do not.
   double row_offset_px = 0.0;
   double sigma_row_px = -1.0;
 

@@ -49,7 +49,7 @@ struct LineMatchOptions {
   double max_ratio = 0.85;
 };
 
-/// Stereo matching of both kinds (PL-SLAM §IV.A-B).
+/// Stereo matching of both feature types (PL-SLAM §IV.A-B).
 struct StereoOptions {
   double min_disparity_px = 0.5;
   double max_disparity_px = 256.0;
@@ -65,8 +65,8 @@ struct StereoOptions {
   double point_max_ratio = 0.9;
   /// Normalised correlation of the aligned patches.
   double point_min_correlation = 0.8;
-  /// Also search the row of the right image for the patches of points without a matching corner ("direct"), asking for
-  /// this correlation, and for a second best whose distance to 1 is larger by this factor.
+  /// Also search the row of the right image for the patches of points without a matching corner ("direct"), asking
+  /// for this correlation, and for a second best whose distance to 1 is larger by this factor.
   bool point_direct = true;
   /// Correlation of such a match.
   double point_direct_min_correlation = 0.9;

@@ -19,8 +19,8 @@ uint16_t LoadPair(const uint8_t* pixel) {
   return pair;
 }
 
-/// (32 (1 - wy) (a (1 - wx) + b wx) + ... + 512) / 1024, rounded down, in steps of 16 bits: the vertical difference times
-/// its weight is divided by 32 first, which does not change the result of rounding down twice.
+/// (32 (1 - wy) (a (1 - wx) + b wx) + ... + 512) / 1024, rounded down, in steps of 16 bits: the vertical difference
+/// times its weight is divided by 32 first, which does not change the result of rounding down twice.
 uint8_t Blend(uint16_t above, uint16_t below, int wx, int wy) {
   const auto first = [](uint16_t pair) { return static_cast<int16_t>(pair & 255); };
   const auto second = [](uint16_t pair) { return static_cast<int16_t>(pair >> 8); };

@@ -7,15 +7,15 @@
 
 namespace plslam {
 
-/// A fixed warp of 8-bit images, bilinear at 1/32 pixel: pixel for pixel what cv::remap gives with INTER_LINEAR, in less
-/// than half the time. That is because the coordinates are known beforehand (an address and two weights per pixel),
-/// and because the sums are arranged to fit 16 bits.
+/// A fixed warp of 8-bit images, bilinear at 1/32 pixel: pixel for pixel what cv::remap gives with INTER_LINEAR, in
+/// less than half the time. That is because the coordinates are known beforehand (an address and two weights per
+/// pixel), and because the sums are arranged to fit 16 bits.
 class BilinearWarp {
  public:
   static constexpr int kSubpixels = 32;
 
-  /// Images are `width_px` x `height_px` before and after; pixels are 0 until `SetSource`. Throws std::runtime_error for
-  /// images smaller than 2 x 2.
+  /// Images are `width_px` x `height_px` before and after; pixels are 0 until `SetSource`. Throws std::runtime_error
+  /// for images smaller than 2 x 2.
   BilinearWarp(int width_px, int height_px);
 
   /// Pixel (u, v) of the result shows (x, y) of the image, given in 1/32 pixels within [0, 32 (size - 1)].

@@ -21,7 +21,8 @@ class Distortion {
 
   /// Distorted from undistorted coordinates; nullopt beyond `max_radius`.
   std::optional<Eigen::Vector2d> Distort(const Eigen::Vector2d& xy) const;
-  /// The same, to the last bit, of many points in place (spans of one length), several times faster. NaN where there is nothing.
+  /// The same, to the last bit, of many points in place (spans of one length), several times faster. NaN where there
+  /// is nothing.
   void Distort(std::span<double> x, std::span<double> y) const;
 
   /// Inverse of `Distort` to about 1e-12, by Newton's method; nullopt where no ray reaches that place.

@@ -11,7 +11,8 @@ namespace {
 constexpr double kTolerance_px = 0.5;
 /// Corners are drawn to 1/256 px.
 constexpr int kShift = 8;
-/// No colour of a feature, in overlays or in the picture of rectification; a third of it is enough over dark and bright.
+/// No colour of a feature, in overlays or in the picture of rectification; a third of it is enough over dark and
+/// bright.
 const cv::Scalar kShade(170, 40, 170);
 constexpr double kShadeShare = 0.35;
 
@@ -46,7 +47,8 @@ cv::Mat DrawMask(const CameraCalibration& camera) {
 std::vector<MaskPolygon> TraceMask(const cv::Mat& image) {
   CV_Assert(image.type() == CV_8UC1);
   std::vector<MaskPolygon> polygons;
-  // By turns what is left out, the holes in that, what is left out in these, and so on, each filled without its holes.
+  // By turns what is left out, the holes in that, what is left out in these, and so on, each filled without its
+  // holes.
   cv::Mat area = image == 0;
   for (bool in_use = false; cv::countNonZero(area) > 0; in_use = !in_use) {
     const std::vector<std::vector<cv::Point>> outlines = Outlines(area);

@@ -39,9 +39,9 @@ class RectifiedView {
 /// A rig turned into the ideal pair that everything after works with.
 ///
 /// The x axis of the rectified frame c is the baseline. The only freedom, the turn about it, goes half way between
-/// the two optical axes, so that both images are bent as little as possible. Focal length and principal point are the ones
-/// of the widest view without an empty border at the size of the left image, magnified at most 1.3 times unless the view would
-/// be wider than 100 degrees then (a fisheye of 190 degrees has no rectified image).
+/// the two optical axes, so that both images are bent as little as possible. Focal length and principal point are the
+/// ones of the widest view without an empty border at the size of the left image, magnified at most 1.3 times unless
+/// the view would be wider than 100 degrees then (a fisheye of 190 degrees has no rectified image).
 ///
 /// A pair that is rectified already (all deviations below 0.01 px) passes through untouched: `identity`.
 struct Rectification {
@@ -54,8 +54,9 @@ struct Rectification {
   bool identity = false;
 };
 
-/// Throws std::runtime_error with one sentence that names the values: sizes that differ or are empty, focal lengths or
-/// baselines that are not positive, unknown lens models, cameras above one another, left and right exchanged, cameras that look apart.
+/// Throws std::runtime_error with one sentence that names the values: sizes that differ or are empty, focal lengths
+/// or baselines that are not positive, unknown lens models, cameras above one another, left and right exchanged,
+/// cameras that look apart.
 Rectification Rectify(const RigCalibration& rig);
 
 }  // namespace plslam

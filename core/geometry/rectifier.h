@@ -9,9 +9,9 @@
 
 namespace plslam {
 
-/// Warps the images of a rig into the rectified pair of `camera()`. Bilinear in fixed point (1/32 px), so the result is
-/// the same on every machine. Pixels without a source are 0; `Rectification` says when there are any.
-/// A pair that is rectified already passes through untouched and uncopied (the result shares the input's pixels).
+/// Warps the images of a rig into the rectified pair of `camera()`. Bilinear in fixed point (1/32 px), so the result
+/// is the same on every machine. Pixels without a source are 0; `Rectification` says when there are any. A pair that
+/// is rectified already passes through untouched and uncopied (the result shares the input's pixels).
 class Rectifier {
  public:
   /// Throws std::runtime_error as `Rectify(rig)` does.

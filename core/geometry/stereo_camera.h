@@ -5,7 +5,8 @@
 
 namespace plslam {
 
-/// A rectified stereo pair: one focal length, one principal point, the right camera `baseline_m` along +x of the left.
+/// A rectified stereo pair: one focal length, one principal point, the right camera `baseline_m` along +x of the
+/// left.
 ///
 /// Camera frame c: x right, y down, z forward. A stereo measurement is (u, v, d): left pixel and disparity
 /// d = u_left - u_right = f b / Z. Pixel centres have integer coordinates.
@@ -19,8 +20,8 @@ struct StereoCamera {
 
   double FocalBaseline() const { return f_px * baseline_m; }
   double Depth(double disparity_px) const { return FocalBaseline() / disparity_px; }
-  /// A disparity of four focal lengths: nearer than anything that a pair can see. Relative to the baseline, so that a rig of
-  /// millimetres sees what one of metres does.
+  /// A disparity of four focal lengths: nearer than anything that a pair can see. Relative to the baseline, so that a
+  /// rig of millimetres sees what one of metres does.
   double MinDepth() const { return std::max(1e-6, 0.25 * baseline_m); }
 
   /// Left pixel of a point in front of the camera (z > 0 is the caller's duty).

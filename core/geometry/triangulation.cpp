@@ -16,7 +16,8 @@ Eigen::Matrix3d Symmetric(const Eigen::Matrix3d& m) { return 0.5 * (m + m.transp
 
 bool IsFinite(const Gaussian3& g) { return g.mean.allFinite() && g.covariance.allFinite(); }
 
-// Covariance of a backprojected endpoint whose image error is `sigma_px` across and `sigma_along_px` along `direction`.
+// Covariance of a backprojected endpoint whose image error is `sigma_px` across and `sigma_along_px` along
+// `direction`.
 Eigen::Matrix3d EndpointCovariance(const StereoCamera& camera, const Eigen::Vector3d& uvd,
                                    const Eigen::Vector2d& direction, double sigma_px, double sigma_along_px,
                                    double disparity_slope, double sigma_disparity_px) {

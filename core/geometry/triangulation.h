@@ -26,32 +26,32 @@ Gaussian3 TriangulatePoint(const StereoCamera& camera, const Eigen::Vector3d& uv
 Segment3 BackprojectSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                             double disparity_q_px);
 
-/// The same with covariances. `sigma_px` is the deviation of an endpoint in the image across the segment; along it the
-/// endpoint slides by `sigma_along_px`, as detectors cut the same edge at different places.
+/// The same with covariances. `sigma_px` is the deviation of an endpoint in the image across the segment; along it
+/// the endpoint slides by `sigma_along_px`, as detectors cut the same edge at different places.
 UncertainSegment3 TriangulateSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                                      double disparity_q_px, double sigma_px, double sigma_along_px,
                                      double sigma_disparity_p_px, double sigma_disparity_q_px);
 
-/// Angle of a segment in the image against the baseline (the rows), 0 to pi/2. Small angles have no depth from one pair: an
-/// error of e pixels across the segment is one of about e / sin(angle) in its disparity.
+/// Angle of a segment in the image against the baseline (the rows), 0 to pi/2. Small angles have no depth from one
+/// pair: an error of e pixels across the segment is one of about e / sin(angle) in its disparity.
 double AngleToBaseline_rad(const Segment2& segment);
 
-/// Deviation of the disparity on a segment at this angle when both images see it with `sigma_px` across; infinity for a
-/// parallel one.
+/// Deviation of the disparity on a segment at this angle when both images see it with `sigma_px` across; infinity for
+/// a parallel one.
 double SegmentDisparitySigma_px(double angle_to_baseline_rad, double sigma_px);
 
 /// `T_a_b` (rotation and translation given apart) applied to position and covariance.
 Gaussian3 Transform(const Eigen::Matrix3d& R_a_b, const Eigen::Vector3d& t_a_b, const Gaussian3& b);
 
-/// Product of two independent Gaussians about the same position (information filter), in the form that never inverts a
-/// single covariance, so zero (exactly known) and huge ones are safe. Returns `a` unchanged where `b` is not finite, and the other
-/// way round; where both are exactly known and disagree, `a`.
+/// Product of two independent Gaussians about the same position (information filter), in the form that never inverts
+/// a single covariance, so zero (exactly known) and huge ones are safe. Returns `a` unchanged where `b` is not
+/// finite, and the other way round; where both are exactly known and disagree, `a`.
 Gaussian3 FuseGaussian3(const Gaussian3& a, const Gaussian3& b);
 
-/// A segment seen again, perhaps cut elsewhere: each endpoint of `segment` learns only what the infinite line of `seen`
-/// says, across that line. Endpoints never slide along it, and the extent stays that of `segment`. Where endpoints of `segment` lie beyond
-/// those of `seen`, the line is extrapolated with the uncertainty this brings. Unchanged where `seen` is not finite
-/// or has no length.
+/// A segment seen again, perhaps cut elsewhere: each endpoint of `segment` learns only what the infinite line of
+/// `seen` says, across that line. Endpoints never slide along it, and the extent stays that of `segment`. Where
+/// endpoints of `segment` lie beyond those of `seen`, the line is extrapolated with the uncertainty this brings.
+/// Unchanged where `seen` is not finite or has no length.
 UncertainSegment3 FuseLine(const UncertainSegment3& segment, const UncertainSegment3& seen);
 
 }  // namespace plslam

@@ -8,11 +8,11 @@
 namespace plslam {
 namespace {
 
-template <class Kind>
+template <class Type>
 std::vector<int64_t> Unassociated(const std::vector<int64_t>& keyframes, const std::vector<int64_t>& associated,
                                   const Map& map) {
   const std::set<int64_t> known(associated.begin(), associated.end());
-  std::vector<int64_t> ids = SeenBy<Kind>(keyframes, map);
+  std::vector<int64_t> ids = SeenBy<Type>(keyframes, map);
   std::erase_if(ids, [&known](int64_t id) { return known.contains(id); });
   return ids;
 }
@@ -57,8 +57,8 @@ std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int mi
 
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes) {
   std::map<int64_t, int> counts;
-  CountKeyframes<PointKind>(association.points, map, counts);
-  CountKeyframes<LineKind>(association.lines, map, counts);
+  CountKeyframes<PointType>(association.points, map, counts);
+  CountKeyframes<LineType>(association.lines, map, counts);
   if (counts.empty()) counts = Before(previous_id, map, max_keyframes);
   std::vector<int64_t> keyframes = MostCounted(counts, max_keyframes);
   // Their neighbours, as far as there is room: places that the tracker has not shown to the map yet.
@@ -71,8 +71,8 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
       }
     }
   }
-  return {Unassociated<PointKind>(keyframes, association.points, map),
-          Unassociated<LineKind>(keyframes, association.lines, map)};
+  return {Unassociated<PointType>(keyframes, association.points, map),
+          Unassociated<LineType>(keyframes, association.lines, map)};
 }
 
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,

@@ -6,7 +6,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/localisation/options.h"
 #include "core/map/keyframe.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 namespace plslam {
 
@@ -19,8 +19,8 @@ struct Association {
   int Weight() const;
 };
 
-/// The keyframe and its best neighbours in covisibility, those that share at least `min_shared` landmarks with it; most shared
-/// first, at most `max_keyframes` (>= 1) with itself.
+/// The keyframe and its best neighbours in covisibility, those that share at least `min_shared` landmarks with it;
+/// most shared first, at most `max_keyframes` (>= 1) with itself.
 std::vector<int64_t> KeyframesAround(int64_t keyframe_id, const Map& map, int min_shared, int max_keyframes);
 
 /// Landmarks to look for, by id.
@@ -29,9 +29,9 @@ struct LocalMap {
   std::vector<int64_t> lines;
 };
 
-/// What the best-connected keyframes of the associated landmarks see (PL-SLAM §V.A), without those already associated.
-/// Where nothing is associated (the tracker was lost, or gives no ids): what `previous_id` (-1: none) and those before it
-/// in its session see.
+/// What the best-connected keyframes of the associated landmarks see (PL-SLAM §V.A), without those already
+/// associated. Where nothing is associated (the tracker was lost, or gives no ids): what `previous_id` (-1: none) and
+/// those before it in its session see.
 LocalMap LocalMapOf(const Association& association, int64_t previous_id, const Map& map, int max_keyframes);
 
 /// Searches the landmarks among the features that show none yet, by projecting them with the pose, and adds what is

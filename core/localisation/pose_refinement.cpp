@@ -11,8 +11,8 @@ namespace {
 
 // Observations of the landmarks relative to where the keyframe should be, and the features they belong to.
 struct Observed {
-  std::vector<PointObservation> points;
-  std::vector<LineObservation> lines;
+  std::vector<PointCorrespondence> points;
+  std::vector<LineCorrespondence> lines;
   std::vector<size_t> point_features;
   std::vector<size_t> line_features;
 };
@@ -52,11 +52,11 @@ Observed Observe(const Map& map, const StereoFeatures& features, const SE3& T_re
 constexpr double kRecognised_px = 4.0;
 constexpr uint64_t kSeed = 1;
 
-template <class Kind>
+template <class Type>
 std::vector<Descriptor> DescriptorsOf(const Map& map, const std::vector<int64_t>& ids) {
   std::vector<Descriptor> descriptors;
   descriptors.reserve(ids.size());
-  for (const int64_t id : ids) descriptors.push_back(Kind::Find(map, id)->descriptor);
+  for (const int64_t id : ids) descriptors.push_back(Type::Find(map, id)->descriptor);
   return descriptors;
 }
 
@@ -69,8 +69,8 @@ std::vector<int64_t> Named(const std::vector<int>& match, const std::vector<int6
 
 }  // namespace
 
-PointObservation ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
-                               const StereoPoint& seen) {
+PointCorrespondence ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
+                                  const StereoPoint& seen) {
   return {p_ref,
           covariance,
           {seen.left.px.x(), seen.left.px.y(), seen.disparity_px},
@@ -78,8 +78,8 @@ PointObservation ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix
           seen.sigma_disparity_px};
 }
 
-LineObservation ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
-                              const Eigen::Matrix3d& covariance_q, const StereoLine& seen) {
+LineCorrespondence ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
+                                 const Eigen::Matrix3d& covariance_q, const StereoLine& seen) {
   return {segment_ref,
           covariance_p,
           covariance_q,
@@ -121,10 +121,10 @@ std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local,
                                           const StereoCamera& camera, const LocalisationOptions& options,
                                           int min_weight, Association& association) {
   Association found;
-  found.points = Named(MatchBruteForce(DescriptorsOf(features.points), DescriptorsOf<PointKind>(map, local.points),
+  found.points = Named(MatchBruteForce(DescriptorsOf(features.points), DescriptorsOf<PointType>(map, local.points),
                                        options.point_matching),
                        local.points);
-  found.lines = Named(MatchLinesBruteForce(DescriptorsOf(features.lines), DescriptorsOf<LineKind>(map, local.lines),
+  found.lines = Named(MatchLinesBruteForce(DescriptorsOf(features.lines), DescriptorsOf<LineType>(map, local.lines),
                                            options.line_matching),
                       local.lines);
   auto pose = FindPose(map, features, camera, options.motion, min_weight, found);

@@ -8,11 +8,12 @@
 
 namespace plslam {
 
-/// What the motion estimator needs of a landmark that is `seen`: its place in a reference frame, with covariance there.
-PointObservation ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
-                               const StereoPoint& seen);
-LineObservation ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
-                              const Eigen::Matrix3d& covariance_q, const StereoLine& seen);
+/// What the motion estimator needs of a landmark that is `seen`: its place in a reference frame, with covariance
+/// there.
+PointCorrespondence ObservationOf(const Eigen::Vector3d& p_ref, const Eigen::Matrix3d& covariance,
+                                  const StereoPoint& seen);
+LineCorrespondence ObservationOf(const Segment3& segment_ref, const Eigen::Matrix3d& covariance_p,
+                                 const Eigen::Matrix3d& covariance_q, const StereoLine& seen);
 
 /// Where a keyframe is, with the covariance of the right perturbation given the landmarks.
 struct KeyframePose {
@@ -25,14 +26,14 @@ struct KeyframePose {
 std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association);
 
-/// The same where nothing is known of the pose: from minimal sets, then refined. nullopt, and nothing done, where fewer
-/// than `min_weight` (points + 2 x lines) agree.
+/// The same where nothing is known of the pose: from minimal sets, then refined. nullopt, and nothing done, where
+/// fewer than `min_weight` (points + 2 x lines) agree.
 std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
                                      const MotionOptions& options, int min_weight, Association& association);
 
-/// Where a keyframe is of which nothing is known: its features matched by descriptors alone with the landmarks of `local`,
-/// the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines) agree; else the
-/// association is what agrees.
+/// Where a keyframe is of which nothing is known: its features matched by descriptors alone with the landmarks of
+/// `local`, the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines)
+/// agree; else the association is what agrees.
 std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
                                           const StereoCamera& camera, const LocalisationOptions& options,
                                           int min_weight, Association& association);

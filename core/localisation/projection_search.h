@@ -5,7 +5,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/localisation/options.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 namespace plslam {
 

@@ -14,9 +14,10 @@
 
 namespace plslam {
 
-/// Values by id, ascending, for ids that are given one after the other and of which most are still there: what std::map does, but
-/// a value is found in one step and the next one without a walk through a tree, which in large maps is a wait for memory
-/// at each level. Ids far apart cost a page each (half a kilobyte), so that forged ones cannot ask for much.
+/// Values by id, ascending, for ids that are given one after the other and of which most are still there: what
+/// std::map does, but a value is found in one step and the next one without a walk through a tree, which in large
+/// maps is a wait for memory at each level. Ids far apart cost a page each (half a kilobyte), so that forged ones
+/// cannot ask for much.
 ///
 /// Values stay where they are until they are erased; iterators hold until the next value comes or goes.
 template <class Value>

@@ -8,8 +8,8 @@
 
 namespace plslam {
 
-/// A landmark that a keyframe has shown and that turned out to be of a moving body: its number in vo_process and, where known,
-/// in the map; -1 where there is none.
+/// A landmark that a keyframe has shown and that turned out to be of a moving body: its number in vo_process and,
+/// where known, in the map; -1 where there is none.
 struct Withdrawn {
   int64_t landmark_id = -1;
   int64_t map_id = -1;
@@ -39,7 +39,7 @@ struct Keyframe {
   /// The stream waits for the map: every keyframe is adjusted to the end before the next (same result at every run).
   bool lockstep = false;
   StereoFeatures features;
-  /// Landmark of vo_process that each feature was tracked from or founded, or -1. As long as the features.
+  /// Landmark of vo_process that each feature was tracked from or created, or -1. As long as the features.
   std::vector<int64_t> point_landmark_ids;
   std::vector<int64_t> line_landmark_ids;
   /// Landmark of the map that each feature was tracked as, or -1. As long as the features, or empty: none.

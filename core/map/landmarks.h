@@ -11,11 +11,11 @@
 namespace plslam {
 
 /// Where a keyframe sees a landmark: index into the keyframe's points or lines.
-struct Sight {
+struct Observation {
   int64_t keyframe_id = -1;
   int32_t feature = -1;
 
-  bool operator==(const Sight&) const = default;
+  bool operator==(const Observation&) const = default;
 };
 
 /// A point of the map. Sibling of `MapLine`.
@@ -25,26 +25,28 @@ struct MapPoint {
   /// Position in w, and its covariance given the poses of the keyframes that see it.
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// The sight whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave it was found in from `depth_m`.
+  /// The observation whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave it was found in from
+  /// `depth_m`.
   Descriptor descriptor{};
   float angle_rad = 0.0F;
   int octave = 0;
   double depth_m = 1.0;
   /// Ascending by keyframe, each keyframe once.
-  std::vector<Sight> sights;
+  std::vector<Observation> observations;
 };
 
 /// A line segment of the map. Sibling of `MapPoint`.
 struct MapLine {
   /// 0, 1, 2, ... among lines; never used again.
   int64_t id = -1;
-  /// Endpoints in w, directed with the brighter side on the right as seen; covariances given the poses of the keyframes
-  /// that see it. The endpoints are as far apart as the views have shown; only what lies across is measured.
+  /// Endpoints in w, directed with the brighter side on the right as seen; covariances given the poses of the
+  /// keyframes that see it. The endpoints are as far apart as the views have shown; only what lies across is
+  /// measured.
   Segment3 segment_w;
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
   Descriptor descriptor{};
-  std::vector<Sight> sights;
+  std::vector<Observation> observations;
 };
 
 }  // namespace plslam

@@ -15,24 +15,26 @@ void SetLandmark(std::vector<int64_t>& of, int32_t feature, int64_t landmark_id)
   of[place] = landmark_id;
 }
 
-void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights) {
-  for (size_t i = 0; i < sights.size(); ++i) {
-    const bool ascends = i == 0 || sights[i - 1].keyframe_id < sights[i].keyframe_id;
-    if (ascends && sights[i].feature >= 0) continue;
-    throw std::invalid_argument(std::string(kind) + " " + std::to_string(id) + ": sight " + std::to_string(i) +
-                                " is of keyframe " + std::to_string(sights[i].keyframe_id) + ", feature " +
-                                std::to_string(sights[i].feature) + ", and sights must ascend by keyframe");
+void CheckObservations(const char* kind, int64_t id, const std::vector<Observation>& observations) {
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const bool ascends = i == 0 || observations[i - 1].keyframe_id < observations[i].keyframe_id;
+    if (ascends && observations[i].feature >= 0) continue;
+    throw std::invalid_argument(std::string(kind) + " " + std::to_string(id) + ": observation " + std::to_string(i) +
+                                " is of keyframe " + std::to_string(observations[i].keyframe_id) + ", feature " +
+                                std::to_string(observations[i].feature) +
+                                ", and observations must ascend by keyframe");
   }
 }
 
-/// Calls `visit` with each sight of `a` and the one that `b` has of the same keyframe, nullptr where it has none.
+/// Calls `visit` with each observation of `a` and the one that `b` has of the same keyframe, nullptr where it has
+/// none.
 template <class Visit>
-void ForEachBeside(const std::vector<Sight>& a, const std::vector<Sight>& b, const Visit& visit) {
+void ForEachBeside(const std::vector<Observation>& a, const std::vector<Observation>& b, const Visit& visit) {
   auto other = b.begin();
-  for (const Sight& sight : a) {
-    while (other != b.end() && other->keyframe_id < sight.keyframe_id) ++other;
-    const bool has_other = other != b.end() && other->keyframe_id == sight.keyframe_id;
-    visit(sight, has_other ? &*other : nullptr);
+  for (const Observation& observation : a) {
+    while (other != b.end() && other->keyframe_id < observation.keyframe_id) ++other;
+    const bool has_other = other != b.end() && other->keyframe_id == observation.keyframe_id;
+    visit(observation, has_other ? &*other : nullptr);
   }
 }
 
@@ -60,8 +62,8 @@ MapTotals Map::Totals() const {
   return {static_cast<int64_t>(keyframes_.size()),
           static_cast<int64_t>(points_.size()),
           static_cast<int64_t>(lines_.size()),
-          n_point_sights_,
-          n_line_sights_,
+          n_point_observations_,
+          n_line_observations_,
           static_cast<int64_t>(loops_.size())};
 }
 
@@ -77,28 +79,31 @@ void Map::Put(const MapKeyframe& keyframe) {
   touched_.keyframes.push_back(keyframe.id);
 }
 
-Map::Kind<MapPoint> Map::Points() { return {points_, &FeatureLandmarks::points, touched_.points, n_point_sights_}; }
-
-Map::Kind<MapLine> Map::Lines() { return {lines_, &FeatureLandmarks::lines, touched_.lines, n_line_sights_}; }
-
-/// Replaces the sights of a landmark.
-template <class Landmark>
-void Map::SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind) {
-  const std::vector<Sight> old = std::exchange(landmark.sights, std::move(sights));
-  FollowSights(old, landmark, kind);
+Map::Kind<MapPoint> Map::Points() {
+  return {points_, &FeatureLandmarks::points, touched_.points, n_point_observations_};
 }
 
-/// Keeps the tables that follow from the sights of a landmark, which were `old`.
+Map::Kind<MapLine> Map::Lines() { return {lines_, &FeatureLandmarks::lines, touched_.lines, n_line_observations_}; }
+
+/// Replaces the observations of a landmark.
 template <class Landmark>
-void Map::FollowSights(const std::vector<Sight>& old, const Landmark& landmark, Kind<Landmark> kind) {
-  const std::vector<Sight>& now = landmark.sights;
-  kind.n_sights += static_cast<int64_t>(now.size()) - static_cast<int64_t>(old.size());
+void Map::SetObservations(Landmark& landmark, std::vector<Observation> observations, Kind<Landmark> kind) {
+  const std::vector<Observation> old = std::exchange(landmark.observations, std::move(observations));
+  FollowObservations(old, landmark, kind);
+}
+
+/// Keeps the tables that follow from the observations of a landmark, which were `old`.
+template <class Landmark>
+void Map::FollowObservations(const std::vector<Observation>& old, const Landmark& landmark, Kind<Landmark> kind) {
+  const std::vector<Observation>& now = landmark.observations;
+  kind.n_observations += static_cast<int64_t>(now.size()) - static_cast<int64_t>(old.size());
   CountShared(old, now, -1);
   CountShared(now, old, 1);
-  const auto set_where_new = [&](const std::vector<Sight>& sights, const std::vector<Sight>& others, int64_t id) {
-    ForEachBeside(sights, others, [&](const Sight& sight, const Sight* other) {
-      if (other != nullptr && other->feature == sight.feature) return;
-      SetLandmark(landmarks_of_[sight.keyframe_id].*kind.of, sight.feature, id);
+  const auto set_where_new = [&](const std::vector<Observation>& observations, const std::vector<Observation>& others,
+                                 int64_t id) {
+    ForEachBeside(observations, others, [&](const Observation& observation, const Observation* other) {
+      if (other != nullptr && other->feature == observation.feature) return;
+      SetLandmark(landmarks_of_[observation.keyframe_id].*kind.of, observation.feature, id);
     });
   };
   set_where_new(old, now, -1);
@@ -107,41 +112,43 @@ void Map::FollowSights(const std::vector<Sight>& old, const Landmark& landmark, 
 
 template <class Landmark>
 void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
-  const auto is_of_keyframe = [this](const Sight& sight) { return keyframes_.contains(sight.keyframe_id); };
-  if (!std::all_of(landmark.sights.begin(), landmark.sights.end(), is_of_keyframe)) {
+  const auto is_of_keyframe = [this](const Observation& observation) {
+    return keyframes_.contains(observation.keyframe_id);
+  };
+  if (!std::all_of(landmark.observations.begin(), landmark.observations.end(), is_of_keyframe)) {
     Landmark rest = landmark;
-    std::erase_if(rest.sights, std::not_fn(is_of_keyframe));
+    std::erase_if(rest.observations, std::not_fn(is_of_keyframe));
     return PutLandmark(rest, kind);
   }
   kind.touched.push_back(landmark.id);
   Landmark& stored = kind.landmarks[landmark.id];
-  if (stored.sights == landmark.sights) {
+  if (stored.observations == landmark.observations) {
     stored = landmark;
     return;
   }
-  for (const Sight& sight : landmark.sights) {
-    const std::vector<int64_t>& of_keyframe = landmarks_of_[sight.keyframe_id].*kind.of;
-    const auto feature = static_cast<size_t>(sight.feature);
+  for (const Observation& observation : landmark.observations) {
+    const std::vector<int64_t>& of_keyframe = landmarks_of_[observation.keyframe_id].*kind.of;
+    const auto feature = static_cast<size_t>(observation.feature);
     const int64_t owner = feature < of_keyframe.size() ? of_keyframe[feature] : -1;
     if (owner < 0 || owner == landmark.id) continue;
     Landmark& robbed = kind.landmarks.at(owner);
-    std::vector<Sight> rest = robbed.sights;
-    std::erase(rest, sight);
-    SetSights(robbed, std::move(rest), kind);
+    std::vector<Observation> rest = robbed.observations;
+    std::erase(rest, observation);
+    SetObservations(robbed, std::move(rest), kind);
     kind.touched.push_back(owner);
   }
-  const std::vector<Sight> old = std::exchange(stored.sights, {});
+  const std::vector<Observation> old = std::exchange(stored.observations, {});
   stored = landmark;
-  FollowSights(old, stored, kind);
+  FollowObservations(old, stored, kind);
 }
 
 void Map::Put(const MapPoint& point) {
-  CheckSights("point", point.id, point.sights);
+  CheckObservations("point", point.id, point.observations);
   PutLandmark(point, Points());
 }
 
 void Map::Put(const MapLine& line) {
-  CheckSights("line", line.id, line.sights);
+  CheckObservations("line", line.id, line.observations);
   PutLandmark(line, Lines());
 }
 
@@ -149,7 +156,7 @@ template <class Landmark>
 void Map::RemoveLandmark(int64_t id, Kind<Landmark> kind) {
   Landmark* landmark = kind.landmarks.Find(id);
   if (landmark == nullptr) return;
-  SetSights(*landmark, {}, kind);
+  SetObservations(*landmark, {}, kind);
   kind.landmarks.erase(id);
   kind.touched.push_back(id);
 }
@@ -158,17 +165,18 @@ void Map::RemovePoint(int64_t id) { RemoveLandmark(id, Points()); }
 void Map::RemoveLine(int64_t id) { RemoveLandmark(id, Lines()); }
 
 template <class Landmark>
-void Map::DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind) {
+void Map::DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind) {
   const std::vector<int64_t> seen = landmarks_of_[keyframe_id].*kind.of;
   for (const int64_t id : seen) {
     if (id < 0) continue;
     Landmark& landmark = kind.landmarks.at(id);
-    std::vector<Sight> rest = landmark.sights;
-    std::erase_if(rest, [keyframe_id](const Sight& sight) { return sight.keyframe_id == keyframe_id; });
+    std::vector<Observation> rest = landmark.observations;
+    std::erase_if(rest,
+                  [keyframe_id](const Observation& observation) { return observation.keyframe_id == keyframe_id; });
     if (rest.empty()) {
       RemoveLandmark(id, kind);
     } else {
-      SetSights(landmark, std::move(rest), kind);
+      SetObservations(landmark, std::move(rest), kind);
       kind.touched.push_back(id);
     }
   }
@@ -189,8 +197,8 @@ void Map::RemoveKeyframe(int64_t id) {
     }
     Put(child);
   }
-  DropSightsOf(id, Points());
-  DropSightsOf(id, Lines());
+  DropObservationsOf(id, Points());
+  DropObservationsOf(id, Lines());
   children_[parent_id].erase(id);
   children_.erase(id);
   shared_.erase(id);
@@ -226,12 +234,14 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
   touched_.lines.push_back(line_id);
 }
 
-/// Counts a landmark that has these sights for the pairs of keyframes of which one is not among those of `others`.
-void Map::CountShared(const std::vector<Sight>& sights, const std::vector<Sight>& others, int sign) {
-  ForEachBeside(sights, others, [&](const Sight& sight, const Sight* same) {
+/// Counts a landmark that has these observations for the pairs of keyframes of which one is not among those of
+/// `others`.
+void Map::CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others,
+                      int sign) {
+  ForEachBeside(observations, others, [&](const Observation& observation, const Observation* same) {
     if (same != nullptr) return;
-    const int64_t a = sight.keyframe_id;
-    ForEachBeside(sights, others, [&](const Sight& partner, const Sight* common) {
+    const int64_t a = observation.keyframe_id;
+    ForEachBeside(observations, others, [&](const Observation& partner, const Observation* common) {
       const int64_t b = partner.keyframe_id;
       // A pair of which neither is among the others is met twice.
       if (b == a || (common == nullptr && b > a)) return;

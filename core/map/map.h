@@ -14,8 +14,8 @@
 
 namespace plslam {
 
-/// How many landmarks a keyframe shares with others: a row of the covisibility graph. In one piece of memory, as each sight that comes
-/// or goes is counted in many rows.
+/// How many landmarks a keyframe shares with others: a row of the covisibility graph. In one piece of memory, as each
+/// observation that comes or goes is counted in many rows.
 class SharedCounts {
  public:
   /// The other keyframe and how many (>= 1), ascending by keyframe.
@@ -49,7 +49,8 @@ class SharedCounts {
   std::vector<Count> counts_;
 };
 
-/// Names of what has changed since the last `Map::TakeChanges`, ascending; what was removed stands only among the removed.
+/// Names of what has changed since the last `Map::TakeChanges`, ascending; what was removed stands only among the
+/// removed.
 struct MapChanges {
   std::vector<int64_t> keyframes, removed_keyframes;
   std::vector<int64_t> points, removed_points;
@@ -64,19 +65,19 @@ struct MapTotals {
   int64_t keyframes = 0;
   int64_t points = 0;
   int64_t lines = 0;
-  int64_t point_sights = 0;
-  int64_t line_sights = 0;
+  int64_t point_observations = 0;
+  int64_t line_observations = 0;
   int64_t loops = 0;
 
   bool operator==(const MapTotals&) const = default;
 };
 
-/// Keyframes, landmarks of both kinds and what connects them (PL-SLAM §V): covisibility graph, essential graph and
-/// spanning tree. Plain values with ids, ordered by id. The graphs follow from the sights of the landmarks, so whoever
-/// has the same keyframes and landmarks has the same graphs.
+/// Keyframes, landmarks of both feature types and what connects them (PL-SLAM §V): covisibility graph, essential
+/// graph and spanning tree. Plain values with ids, ordered by id. The graphs follow from the observations of the
+/// landmarks, so whoever has the same keyframes and landmarks has the same graphs.
 ///
-/// Sights of keyframes that are not in the map are ignored. Sights that do not ascend, or of negative features, are
-/// std::invalid_argument.
+/// Observations of keyframes that are not in the map are ignored. Observations that do not ascend, or of negative
+/// features, are std::invalid_argument.
 class Map {
  public:
   /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
@@ -92,7 +93,8 @@ class Map {
     bool operator==(const Neighbour&) const = default;
   };
 
-  /// The landmark that each feature of a keyframe belongs to, or -1; features beyond the end of the vectors have none.
+  /// The landmark that each feature of a keyframe belongs to, or -1; features beyond the end of the vectors have
+  /// none.
   struct FeatureLandmarks {
     std::vector<int64_t> points;
     std::vector<int64_t> lines;
@@ -109,19 +111,20 @@ class Map {
   /// Loops that have been closed, in that order. They stay when a keyframe of theirs is removed.
   const std::vector<LoopEdge>& loops() const { return loops_; }
 
-  /// Add, or replace what has the same id. Sights of another landmark by the same feature are taken from that one.
+  /// Add, or replace what has the same id. Observations of another landmark by the same feature are taken from that
+  /// one.
   void Put(const MapKeyframe& keyframe);
   void Put(const MapPoint& point);
   void Put(const MapLine& line);
-  /// A keyframe goes with its sights; landmarks that lose their last sight go too, and its children in the spanning tree
-  /// move to their best neighbour (`kParent`; its parent where they have none).
+  /// A keyframe goes with its observations; landmarks that lose their last observation go too, and its children in
+  /// the spanning tree move to their best neighbour (`kParent`; its parent where they have none).
   void RemoveKeyframe(int64_t id);
   void RemovePoint(int64_t id);
   void RemoveLine(int64_t id);
   void Add(const LoopEdge& loop);
   void Clear();
 
-  /// Moves, without touching the sights.
+  /// Moves, without touching the observations.
   void SetPose(int64_t keyframe_id, const SE3& T_w_kf, const Matrix6d& covariance);
   void SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen::Matrix3d& covariance);
   void SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
@@ -139,13 +142,13 @@ class Map {
   void ForgetChanges();
 
  private:
-  /// Where everything about one kind of landmarks stands.
+  /// Where everything about one feature type of landmarks stands.
   template <class Landmark>
   struct Kind {
     IdMap<Landmark>& landmarks;
     std::vector<int64_t> FeatureLandmarks::*of;
     std::vector<int64_t>& touched;
-    int64_t& n_sights;
+    int64_t& n_observations;
   };
   /// Ids of what came, changed or went, as often as it did: what is in the map now has changed, the rest is gone.
   struct Touched {
@@ -159,12 +162,12 @@ class Map {
   template <class Landmark>
   void RemoveLandmark(int64_t id, Kind<Landmark> kind);
   template <class Landmark>
-  void SetSights(Landmark& landmark, std::vector<Sight> sights, Kind<Landmark> kind);
+  void SetObservations(Landmark& landmark, std::vector<Observation> observations, Kind<Landmark> kind);
   template <class Landmark>
-  void FollowSights(const std::vector<Sight>& old, const Landmark& landmark, Kind<Landmark> kind);
+  void FollowObservations(const std::vector<Observation>& old, const Landmark& landmark, Kind<Landmark> kind);
   template <class Landmark>
-  void DropSightsOf(int64_t keyframe_id, Kind<Landmark> kind);
-  void CountShared(const std::vector<Sight>& sights, const std::vector<Sight>& others, int sign);
+  void DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind);
+  void CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others, int sign);
 
   IdMap<MapKeyframe> keyframes_;
   IdMap<MapPoint> points_;
@@ -172,8 +175,8 @@ class Map {
   IdMap<FeatureLandmarks> landmarks_of_;
   IdMap<SharedCounts> shared_;
   IdMap<std::set<int64_t>> children_;
-  int64_t n_point_sights_ = 0;
-  int64_t n_line_sights_ = 0;
+  int64_t n_point_observations_ = 0;
+  int64_t n_line_observations_ = 0;
   std::vector<LoopEdge> loops_;
   size_t n_loops_told_ = 0;
   Touched touched_;

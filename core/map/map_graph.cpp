@@ -7,8 +7,9 @@
 namespace plslam {
 namespace {
 
-// A step is unknown from these standard deviations on, or from this share of its length. Where tracking went on they are at most
-// 8 mm, 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the drift test is 25 of them.
+// A step is unknown from these standard deviations on, or from this share of its length. Where tracking went on they
+// are at most 8 mm, 3 % (of a step of decimetres) and 2 mrad; lost for a second, metres and radians. What passes the
+// drift test is 25 of them.
 constexpr double kUnknown_m = 0.2;
 constexpr double kUnknownShare = 0.1;
 constexpr double kUnknown_rad = 0.05;

@@ -17,24 +17,25 @@ struct MapEdge {
   int shared = 0;
   /// One follows the other in a session.
   bool odometry = false;
-  /// Whether the map knows how the two lie to each other. It does not where the only connection is a step of odometry during
-  /// which the tracker was lost (`IsKnownStep`).
+  /// Whether the map knows how the two lie to each other. It does not where the only connection is a step of odometry
+  /// during which the tracker was lost (`IsKnownStep`).
   bool known = false;
   /// The newest loop between the two, index into `Map::loops()`; -1: none.
   int loop = -1;
 };
 
-/// Whether odometry knows how a keyframe lies to the one before it. Where the tracker was lost in between it does not: its
-/// covariance says ten metres and a radian, or how far the camera may have gone meanwhile.
+/// Whether odometry knows how a keyframe lies to the one before it. Where the tracker was lost in between it does
+/// not: its covariance says ten metres and a radian, or how far the camera may have gone meanwhile.
 bool IsKnownStep(const MapKeyframe& keyframe);
 
-/// Whether a keyframe and its parent lie to each other as the map says. They do not where the parent is only the keyframe
-/// before, for want of another, and the step from there is not known.
+/// Whether a keyframe and its parent lie to each other as the map says. They do not where the parent is only the
+/// keyframe before, for want of another, and the step from there is not known.
 bool IsKnownParent(const MapKeyframe& keyframe, const Map& map);
 
-/// The graph of a map (PL-SLAM §VI.B): keyframes, and edges by odometry, spanning tree, essential graph (`Map::kEssential`) and
-/// loops. Mapping, loop correction and exports go by this one. (`MapWays` of loop_process measures paths, along a leaner graph of the
-/// same known steps.) It is a copy: later changes of the map are not in it.
+/// The graph of a map (PL-SLAM §VI.B): keyframes, and edges by odometry, spanning tree, essential graph
+/// (`Map::kEssential`) and loops. Mapping, loop correction and exports go by this one. (`MapPaths` of loop_process
+/// measures paths, along a leaner graph of the same known steps.) It is a copy: later changes of the map are not in
+/// it.
 class MapGraph {
  public:
   /// Which edges lead from one keyframe to the next: all, or only known ones.
@@ -45,8 +46,8 @@ class MapGraph {
   /// Ascending by a, then b, each pair once.
   const std::vector<MapEdge>& edges() const { return edges_; }
 
-  /// Ids of the keyframes that edges lead to from `keyframe_id`, itself among them. A session that began without a connection
-  /// is a component of its own until something connects it.
+  /// Ids of the keyframes that edges lead to from `keyframe_id`, itself among them. A session that began without a
+  /// connection is a component of its own until something connects it.
   std::set<int64_t> Component(int64_t keyframe_id, Edges which) const;
 
  private:

@@ -20,13 +20,13 @@ struct MapKeyframe {
   Matrix6d covariance = Matrix6d::Zero();
   /// Where odometry saw it.
   SE3 T_odom_kf;
-  /// The keyframe before it in its session (-1: none) and the motion between as first measured, with the covariance of its
-  /// right perturbation.
+  /// The keyframe before it in its session (-1: none) and the motion between as first measured, with the covariance
+  /// of its right perturbation.
   int64_t previous_id = -1;
   SE3 T_prevkf_kf;
   Matrix6d relative_covariance = Matrix6d::Zero();
-  /// Parent in the spanning tree: the keyframe that it shared most landmarks with when it came (`Map::kParent` at least), else
-  /// the one before it; -1 for the first, and where it shares too little with any.
+  /// Parent in the spanning tree: the keyframe that it shared most landmarks with when it came (`Map::kParent` at
+  /// least), else the one before it; -1 for the first, and where it shares too little with any.
   int64_t parent_id = -1;
 };
 

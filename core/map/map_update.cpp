@@ -40,15 +40,15 @@ MapUpdate WholeMap(const Map& map) {
   return update;
 }
 
-void SettledKeyframes::Add(const MapUpdate& update) {
+void CommittedKeyframes::Add(const MapUpdate& update) {
   // Not the highest: a map that is built anew begins at the first.
   newest_[update.session] = update.session_keyframe_id;
-  if (update.settled) settled_ = newest_;
+  if (update.committed) committed_ = newest_;
 }
 
-bool SettledKeyframes::Has(int64_t session, int64_t session_keyframe_id) const {
-  const auto found = settled_.find(session);
-  return found != settled_.end() && found->second >= session_keyframe_id;
+bool CommittedKeyframes::Has(int64_t session, int64_t session_keyframe_id) const {
+  const auto found = committed_.find(session);
+  return found != committed_.end() && found->second >= session_keyframe_id;
 }
 
 MapVersion::Step MapVersion::Advance(const MapUpdate& update) {

@@ -10,7 +10,8 @@
 
 namespace plslam {
 
-/// Sums of an adjustment, for reports: root mean squares of the residuals in standard deviations and, of points, pixels.
+/// Sums of an adjustment, for reports: root mean squares of the residuals in standard deviations and, of points,
+/// pixels.
 struct AdjustmentFigures {
   int n_keyframes = 0;
   int n_fixed_keyframes = 0;
@@ -35,7 +36,7 @@ struct MapUpdate {
   int64_t session_keyframe_id = -1;
   int64_t t_ns = 0;
   /// loop_process has said all it has to say about that keyframe, and it is in the map; or there is no loop_process.
-  bool settled = false;
+  bool committed = false;
   std::vector<MapKeyframe> keyframes;
   std::vector<int64_t> removed_keyframes;
   std::vector<MapPoint> points;
@@ -56,9 +57,9 @@ MapUpdate ChangedPart(const Map& map, const MapChanges& changes);
 /// All of it, with base version 0.
 MapUpdate WholeMap(const Map& map);
 
-/// About which keyframes nothing more is to come. Several robots may share the map: an update names the newest keyframe
-/// of one, and a settled one is about all that the map then has.
-class SettledKeyframes {
+/// About which keyframes nothing more is to come. Several robots may share the map: an update names the newest
+/// keyframe of one, and a committed one is about all that the map then has.
+class CommittedKeyframes {
  public:
   /// The head of an update is enough.
   void Add(const MapUpdate& update);
@@ -66,7 +67,7 @@ class SettledKeyframes {
 
  private:
   std::map<int64_t, int64_t> newest_;  // by session
-  std::map<int64_t, int64_t> settled_;
+  std::map<int64_t, int64_t> committed_;
 };
 
 /// Whose map, and how much of it, somebody has who follows its updates.

@@ -20,9 +20,9 @@ struct Vertical {
 Eigen::Vector3d MeanUpOfCameras(const Map& map);
 
 /// The direction that the lines within 45 degrees of `about_w` share: corners of buildings, frames of doors, posts.
-/// Each line votes with its precision (covariances of the endpoints over its length); the direction with most votes is refined
-/// by a mean with Tukey's weights, so that slanted lines do not bend it. nullopt where fewer than 8 lines agree, or less than
-/// a fifth of the votes: then nothing there stands upright.
+/// Each line votes with its precision (covariances of the endpoints over its length); the direction with most votes
+/// is refined by a mean with Tukey's weights, so that slanted lines do not bend it. nullopt where fewer than 8 lines
+/// agree, or less than a fifth of the votes: then nothing there stands upright.
 std::optional<Vertical> VerticalFromLines(const Map& map, const Eigen::Vector3d& about_w);
 
 /// From the lines near the mean up of the cameras, where they share a direction, else that mean itself.

@@ -24,7 +24,8 @@ Eigen::Matrix3d AcrossOnly(const Eigen::Matrix3d& covariance, const Eigen::Vecto
   return across * covariance * across;
 }
 
-// One endpoint in both images: its distances to the observed lines (rows `i` and `i + 2`), and where along them (0 to 1).
+// One endpoint in both images: its distances to the observed lines (rows `i` and `i + 2`), and where along them (0 to
+// 1).
 struct Projected {
   double along_left;
   double along_right;
@@ -97,7 +98,7 @@ void RemoveRightRows(Residual<4>& residual) {
 
 }  // namespace
 
-std::optional<PreparedLine> Prepare(const LineObservation& o, const MotionOptions& options) {
+std::optional<PreparedLine> Prepare(const LineCorrespondence& o, const MotionOptions& options) {
   const bool finite = o.segment_ref.p.allFinite() && o.segment_ref.q.allFinite() && o.observed.p.allFinite() &&
                       o.observed.q.allFinite() && std::isfinite(o.disparity_p_px) && std::isfinite(o.disparity_q_px);
   if (!finite || !(o.sigma_px > 0.0) || !std::isfinite(o.sigma_px)) return std::nullopt;

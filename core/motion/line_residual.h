@@ -34,14 +34,14 @@ struct PreparedLine {
 
 /// nullopt for what cannot be used: anything not finite, segments without length, sigmas that are not positive, an
 /// endpoint that is unknown. The right image is left out when a disparity is missing or its segment has no length.
-std::optional<PreparedLine> Prepare(const LineObservation& observation, const MotionOptions& options);
+std::optional<PreparedLine> Prepare(const LineCorrespondence& correspondence, const MotionOptions& options);
 
 /// Distances in pixels of the projected endpoints p and q to the observed infinite lines: left p, left q, right p,
 /// right q. False when an endpoint is behind the camera or too near.
 ///
-/// The observed line is known where it was seen: each of its two ends has an independent error across the line, so the
-/// distances of the two projected endpoints are correlated, and grow uncertain beyond the ends. The error of a right end
-/// is that of the left end minus that of the disparity, as for points.
+/// The observed line is known where it was seen: each of its two ends has an independent error across the line, so
+/// the distances of the two projected endpoints are correlated, and grow uncertain beyond the ends. The error of a
+/// right end is that of the left end minus that of the disparity, as for points.
 bool Linearize(const PreparedLine& line, const PoseView& view, double sigma_floor_px, Residual<4>& residual);
 
 }  // namespace plslam

@@ -19,7 +19,7 @@ constexpr double kConvergedStep = 1e-2;
 constexpr double kToleratedRise = 1e-3;
 constexpr double kMinDamping = 1e-9;
 constexpr double kFirstDamping = 1e-3;
-// Share of the observations that may go behind the camera during one solve.
+// Share of the correspondences that may go behind the camera during one solve.
 constexpr double kMayHide = 0.05;
 constexpr double kMinRelativeEigenvalue = 1e-11;
 
@@ -33,9 +33,9 @@ struct Solution {
 
 class Estimator {
  public:
-  Estimator(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+  Estimator(const std::vector<PointCorrespondence>& points, const std::vector<LineCorrespondence>& lines,
             const StereoCamera& camera, const std::optional<MotionPrior>& prior, const MotionOptions& options)
-      : observations_(points, lines, options),
+      : correspondences_(points, lines, options),
         camera_(camera),
         prior_(prior),
         options_(options),
@@ -52,12 +52,12 @@ class Estimator {
   ActiveSet Classify(const SE3& T_cur_ref) const;
   std::optional<Matrix6d> Covariance(const Solution& solution, const ActiveSet& active) const;
   double MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const;
-  void JudgeKinds(MotionEstimate& estimate) const;
+  void CheckFeatureTypes(MotionEstimate& estimate) const;
   bool Enough(const ActiveSet& active) const {
     return active.CountPoints() + 2 * active.CountLines() >= options_.min_inliers;
   }
 
-  PreparedObservations observations_;
+  PreparedCorrespondences correspondences_;
   const StereoCamera& camera_;
   const std::optional<MotionPrior>& prior_;
   const MotionOptions& options_;
@@ -85,7 +85,7 @@ double SquaredScale(const std::vector<Deviation>& some, const std::vector<Deviat
 
 NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) const {
   NormalEquations equations =
-      BuildNormalEquations(observations_, active, T_cur_ref, camera_, expectations_, options_);
+      BuildNormalEquations(correspondences_, active, T_cur_ref, camera_, expectations_, options_);
   if (prior_) {
     const Vector6d e = (prior_->T_cur_ref * T_cur_ref.Inverse()).Log();
     const Matrix6d J = InverseRightJacobian(e);
@@ -97,12 +97,12 @@ NormalEquations Estimator::Build(const SE3& T_cur_ref, const ActiveSet& active) 
   return equations;
 }
 
-// Takes out what cannot be seen from there, as long as it is few: a charge for each keeps a bad step from hiding what speaks
-// against it, and would keep a good one from being taken because of a landmark that the camera passes.
+// Takes out what cannot be seen from there, as long as it is few: a charge for each keeps a bad step from hiding what
+// speaks against it, and would keep a good one from being taken because of a landmark that the camera passes.
 bool Estimator::LetGo(const SE3& T_cur_ref, int& may_hide, ActiveSet& active) const {
   ActiveSet visible = active;
-  const std::vector<Deviation> points = PointDeviations(observations_, T_cur_ref, camera_, options_);
-  const std::vector<Deviation> lines = LineDeviations(observations_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> points = PointDeviations(correspondences_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> lines = LineDeviations(correspondences_, T_cur_ref, camera_, options_);
   for (size_t i = 0; i < points.size(); ++i) visible.points[i] &= std::isfinite(points[i].squared);
   for (size_t i = 0; i < lines.size(); ++i) visible.lines[i] &= std::isfinite(lines[i].squared);
   may_hide -= active.Count() - visible.Count();
@@ -143,8 +143,8 @@ Solution Estimator::Solve(const SE3& initial, double stop_step, ActiveSet& activ
 }
 
 ActiveSet Estimator::Classify(const SE3& T_cur_ref) const {
-  const std::vector<Deviation> points = PointDeviations(observations_, T_cur_ref, camera_, options_);
-  const std::vector<Deviation> lines = LineDeviations(observations_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> points = PointDeviations(correspondences_, T_cur_ref, camera_, options_);
+  const std::vector<Deviation> lines = LineDeviations(correspondences_, T_cur_ref, camera_, options_);
   const double squared_scale = std::clamp(SquaredScale(points, lines), 1.0, options_.max_scale * options_.max_scale);
   ActiveSet active;
   active.points.reserve(points.size());
@@ -157,10 +157,10 @@ ActiveSet Estimator::Classify(const SE3& T_cur_ref) const {
 double Estimator::MedianDepth(const SE3& T_cur_ref, const ActiveSet& active) const {
   std::vector<double> depths;
   for (size_t i = 0; i < active.points.size(); ++i) {
-    if (active.points[i] != 0) depths.push_back((T_cur_ref * observations_.points[i].p_ref).z());
+    if (active.points[i] != 0) depths.push_back((T_cur_ref * correspondences_.points[i].p_ref).z());
   }
   for (size_t i = 0; i < active.lines.size(); ++i) {
-    const Segment3& s = observations_.lines[i].segment_ref;
+    const Segment3& s = correspondences_.lines[i].segment_ref;
     if (active.lines[i] != 0) depths.push_back((T_cur_ref * Eigen::Vector3d(0.5 * (s.p + s.q))).z());
   }
   return Median(depths);
@@ -195,18 +195,18 @@ std::optional<Matrix6d> Estimator::Covariance(const Solution& solution, const Ac
   return Matrix6d(0.5 * (covariance + covariance.transpose()));
 }
 
-void Estimator::JudgeKinds(MotionEstimate& estimate) const {
+void Estimator::CheckFeatureTypes(MotionEstimate& estimate) const {
   // The sigmas as they are: the floor is for gates.
   MotionOptions options = options_;
   options.min_scale_px = 0.0;
   const SE3& T = estimate.T_cur_ref;
-  estimate.point_deviation = std::sqrt(SquaredScale(PointDeviations(observations_, T, camera_, options)));
-  estimate.line_deviation = std::sqrt(SquaredScale(LineDeviations(observations_, T, camera_, options)));
+  estimate.point_deviation = std::sqrt(SquaredScale(PointDeviations(correspondences_, T, camera_, options)));
+  estimate.line_deviation = std::sqrt(SquaredScale(LineDeviations(correspondences_, T, camera_, options)));
 }
 
 std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_points, size_t n_lines) const {
-  ActiveSet active{std::vector<char>(observations_.points.size(), 1),
-                   std::vector<char>(observations_.lines.size(), 1)};
+  ActiveSet active{std::vector<char>(correspondences_.points.size(), 1),
+                   std::vector<char>(correspondences_.lines.size(), 1)};
   if (!Enough(active)) return std::nullopt;
   Solution solution = Solve(initial, kCoarseStep, active);
   int iterations = solution.iterations;
@@ -228,16 +228,16 @@ std::optional<MotionEstimate> Estimator::Estimate(const SE3& initial, size_t n_p
   estimate.point_inliers.assign(n_points, false);
   estimate.line_inliers.assign(n_lines, false);
   for (size_t i = 0; i < active.points.size(); ++i) {
-    estimate.point_inliers[observations_.point_index[i]] = active.points[i] != 0;
+    estimate.point_inliers[correspondences_.point_index[i]] = active.points[i] != 0;
   }
   for (size_t i = 0; i < active.lines.size(); ++i) {
-    estimate.line_inliers[observations_.line_index[i]] = active.lines[i] != 0;
+    estimate.line_inliers[correspondences_.line_index[i]] = active.lines[i] != 0;
   }
   estimate.n_point_inliers = active.CountPoints();
   estimate.n_line_inliers = active.CountLines();
   estimate.iterations = iterations;
   estimate.rms = std::sqrt(solution.equations.squares / solution.equations.dimensions);
-  JudgeKinds(estimate);
+  CheckFeatureTypes(estimate);
   return estimate;
 }
 
@@ -248,8 +248,8 @@ bool IsUsable(const MotionPrior& prior) {
 
 }  // namespace
 
-std::optional<MotionEstimate> EstimateMotion(const std::vector<PointObservation>& points,
-                                             const std::vector<LineObservation>& lines, const StereoCamera& camera,
+std::optional<MotionEstimate> EstimateMotion(const std::vector<PointCorrespondence>& points,
+                                             const std::vector<LineCorrespondence>& lines, const StereoCamera& camera,
                                              const SE3& initial, const std::optional<MotionPrior>& prior,
                                              const MotionOptions& options) {
   if (!initial.IsFinite() || (prior && !IsUsable(*prior))) return std::nullopt;

@@ -11,7 +11,7 @@
 namespace plslam {
 
 /// A 3D point of the reference frame and where the current stereo frame sees it.
-struct PointObservation {
+struct PointCorrespondence {
   /// In the reference frame; covariance of that position, same frame.
   Eigen::Vector3d p_ref = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -23,7 +23,7 @@ struct PointObservation {
 
 /// A 3D segment of the reference frame and the detected segment it is matched with. Residuals are the distances of
 /// the projected 3D endpoints to the infinite detected line, in the left and, by the disparities, in the right image.
-struct LineObservation {
+struct LineCorrespondence {
   Segment3 segment_ref;
   /// Covariances of the endpoints in the reference frame. What lies along the segment is free and must not count.
   Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
@@ -49,7 +49,7 @@ struct MotionEstimate {
   /// Inverse Hessian of the last iteration (PL-SLAM §IV.C), of the right perturbation of T_cur_ref^-1 (that is, of
   /// T_ref_cur * Exp(x), x in the current camera), scaled so that it is honest (NEES about 6).
   Matrix6d covariance = Matrix6d::Zero();
-  /// In the order of the observations.
+  /// In the order of the correspondences.
   std::vector<bool> point_inliers;
   std::vector<bool> line_inliers;
   int n_point_inliers = 0;
@@ -57,8 +57,8 @@ struct MotionEstimate {
   int iterations = 0;
   /// Root mean square of the normalised inlier residuals (about 1 when the sigmas are honest).
   double rms = 0.0;
-  /// Typical residual of each kind in its own deviations: the root of the median squared norm over what is expected
-  /// of it (1 when the sigmas are honest), of all observations; 0 where there are none.
+  /// Typical residual of each feature type in its own deviations: the root of the median squared norm over what is
+  /// expected of it (1 when the sigmas are honest), of all correspondences; 0 where there are none.
   double point_deviation = 0.0;
   double line_deviation = 0.0;
 };
@@ -69,8 +69,8 @@ struct MotionEstimate {
 ///
 /// Returns nullopt when the motion is not determined: too few inliers, no convergence, a Hessian that is singular
 /// (all lines parallel, say) and no prior to fill it. Never returns a NaN.
-std::optional<MotionEstimate> EstimateMotion(const std::vector<PointObservation>& points,
-                                             const std::vector<LineObservation>& lines, const StereoCamera& camera,
+std::optional<MotionEstimate> EstimateMotion(const std::vector<PointCorrespondence>& points,
+                                             const std::vector<LineCorrespondence>& lines, const StereoCamera& camera,
                                              const SE3& initial, const std::optional<MotionPrior>& prior,
                                              const MotionOptions& options);
 

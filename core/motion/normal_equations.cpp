@@ -7,16 +7,16 @@
 namespace plslam {
 namespace {
 
-// Squared deviation charged for what has fallen behind the camera, so that hiding an observation never pays.
+// Squared deviation charged for what has fallen behind the camera, so that hiding a correspondence never pays.
 constexpr double kHidden = 1e4;
 
-template <class Observation, class Prepared>
-void PrepareAll(const std::vector<Observation>& observations, const MotionOptions& options,
+template <class Correspondence, class Prepared>
+void PrepareAll(const std::vector<Correspondence>& correspondences, const MotionOptions& options,
                 std::vector<Prepared>& prepared, std::vector<int>& index) {
-  prepared.reserve(observations.size());
-  index.reserve(observations.size());
-  for (size_t i = 0; i < observations.size(); ++i) {
-    const auto one = Prepare(observations[i], options);
+  prepared.reserve(correspondences.size());
+  index.reserve(correspondences.size());
+  for (size_t i = 0; i < correspondences.size(); ++i) {
+    const auto one = Prepare(correspondences[i], options);
     if (!one) continue;
     prepared.push_back(*one);
     index.push_back(static_cast<int>(i));
@@ -66,18 +66,18 @@ int CountSet(const std::vector<char>& flags) { return static_cast<int>(std::coun
 
 }  // namespace
 
-PreparedObservations::PreparedObservations(const std::vector<PointObservation>& point_observations,
-                                           const std::vector<LineObservation>& line_observations,
-                                           const MotionOptions& options) {
-  PrepareAll(point_observations, options, points, point_index);
-  PrepareAll(line_observations, options, lines, line_index);
+PreparedCorrespondences::PreparedCorrespondences(const std::vector<PointCorrespondence>& point_correspondences,
+                                                 const std::vector<LineCorrespondence>& line_correspondences,
+                                                 const MotionOptions& options) {
+  PrepareAll(point_correspondences, options, points, point_index);
+  PrepareAll(line_correspondences, options, lines, line_index);
   point_batch = PointBatch(points);
 }
 
 int ActiveSet::CountPoints() const { return CountSet(points); }
 int ActiveSet::CountLines() const { return CountSet(lines); }
 
-NormalEquations BuildNormalEquations(const PreparedObservations& observations, const ActiveSet& active,
+NormalEquations BuildNormalEquations(const PreparedCorrespondences& correspondences, const ActiveSet& active,
                                      const SE3& T_cur_ref, const StereoCamera& camera,
                                      const RobustExpectations& expectations, const MotionOptions& options) {
   const PoseView view(T_cur_ref, camera);
@@ -85,11 +85,11 @@ NormalEquations BuildNormalEquations(const PreparedObservations& observations, c
   const double hidden_cost = PseudoHuberLoss(kHidden, delta);
   NormalEquations sum;
   std::array<int, 5> count_by_dimension{};
-  observations.point_batch.AddTo(active.points, view, delta, hidden_cost, sum, count_by_dimension);
+  correspondences.point_batch.AddTo(active.points, view, delta, hidden_cost, sum, count_by_dimension);
   Residual<4> residual;
-  for (size_t i = 0; i < observations.lines.size(); ++i) {
+  for (size_t i = 0; i < correspondences.lines.size(); ++i) {
     if (active.lines[i] == 0) continue;
-    if (Linearize(observations.lines[i], view, 0.0, residual) && Whiten(residual)) {
+    if (Linearize(correspondences.lines[i], view, 0.0, residual) && Whiten(residual)) {
       AddLine(residual, delta, sum);
       ++count_by_dimension[residual.dimension];
     } else {
@@ -101,24 +101,24 @@ NormalEquations BuildNormalEquations(const PreparedObservations& observations, c
   return sum;
 }
 
-std::vector<Deviation> PointDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+std::vector<Deviation> PointDeviations(const PreparedCorrespondences& correspondences, const SE3& T_cur_ref,
                                        const StereoCamera& camera, const MotionOptions& options) {
   std::vector<int> dimensions;
-  dimensions.reserve(observations.points.size());
-  for (const PreparedPoint& point : observations.points) dimensions.push_back(point.has_disparity ? 3 : 2);
-  return Deviations(observations.point_batch.SquaredNorms(PoseView(T_cur_ref, camera), options.min_scale_px),
+  dimensions.reserve(correspondences.points.size());
+  for (const PreparedPoint& point : correspondences.points) dimensions.push_back(point.has_disparity ? 3 : 2);
+  return Deviations(correspondences.point_batch.SquaredNorms(PoseView(T_cur_ref, camera), options.min_scale_px),
                     dimensions, options);
 }
 
-std::vector<Deviation> LineDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+std::vector<Deviation> LineDeviations(const PreparedCorrespondences& correspondences, const SE3& T_cur_ref,
                                       const StereoCamera& camera, const MotionOptions& options) {
   const PoseView view(T_cur_ref, camera);
   std::vector<double> squared_norms;
   std::vector<int> dimensions;
-  squared_norms.reserve(observations.lines.size());
-  dimensions.reserve(observations.lines.size());
+  squared_norms.reserve(correspondences.lines.size());
+  dimensions.reserve(correspondences.lines.size());
   Residual<4> residual;
-  for (const PreparedLine& line : observations.lines) {
+  for (const PreparedLine& line : correspondences.lines) {
     const bool seen = Linearize(line, view, options.min_scale_px, residual) && Whiten(residual);
     squared_norms.push_back(seen ? residual.r.squaredNorm() : std::numeric_limits<double>::infinity());
     dimensions.push_back(seen ? residual.dimension : 4);

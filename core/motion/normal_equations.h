@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// Usable observations of one stereo frame, with the places they had in the caller's lists.
-struct PreparedObservations {
+/// Usable correspondences of one stereo frame, with the places they had in the caller's lists.
+struct PreparedCorrespondences {
   std::vector<PreparedPoint> points;
   std::vector<PreparedLine> lines;
   std::vector<int> point_index;
@@ -18,11 +18,11 @@ struct PreparedObservations {
   /// The same points, laid out for arithmetic.
   PointBatch point_batch;
 
-  PreparedObservations(const std::vector<PointObservation>& point_observations,
-                       const std::vector<LineObservation>& line_observations, const MotionOptions& options);
+  PreparedCorrespondences(const std::vector<PointCorrespondence>& point_correspondences,
+                          const std::vector<LineCorrespondence>& line_correspondences, const MotionOptions& options);
 };
 
-/// Which of the prepared observations take part (1) or not (0).
+/// Which of the prepared correspondences take part (1) or not (0).
 struct ActiveSet {
   std::vector<char> points;
   std::vector<char> lines;
@@ -51,21 +51,21 @@ struct NormalEquations {
   Matrix6d H() const { return H_data + H_prior; }
 };
 
-/// Adds all active observations, as seen from `T_cur_ref`.
-NormalEquations BuildNormalEquations(const PreparedObservations& observations, const ActiveSet& active,
+/// Adds all active correspondences, as seen from `T_cur_ref`.
+NormalEquations BuildNormalEquations(const PreparedCorrespondences& correspondences, const ActiveSet& active,
                                      const SE3& T_cur_ref, const StereoCamera& camera,
                                      const RobustExpectations& expectations, const MotionOptions& options);
 
-/// Squared whitened norms per expected median, for the robust scale, and their gates: an observation is an inlier where
-/// `squared <= scale^2 * gate`. Infinity where it cannot be seen. Sigmas are at least `min_scale_px` here.
+/// Squared whitened norms per expected median, for the robust scale, and their gates: a correspondence is an inlier
+/// where `squared <= scale^2 * gate`. Infinity where it cannot be seen. Sigmas are at least `min_scale_px` here.
 struct Deviation {
   double squared;
   double median;
   double gate;
 };
-std::vector<Deviation> PointDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+std::vector<Deviation> PointDeviations(const PreparedCorrespondences& correspondences, const SE3& T_cur_ref,
                                        const StereoCamera& camera, const MotionOptions& options);
-std::vector<Deviation> LineDeviations(const PreparedObservations& observations, const SE3& T_cur_ref,
+std::vector<Deviation> LineDeviations(const PreparedCorrespondences& correspondences, const SE3& T_cur_ref,
                                       const StereoCamera& camera, const MotionOptions& options);
 
 }  // namespace plslam

@@ -4,7 +4,7 @@
 
 namespace plslam {
 
-std::optional<PreparedPoint> Prepare(const PointObservation& o, const MotionOptions& options) {
+std::optional<PreparedPoint> Prepare(const PointCorrespondence& o, const MotionOptions& options) {
   const bool finite = o.p_ref.allFinite() && o.uvd.allFinite() && std::isfinite(o.sigma_px);
   if (!finite || !(o.sigma_px > 0.0)) return std::nullopt;
   PreparedPoint point{o.p_ref, Eigen::Matrix3d::Zero(), o.uvd, o.sigma_px, o.sigma_disparity_px, o.uvd.z() >= 0.0};

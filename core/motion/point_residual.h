@@ -17,6 +17,6 @@ struct PreparedPoint {
 };
 
 /// nullopt for what cannot be used: anything not finite, sigmas that are not positive, a position that is unknown.
-std::optional<PreparedPoint> Prepare(const PointObservation& observation, const MotionOptions& options);
+std::optional<PreparedPoint> Prepare(const PointCorrespondence& correspondence, const MotionOptions& options);
 
 }  // namespace plslam

@@ -53,7 +53,7 @@ struct LinePair {
 
 class Ransac {
  public:
-  Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+  Ransac(const std::vector<PointCorrespondence>& points, const std::vector<LineCorrespondence>& lines,
          const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed,
          const std::optional<Neighbourhood>& neighbourhood);
 
@@ -66,19 +66,19 @@ class Ransac {
   std::optional<SE3> Hypothesis();
   std::optional<SE3> FromPoints();
   std::optional<SE3> FromLines();
-  SE3 Polished(const SE3& T_cur_ref, const std::vector<PointObservation>& points,
-               const std::vector<LineObservation>& lines) const;
+  SE3 Polished(const SE3& T_cur_ref, const std::vector<PointCorrespondence>& points,
+               const std::vector<LineCorrespondence>& lines) const;
   ActiveSet Inliers(const SE3& T_cur_ref) const;
   int NeededHypotheses(int n_inliers) const;
   static int Score(const ActiveSet& set) { return set.CountPoints() + 2 * set.CountLines(); }
 
-  const std::vector<PointObservation>& points_;
-  const std::vector<LineObservation>& lines_;
+  const std::vector<PointCorrespondence>& points_;
+  const std::vector<LineCorrespondence>& lines_;
   const StereoCamera& camera_;
   int min_inliers_;
   MotionOptions options_;
   RobustExpectations expectations_;
-  PreparedObservations observations_;
+  PreparedCorrespondences correspondences_;
   std::vector<PointPair> point_pairs_;
   std::vector<LinePair> line_pairs_;
   /// Of each point pair; empty where sets need not lie together.
@@ -95,7 +95,7 @@ MotionOptions PixelGates(double inlier_px) {
   return options;
 }
 
-Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<LineObservation>& lines,
+Ransac::Ransac(const std::vector<PointCorrespondence>& points, const std::vector<LineCorrespondence>& lines,
                const StereoCamera& camera, int min_inliers, double inlier_px, uint64_t seed,
                const std::optional<Neighbourhood>& neighbourhood)
     : points_(points),
@@ -104,14 +104,14 @@ Ransac::Ransac(const std::vector<PointObservation>& points, const std::vector<Li
       min_inliers_(min_inliers),
       options_(PixelGates(inlier_px)),
       expectations_(ExpectRobust(options_.huber_delta, options_.gate_sigmas)),
-      observations_(points, lines, options_),
+      correspondences_(points, lines, options_),
       random_(seed) {
-  for (const int i : observations_.point_index) {
-    const PointObservation& o = points[i];
+  for (const int i : correspondences_.point_index) {
+    const PointCorrespondence& o = points[i];
     if (o.uvd.z() > 0.0) point_pairs_.push_back({o.p_ref, camera.Backproject(o.uvd), i});
   }
-  for (const int i : observations_.line_index) {
-    const LineObservation& o = lines[i];
+  for (const int i : correspondences_.line_index) {
+    const LineCorrespondence& o = lines[i];
     if (o.disparity_p_px <= 0.0 || o.disparity_q_px <= 0.0) continue;
     line_pairs_.push_back(
         {o.segment_ref, BackprojectSegment(camera, o.observed, o.disparity_p_px, o.disparity_q_px), i});
@@ -153,7 +153,7 @@ std::optional<SE3> Ransac::FromPoints() {
   }
   const auto aligned = AlignPoints(ref, cur);
   if (!aligned) return std::nullopt;
-  std::vector<PointObservation> minimal;
+  std::vector<PointCorrespondence> minimal;
   minimal.reserve(chosen.size());
   for (const int i : chosen) minimal.push_back(points_[point_pairs_[i].index]);
   return Polished(*aligned, minimal, {});
@@ -171,11 +171,11 @@ std::optional<SE3> Ransac::FromLines() {
   return Polished(*aligned, {}, {lines_[a.index], lines_[b.index]});
 }
 
-/// The pose from where the minimal set is reprojected best. Where disparities are small, places are metres off along the rays,
-/// and so is what aligns them, while the pixels are nearly right.
-SE3 Ransac::Polished(const SE3& T_cur_ref, const std::vector<PointObservation>& points,
-                     const std::vector<LineObservation>& lines) const {
-  const PreparedObservations minimal(points, lines, options_);
+/// The pose from where the minimal set is reprojected best. Where disparities are small, places are metres off along
+/// the rays, and so is what aligns them, while the pixels are nearly right.
+SE3 Ransac::Polished(const SE3& T_cur_ref, const std::vector<PointCorrespondence>& points,
+                     const std::vector<LineCorrespondence>& lines) const {
+  const PreparedCorrespondences minimal(points, lines, options_);
   const ActiveSet all{std::vector<char>(minimal.points.size(), 1), std::vector<char>(minimal.lines.size(), 1)};
   SE3 best = T_cur_ref;
   NormalEquations sum = BuildNormalEquations(minimal, all, best, camera_, expectations_, options_);
@@ -209,12 +209,12 @@ ActiveSet Ransac::Inliers(const SE3& T_cur_ref) const {
     for (const Deviation& d : deviations) flags.push_back(d.squared <= d.gate ? 1 : 0);
     return flags;
   };
-  return {keep(PointDeviations(observations_, T_cur_ref, camera_, options_)),
-          keep(LineDeviations(observations_, T_cur_ref, camera_, options_))};
+  return {keep(PointDeviations(correspondences_, T_cur_ref, camera_, options_)),
+          keep(LineDeviations(correspondences_, T_cur_ref, camera_, options_))};
 }
 
 int Ransac::NeededHypotheses(int n_inliers) const {
-  const double all = static_cast<double>(observations_.points.size() + 2 * observations_.lines.size());
+  const double all = static_cast<double>(correspondences_.points.size() + 2 * correspondences_.lines.size());
   const double share = std::clamp(n_inliers / all, 1e-3, 0.999);
   const double needed = std::log(1.0 - kConfidence) / std::log(1.0 - share * share * share);
   // Before the cast: few inliers of many ask for more than an int holds.
@@ -248,8 +248,8 @@ std::optional<SE3> Ransac::Estimate() {
 
 }  // namespace
 
-std::optional<SE3> EstimatePoseRansac(const std::vector<PointObservation>& points,
-                                      const std::vector<LineObservation>& lines, const StereoCamera& camera,
+std::optional<SE3> EstimatePoseRansac(const std::vector<PointCorrespondence>& points,
+                                      const std::vector<LineCorrespondence>& lines, const StereoCamera& camera,
                                       int min_inliers, double inlier_px, uint64_t seed,
                                       const std::optional<Neighbourhood>& neighbourhood) {
   if (!(inlier_px > 0.0) || !std::isfinite(inlier_px)) return std::nullopt;

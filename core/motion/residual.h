@@ -9,9 +9,9 @@
 
 namespace plslam {
 
-/// A residual vector linearised at a pose: r, its derivative by the right perturbation x of T_ref_cur * Exp(x), and the
-/// covariance S of r (noise of the measurement, and of the landmark seen through the projection). Rows that
-/// have no measurement hold a zero residual, a zero derivative and unit variance, and do not count in `dimension`.
+/// A residual vector linearised at a pose: r, its derivative by the right perturbation x of T_ref_cur * Exp(x), and
+/// the covariance S of r (noise of the measurement, and of the landmark seen through the projection). Rows that have
+/// no measurement hold a zero residual, a zero derivative and unit variance, and do not count in `dimension`.
 template <int N>
 struct Residual {
   Eigen::Matrix<double, N, 1> r;

@@ -18,7 +18,7 @@ double Share(double part, double other) { return part + other > 0.0 ? part / (pa
 double WeightOfPoints(const PlaceDescription& query, const PlaceOptions& options) {
   const double strength = Share(query.n_points, query.n_lines);
   const double dispersion = Share(query.dispersion_points_px, query.dispersion_lines_px);
-  if (options.merge == "balanced") return Share(query.n_points, options.line_worth * query.n_lines);
+  if (options.merge == "balanced") return Share(query.n_points, options.line_weight * query.n_lines);
   if (options.merge == "paper") return 0.5 * (strength + dispersion);
   if (options.merge == "strength") return strength;
   if (options.merge == "dispersion") return dispersion;
@@ -31,7 +31,7 @@ double WeightOfPoints(const PlaceDescription& query, const PlaceOptions& options
 
 PlaceWeights WeightsFor(const PlaceDescription& query, const PlaceOptions& options) {
   if (options.merge == "adaptive") {
-    const double lines = options.line_worth * query.n_lines;
+    const double lines = options.line_weight * query.n_lines;
     const double all = query.n_points + lines + kUnsharedPoints;
     return {query.n_points / all, lines / all};
   }
@@ -39,14 +39,14 @@ PlaceWeights WeightsFor(const PlaceDescription& query, const PlaceOptions& optio
   return {points, 1.0 - points};
 }
 
-std::vector<float> WordWorths(const std::vector<int>& places_with, int places, const PlaceOptions& options) {
-  std::vector<float> worths(places_with.size(), 1.0F);
-  if (options.merge != "adaptive") return worths;
-  for (size_t i = 0; i < worths.size(); ++i) {
+std::vector<float> WordWeights(const std::vector<int>& places_with, int places, const PlaceOptions& options) {
+  std::vector<float> word_weights(places_with.size(), 1.0F);
+  if (options.merge != "adaptive") return word_weights;
+  for (size_t i = 0; i < word_weights.size(); ++i) {
     const double without = 1.0 - places_with[i] / (places + kPlacesWithoutWords);
-    worths[i] = static_cast<float>(std::pow(without, options.rarity));
+    word_weights[i] = static_cast<float>(std::pow(without, options.idf_exponent));
   }
-  return worths;
+  return word_weights;
 }
 
 namespace {
@@ -54,7 +54,8 @@ namespace {
 constexpr int kBlockBits = 16;
 constexpr uint32_t kPlaceMask = (1U << kBlockBits) - 1;
 
-// A weight's code is the upper part of its bits as a float, above the smallest weight with a code: 2^-31 to 1 have codes.
+// A weight's code is the upper part of its bits as a float, above the smallest weight with a code: 2^-31 to 1 have
+// codes.
 constexpr int kDroppedBits = 12;
 constexpr uint32_t kCodeOne = 0xFFFF;
 constexpr uint32_t kSmallest = std::bit_cast<uint32_t>(1.0F) - (kCodeOne << kDroppedBits);
@@ -101,7 +102,8 @@ void PlaceIndex::Score(const BagOfWords& query, std::vector<float>& scores) cons
   Score(query, std::vector<float>(query.words.size(), 1.0F), scores);
 }
 
-void PlaceIndex::Score(const BagOfWords& query, const std::vector<float>& worth, std::vector<float>& scores) const {
+void PlaceIndex::Score(const BagOfWords& query, const std::vector<float>& word_weights,
+                       std::vector<float>& scores) const {
   const auto first = query.words.begin();
   const auto last = std::find_if(first, query.words.end(), [this](const auto& word) { return word.first >= words_; });
   for (size_t b = 0; b < blocks_.size(); ++b) {
@@ -110,7 +112,7 @@ void PlaceIndex::Score(const BagOfWords& query, const std::vector<float>& worth,
     for (auto word = first; word != last; ++word) {
       if (last - word > 2) __builtin_prefetch(&block[(word + 2)->first]);
       if (last - word > 1) Prefetch(block[(word + 1)->first]);
-      const float counts = worth[static_cast<size_t>(word - first)];
+      const float counts = word_weights[static_cast<size_t>(word - first)];
       for (const uint32_t entry : block[word->first]) {
         out[entry & kPlaceMask] += counts * std::min(word->second, WeightOf(entry));
       }

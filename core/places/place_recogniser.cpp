@@ -10,10 +10,10 @@
 namespace plslam {
 namespace {
 
-void CheckKind(const Vocabulary& vocabulary, WordKind kind) {
+void CheckKind(const Vocabulary& vocabulary, FeatureType kind) {
   if (vocabulary.kind() == kind) return;
-  throw std::invalid_argument(std::string("a vocabulary of ") + WordKindName(vocabulary.kind()) +
-                              " stands where one of " + WordKindName(kind) + " is needed");
+  throw std::invalid_argument(std::string("a vocabulary of ") + FeatureTypeName(vocabulary.kind()) +
+                              " stands where one of " + FeatureTypeName(kind) + " is needed");
 }
 
 bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
@@ -53,8 +53,8 @@ PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const Plac
       options_(options),
       point_index_(points_.words()),
       line_index_(lines_.words()) {
-  CheckKind(points_, WordKind::kPoints);
-  CheckKind(lines_, WordKind::kLines);
+  CheckKind(points_, FeatureType::kPoints);
+  CheckKind(lines_, FeatureType::kLines);
   WeightsFor({}, options_);
 }
 
@@ -104,16 +104,16 @@ const PlaceDescription& PlaceRecogniser::Of(int64_t keyframe_id) const {
   return descriptions_[place_of_.at(keyframe_id)];
 }
 
-std::vector<float> PlaceRecogniser::Worths(const PlaceIndex& index, const BagOfWords& query) const {
-  return WordWorths(index.PlacesWith(query), size(), options_);
+std::vector<float> PlaceRecogniser::Weights(const PlaceIndex& index, const BagOfWords& query) const {
+  return WordWeights(index.PlacesWith(query), size(), options_);
 }
 
 std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
                                                const std::function<bool(int64_t)>& excluded, int max_results) const {
   std::vector<float> points(keyframe_ids_.size(), 0.0F);
   std::vector<float> lines(keyframe_ids_.size(), 0.0F);
-  point_index_.Score(query.points, Worths(point_index_, query.points), points);
-  line_index_.Score(query.lines, Worths(line_index_, query.lines), lines);
+  point_index_.Score(query.points, Weights(point_index_, query.points), points);
+  line_index_.Score(query.lines, Weights(line_index_, query.lines), lines);
   const PlaceWeights weights = WeightsFor(query, options_);
   std::vector<PlaceMatch> matches;
   matches.reserve(keyframe_ids_.size());
@@ -126,8 +126,8 @@ std::vector<PlaceMatch> PlaceRecogniser::Query(const PlaceDescription& query,
 
 PlaceMatch PlaceRecogniser::Compare(const PlaceDescription& query, const PlaceDescription& other) const {
   return Merge(-1, WeightsFor(query, options_),
-               BagSimilarity(query.points, Worths(point_index_, query.points), other.points),
-               BagSimilarity(query.lines, Worths(line_index_, query.lines), other.lines));
+               BagSimilarity(query.points, Weights(point_index_, query.points), other.points),
+               BagSimilarity(query.lines, Weights(line_index_, query.lines), other.lines));
 }
 
 double PlaceRecogniser::Score(const PlaceDescription& query, const PlaceDescription& other) const {

@@ -16,14 +16,16 @@ namespace plslam {
 /// A keyframe that looks like the query.
 struct PlaceMatch {
   int64_t keyframe_id = 0;
-  /// By the merge of the options, of `score_points` and `score_lines`, the similarities with words as they count in it, 0 to 1.
+  /// By the merge of the options, of `score_points` and `score_lines`, the similarities with words as they count in
+  /// it, 0 to 1.
   double score = 0.0;
   double score_points = 0.0;
   double score_lines = 0.0;
 };
 
-/// Recognises places by points and lines together (PL-SLAM §VI.A.1): a vocabulary and an inverted index for each kind,
-/// both asked at every query, and one score merged from the two. A value; no thread inside, const calls may run side by side.
+/// Recognises places by points and lines together (PL-SLAM §VI.A.1): a vocabulary and an inverted index for each
+/// feature type, both asked at every query, and one score merged from the two. A value; no thread inside, const calls
+/// may run side by side.
 class PlaceRecogniser {
  public:
   /// Throws std::invalid_argument where a vocabulary is of the other kind, or the merge is unknown.
@@ -44,19 +46,19 @@ class PlaceRecogniser {
   const PlaceDescription& Of(int64_t keyframe_id) const;
   int size() const { return static_cast<int>(place_of_.size()); }
 
-  /// The keyframes most like `query`, best first, equal scores by id; at most `max_results`, none of score 0, none that
-  /// `excluded` (may be empty) says yes to. It is asked about the best ones only.
+  /// The keyframes most like `query`, best first, equal scores by id; at most `max_results`, none of score 0, none
+  /// that `excluded` (may be empty) says yes to. It is asked about the best ones only.
   std::vector<PlaceMatch> Query(const PlaceDescription& query, const std::function<bool(int64_t)>& excluded,
                                 int max_results) const;
 
-  /// The score that a query for `query` gives to `other`, which need not be one of the keyframes; a query is right to 1 part in
-  /// 4096 of it. In the merge "adaptive" scores depend on the keyframes that are there.
+  /// The score that a query for `query` gives to `other`, which need not be one of the keyframes; a query is right to
+  /// 1 part in 4096 of it. In the merge "adaptive" scores depend on the keyframes that are there.
   PlaceMatch Compare(const PlaceDescription& query, const PlaceDescription& other) const;
   double Score(const PlaceDescription& query, const PlaceDescription& other) const;
 
  private:
   int FreePlace();
-  std::vector<float> Worths(const PlaceIndex& index, const BagOfWords& query) const;
+  std::vector<float> Weights(const PlaceIndex& index, const BagOfWords& query) const;
 
   Vocabulary points_;
   Vocabulary lines_;

@@ -91,8 +91,8 @@ BagOfWords Vocabulary::Transform(const std::vector<Descriptor>& descriptors, Fea
   return Count(*tree_, falls);
 }
 
-// The file: header, number of children of each node (1 byte each), centre of each node but the root, IDF of each word,
-// BLAKE2b-256 of all before it. Little-endian, without gaps.
+// The file: header, number of children of each node (1 byte each), centre of each node but the root, IDF of each
+// word, BLAKE2b-256 of all before it. Little-endian, without gaps.
 
 namespace {
 
@@ -201,7 +201,7 @@ Vocabulary::Vocabulary(VocabularyTree tree) : Vocabulary(std::move(tree), "") {
 Vocabulary Vocabulary::FromBytes(std::string_view bytes, const std::string& name) {
   const Header header = CheckedHeader(bytes, name);
   VocabularyTree tree;
-  tree.kind = static_cast<WordKind>(header.kind);
+  tree.kind = static_cast<FeatureType>(header.kind);
   tree.images = header.images;
   std::vector<uint8_t> children(header.nodes);
   tree.centers.resize(header.nodes);

@@ -11,8 +11,8 @@
 
 namespace plslam {
 
-/// For each descriptor the node of the tree at a fixed level that it falls into: descriptors of two images that belong together
-/// mostly share it, so that only those need to be compared.
+/// For each descriptor the node of the tree at a fixed level that it falls into: descriptors of two images that
+/// belong together mostly share it, so that only those need to be compared.
 struct FeatureNodes {
   std::vector<int32_t> node;
 };
@@ -24,11 +24,12 @@ class Vocabulary {
   /// The level of the tree at which `Transform` names nodes: with ten children a node there are a hundred.
   static constexpr int kGuideLevel = 2;
 
-  /// The tree must be as `LinkNodes` makes it, with a centre for each node and a finite weight of at least 0 for each word.
+  /// The tree must be as `LinkNodes` makes it, with a centre for each node and a finite weight of at least 0 for each
+  /// word.
   explicit Vocabulary(VocabularyTree tree);
 
-  /// Throws std::runtime_error with one sentence where the file is missing, no vocabulary, of another version, truncated
-  /// or damaged (a BLAKE2b checksum tells). Memory stays within a small multiple of the file's size.
+  /// Throws std::runtime_error with one sentence where the file is missing, no vocabulary, of another version,
+  /// truncated or damaged (a BLAKE2b checksum tells). Memory stays within a small multiple of the file's size.
   static Vocabulary Load(const std::string& path);
   /// The same from the bytes of a file; `name` is for the sentence.
   static Vocabulary FromBytes(std::string_view bytes, const std::string& name);
@@ -37,7 +38,7 @@ class Vocabulary {
   void Save(const std::string& path) const;
   std::string ToBytes() const;
 
-  WordKind kind() const { return tree_->kind; }
+  FeatureType kind() const { return tree_->kind; }
   int words() const { return tree_->words(); }
   const VocabularyTree& tree() const { return *tree_; }
   /// The checksum of its file, 64 hex digits: two vocabularies with the same are the same.

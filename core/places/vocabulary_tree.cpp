@@ -21,7 +21,7 @@ int DepthOf(const std::vector<int32_t>& child_begin) {
 
 }  // namespace
 
-const char* WordKindName(WordKind kind) { return kind == WordKind::kPoints ? "points" : "lines"; }
+const char* FeatureTypeName(FeatureType kind) { return kind == FeatureType::kPoints ? "points" : "lines"; }
 
 std::string LinkNodes(const std::vector<uint8_t>& children, VocabularyTree& tree) {
   const auto nodes = static_cast<int64_t>(children.size());

@@ -9,10 +9,10 @@
 namespace plslam {
 
 /// What a vocabulary describes: ORB of points or LBD of lines.
-enum class WordKind : uint8_t { kPoints = 0, kLines = 1 };
+enum class FeatureType : uint8_t { kPoints = 0, kLines = 1 };
 
 /// "points" or "lines".
-const char* WordKindName(WordKind kind);
+const char* FeatureTypeName(FeatureType kind);
 
 /// Bounds of what a vocabulary may be; a file beyond them is refused.
 struct VocabularyLimits {
@@ -24,10 +24,10 @@ struct VocabularyLimits {
 /// The content of a vocabulary: a tree of descriptors whose leaves are the words.
 ///
 /// Nodes are numbered level by level from the root, 0; the children of a node are neighbours, in the order of their
-/// parents. `child_begin[i]` to `child_begin[i + 1]` are the children of node i; none: it is a leaf. Leaves are numbered in
-/// the order of the nodes, 0, 1, 2, ...: these numbers are the words.
+/// parents. `child_begin[i]` to `child_begin[i + 1]` are the children of node i; none: it is a leaf. Leaves are
+/// numbered in the order of the nodes, 0, 1, 2, ...: these numbers are the words.
 struct VocabularyTree {
-  WordKind kind = WordKind::kPoints;
+  FeatureType kind = FeatureType::kPoints;
   /// Images that it was trained on.
   int64_t images = 0;
   /// Centre of each node; that of the root means nothing.
@@ -43,8 +43,8 @@ struct VocabularyTree {
   int words() const { return static_cast<int>(idf.size()); }
 };
 
-/// Makes `child_begin` and `word` from the number of children of each node. Returns why they are no tree in this numbering
-/// (too many, too deep, one child, unreachable nodes), or an empty text.
+/// Makes `child_begin` and `word` from the number of children of each node. Returns why they are no tree in this
+/// numbering (too many, too deep, one child, unreachable nodes), or an empty text.
 std::string LinkNodes(const std::vector<uint8_t>& children, VocabularyTree& tree);
 
 }  // namespace plslam

@@ -5,8 +5,8 @@
 
 namespace plslam::bus {
 
-/// How long a lockstep stream waits for what another process has to say: as long as that process shows signs of life, and
-/// some time more, so that one that is started again is waited for too. Times in s, of any steady clock.
+/// How long a lockstep stream waits for what another process has to say: as long as that process shows signs of life,
+/// and some time more, so that one that is started again is waited for too. Times in s, of any steady clock.
 class PartnerWait {
  public:
   explicit PartnerWait(double wait_s) : wait_s_(wait_s) {}

@@ -27,9 +27,9 @@ class Process {
   Bus& bus() { return *bus_; }
   const std::string& name() const { return name_; }
 
-  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory, and told on the
-  /// terminal of a process that was started by hand. RunProcess sets "ready" after `make_node` where the node has set nothing
-  /// itself.
+  /// "ready", "running", "finished"...: published at once and at 1 Hz with counters, CPU time and memory, and told on
+  /// the terminal of a process that was started by hand. RunProcess sets "ready" after `make_node` where the node has
+  /// set nothing itself.
   void SetState(const std::string& state, const std::string& reason = "");
   /// What there is to say beside the state, which stays; published at once.
   void SetReason(const std::string& reason);
@@ -61,7 +61,8 @@ struct ProcessSpec {
   std::function<std::shared_ptr<void>(Process&, const Config&)> make_node;
   /// For the terminal: what it needs from others to begin ("a camera and frames"); may be empty.
   std::string waits_for;
-  /// For the terminal: counters of the status that say what it has done, each with its noun ("frames.sent", "frames sent").
+  /// For the terminal: counters of the status that say what it has done, each with its noun ("frames.sent", "frames
+  /// sent").
   std::vector<std::pair<std::string, std::string>> results;
 };
 
@@ -76,8 +77,8 @@ std::function<std::shared_ptr<void>(Process&, const Config&)> NodeWithOptions(co
 }
 
 /// The one main of all processes: command line (`--config FILE`, `--set KEY=VALUE`, `--url`, `--prefix`, `--help`,
-/// `--version`), configuration, bus, node, run loop. SIGINT, SIGTERM and SIGHUP end it cleanly (exit code 0), a second
-/// one at once (SignalWatcher); an exception becomes one line on stderr, state "failed", and exit code 1.
+/// `--version`), configuration, bus, node, run loop. SIGINT, SIGTERM and SIGHUP end it cleanly (exit code 0), a
+/// second one at once (SignalWatcher); an exception becomes one line on stderr, state "failed", and exit code 1.
 int RunProcess(int argc, char** argv, const ProcessSpec& spec);
 
 }  // namespace plslam::bus

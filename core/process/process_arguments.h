@@ -25,15 +25,16 @@ struct ProcessArguments {
 
   /// File, overrides, URL and prefix in one. Throws ConfigError.
   Config MakeConfig() const;
-  /// Makes the kernel end this process (SIGTERM) with the one that started it (`--parent`). Throws std::runtime_error where
-  /// that one has gone already.
+  /// Makes the kernel end this process (SIGTERM) with the one that started it (`--parent`). Throws std::runtime_error
+  /// where that one has gone already.
   void EndWithParent() const;
 };
 
 /// Log lines go to stderr, one each; stdout is for results.
 void SetUpLogging(const std::string& process);
 
-/// A line on standard error. Where that is a file on a full disk the line is lost, and nothing more: fmt::print would throw.
+/// A line on standard error. Where that is a file on a full disk the line is lost, and nothing more: fmt::print would
+/// throw.
 void PrintError(const std::string& line);
 
 /// What an exception says, on one line.

@@ -9,8 +9,8 @@
 
 namespace plslam::bus {
 
-/// What a process that was started by hand says on its terminal, one sentence a line. Silent until `Begin`: a launcher speaks
-/// for the processes that it starts. Safe from any thread.
+/// What a process that was started by hand says on its terminal, one sentence a line. Silent until `Begin`: a
+/// launcher speaks for the processes that it starts. Safe from any thread.
 class ProcessTerminal {
  public:
   /// `program`: its name, in front of each line.

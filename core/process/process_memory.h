@@ -6,8 +6,8 @@ namespace plslam::bus {
 /// cleared, page by page, for the next: of all page faults of a run that is a sixth at 752x480, a third at 1241x376.
 void KeepFreedMemory();
 
-/// Gives back what this thread has freed, and of other threads what lies between blocks still in use: after work that took
-/// much memory and comes seldom.
+/// Gives back what this thread has freed, and of other threads what lies between blocks still in use: after work that
+/// took much memory and comes seldom.
 void GiveBackFreedMemory();
 
 }  // namespace plslam::bus

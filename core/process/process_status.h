@@ -14,10 +14,11 @@ class status_t;
 
 namespace plslam::bus {
 
-/// The face of a process to the world: publishes `status_t` at 1 Hz and on each change of state. Safe from any thread.
+/// The face of a process to the world: publishes `status_t` at 1 Hz and on each change of state. Safe from any
+/// thread.
 ///
-/// Another process of the same name on the same bus is told, once, in the log and as the reason of the state: two that do the
-/// same work for the same readers are a mistake, but which of them is meant only their owner knows.
+/// Another process of the same name on the same bus is told, once, in the log and as the reason of the state: two
+/// that do the same work for the same readers are a mistake, but which of them is meant only their owner knows.
 class StatusPublisher {
  public:
   /// Starts in state "starting". The bus outlives it, and is not run any more once it is gone.

@@ -7,8 +7,8 @@
 
 namespace plslam::bus {
 
-/// For threads that work beside that of `Bus::Run`: runs `work`; what goes wrong in it ends the process where the run loop
-/// sees it.
+/// For threads that work beside that of `Bus::Run`: runs `work`; what goes wrong in it ends the process where the run
+/// loop sees it.
 template <class Work>
 void RunGuarded(Bus& bus, const Work& work) {
   std::exception_ptr failure;

@@ -9,14 +9,15 @@
 
 namespace plslam {
 
-/// `tracked` of `all` frames in per cent, rounded down to a tenth, so that 100 means every frame; nullopt where there are none.
+/// `tracked` of `all` frames in per cent, rounded down to a tenth, so that 100 means every frame; nullopt where there
+/// are none.
 inline std::optional<double> TrackedPercent(double tracked, double all) {
   if (!(all > 0.0)) return std::nullopt;
   return std::floor(1000.0 * std::clamp(tracked / all, 0.0, 1.0) + 1e-9) / 10.0;
 }
 
-/// What became of the frames of a run. None counts twice, and all of them are in `all`: whoever tells a share of tracked frames,
-/// tells it of these.
+/// What became of the frames of a run. None counts twice, and all of them are in `all`: whoever tells a share of
+/// tracked frames, tells it of these.
 struct FrameTally {
   int64_t tracked = 0;
   int64_t initialising = 0;  ///< there was nothing to found a map on yet

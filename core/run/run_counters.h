@@ -9,12 +9,12 @@
 
 namespace plslam {
 
-/// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that the right
-/// image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a corner, by how many
-/// disparities are off, by how much later the right images are taken than the left ones, or the left ones than the right ones, the same
-/// in frames, and by how much the times differ in which the two cameras read an image. By the player,
-/// where the dataset has a ground truth: frames with a true pose, and without. By the viewer: frames without the picture that report,
-/// film or overlays should have had.
+/// Counters of statuses that tell how good the data of a run are. By vo: points of the left image, those of them that
+/// the right image has, too, frames that are nearly black, by how many pixels rows of the right image differ in a
+/// corner, by how many disparities are off, by how much later the right images are taken than the left ones, or the
+/// left ones than the right ones, the same in frames, and by how much the times differ in which the two cameras read
+/// an image. By the player, where the dataset has a ground truth: frames with a true pose, and without. By the
+/// viewer: frames without the picture that report, film or overlays should have had.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kFramesDark = "frames.dark";

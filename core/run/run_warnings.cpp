@@ -11,7 +11,8 @@ namespace {
 using Numbers = std::vector<std::pair<std::string, double>>;
 
 constexpr double kEnoughTracked_percent = 90.0;
-/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 to 8 %.
+/// Where the calibration is good, the right image has 60 to 90 % of the points of the left one; exchanged, 0.3 to 8
+/// %.
 constexpr double kFewMatched = 0.15;
 constexpr double kEnoughPoints = 2000.0;
 constexpr double kManyDark = 0.1;
@@ -24,7 +25,8 @@ constexpr double kFarDisparities_px = 0.5;
 constexpr double kOtherPath = 0.3;
 /// The truth of a standing camera extends over its own errors.
 constexpr double kLeastOtherPath_m = 0.05;
-/// Good runs have a NEES of 3 to 30 against recorded truth, which errs itself; at this one, errors are 13 times what is claimed.
+/// Good runs have a NEES of 3 to 30 against recorded truth, which errs itself; at this one, errors are 13 times what
+/// is claimed.
 constexpr double kFarNees = 1e3;
 constexpr int64_t kEnoughNees = 20;
 

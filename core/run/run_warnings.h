@@ -29,7 +29,8 @@ struct RunFindings {
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;
-  /// Root mean square of the errors of position after alignment; and of the distances of the true positions from their mean.
+  /// Root mean square of the errors of position after alignment; and of the distances of the true positions from
+  /// their mean.
   std::optional<double> ate_m;
   double true_spread_m = 0.0;
   /// Mean NEES of the poses (6 is expected), and of how many.

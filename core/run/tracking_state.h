@@ -22,9 +22,9 @@ inline std::string TrackingStateName(TrackingState state) {
   return IsTrackingState(static_cast<int>(state)) ? kTrackingStateNames[static_cast<size_t>(state)] : "unknown";
 }
 
-/// A frame is tracked when its pose is estimated: not just the place where nothing is known yet (initialising), and not a guess of
-/// the motion model (lost). The frame that founds a session is tracked, by definition; it is the keyframe among the initialising
-/// ones. `keyframe_id` is -1 where the frame became no keyframe.
+/// A frame is tracked when its pose is estimated: not just the place where nothing is known yet (initialising), and
+/// not a guess of the motion model (lost). The frame that founds a session is tracked, by definition; it is the
+/// keyframe among the initialising ones. `keyframe_id` is -1 where the frame became no keyframe.
 inline bool IsTracked(TrackingState state, int64_t keyframe_id) {
   if (state == TrackingState::kInitialising) return keyframe_id >= 0;
   return IsTrackingState(static_cast<int>(state)) && state != TrackingState::kLost;

@@ -27,12 +27,13 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       publisher_(process.bus()),
       camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
-      questions_(
-          process.bus(), [this](const Keyframe& frame) { Queue(Question{frame}); }, bus::kWhereAmI),
+      requests_(
+          process.bus(), [this](const Keyframe& frame) { Queue(RelocalisationRequest{frame}); },
+          bus::kRelocalisationRequest),
       map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
-  judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { JudgeUntilStopped(); }); });
+  judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { CheckUntilStopped(); }); });
   adjuster_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { AdjustUntilStopped(); }); });
 }
 
@@ -71,7 +72,7 @@ void LoopNode::Queue(Arrival arrival) {
   changed_.notify_all();
 }
 
-void LoopNode::JudgeUntilStopped() {
+void LoopNode::CheckUntilStopped() {
   for (;;) {
     std::optional<Arrival> arrival;
     {
@@ -101,7 +102,7 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
-  return service_->OnQuestion(std::get<Question>(arrival).frame);
+  return service_->OnRequest(std::get<RelocalisationRequest>(arrival).frame);
 }
 
 /// What runs would undo the loop that is being told.

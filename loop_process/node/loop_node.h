@@ -23,9 +23,9 @@
 namespace plslam {
 class status_t;
 
-/// loop_process on the bus: keyframes, the map and questions of trackers in; loop closures and answers out.
+/// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
 ///
-/// One worker judges, in the order in which things came; another adjusts the whole map after a loop, so that judging
+/// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that judging
 /// goes on. A loop found meanwhile ends that adjustment: another follows. Work waits for the camera.
 class LoopNode {
  public:
@@ -35,20 +35,20 @@ class LoopNode {
   LoopNode& operator=(const LoopNode&) = delete;
 
  private:
-  struct Question {
+  struct RelocalisationRequest {
     Keyframe frame;
   };
   struct SignOfLife {
     int64_t source = 0;
   };
-  using Arrival = std::variant<Keyframe, MapUpdate, Question, SignOfLife>;
+  using Arrival = std::variant<Keyframe, MapUpdate, RelocalisationRequest, SignOfLife>;
 
   void OnCamera(const RigCalibration& rig);
   void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
 
   // On the workers.
-  void JudgeUntilStopped();
+  void CheckUntilStopped();
   void AdjustUntilStopped();
   LoopService::Output Handle(const Arrival& arrival);
   void DropAdjustment();
@@ -81,7 +81,7 @@ class LoopNode {
   std::thread adjuster_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;
-  bus::KeyframeSubscriber questions_;
+  bus::KeyframeSubscriber requests_;
   bus::MapUpdateSubscriber map_;
 };
 

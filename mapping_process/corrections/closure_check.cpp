@@ -81,9 +81,9 @@ std::string WhyNotOfMap(const LoopClosure& closure, const GivenNames& given, con
     return fmt::format("it was computed on version {} of the map, which is at {}", closure.map_version,
                        given.version);
   }
-  if (closure.map_version > 0 && closure.map_version < given.bent_version) {
-    return fmt::format("it corrects version {} of the map, which was bent in version {}", closure.map_version,
-                       given.bent_version);
+  if (closure.map_version > 0 && closure.map_version < given.structural_version) {
+    return fmt::format("it corrects version {} of the map, whose structure changed in version {}",
+                       closure.map_version, given.structural_version);
   }
   if (closure.kind == LoopClosure::Kind::kLoop && closure.edges.empty()) return "it is of a loop without edges";
   std::string wrong = WrongPoses(closure.poses, given.next_keyframe);

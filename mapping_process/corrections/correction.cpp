@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/geometry/rotate_covariance.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
@@ -68,20 +68,21 @@ void Place(int64_t id, const MapLine& place, Map& map) {
   map.SetSegment(id, place.segment_w, place.covariance_p, place.covariance_q);
 }
 
-template <class Kind>
-double ErrorAt(const typename Kind::Landmark& place, const std::vector<Sight>& sights,
+template <class Type>
+double ErrorAt(const typename Type::Landmark& place, const std::vector<Observation>& observations,
                const std::vector<const Moved*>& moves, const KeyframeFeatures& features, const StereoCamera& camera) {
   double sum = 0.0;
-  for (size_t i = 0; i < sights.size(); ++i) {
-    const auto& seen = Kind::Features(features.at(sights[i].keyframe_id))[static_cast<size_t>(sights[i].feature)];
-    sum += SightError(place, seen, moves[i]->T_kf_w, camera);
+  for (size_t i = 0; i < observations.size(); ++i) {
+    const auto& seen =
+        Type::Features(features.at(observations[i].keyframe_id))[static_cast<size_t>(observations[i].feature)];
+    sum += ObservationError(place, seen, moves[i]->T_kf_w, camera);
   }
   return sum;
 }
 
-// Of the sights, the keyframe to move with; the newest of equals.
-template <class Kind>
-const Moved& BestMove(const typename Kind::Landmark& landmark, const std::vector<const Moved*>& moves,
+// Of the observations, the keyframe to move with; the newest of equals.
+template <class Type>
+const Moved& BestMove(const typename Type::Landmark& landmark, const std::vector<const Moved*>& moves,
                       const KeyframeFeatures& features, const StereoCamera& camera) {
   const size_t n = moves.size();
   if (n == 1) return *moves.front();
@@ -91,7 +92,7 @@ const Moved& BestMove(const typename Kind::Landmark& landmark, const std::vector
   for (size_t i = 0; i < tried; ++i) {
     const Moved* candidate = moves[i * (n - 1) / (tried - 1)];
     const double error =
-        ErrorAt<Kind>(MovedBy(candidate->T_new_old, landmark), landmark.sights, moves, features, camera);
+        ErrorAt<Type>(MovedBy(candidate->T_new_old, landmark), landmark.observations, moves, features, camera);
     if (best != nullptr && error > least) continue;
     best = candidate;
     least = error;
@@ -99,23 +100,25 @@ const Moved& BestMove(const typename Kind::Landmark& landmark, const std::vector
   return *best;
 }
 
-template <class Kind>
+template <class Type>
 void MoveLandmarks(const std::map<int64_t, Moved>& moves, const KeyframeFeatures& features,
                    const StereoCamera& camera, Map& map) {
   std::vector<std::pair<int64_t, int64_t>> impossible;
-  std::vector<const Moved*> of_sights;
-  for (const auto& [id, landmark] : Kind::Landmarks(map)) {
-    of_sights.clear();
-    for (const Sight& sight : landmark.sights) of_sights.push_back(&moves.at(sight.keyframe_id));
-    if (std::none_of(of_sights.begin(), of_sights.end(), [](const Moved* move) { return move->moves; })) continue;
-    const Moved& best = BestMove<Kind>(landmark, of_sights, features, camera);
+  std::vector<const Moved*> of_observations;
+  for (const auto& [id, landmark] : Type::Landmarks(map)) {
+    of_observations.clear();
+    for (const Observation& observation : landmark.observations)
+      of_observations.push_back(&moves.at(observation.keyframe_id));
+    if (std::none_of(of_observations.begin(), of_observations.end(), [](const Moved* move) { return move->moves; }))
+      continue;
+    const Moved& best = BestMove<Type>(landmark, of_observations, features, camera);
     if (best.moves) Place(id, MovedBy(best.T_new_old, landmark), map);
-    for (size_t i = 0; i < of_sights.size(); ++i) {
-      if (IsBehind(landmark, of_sights[i]->T_kf_w, camera))
-        impossible.emplace_back(id, landmark.sights[i].keyframe_id);
+    for (size_t i = 0; i < of_observations.size(); ++i) {
+      if (IsBehind(landmark, of_observations[i]->T_kf_w, camera))
+        impossible.emplace_back(id, landmark.observations[i].keyframe_id);
     }
   }
-  for (const auto& [id, keyframe_id] : impossible) DropSight<Kind>(id, keyframe_id, features, map);
+  for (const auto& [id, keyframe_id] : impossible) DropObservation<Type>(id, keyframe_id, features, map);
 }
 
 }  // namespace
@@ -143,8 +146,8 @@ void MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& 
   for (const auto& [id, move] : moves) {
     if (move.moves) map.SetPose(id, poses.at(id), map.FindKeyframe(id)->covariance);
   }
-  MoveLandmarks<PointKind>(moves, features, camera, map);
-  MoveLandmarks<LineKind>(moves, features, camera, map);
+  MoveLandmarks<PointType>(moves, features, camera, map);
+  MoveLandmarks<LineType>(moves, features, camera, map);
 }
 
 }  // namespace plslam

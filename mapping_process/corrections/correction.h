@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 
 namespace plslam {
@@ -15,9 +15,9 @@ namespace plslam {
 /// tree or, where only that one is named, to the keyframe before; and so on from keyframe to keyframe.
 std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, const Map& map);
 
-/// Moves keyframes, and each landmark rigidly with one of those that see it, its covariances turned along: with the one that
-/// leaves it where all of them see it best. So landmarks that keyframes of both sides of a loop see go with the
-/// side that knows them better. Sights that have become impossible (behind the camera) are dropped.
+/// Moves keyframes, and each landmark rigidly with one of those that see it, its covariances turned along: with the
+/// one that leaves it where all of them see it best. So landmarks that keyframes of both sides of a loop see go with
+/// the side that knows them better. Observations that have become impossible (behind the camera) are dropped.
 void MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features, const StereoCamera& camera,
                    Map& map);
 

@@ -4,7 +4,7 @@
 #include <map>
 
 #include "mapping_process/insertion/duplicates.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
@@ -26,8 +26,8 @@ std::vector<int64_t> Around(int64_t keyframe_id, int min_shared, const Map& map)
   return ids;
 }
 
-template <class Kind>
-void FuseKind(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& features, Map& map) {
+template <class Type>
+void FuseType(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& features, Map& map) {
   std::map<int64_t, int64_t> became;
   const auto now = [&became](int64_t id) {
     for (auto next = became.find(id); next != became.end(); next = became.find(id)) id = next->second;
@@ -36,7 +36,7 @@ void FuseKind(const std::vector<SameLandmarks>& pairs, const KeyframeFeatures& f
   for (const SameLandmarks& pair : pairs) {
     const int64_t a = now(pair.a);
     const int64_t b = now(pair.b);
-    if (Fuse<Kind>(a, b, features, map)) became[std::max(a, b)] = std::min(a, b);
+    if (Fuse<Type>(a, b, features, map)) became[std::max(a, b)] = std::min(a, b);
   }
 }
 
@@ -44,9 +44,9 @@ void MergeOneWay(const std::vector<int64_t>& to, const std::vector<int64_t>& fro
                  const StereoCamera& camera, const MappingOptions& options, Map& map) {
   const double radius_px = kRadius * options.insertion.fuse_radius_px;
   for (const int64_t keyframe_id : to) {
-    LocalMap landmarks{SeenBy<PointKind>(from, map), SeenBy<LineKind>(from, map)};
-    LeaveOutSeen<PointKind>(keyframe_id, map, landmarks.points);
-    LeaveOutSeen<LineKind>(keyframe_id, map, landmarks.lines);
+    LocalMap landmarks{SeenBy<PointType>(from, map), SeenBy<LineType>(from, map)};
+    LeaveOutSeen<PointType>(keyframe_id, map, landmarks.points);
+    LeaveOutSeen<LineType>(keyframe_id, map, landmarks.lines);
     MergeInto(keyframe_id, landmarks, {radius_px, radius_px}, features, camera, options.localisation, map);
   }
 }
@@ -75,8 +75,8 @@ LoopSides SidesOf(const LoopEdge& edge, int min_shared, const Map& map) {
 
 void FusePairs(const std::vector<SameLandmarks>& points, const std::vector<SameLandmarks>& lines,
                const KeyframeFeatures& features, Map& map) {
-  FuseKind<PointKind>(points, features, map);
-  FuseKind<LineKind>(lines, features, map);
+  FuseType<PointType>(points, features, map);
+  FuseType<LineType>(lines, features, map);
 }
 
 void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const StereoCamera& camera,

@@ -4,14 +4,14 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 #include "mapping_process/options.h"
 
 namespace plslam {
 
-/// Keyframes around both ends of a loop: the end, its best neighbours (that share `min_shared` landmarks) and theirs, up to a
-/// number, none on both sides. Empty where an end is no longer in the map.
+/// Keyframes around both ends of a loop: the end, its best neighbours (that share `min_shared` landmarks) and theirs,
+/// up to a number, none on both sides. Empty where an end is no longer in the map.
 struct LoopSides {
   std::vector<int64_t> old_side;
   std::vector<int64_t> new_side;
@@ -20,8 +20,8 @@ struct LoopSides {
 /// To be asked before anything is fused: afterwards both sides are neighbours.
 LoopSides SidesOf(const LoopEdge& edge, int min_shared, const Map& map);
 
-/// Makes one of each pair (PL-SLAM §VI.B), also where one of them has become another landmark by an earlier pair. Pairs of which
-/// one is no longer there, or that a keyframe sees apart, stay as they are.
+/// Makes one of each pair (PL-SLAM §VI.B), also where one of them has become another landmark by an earlier pair.
+/// Pairs of which one is no longer there, or that a keyframe sees apart, stay as they are.
 void FusePairs(const std::vector<SameLandmarks>& points, const std::vector<SameLandmarks>& lines,
                const KeyframeFeatures& features, Map& map);
 

@@ -6,11 +6,12 @@
 namespace plslam {
 namespace {
 
-template <class Kind>
-void JudgeKind(const std::vector<int64_t>& ids, int min_sights, Map& map) {
+template <class Type>
+void CheckFeatureType(const std::vector<int64_t>& ids, int min_observations, Map& map) {
   for (const int64_t id : ids) {
-    const auto* landmark = Kind::Find(map, id);
-    if (landmark != nullptr && static_cast<int>(landmark->sights.size()) < min_sights) Kind::Remove(id, map);
+    const auto* landmark = Type::Find(map, id);
+    if (landmark != nullptr && static_cast<int>(landmark->observations.size()) < min_observations)
+      Type::Remove(id, map);
   }
 }
 
@@ -19,12 +20,12 @@ struct Share {
   int redundant = 0;
 };
 
-template <class Kind>
+template <class Type>
 void CountRedundant(int64_t keyframe_id, int min_others, const Map& map, Share& share) {
-  for (const int64_t id : Kind::Of(map, keyframe_id)) {
+  for (const int64_t id : Type::Of(map, keyframe_id)) {
     if (id < 0) continue;
     ++share.landmarks;
-    if (static_cast<int>(Kind::Find(map, id)->sights.size()) > min_others) ++share.redundant;
+    if (static_cast<int>(Type::Find(map, id)->observations.size()) > min_others) ++share.redundant;
   }
 }
 
@@ -38,8 +39,8 @@ bool IsRedundant(const MapKeyframe& keyframe, const CullingOptions& options, con
   if (keyframe.previous_id < 0 || keyframe.id == map.keyframes().begin()->first) return false;
   if (IsEndOfLoop(keyframe.id, map)) return false;
   Share share;
-  CountRedundant<PointKind>(keyframe.id, options.redundant_sights, map, share);
-  CountRedundant<LineKind>(keyframe.id, options.redundant_sights, map, share);
+  CountRedundant<PointType>(keyframe.id, options.redundant_observations, map, share);
+  CountRedundant<LineType>(keyframe.id, options.redundant_observations, map, share);
   return share.landmarks > 0 && share.redundant >= options.redundant_share * share.landmarks;
 }
 
@@ -59,19 +60,19 @@ void BridgeOver(int64_t id, Map& map) {
 
 }  // namespace
 
-void Trial::Begin(const NewLandmarks& landmarks, int64_t session) {
+void RecentLandmarks::Begin(const NewLandmarks& landmarks, int64_t session) {
   Session& of = sessions_[session];
   of.by_keyframe[++of.begun] = landmarks;
 }
 
-void Trial::Judge(const CullingOptions& options, Map& map) {
+void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
   for (auto& [id, session] : sessions_) {
     auto& by_keyframe = session.by_keyframe;
-    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.trial_keyframes <= session.begun) {
+    while (!by_keyframe.empty() && by_keyframe.begin()->first + options.recent_keyframes <= session.begun) {
       const NewLandmarks due = std::exchange(by_keyframe.begin()->second, {});
       by_keyframe.erase(by_keyframe.begin());
-      JudgeKind<PointKind>(due.points, options.min_sights, map);
-      JudgeKind<LineKind>(due.lines, options.min_sights, map);
+      CheckFeatureType<PointType>(due.points, options.min_observations, map);
+      CheckFeatureType<LineType>(due.lines, options.min_observations, map);
     }
   }
 }

@@ -4,21 +4,21 @@
 #include <map>
 #include <vector>
 
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/options.h"
 
 namespace plslam {
 
-/// Landmarks on trial: those younger than some keyframes of their session (PL-SLAM §V.B). Keyframes of other sessions, which may be
-/// elsewhere, say nothing about them.
-class Trial {
+/// Recent landmarks: those younger than some keyframes of their session (PL-SLAM §V.B). Keyframes of other sessions,
+/// which may be elsewhere, say nothing about them.
+class RecentLandmarks {
  public:
   /// Landmarks that came with the next keyframe of the session.
   void Begin(const NewLandmarks& landmarks, int64_t session);
 
-  /// Ends the trials that are due: landmarks that too few keyframes have seen go.
-  void Judge(const CullingOptions& options, Map& map);
+  /// Ends the checks that are due: landmarks that too few keyframes have seen go.
+  void Cull(const CullingOptions& options, Map& map);
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
@@ -27,7 +27,7 @@ class Trial {
 
  private:
   struct Session {
-    int64_t begun = 0;  ///< trials: one with each keyframe
+    int64_t begun = 0;  ///< checks: one with each keyframe
     std::map<int64_t, NewLandmarks> by_keyframe;
 
     template <class Archive, class Self>
@@ -38,9 +38,9 @@ class Trial {
   std::map<int64_t, Session> sessions_;
 };
 
-/// Of `candidates` those whose landmarks others see as well: each at least `redundant_sights` others, for a share of
-/// `redundant_share`. The first keyframe of the map and of a session is never redundant, nor is the end of a loop. One after the other is taken out, so
-/// that what is left is judged by what is left.
+/// Of `candidates` those whose landmarks others see as well: each at least `redundant_observations` others, for a
+/// share of `redundant_share`. The first keyframe of the map and of a session is never redundant, nor is the end of a
+/// loop. One after the other is taken out, so that what is left is judged by what is left.
 std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
                                               KeyframeFeatures& features, Map& map);
 

@@ -1,7 +1,7 @@
 #include "mapping_process/insertion/duplicates.h"
 
 #include "core/localisation/projection_search.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
@@ -33,30 +33,30 @@ Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }
 Eigen::Vector3d Middle(const MapLine& line) { return 0.5 * (line.segment_w.p + line.segment_w.q); }
 
 // Landmarks of one keyframe that another does not see.
-template <class Kind>
+template <class Type>
 std::vector<int64_t> UnseenBy(int64_t other_id, int64_t keyframe_id, const Map& map) {
-  std::vector<int64_t> ids = Kind::Of(map, keyframe_id);
-  LeaveOutSeen<Kind>(other_id, map, ids);
+  std::vector<int64_t> ids = Type::Of(map, keyframe_id);
+  LeaveOutSeen<Type>(other_id, map, ids);
   return ids;
 }
 
 // `spread_m` is the standard deviation of one metre's depth.
-template <class Kind>
+template <class Type>
 void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, double spread_m,
            const KeyframeFeatures& features, Map& map) {
   const Eigen::Vector3d centre_w = map.FindKeyframe(keyframe_id)->T_w_kf.translation();
   for (const LandmarkFeature& pair : found) {
-    const Sight sight{keyframe_id, pair.feature};
-    const int64_t shown = LandmarkAt<Kind>(map, sight);
+    const Observation observation{keyframe_id, pair.feature};
+    const int64_t shown = LandmarkAt<Type>(map, observation);
     if (shown < 0) {
-      AddSight<Kind>(pair.landmark_id, sight, features, map);
+      AddObservation<Type>(pair.landmark_id, observation, features, map);
       continue;
     }
-    const auto* a = Kind::Find(map, shown);
-    const auto* b = Kind::Find(map, pair.landmark_id);
+    const auto* a = Type::Find(map, shown);
+    const auto* b = Type::Find(map, pair.landmark_id);
     if (a == nullptr || b == nullptr) continue;
     const double slack = spread_m * spread_m * (Middle(*a) - centre_w).squaredNorm();
-    if (SamePlace(*a, *b, slack)) Fuse<Kind>(shown, pair.landmark_id, features, map);
+    if (SamePlace(*a, *b, slack)) Fuse<Type>(shown, pair.landmark_id, features, map);
   }
 }
 
@@ -68,10 +68,10 @@ void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow
   const StereoFeatures& seen = features.at(keyframe_id);
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const double spread_m = window.sigma_px / camera.f_px;
-  Merge<PointKind>(SearchPoints(map, landmarks.points, T_w_kf, seen.points, std::vector<char>(seen.points.size(), 1),
+  Merge<PointType>(SearchPoints(map, landmarks.points, T_w_kf, seen.points, std::vector<char>(seen.points.size(), 1),
                                 window.radius_px, camera, options),
                    keyframe_id, spread_m, features, map);
-  Merge<LineKind>(SearchLines(map, landmarks.lines, T_w_kf, seen.lines, std::vector<char>(seen.lines.size(), 1),
+  Merge<LineType>(SearchLines(map, landmarks.lines, T_w_kf, seen.lines, std::vector<char>(seen.lines.size(), 1),
                               window.radius_px, camera, options),
                   keyframe_id, spread_m, features, map);
 }
@@ -80,7 +80,7 @@ void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, 
                          const MappingOptions& options, Map& map) {
   const MergeWindow window{options.insertion.fuse_radius_px, 0.0};
   const auto merge = [&](int64_t to, int64_t from) {
-    const LocalMap unseen{UnseenBy<PointKind>(to, from, map), UnseenBy<LineKind>(to, from, map)};
+    const LocalMap unseen{UnseenBy<PointType>(to, from, map), UnseenBy<LineType>(to, from, map)};
     MergeInto(to, unseen, window, features, camera, options.localisation, map);
   };
   int left = options.insertion.fuse_keyframes;

@@ -7,7 +7,8 @@
 namespace plslam {
 
 /// Looks for a keyframe's landmarks in its neighbours and for the neighbours' landmarks in it (PL-SLAM §V.A), by
-/// projection: a feature that shows none yet is one more sight; where it shows another landmark near by, the two are one.
+/// projection: a feature that shows none yet is one more observation; where it shows another landmark near by, the
+/// two are one.
 void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, const StereoCamera& camera,
                          const MappingOptions& options, Map& map);
 

@@ -47,18 +47,18 @@ std::optional<MapLine> MakeLine(const StereoLine& seen, const SE3& T_w_kf, const
   return line;
 }
 
-template <class Kind, class Make>
+template <class Type, class Make>
 std::vector<int64_t> CreateKind(int64_t keyframe_id, const StereoFeatures& features, const Make& make,
                                 int64_t& next_id, Map& map) {
   std::vector<int64_t> created;
-  const auto& list = Kind::Features(features);
+  const auto& list = Type::Features(features);
   for (int32_t i = 0; i < static_cast<int32_t>(list.size()); ++i) {
-    const Sight sight{keyframe_id, i};
-    if (LandmarkAt<Kind>(map, sight) >= 0) continue;
+    const Observation observation{keyframe_id, i};
+    if (LandmarkAt<Type>(map, observation) >= 0) continue;
     auto landmark = make(list[static_cast<size_t>(i)]);
     if (!landmark) continue;
     landmark->id = next_id++;
-    landmark->sights = {sight};
+    landmark->observations = {observation};
     map.Put(*landmark);
     created.push_back(landmark->id);
   }
@@ -72,8 +72,8 @@ NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const auto make_point = [&](const StereoPoint& seen) { return MakePoint(seen, T_w_kf, camera, options); };
   const auto make_line = [&](const StereoLine& seen) { return MakeLine(seen, T_w_kf, camera, options); };
-  return {CreateKind<PointKind>(keyframe_id, features, make_point, ids.next_point, map),
-          CreateKind<LineKind>(keyframe_id, features, make_line, ids.next_line, map)};
+  return {CreateKind<PointType>(keyframe_id, features, make_point, ids.next_point, map),
+          CreateKind<LineType>(keyframe_id, features, make_line, ids.next_line, map)};
 }
 
 }  // namespace plslam

@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "mapping_process/options.h"
 
 namespace plslam {
 
-/// Names for new landmarks: 0, 1, 2, ... of each kind.
+/// Names for new landmarks: 0, 1, 2, ... of each feature type.
 struct LandmarkIds {
   int64_t next_point = 0;
   int64_t next_line = 0;
@@ -26,8 +26,8 @@ struct NewLandmarks {
   }
 };
 
-/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty. Segments
-/// without length make none.
+/// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty.
+/// Segments without length make none.
 NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 

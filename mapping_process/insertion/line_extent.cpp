@@ -26,10 +26,11 @@ bool AtBorder(const Eigen::Vector2d& px, const StereoCamera& camera) { return !c
 
 Ends CollectEnds(const MapLine& line, const KeyframeFeatures& features, const StereoCamera& camera, const Map& map) {
   Ends ends;
-  for (const Sight& sight : line.sights) {
-    const SE3 T_kf_w = map.FindKeyframe(sight.keyframe_id)->T_w_kf.Inverse();
+  for (const Observation& observation : line.observations) {
+    const SE3 T_kf_w = map.FindKeyframe(observation.keyframe_id)->T_w_kf.Inverse();
     const Segment3 in_camera{T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q};
-    const Segment2& seen = features.at(sight.keyframe_id).lines[static_cast<size_t>(sight.feature)].left.segment;
+    const Segment2& seen =
+        features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)].left.segment;
     const auto s_p = AlongLine(in_camera, seen.p, camera);
     const auto s_q = AlongLine(in_camera, seen.q, camera);
     if (!s_p || !s_q || *s_p >= *s_q) continue;
@@ -72,7 +73,7 @@ void ExtendAndTrim(const std::vector<int64_t>& line_ids, const KeyframeFeatures&
                    Map& map) {
   for (const int64_t id : line_ids) {
     const MapLine* found = map.FindLine(id);
-    if (found == nullptr || found->sights.size() < 2) continue;
+    if (found == nullptr || found->observations.size() < 2) continue;
     const MapLine line = *found;
     const Ends ends = CollectEnds(line, features, camera, map);
     const auto minus_from = EndOf(Negated(ends.at_p), Negated(ends.beyond_p), 0.0);

@@ -6,7 +6,7 @@
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
 #include "core/localisation/projection_search.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kMinOverlap = 0.3;
 constexpr double kMaxAcross_px = 2.0;
 constexpr int kNeighbours = 4;
-constexpr size_t kMinSights = 3;
+constexpr size_t kMinObservations = 3;
 
 Eigen::Vector3d Ray(const Eigen::Vector2d& px, const SegmentView& view, const StereoCamera& camera) {
   return view.T_w_kf.rotation() *
@@ -37,8 +37,8 @@ bool Overlap(const Segment3& segment_w, const SegmentView& view, const StereoCam
   return shared >= kMinOverlap * std::min(1.0, *s_q - *s_p);
 }
 
-// Where the plane of `second` cuts the ray of a pixel of `first`, at a depth of `depth_m`: the pixel's error slides the
-// place along that plane, the plane's error moves it along the ray.
+// Where the plane of `second` cuts the ray of a pixel of `first`, at a depth of `depth_m`: the pixel's error slides
+// the place along that plane, the plane's error moves it along the ray.
 Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, const SegmentView& first,
                                    const SegmentView& second, const StereoCamera& camera) {
   const Eigen::Vector3d ray = Ray(px, first, camera);
@@ -58,7 +58,7 @@ Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, co
 std::vector<char> WithoutDepth(int64_t keyframe_id, const StereoFeatures& features, const Map& map) {
   std::vector<char> eligible;
   for (int32_t i = 0; i < static_cast<int32_t>(features.lines.size()); ++i) {
-    const bool open = LandmarkAt<LineKind>(map, {keyframe_id, i}) < 0;
+    const bool open = LandmarkAt<LineType>(map, {keyframe_id, i}) < 0;
     eligible.push_back(open && !features.lines[static_cast<size_t>(i)].HasDepth() ? 1 : 0);
   }
   return eligible;
@@ -79,9 +79,9 @@ std::vector<Descriptor> Descriptors(const std::vector<int>& places, const std::v
   return descriptors;
 }
 
-SegmentView ViewOf(const Sight& sight, const KeyframeFeatures& features, const Map& map) {
-  const StereoLine& line = features.at(sight.keyframe_id).lines[static_cast<size_t>(sight.feature)];
-  return {map.FindKeyframe(sight.keyframe_id)->T_w_kf, line.left.segment, line.sigma_px};
+SegmentView ViewOf(const Observation& observation, const KeyframeFeatures& features, const Map& map) {
+  const StereoLine& line = features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)];
+  return {map.FindKeyframe(observation.keyframe_id)->T_w_kf, line.left.segment, line.sigma_px};
 }
 
 std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
@@ -95,8 +95,8 @@ std::vector<int64_t> NeighbourIds(int64_t keyframe_id, const Map& map) {
 
 /// Two segments that look alike, of the new keyframe and of a neighbour.
 struct LikePair {
-  Sight own;
-  Sight other;
+  Observation own;
+  Observation other;
 };
 
 std::vector<LikePair> FindLikePairs(int64_t keyframe_id, int64_t neighbour_id, const KeyframeFeatures& features,
@@ -113,28 +113,29 @@ std::vector<LikePair> FindLikePairs(int64_t keyframe_id, int64_t neighbour_id, c
   return pairs;
 }
 
-MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Sight& sight,
+MapLine MakeLandmark(int64_t id, const TriangulatedLine& triangulated, const Observation& observation,
                      const KeyframeFeatures& features) {
   MapLine line;
   line.id = id;
   line.segment_w = triangulated.segment_w;
   line.covariance_p = triangulated.covariance_p;
   line.covariance_q = triangulated.covariance_q;
-  line.descriptor = features.at(sight.keyframe_id).lines[static_cast<size_t>(sight.feature)].left.descriptor;
-  line.sights = {sight};
+  line.descriptor =
+      features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)].left.descriptor;
+  line.observations = {observation};
   return line;
 }
 
 // Other keyframes that see the line where it should be, as a segment that shows nothing else.
-void AddSightsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, const KeyframeFeatures& features,
-                       const StereoCamera& camera, const MappingOptions& options, Map& map) {
+void AddObservationsOfOthers(int64_t line_id, const std::vector<int64_t>& keyframes, const KeyframeFeatures& features,
+                             const StereoCamera& camera, const MappingOptions& options, Map& map) {
   for (const int64_t id : keyframes) {
     if (IsSeenBy(*map.FindLine(line_id), id)) continue;
     const StereoFeatures& seen = features.at(id);
     for (const LandmarkFeature& found :
          SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines, WithoutDepth(id, seen, map),
                      kMaxAcross_px, camera, options.localisation)) {
-      AddSight<LineKind>(line_id, {id, found.feature}, features, map);
+      AddObservation<LineType>(line_id, {id, found.feature}, features, map);
     }
   }
 }
@@ -176,10 +177,10 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
       if (!triangulated) continue;
       const int64_t id = ids.next_line++;
       map.Put(MakeLandmark(id, *triangulated, pair.own, features));
-      AddSight<LineKind>(id, pair.other, features, map);
-      AddSightsOfOthers(id, neighbours, features, camera, options, map);
+      AddObservation<LineType>(id, pair.other, features, map);
+      AddObservationsOfOthers(id, neighbours, features, camera, options, map);
       // Two views agree on any line whose planes meet: a third one tells.
-      if (map.FindLine(id)->sights.size() >= kMinSights) {
+      if (map.FindLine(id)->observations.size() >= kMinObservations) {
         created.push_back(id);
       } else {
         map.RemoveLine(id);

@@ -27,8 +27,9 @@ struct TriangulatedLine {
 std::optional<TriangulatedLine> TriangulateLine(const SegmentView& first, const SegmentView& second,
                                                 const StereoCamera& camera, double min_angle_rad);
 
-/// Landmarks from segments that have no depth from one pair (nearly parallel to the baseline): segments of the keyframe
-/// and of its neighbours that look alike are triangulated, and count where a third keyframe sees the result too.
+/// Landmarks from segments that have no depth from one pair (nearly parallel to the baseline): segments of the
+/// keyframe and of its neighbours that look alike are triangulated, and count where a third keyframe sees the result
+/// too.
 std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeatures& features,
                                       const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
                                       Map& map);

@@ -7,16 +7,16 @@
 
 #include "core/geometry/rotate_covariance.h"
 #include "core/localisation/local_map.h"
-#include "core/map/landmark_kinds.h"
-#include "mapping_process/insertion/sights.h"
+#include "core/map/landmark_types.h"
+#include "mapping_process/insertion/observations.h"
 
 namespace plslam {
 namespace {
 
 // Deviation from which nothing is known of a pose.
 constexpr double kUnknown_m = 100.0;
-// Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been, and how
-// much more widely.
+// Keyframes at the beginning of a session whose surroundings are adjusted more widely where another session has been,
+// and how much more widely.
 constexpr int64_t kSeamKeyframes = 10;
 constexpr int kSeamFactor = 2;
 
@@ -28,22 +28,22 @@ bool IsSeam(std::span<const int64_t> keyframes, const Map& map) {
                      [&](int64_t id) { return map.FindKeyframe(id)->session != newest.session; });
 }
 
-// Landmarks that at least two keyframes see, one of them free; where they, or the sights of them that a window of this size
-// may hold, are too many, those that most see.
-template <class Kind>
+// Landmarks that at least two keyframes see, one of them free; where they, or the observations of them that a window
+// of this size may hold, are too many, those that most see.
+template <class Type>
 std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map, size_t window_size, int max_count,
-                               int max_sights) {
+                               int max_observations) {
   std::vector<std::pair<size_t, int64_t>> ranked;
-  for (const int64_t id : SeenBy<Kind>(free, map)) {
-    const size_t n_sights = Kind::Find(map, id)->sights.size();
-    if (n_sights >= 2) ranked.emplace_back(n_sights, id);
+  for (const int64_t id : SeenBy<Type>(free, map)) {
+    const size_t n_observations = Type::Find(map, id)->observations.size();
+    if (n_observations >= 2) ranked.emplace_back(n_observations, id);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<int64_t> chosen;
   size_t total = 0;
-  for (const auto& [n_sights, id] : ranked) {
-    total += std::min(n_sights, window_size);
-    if (chosen.size() >= static_cast<size_t>(max_count) || total > static_cast<size_t>(max_sights)) break;
+  for (const auto& [n_observations, id] : ranked) {
+    total += std::min(n_observations, window_size);
+    if (chosen.size() >= static_cast<size_t>(max_count) || total > static_cast<size_t>(max_observations)) break;
     chosen.push_back(id);
   }
   std::sort(chosen.begin(), chosen.end());
@@ -53,14 +53,14 @@ std::vector<int64_t> SeenTwice(const std::vector<int64_t>& free, const Map& map,
 std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std::vector<int64_t>& points,
                                     const std::vector<int64_t>& lines, const Map& map, int max_count) {
   std::map<int64_t, int> counts;
-  CountKeyframes<PointKind>(points, map, counts);
-  CountKeyframes<LineKind>(lines, map, counts);
+  CountKeyframes<PointType>(points, map, counts);
+  CountKeyframes<LineType>(lines, map, counts);
   for (const int64_t id : free) counts.erase(id);
   return MostCounted(counts, max_count);
 }
 
-// Which keyframes of the window are held: those behind the first `n_free`, and the first of the map. Where nothing else holds the
-// window in place, its oldest keyframe does.
+// Which keyframes of the window are held: those behind the first `n_free`, and the first of the map. Where nothing
+// else holds the window in place, its oldest keyframe does.
 std::vector<bool> Held(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
   const int64_t first = map.keyframes().begin()->first;
   std::vector<bool> held(keyframes.size());
@@ -75,19 +75,19 @@ std::vector<bool> Held(const std::vector<int64_t>& keyframes, size_t n_free, con
 // Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
 template <class Landmark>
 bool GoesWith(const Landmark& landmark, int64_t keyframe_id, const std::vector<int64_t>& adjusted) {
-  return landmark.sights.back().keyframe_id == keyframe_id &&
+  return landmark.observations.back().keyframe_id == keyframe_id &&
          !std::binary_search(adjusted.begin(), adjusted.end(), landmark.id);
 }
 
 // What is not adjusted itself keeps its place relative to its keyframe.
 void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& window, Map& map) {
   const Eigen::Matrix3d R = T_new_old.R();
-  for (const int64_t id : PointKind::Of(map, keyframe_id)) {
+  for (const int64_t id : PointType::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindPoint(id), keyframe_id, window.points)) continue;
     const MapPoint& point = *map.FindPoint(id);
     map.SetPosition(id, T_new_old * point.p_w, RotateCovariance(R, point.covariance));
   }
-  for (const int64_t id : LineKind::Of(map, keyframe_id)) {
+  for (const int64_t id : LineType::Of(map, keyframe_id)) {
     if (id < 0 || !GoesWith(*map.FindLine(id), keyframe_id, window.lines)) continue;
     const MapLine& line = *map.FindLine(id);
     map.SetSegment(id, {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q},
@@ -95,23 +95,24 @@ void MoveOthers(int64_t keyframe_id, const SE3& T_new_old, const MapBundle& wind
   }
 }
 
-template <class Kind>
+template <class Type>
 int DropOutliers(const MapBundle& window, const std::vector<int64_t>& ids, const std::vector<bool>& inliers,
                  const KeyframeFeatures& features, Map& map) {
   std::vector<std::pair<int64_t, int64_t>> outliers;
   size_t i = 0;
-  ForEachSight<Kind>(window, ids, map, features, [&](int, int landmark, const Sight& sight) {
-    if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], sight.keyframe_id);
+  ForEachObservation<Type>(window, ids, map, features, [&](int, int landmark, const Observation& observation) {
+    if (!inliers[i++]) outliers.emplace_back(ids[static_cast<size_t>(landmark)], observation.keyframe_id);
   });
-  for (const auto& [landmark_id, keyframe_id] : outliers) DropSight<Kind>(landmark_id, keyframe_id, features, map);
+  for (const auto& [landmark_id, keyframe_id] : outliers)
+    DropObservation<Type>(landmark_id, keyframe_id, features, map);
   return static_cast<int>(outliers.size());
 }
 
 // What an adjustment says of a pose of which nobody saw anything (`BundleResult`): next to nothing.
 bool IsUnknown(const Matrix6d& covariance) { return covariance.trace() > kUnknown_m * kUnknown_m; }
 
-// Covariances of the adjustment are relative to what was fixed; that has one of its own. A keyframe that took part by its motion
-// alone keeps what it had.
+// Covariances of the adjustment are relative to what was fixed; that has one of its own. A keyframe that took part by
+// its motion alone keeps what it had.
 void MoveKeyframes(const MapBundle& window, const BundleResult& result, Map& map) {
   const auto& poses = window.problem.poses;
   const auto fixed = std::find_if(poses.begin(), poses.end(), [](const BundlePose& pose) { return pose.fixed; });
@@ -143,9 +144,9 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
   const int n_fixed = factor * options.fixed_keyframes;
   const size_t size = n_free + static_cast<size_t>(n_fixed);
   std::vector<int64_t> points =
-      SeenTwice<PointKind>(keyframes, map, size, options.max_points, factor * options.max_point_sights);
+      SeenTwice<PointType>(keyframes, map, size, options.max_points, factor * options.max_point_observations);
   std::vector<int64_t> lines =
-      SeenTwice<LineKind>(keyframes, map, size, options.max_lines, factor * options.max_line_sights);
+      SeenTwice<LineType>(keyframes, map, size, options.max_lines, factor * options.max_line_observations);
   const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
   const std::vector<bool> held = Held(keyframes, n_free, map);
@@ -159,10 +160,10 @@ MapBundle MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, c
   std::vector<int64_t> lines;
   for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back(id);
   for (const auto& [id, point] : map.points()) {
-    if (point.sights.size() >= 2) points.push_back(id);
+    if (point.observations.size() >= 2) points.push_back(id);
   }
   for (const auto& [id, line] : map.lines()) {
-    if (line.sights.size() >= 2) lines.push_back(id);
+    if (line.observations.size() >= 2) lines.push_back(id);
   }
   const std::vector<bool> held(keyframes.size(), true);
   return MakeMapBundle(map, features, camera, std::move(keyframes), held, std::move(points), std::move(lines), 0.0);
@@ -183,7 +184,7 @@ AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& r
   figures.reprojection_before_px = result.before.point_px;
   figures.reprojection_after_px = result.after.point_px;
   MoveKeyframes(window, result, map);
-  // Zero says that no sight agreed: those stay as they were, with the uncertainty they had.
+  // Zero says that no observation agreed: those stay as they were, with the uncertainty they had.
   for (size_t i = 0; i < window.points.size(); ++i) {
     if (result.point_covariances[i].isZero(0.0)) continue;
     map.SetPosition(window.points[i], result.points[i], result.point_covariances[i]);
@@ -193,9 +194,9 @@ AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& r
     map.SetSegment(window.lines[i], result.lines[i], result.line_p_covariances[i], result.line_q_covariances[i]);
   }
   // Poses that were on their way tell no outliers; the next adjustment looks again.
-  if (!result.settled) return figures;
-  figures.n_outliers = DropOutliers<PointKind>(window, window.points, result.point_inliers, features, map) +
-                       DropOutliers<LineKind>(window, window.lines, result.line_inliers, features, map);
+  if (!result.converged) return figures;
+  figures.n_outliers = DropOutliers<PointType>(window, window.points, result.point_inliers, features, map) +
+                       DropOutliers<LineType>(window, window.lines, result.line_inliers, features, map);
   return figures;
 }
 

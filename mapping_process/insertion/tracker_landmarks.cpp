@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <set>
 
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 namespace plslam {
 namespace {
@@ -13,19 +13,19 @@ constexpr int64_t kRememberedKeyframes = 60;
 // Sessions, of which those that went on last are remembered.
 constexpr size_t kRememberedSessions = 16;
 
-template <class Kind, class Table>
-std::vector<int64_t> ClaimsOf(size_t n, const std::vector<int64_t>& given, const std::vector<int64_t>& tracker_ids,
-                              const Table& table, const Map& map) {
-  std::vector<int64_t> claims(n, -1);
+template <class Type, class Table>
+std::vector<int64_t> AssociationsOf(size_t n, const std::vector<int64_t>& given,
+                                    const std::vector<int64_t>& tracker_ids, const Table& table, const Map& map) {
+  std::vector<int64_t> from_tracker(n, -1);
   std::set<int64_t> taken;
-  const auto claim = [&](size_t i, int64_t id) {
-    if (claims[i] < 0 && Kind::Find(map, id) != nullptr && taken.insert(id).second) claims[i] = id;
+  const auto associate = [&](size_t i, int64_t id) {
+    if (from_tracker[i] < 0 && Type::Find(map, id) != nullptr && taken.insert(id).second) from_tracker[i] = id;
   };
   for (size_t i = 0; i < tracker_ids.size(); ++i) {
-    claim(i, table.Find(tracker_ids[i]));
+    associate(i, table.Find(tracker_ids[i]));
   }
-  for (size_t i = 0; i < given.size(); ++i) claim(i, given[i]);
-  return claims;
+  for (size_t i = 0; i < given.size(); ++i) associate(i, given[i]);
+  return from_tracker;
 }
 
 }  // namespace
@@ -54,17 +54,17 @@ std::vector<int64_t> TrackerLandmarks::WithdrawnLines(const Keyframe& keyframe) 
   return InMap(keyframe.withdrawn_lines, SessionOf(keyframe).lines);
 }
 
-Association TrackerLandmarks::Claims(const Keyframe& keyframe, const Map& map) const {
+Association TrackerLandmarks::Associations(const Keyframe& keyframe, const Map& map) const {
   const Session& session = SessionOf(keyframe);
-  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, keyframe.point_landmark_ids,
-                              session.points, map),
-          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,
-                             session.lines, map)};
+  return {AssociationsOf<PointType>(keyframe.features.points.size(), keyframe.point_map_ids,
+                                    keyframe.point_landmark_ids, session.points, map),
+          AssociationsOf<LineType>(keyframe.features.lines.size(), keyframe.line_map_ids, keyframe.line_landmark_ids,
+                                   session.lines, map)};
 }
 
 Association TrackerLandmarks::Given(const Keyframe& keyframe, const Map& map) {
-  return {ClaimsOf<PointKind>(keyframe.features.points.size(), keyframe.point_map_ids, {}, Table(), map),
-          ClaimsOf<LineKind>(keyframe.features.lines.size(), keyframe.line_map_ids, {}, Table(), map)};
+  return {AssociationsOf<PointType>(keyframe.features.points.size(), keyframe.point_map_ids, {}, Table(), map),
+          AssociationsOf<LineType>(keyframe.features.lines.size(), keyframe.line_map_ids, {}, Table(), map)};
 }
 
 void TrackerLandmarks::Learn(const Keyframe& keyframe, const Map::FeatureLandmarks& shown) {

@@ -12,8 +12,9 @@ namespace plslam {
 /// Landmarks of the tracker (by session and its ids) and the landmarks of the map they became.
 class TrackerLandmarks {
  public:
-  /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes brought.
-  Association Claims(const Keyframe& keyframe, const Map& map) const;
+  /// What the tracker says of the features: landmarks it was given, and those of its own that earlier keyframes
+  /// brought.
+  Association Associations(const Keyframe& keyframe, const Map& map) const;
 
   /// Landmarks that the tracker was given by the map, whatever its own say.
   static Association Given(const Keyframe& keyframe, const Map& map);
@@ -31,7 +32,7 @@ class TrackerLandmarks {
   }
 
  private:
-  /// Landmarks of one kind.
+  /// Landmarks of one feature type.
   class Table {
    public:
     /// -1 where it is not known.

@@ -10,13 +10,14 @@
 
 namespace plslam {
 
-/// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a restart a
-/// session may be told by several publishers (the tracker that goes on with it, and one who tells of the dead), in any
-/// order and more than once.
+/// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a
+/// restart a session may be told by several publishers (the tracker that goes on with it, and one who tells of the
+/// dead), in any order and more than once.
 ///
-/// Of a session the next is the one behind the newest that was taken, 0 of a session that is not known. Where that is missing it is
-/// waited for, and then the session goes on with what there is. Between sessions the oldest keyframe goes first; but of what
-/// one publisher has told, a session that it spoke of first goes before the others, also where time goes back.
+/// Of a session the next is the one behind the newest that was taken, 0 of a session that is not known. Where that is
+/// missing it is waited for, and then the session goes on with what there is. Between sessions the oldest keyframe
+/// goes first; but of what one publisher has told, a session that it spoke of first goes before the others, also
+/// where time goes back.
 ///
 /// No clock: times are given, all of one clock, ms.
 class KeyframeQueue {

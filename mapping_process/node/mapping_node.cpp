@@ -151,7 +151,7 @@ void MappingNode::BeginMap() {
   CheckCamera(*stored_, *camera_, options_.map_file);
   PublishStored(KeyframesOf(*stored_));
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
-  mapper_->Settle();
+  mapper_->Commit();
   publisher_.Publish(mapper_->Whole());
   process_.SetState("running");
   TellOfMap(options_.map_file);
@@ -178,8 +178,8 @@ void MappingNode::TellOfMap(const std::string& file) {
   CountMap();
 }
 
-/// After a restart. Of several publishers some answer sooner: work begins when nothing more has come for a while, or much later. What
-/// the dead have said of a keyframe is then here before anybody judges it anew.
+/// After a restart. Of several publishers some answer sooner: work begins when nothing more has come for a while, or
+/// much later. What the dead have said of a keyframe is then here before anybody judges it anew.
 void MappingNode::AwaitHistories() {
   std::unique_lock lock(mutex_);
   if (!restored_ && queue_.n_waiting() == 0) return;
@@ -209,8 +209,8 @@ void MappingNode::Do(const Work& work) {
       return Insert(work.keyframes);
     case Work::Kind::kCorrect:
       return Correct(work);
-    case Work::Kind::kSettle:
-      mapper_->Settle();
+    case Work::Kind::kCommit:
+      mapper_->Commit();
       return Publish({});
     case Work::Kind::kPublishWhole:
       // Where nothing is there yet, the first update will be all there is.
@@ -266,18 +266,18 @@ void MappingNode::Correct(const Work& work) {
   std::string reason;
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
   const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
-  bool settles = work.settles;
+  bool commits = work.commits;
   if (corrects && !corrected) {
     spdlog::warn("a correction of the map is left: {}", reason);
     const std::lock_guard lock(mutex_);
-    if (work.closure.kind == LoopClosure::Kind::kLoop) settles |= queue_.Refused();
+    if (work.closure.kind == LoopClosure::Kind::kLoop) commits |= queue_.Refused();
   }
-  if (settles) mapper_->Settle();
+  if (commits) mapper_->Commit();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
 }
 
-/// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep gives the same
-/// ids; a live one, where chance says what is inserted together, others to its landmarks.
+/// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep
+/// gives the same ids; a live one, where chance says what is inserted together, others to its landmarks.
 LoopClosure MappingNode::OfThisMap(const Work& work) const {
   if (work.closure.map_source == process_.bus().source()) return InIdsOf(mapper_->map(), work.closure);
   LoopClosure closure = InIdsOf(mapper_->map(), work.closure, work.lockstep ? MapIds::kPerhapsSame : MapIds::kOthers);
@@ -347,7 +347,8 @@ void MappingNode::ReadState() {
   Know(state_->stored);
 }
 
-/// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was culled.
+/// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was
+/// culled.
 void MappingNode::Know(const StoredMap& stored) {
   std::map<int64_t, int64_t> newest;
   for (const auto& [id, session] : stored.sessions) {

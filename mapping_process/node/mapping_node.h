@@ -31,11 +31,12 @@ class status_t;
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
 /// map is of one camera (`CameraDifference`): keyframes of sessions that began with another are counted and left.
 ///
-/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again goes on
-/// exactly from there, takes from the histories of the others what came after, and so comes to the same map, of a lockstep
-/// stream bit for bit.
+/// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again
+/// goes on exactly from there, takes from the histories of the others what came after, and so comes to the same map,
+/// of a lockstep stream bit for bit.
 ///
-/// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their features.
+/// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their
+/// features.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);

@@ -51,11 +51,11 @@ void WorkQueue::DropOldest() {
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   Work work;
   caught_up_ = caught_up_ || keyframes_.size() == 0;
-  if (!saves_.empty() && newest_.settled && caught_up_) {
+  if (!saves_.empty() && newest_.committed && caught_up_) {
     work.kind = Work::Kind::kSave;
     work.path = std::move(saves_.front());
     saves_.pop_front();
-    // A saved map acquits landmarks on trial: a state from before would not know.
+    // A saved map accepts recent landmarks: a state from before would not know.
     inserted_since_state_ = std::max(inserted_since_state_, state_every_);
     return work;
   }
@@ -64,9 +64,9 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     return work;
   }
   if (auto closure = TakeClosure(now_s)) return closure;
-  if (!newest_.settled && !wait_.awaited()) {
-    newest_.settled = true;
-    work.kind = Work::Kind::kSettle;
+  if (!newest_.committed && !wait_.awaited()) {
+    newest_.committed = true;
+    work.kind = Work::Kind::kCommit;
     return work;
   }
   if (IsStateDue(now_s)) {
@@ -74,16 +74,17 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
     work.kind = Work::Kind::kKeepState;
     return work;
   }
-  if (newest_.lockstep && !newest_.settled) return std::nullopt;
+  if (newest_.lockstep && !newest_.committed) return std::nullopt;
   work.keyframes = TakeKeyframes(now_s);
   if (work.keyframes.empty()) return std::nullopt;
   return work;
 }
 
-// Where all has been said about what is in the map: then what is said again after a crash can be told from what is new. A new
-// session, or another publisher of a known one, may mean that a tracker has died, and nobody else has its keyframes.
+// Where all has been said about what is in the map: then what is said again after a crash can be told from what is
+// new. A new session, or another publisher of a known one, may mean that a tracker has died, and nobody else has its
+// keyframes.
 bool WorkQueue::IsStateDue(double now_s) const {
-  if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.settled) return false;
+  if (state_every_ == 0 || inserted_since_state_ == 0 || !newest_.committed) return false;
   if (inserted_since_state_ >= state_every_) return true;
   const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
   if (next == nullptr) return false;
@@ -102,7 +103,7 @@ void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
 
 bool WorkQueue::Refused() {
   wait_.End();
-  return !std::exchange(newest_.settled, true);
+  return !std::exchange(newest_.committed, true);
 }
 
 bool WorkQueue::IsInserted(const LoopClosure& closure) const {
@@ -125,15 +126,15 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     work.closure = std::move(*found);
     work.lockstep = newest_.lockstep;
     closures_.erase(found);
-    const bool settles = IsAboutNewest(work.closure) && !newest_.settled && !work.closure.more;
-    // Of lockstep there is one of each kind about a keyframe, until it is settled. More come where loop_process was started
-    // again, or was asked again by a mapping_process that was.
-    const bool again = newest_.lockstep && (newest_.settled || !IsAboutNewest(work.closure) ||
+    const bool commits = IsAboutNewest(work.closure) && !newest_.committed && !work.closure.more;
+    // Of lockstep there is one of each feature type about a keyframe, until it is committed. More come where
+    // loop_process was started again, or was asked again by a mapping_process that was.
+    const bool again = newest_.lockstep && (newest_.committed || !IsAboutNewest(work.closure) ||
                                             !newest_.taken.insert(work.closure.kind).second);
-    if (again || (work.closure.kind == LoopClosure::Kind::kNone && !settles)) continue;
-    work.settles = settles;
-    if (settles) {
-      newest_.settled = true;
+    if (again || (work.closure.kind == LoopClosure::Kind::kNone && !commits)) continue;
+    work.commits = commits;
+    if (commits) {
+      newest_.committed = true;
       wait_.End();
     } else if (IsAboutNewest(work.closure)) {
       wait_.Begin(newest_.keyframe_id, now_s);

@@ -17,29 +17,30 @@
 
 namespace plslam {
 
-/// What the owner of the map has to do, in an order that makes results repeatable. No clock and no thread: times are given.
+/// What the owner of the map has to do, in an order that makes results repeatable. No clock and no thread: times are
+/// given.
 ///
-/// Of a live stream all keyframes of a session that have come are inserted at once, and what loop_process says is taken over when it
-/// comes. Of a lockstep stream each keyframe waits until loop_process has had its say about the one before and that is
-/// in the map; where no loop_process is heard of for a while, it goes on without.
+/// Of a live stream all keyframes of a session that have come are inserted at once, and what loop_process says is
+/// taken over when it comes. Of a lockstep stream each keyframe waits until loop_process has had its say about the
+/// one before and that is in the map; where no loop_process is heard of for a while, it goes on without.
 ///
 /// Keyframes come in the order of their sessions, whoever tells of them (`KeyframeQueue`).
 ///
-/// What loop_process said comes again to a process that is started again, and so do the keyframes: about each keyframe it
-/// is taken over once that is in the map.
+/// What loop_process said comes again to a process that is started again, and so do the keyframes: about each
+/// keyframe it is taken over once that is in the map.
 class WorkQueue {
  public:
   using Arrived = KeyframeQueue::Arrived;
 
-  /// Of closures that wait: themselves, and poses, names, edges and pairs in them; some 400 MB. (5,000 keyframes with 200
-  /// loops, told again after a restart, are 4 million.)
+  /// Of closures that wait: themselves, and poses, names, edges and pairs in them; some 400 MB. (5,000 keyframes with
+  /// 200 loops, told again after a restart, are 4 million.)
   static constexpr size_t kMostParts = 5'000'000;
 
   struct Work {
     enum class Kind {
       kInsert,        ///< `keyframes`, and adjust the map
-      kCorrect,       ///< by `closure`; afterwards settle if `settles`
-      kSettle,        ///< loop_process has nothing to say about the newest keyframe
+      kCorrect,       ///< by `closure`; afterwards commit if `commits`
+      kCommit,        ///< loop_process has nothing to say about the newest keyframe
       kPublishWhole,  ///< somebody lacks the map
       kSave,          ///< the map, to `path`
       kKeepState,     ///< the map as it is is worth keeping for whoever is started in our place
@@ -47,13 +48,13 @@ class WorkQueue {
     Kind kind = Kind::kInsert;
     std::vector<Arrived> keyframes;
     LoopClosure closure;
-    bool settles = false;
+    bool commits = false;
     bool lockstep = false;  ///< of the stream that `closure` is about
     std::string path;
   };
 
-  /// `state_every`: keyframes after which the state is worth keeping; it is, too, before a new session and before another
-  /// publisher goes on with one. 0: never.
+  /// `state_every`: keyframes after which the state is worth keeping; it is, too, before a new session and before
+  /// another publisher goes on with one. 0: never.
   explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
       : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
@@ -62,8 +63,8 @@ class WorkQueue {
 
   /// One that came before, from whomever, is passed over: false.
   bool Add(const Keyframe& keyframe, double now_ms) { return keyframes_.Add(keyframe, now_ms); }
-  /// What was said before the map was restored, about what is in it, is passed over. What is about keyframes that do not come is
-  /// kept up to `kMostParts`, the latest.
+  /// What was said before the map was restored, about what is in it, is passed over. What is about keyframes that do
+  /// not come is kept up to `kMostParts`, the latest.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
   /// One that was started again first takes in what the histories hold: a map that is saved has all that came before.
@@ -77,8 +78,8 @@ class WorkQueue {
   /// What is to be done next, which then counts as done; nullopt: nothing yet. By the same clock as `Add`.
   std::optional<Work> Take(double now_s);
 
-  /// The map has refused a loop, so no adjustment follows: that all is said tells it to loop_process, which waits for the loop to
-  /// arrive. Whether that was not said yet.
+  /// The map has refused a loop, so no adjustment follows: that all is said tells it to loop_process, which waits for
+  /// the loop to arrive. Whether that was not said yet.
   bool Refused();
 
   /// This many keyframes are in the map now, the last of them this one.
@@ -95,7 +96,7 @@ class WorkQueue {
     int64_t session = 0;
     int64_t keyframe_id = -1;
     bool lockstep = false;
-    bool settled = true;
+    bool committed = true;
     std::set<LoopClosure::Kind> taken;  ///< what was said about it
   };
 

@@ -20,8 +20,8 @@ struct LoadedFrame {
   std::string error;
 };
 
-/// Reads and decodes frames ahead, on a thread of its own, so that this overlaps with the work of those who get them. The
-/// order is that of `order`, always.
+/// Reads and decodes frames ahead, on a thread of its own, so that this overlaps with the work of those who get them.
+/// The order is that of `order`, always.
 class FrameLoader {
  public:
   /// Keeps at most `depth` frames ready.
@@ -30,7 +30,8 @@ class FrameLoader {
   FrameLoader(const FrameLoader&) = delete;
   FrameLoader& operator=(const FrameLoader&) = delete;
 
-  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Errors other than DatasetError leave here.
+  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Errors other than DatasetError leave
+  /// here.
   std::optional<LoadedFrame> Next();
 
   /// Ends `Next`, from any thread.

@@ -30,16 +30,16 @@ using std::chrono::milliseconds;
 constexpr size_t kFramesAhead = 2;
 constexpr milliseconds kRigPeriod{1000};
 constexpr milliseconds kWaitingTick{1000};
-// A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time again
-// from us.
+// A vo_process that starts anew gets the pending frame from the bus where that still has it; only after this time
+// again from us.
 constexpr int kTicksBeforeResend = 2;
-// A link that is cut for longer than the bus holds out may cost vo_process a part of the frame: so much longer than that
-// without a pose it gets the frame again. Whoever has it already passes over it.
+// A link that is cut for longer than the bus holds out may cost vo_process a part of the frame: so much longer than
+// that without a pose it gets the frame again. Whoever has it already passes over it.
 constexpr int kTicksBeyondTheBus = 12;
 constexpr milliseconds kFlushTick{500};
 constexpr const char* kReader = "vo";
-// Where a player that is started again learns from the bus how far it was: how long no more poses come then, and how long
-// is waited for the first.
+// Where a player that is started again learns from the bus how far it was: how long no more poses come then, and how
+// long is waited for the first.
 constexpr milliseconds kPosesQuiet{1000};
 constexpr milliseconds kNoPoses{5000};
 constexpr milliseconds kResumeTick{50};
@@ -204,8 +204,8 @@ bool PlayerNode::SendRest() {
   return !turn_.stopped();
 }
 
-/// Until the readers have everything, or have not got on for so long that no more is to be expected of them. False where the
-/// process ends, or frames are wanted again, first.
+/// Until the readers have everything, or have not got on for so long that no more is to be expected of them. False
+/// where the process ends, or frames are wanted again, first.
 bool PlayerNode::WaitForReaders(bool silent_too) {
   constexpr milliseconds kNow{0};
   const std::chrono::duration<double> patience(process_.bus().options().give_up_s);

@@ -17,14 +17,16 @@
 namespace plslam {
 class command_t;
 
-/// Plays a dataset onto the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true poses, frames
-/// and the end of the stream.
+/// Plays a dataset onto the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true poses,
+/// frames and the end of the stream.
 ///
-/// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and its status says
-/// so. A vo_process that starts anew in between gets the pending frame again (the old one may have taken it with it), so
-/// readers must expect a frame id twice. A frame that cannot be read ends the stream and the process, or is counted.
+/// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and its status
+/// says so. A vo_process that starts anew in between gets the pending frame again (the old one may have taken it with
+/// it), so readers must expect a frame id twice. A frame that cannot be read ends the stream and the process, or is
+/// counted.
 ///
-/// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to them.
+/// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to
+/// them.
 ///
 /// A player that is started in the place of one that was killed goes on behind the frames that have been answered
 /// (`resume_after`), with the same numbers and times.

@@ -12,8 +12,8 @@
 
 namespace plslam {
 
-/// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that is
-/// out, a new reader that needs it again, one that needs frames before it again, or the end of the process.
+/// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that
+/// is out, a new reader that needs it again, one that needs frames before it again, or the end of the process.
 class Turn {
  public:
   using Clock = std::chrono::steady_clock;
@@ -23,12 +23,13 @@ class Turn {
   void Expect(const ResumePoint& frame);
   /// A pose has come back.
   void OnPose(const ResumePoint& frame);
-  /// From here on a pose that came before its frame was expected counts too: the stream is one that was begun earlier.
+  /// From here on a pose that came before its frame was expected counts too: the stream is one that was begun
+  /// earlier.
   void Resume();
   /// The frame with the highest number that a pose has come of.
   std::optional<ResumePoint> newest() const;
-  /// A vo_process with this source lives. Those seen already are no news. The first one is: what was sent before it listened, others
-  /// may have taken.
+  /// A vo_process with this source lives. Those seen already are no news. The first one is: what was sent before it
+  /// listened, others may have taken.
   void OnReader(int64_t source);
   /// `reader` wants the frames behind this one once more. Said again by the same reader it is no news.
   void OnGoBack(int64_t reader, const ResumePoint& frame);

@@ -1,5 +1,5 @@
-// Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the numbers
-// that count come from `plslam run`.
+// Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the
+// numbers that count come from `plslam run`.
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
 //   accuracy_benchmark DATASET... --pieces N
@@ -88,7 +88,7 @@ void PrintSlam(const std::string& name, const plslam::test::SlamRun& run) {
       "%.1f 95%% %.1f | px %.3f -> %.3f\n",
       name.c_str(), plslam::test::LostFrames(run.live), run.keyframes,
       plslam::test::AbsoluteTrajectoryError(run.final), plslam::test::AbsoluteTrajectoryError(run.live), run.points,
-      run.sights_per_point, run.lines, run.sights_per_line, Quantile(run.insert_ms, 0.5),
+      run.observations_per_point, run.lines, run.observations_per_line, Quantile(run.insert_ms, 0.5),
       Quantile(run.adjust_ms, 0.5), Quantile(run.adjust_ms, 0.95),
       MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_before_px),
       MeanFigure(run.figures, &plslam::AdjustmentFigures::reprojection_after_px));
@@ -106,8 +106,8 @@ void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
 // Empty vocabularies will do where no loops are looked for.
 plslam::PlaceRecogniser Places(bool with_loops, const plslam::PlaceOptions& options) {
   if (!with_loops) {
-    return {plslam::TrainVocabulary({}, plslam::WordKind::kPoints, {}),
-            plslam::TrainVocabulary({}, plslam::WordKind::kLines, {}), options};
+    return {plslam::TrainVocabulary({}, plslam::FeatureType::kPoints, {}),
+            plslam::TrainVocabulary({}, plslam::FeatureType::kLines, {}), options};
   }
   return plslam::LoadPlaces({}, options);
 }

@@ -21,8 +21,8 @@ struct Drifted {
     mapper.Correct(test::Drift(mapper.map()), &reason);
     mapper.TakeUpdate();
     const MapTotals totals = mapper.map().Totals();
-    std::printf("%ld keyframes, %ld points, %ld lines, %ld and %ld sights\n", totals.keyframes, totals.points,
-                totals.lines, totals.point_sights, totals.line_sights);
+    std::printf("%ld keyframes, %ld points, %ld lines, %ld and %ld observations\n", totals.keyframes, totals.points,
+                totals.lines, totals.point_observations, totals.line_observations);
   }
   static test::WalkOptions Options() {
     test::WalkOptions options;
@@ -74,7 +74,8 @@ void BM_Adjustment(benchmark::State& state) {
 }
 BENCHMARK(BM_Adjustment)->Unit(benchmark::kMillisecond)->Iterations(3);
 
-/// The part of both that moves keyframes and landmarks; what an adjustment would leave without placing landmarks anew.
+/// The part of both that moves keyframes and landmarks; what an adjustment would leave without placing landmarks
+/// anew.
 void BM_Move(benchmark::State& state) {
   const LoopClosure closure = test::AdjustByTruth(MapOnce().mapper.map(), MapOnce().walk.T_w_c);
   KeyframeFeatures features;

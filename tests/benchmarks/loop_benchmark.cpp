@@ -1,5 +1,6 @@
-// Time of what loop_process does for a keyframe, by the size of the map, and of closing a loop. Maps are made up: keyframes
-// along a circle, landmarks seen by five in a row, descriptors at random, every word of the vocabulary as likely.
+// Time of what loop_process does for a keyframe, by the size of the map, and of closing a loop. Maps are made up:
+// keyframes along a circle, landmarks seen by five in a row, descriptors at random, every word of the vocabulary as
+// likely.
 //
 //   loop_benchmark --benchmark_min_time=0.5
 
@@ -36,8 +37,8 @@ SE3 OnCircle(int i, int n) {
   return {ExpSO3({0.0, a, 0.0}), {radius_m * (1.0 - std::cos(a)), 0.0, radius_m * std::sin(a)}};
 }
 
-/// A map of `n` keyframes around a circle and their features. Where it `closes`, the last one sees what the first ones saw, as
-/// landmarks of its own.
+/// A map of `n` keyframes around a circle and their features. Where it `closes`, the last one sees what the first
+/// ones saw, as landmarks of its own.
 struct MadeUpMap {
   explicit MadeUpMap(int n, bool closes = false) : seen_in_map(closes ? n - 1 : n) {
     for (int i = 0; i < n; ++i) AddKeyframe(i, n);
@@ -74,10 +75,11 @@ struct MadeUpMap {
       point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
       point.descriptor = DescriptorOf(generator());
       for (int j = i; j < std::min(seen_in_map, i + kSeenBy); ++j) {
-        point.sights.push_back({j, static_cast<int32_t>(keyframes[static_cast<size_t>(j)].features.points.size())});
+        point.observations.push_back(
+            {j, static_cast<int32_t>(keyframes[static_cast<size_t>(j)].features.points.size())});
         point.depth_m = See(j, point);
       }
-      if (point.sights.empty()) continue;
+      if (point.observations.empty()) continue;
       map.Put(point);
     }
     for (int k = 0; k < kLines / kSeenBy; ++k) {
@@ -94,11 +96,11 @@ struct MadeUpMap {
   void SeeBeginning(int j) {
     std::vector<MapPoint> seen;
     for (const auto& [id, point] : map.points()) {
-      if (point.sights.front().keyframe_id < kSeenBy) seen.push_back(point);
+      if (point.observations.front().keyframe_id < kSeenBy) seen.push_back(point);
     }
     for (MapPoint& point : seen) {
       point.id = next_point++;
-      point.sights = {{j, static_cast<int32_t>(keyframes[static_cast<size_t>(j)].features.points.size())}};
+      point.observations = {{j, static_cast<int32_t>(keyframes[static_cast<size_t>(j)].features.points.size())}};
       point.depth_m = See(j, point);
       map.Put(point);
     }
@@ -159,7 +161,7 @@ void BM_Judge(benchmark::State& state, bool closes) {
   for (auto _ : state) {
     // Comes anew each time, so that it is described each time.
     shown.closer.AddKeyframe(shown.last);
-    benchmark::DoNotOptimize(shown.closer.Judge(shown.world.map, 1, shown.last.keyframe_id));
+    benchmark::DoNotOptimize(shown.closer.Check(shown.world.map, 1, shown.last.keyframe_id));
   }
   const LoopSearch& search = shown.closer.last_search();
   state.counters["looked_at"] = static_cast<double>(search.evidence.size());

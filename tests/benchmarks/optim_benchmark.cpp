@@ -6,7 +6,7 @@
 namespace plslam {
 namespace {
 
-// A local map near its optimum: half of the poses hold the others, one sight in fifty is wrong.
+// A local map near its optimum: half of the poses hold the others, one observation in fifty is wrong.
 test::BundleWorldSpec LocalMap() {
   test::BundleWorldSpec spec;
   spec.fixed_poses = 8;

@@ -1,5 +1,6 @@
-// Place recognition with up to 10,000 keyframes of 1,500 points and 150 lines, and the default vocabularies. The keyframes are
-// made up: words drawn as often as the training images had them, descriptors a few bits from the words' centres. One thread.
+// Place recognition with up to 10,000 keyframes of 1,500 points and 150 lines, and the default vocabularies. The
+// keyframes are made up: words drawn as often as the training images had them, descriptors a few bits from the words'
+// centres. One thread.
 //
 //   places_benchmark --growth FILE.png   draws the CPU time of a query over the number of keyframes instead
 #include <algorithm>

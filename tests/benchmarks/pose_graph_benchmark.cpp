@@ -62,7 +62,7 @@ void BM_LoadMap(benchmark::State& state) {
   std::remove(path.c_str());
   state.counters["points"] = static_cast<double>(totals.points);
   state.counters["lines"] = static_cast<double>(totals.lines);
-  state.counters["sights"] = static_cast<double>(totals.point_sights + totals.line_sights);
+  state.counters["observations"] = static_cast<double>(totals.point_observations + totals.line_observations);
 }
 BENCHMARK(BM_LoadMap)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
 

@@ -1,4 +1,4 @@
-// How far tracked points stray from the surface points that they were founded on: exact truth of the built-in worlds.
+// How far tracked points stray from the surface points that they were created on: exact truth of the built-in worlds.
 //
 //   tracks_benchmark room?frames=60 street?seed=2
 
@@ -29,7 +29,7 @@ using plslam::StereoPoint;
 
 constexpr double kWrong_px = 6.0;
 
-// Errors of the tracks whose flow since they were founded lies in one range.
+// Errors of the tracks whose flow since they were created lies in one range.
 struct Bin {
   int n = 0;
   int wrong = 0;

@@ -1,7 +1,7 @@
 // Mutates tiny valid datasets: a reader must read what is left, or throw DatasetError, within a bound of memory.
 //
-// PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made from
-// its seed alone, which a failure names.
+// PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made
+// from its seed alone, which a failure names.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -15,8 +15,9 @@ class DatasetMutator {
   /// 0 .. n - 1, the same on every machine.
   int Below(int n);
 
-  /// One to three of: flipped, inserted and removed bytes, truncation, numbers replaced by extreme ones, lines removed,
-  /// doubled and exchanged, the content of `other`, and a PNG header of another size with its checksum right.
+  /// One to three of: flipped, inserted and removed bytes, truncation, numbers replaced by extreme ones, lines
+  /// removed, doubled and exchanged, the content of `other`, and a PNG header of another size with its checksum
+  /// right.
   std::string Mutate(std::string bytes, std::string_view other);
 
  private:

@@ -1,5 +1,5 @@
-// Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be a
-// sound map that is saved as the same bytes, and memory must stay within a bound of the file.
+// Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be
+// a sound map that is saved as the same bytes, and memory must stay within a bound of the file.
 #include <cstring>
 #include <random>
 
@@ -65,8 +65,8 @@ bool DecodesSoundly(const ByteVector& bytes) {
   for (const auto& [id, keyframe] : stored.map.keyframes()) EXPECT_TRUE(keyframe.T_w_kf.IsFinite());
   for (const auto& [id, point] : stored.map.points()) {
     EXPECT_TRUE(point.p_w.allFinite());
-    for (const Sight& sight : point.sights) {
-      EXPECT_LT(static_cast<size_t>(sight.feature), stored.features.at(sight.keyframe_id).points.size());
+    for (const Observation& observation : point.observations) {
+      EXPECT_LT(static_cast<size_t>(observation.feature), stored.features.at(observation.keyframe_id).points.size());
     }
   }
   EXPECT_EQ(EncodeMap(stored), bytes);

@@ -1,5 +1,5 @@
-// Mutates vocabularies: bytes that are one are used, all others refused with a sentence, within a bound of memory. Half of the
-// cases get a checksum that fits, so that what lies behind it is reached.
+// Mutates vocabularies: bytes that are one are used, all others refused with a sentence, within a bound of memory.
+// Half of the cases get a checksum that fits, so that what lies behind it is reached.
 #include <gtest/gtest.h>
 #include <sodium.h>
 
@@ -82,7 +82,7 @@ bool IsSoundOrRefused(const std::string& bytes, std::mt19937_64& random) {
 }
 
 TEST(VocabularyFuzz, MutatedVocabulariesAreSoundOrRefused) {
-  const std::string good = test::SmallVocabulary(WordKind::kPoints).ToBytes();
+  const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
   const test::FuzzCounts counts = test::Fuzz([&](std::mt19937_64& random) {
     std::string bytes = good;
     Mutate(bytes, random);

@@ -40,7 +40,8 @@ class ByHand {
   void Start(const NetworkHost& host, const std::string& executable, std::vector<std::string> arguments = {});
   /// The same in the calling thread's network, without `--url`.
   void StartPlain(const std::string& executable, const std::vector<std::string>& arguments);
-  /// Starts all that have a host and waits until each has told `listener` that it is ready. Fails the test where one has not.
+  /// Starts all that have a host and waits until each has told `listener` that it is ready. Fails the test where one
+  /// has not.
   void StartAll(const HostsOfARun& hosts, StatusListener* listener);
   /// Plays `dataset` once.
   void StartPlayer(const NetworkHost& host, const std::string& dataset);

@@ -31,19 +31,21 @@
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
 
-// Trouble at random moments of a run over the results of an earlier one. Whatever happens, the run ends with the complete and
-// right result, or with a non-zero exit code and a sentence, and the map that was there before is not lost.
+// Trouble at random moments of a run over the results of an earlier one. Whatever happens, the run ends with the
+// complete and right result, or with a non-zero exit code and a sentence, and the map that was there before is not
+// lost.
 //
-// What is covered: each trouble of `AllTroubles` in turn, one for each run, at moments that are spread evenly from the start of
-// `plslam` to just behind its end,
+// What is covered: each trouble of `AllTroubles` in turn, one for each run, at moments that are spread evenly from
+// the start of `plslam` to just behind its end,
 //  * in lockstep, over 120 frames: a run that is completed has the bits of an undisturbed one (11 moments, 200 in the soak);
 //  * live, over a minute (1200 frames, 20 a second): a run that is completed has all frames, and follows the truth (200
 //    moments, in the soak alone);
 //  * and a disk that gets full, in lockstep (2 moments, 50 in the soak).
-// Several runs go side by side, each in a folder and on a port of its own: those of a minute take 200 x 40 s / 6 = 22 minutes. Kills one
-// after another in one run are those of kill_test.cpp.
+// Several runs go side by side, each in a folder and on a port of its own: those of a minute take 200 x 40 s / 6 = 22
+// minutes. Kills one after another in one run are those of kill_test.cpp.
 //
-// PLSLAM_CHAOS_SEED and PLSLAM_CHAOS_EVENTS choose others than the default, PLSLAM_CHAOS_ONLY=N plays the Nth of them alone.
+// PLSLAM_CHAOS_SEED and PLSLAM_CHAOS_EVENTS choose others than the default, PLSLAM_CHAOS_ONLY=N plays the Nth of them
+// alone.
 
 namespace plslam {
 namespace {
@@ -54,7 +56,8 @@ using Clock = std::chrono::steady_clock;
 constexpr std::array<const char*, 5> kPrograms{"player", "vo_process", "mapping_process", "loop_process",
                                                "viewer_headless"};
 constexpr const char* kResults[] = {"trajectory.tum", "keyframes.tum", "map.ply", "covariance.txt"};
-/// After which a run must have ended, whatever happened to it: on a machine with thirty processes for each core a minute takes six.
+/// After which a run must have ended, whatever happened to it: on a machine with thirty processes for each core a
+/// minute takes six.
 constexpr std::chrono::seconds kEndLimit{1200};
 constexpr const char* kEarlierPath = "0 0 0 0 0 0 0 1\n";
 
@@ -63,7 +66,8 @@ int FromEnvironment(const char* name, int otherwise) {
   return text != nullptr ? std::atoi(text) : otherwise;
 }
 
-/// What is played, and how many side by side: runs in lockstep use the processors as they can, live ones a tenth of one each.
+/// What is played, and how many side by side: runs in lockstep use the processors as they can, live ones a tenth of
+/// one each.
 struct World {
   std::string dataset;
   std::string pace;

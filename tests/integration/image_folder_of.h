@@ -13,7 +13,8 @@ struct ChosenFrame {
   bool covered = false;
 };
 
-/// Writes frames of a rectified dataset, in any order, as a folder of images with camera, times (20 Hz) and true poses.
+/// Writes frames of a rectified dataset, in any order, as a folder of images with camera, times (20 Hz) and true
+/// poses.
 void WriteImageFolder(const Dataset& dataset, const std::vector<ChosenFrame>& frames,
                       const std::filesystem::path& folder);
 

@@ -75,8 +75,8 @@ bool IsReplaced(const WholeRun& run, const RunWatcher& watcher, Death& death) {
   });
 }
 
-/// Kills one after the other in a random order, each as soon as a number of frames has passed and the last one is back; every
-/// fourth time two at a time.
+/// Kills one after the other in a random order, each as soon as a number of frames has passed and the last one is
+/// back; every fourth time two at a time.
 std::vector<Death> KillAtRandom(const WholeRun& run, const RunWatcher& watcher, const Extent& extent, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<Death> deaths;
@@ -111,8 +111,8 @@ std::vector<Death> KillAtRandom(const WholeRun& run, const RunWatcher& watcher, 
   return deaths;
 }
 
-/// How often each was killed, and the longest time until the next one listened and said so; of the mapper, how long after that
-/// the map was there again. By name.
+/// How often each was killed, and the longest time until the next one listened and said so; of the mapper, how long
+/// after that the map was there again. By name.
 struct Toll {
   std::map<std::string, int> killed;
   std::map<std::string, double> back_s;

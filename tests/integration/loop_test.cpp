@@ -48,8 +48,8 @@ Agreement Compare(const Trajectory& a, const Trajectory& b) {
   return agreement;
 }
 
-/// How far each pose that was published is from the truth, by its frame; `shown` frame by frame, in a map that began at
-/// frame 0 of the dataset.
+/// How far each pose that was published is from the truth, by its frame; `shown` frame by frame, in a map that began
+/// at frame 0 of the dataset.
 std::map<int, double> ErrorsInMap(const WholeRun& run, const Dataset& dataset,
                                   const std::vector<ChosenFrame>& shown) {
   constexpr double kFrame_ns = 5e7;
@@ -161,7 +161,7 @@ TEST_F(PartOfTheRoom, NoPoseIsOfAnotherPlaceWhereTheCameraIsCarriedOutOfItAndCom
   EXPECT_GE(n_back, 57) << run_.Logs();
 }
 
-TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoSight) {
+TEST_F(PartOfTheRoom, IsUsedAgainWhenItComesBackIntoView) {
   // Round the room, through what is not mapped, and again.
   const int lap = OpenDataset(kRoom, "")->size();
   std::vector<ChosenFrame> frames;

@@ -38,7 +38,8 @@ bus::BusOptions ListenerOptions() {
   return options;
 }
 
-/// Pulls the cable in the middle of the run, for less than partners in lockstep wait for one that is out of reach (`wait_s`).
+/// Pulls the cable in the middle of the run, for less than partners in lockstep wait for one that is out of reach
+/// (`wait_s`).
 void CutFor5s(const Lan& lan, int host, StatusListener* listener) {
   if (host < 0) return;
   ASSERT_TRUE(listener->WaitForFrame(kMachinesFrames / 3));

@@ -70,8 +70,8 @@ void KeepSecondHalf(std::vector<std::pair<double, double>>& samples) {
   std::erase_if(samples, [](const auto& sample) { return sample.first <= 0.5; });
 }
 
-/// While frames are sent: what is needed to write the results behind the last one is no growth. By frames and not by time,
-/// which other tests make long and short.
+/// While frames are sent: what is needed to write the results behind the last one is no growth. By frames and not by
+/// time, which other tests make long and short.
 Samples MemoryOf(const std::vector<status_t>& statuses, int frames) {
   Samples memory, unconfirmed;
   double share = 0.0;
@@ -106,8 +106,8 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
   EXPECT_EQ(summary["frames"], frames);
   Samples memory = MemoryOf(test::ReadRecordedRun(run.log()).statuses, frames);
   memory["plslam"] = std::move(launcher);
-  // The viewer keeps what it knows of each frame, half a kilobyte and 0.15 of its true pose, and over the whole run pictures
-  // for the report: 240 with their features, 20 kB each, and of 2000 keyframes, 4 kB each at this size.
+  // The viewer keeps what it knows of each frame, half a kilobyte and 0.15 of its true pose, and over the whole run
+  // pictures for the report: 240 with their features, 20 kB each, and of 2000 keyframes, 4 kB each at this size.
   const double pictures_mb = 240 * 20e-3 + std::min(summary["keyframes"].get<double>(), 2000.0) * 4e-3;
   // Map and places fill up slowly: one lap after the other sees the room from places in between.
   const std::map<std::string, double> kept_mb{

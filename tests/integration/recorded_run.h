@@ -23,8 +23,8 @@ struct RecordedRun {
   /// poses the stage times.
   std::vector<std::vector<uint8_t>> poses;
   std::vector<std::vector<uint8_t>> keyframes;
-  /// The map at the end of the log, as a listener that follows MAP_UPDATE has it; `map_bytes` are its messages without
-  /// the random names.
+  /// The map at the end of the log, as a listener that follows MAP_UPDATE has it; `map_bytes` are its messages
+  /// without the random names.
   MapTotals map_totals;
   std::vector<uint8_t> map_bytes;
   std::vector<stream_t> streams;

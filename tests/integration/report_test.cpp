@@ -119,8 +119,8 @@ TEST(Report, PageThatWatchesIsToldOfTheEnd) {
   EXPECT_EQ(page.Poll()->code, 0) << text();
 }
 
-/// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked for, and
-/// a loop at the end.
+/// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked
+/// for, and a loop at the end.
 class BigRun {
  public:
   BigRun(int64_t n_points, int64_t n_segments) : random_(7) {
@@ -182,19 +182,19 @@ class BigRun {
     return Pose(5 * keyframe_id, 0.0) * Eigen::Vector3d(8.0 * normal(random_), 2.0 * normal(random_), 8.0);
   }
 
-  std::vector<Sight> Sights(int64_t keyframe_id, int64_t id) {
-    std::vector<Sight> sights;
+  std::vector<Observation> Observations(int64_t keyframe_id, int64_t id) {
+    std::vector<Observation> observations;
     for (int64_t k = keyframe_id; k < std::min(kKeyframes, keyframe_id + 2 + id % 9); ++k) {
-      sights.push_back({k, feature_[static_cast<size_t>(k)]++});
+      observations.push_back({k, feature_[static_cast<size_t>(k)]++});
     }
-    return sights;
+    return observations;
   }
 
   void AddPoint(int64_t id) {
     MapPoint point;
     point.id = id;
     point.p_w = Near(id % kKeyframes);
-    point.sights = Sights(id % kKeyframes, id);
+    point.observations = Observations(id % kKeyframes, id);
     map_.Put(point);
   }
 
@@ -203,8 +203,8 @@ class BigRun {
     line.id = id;
     line.segment_w.p = Near(id % kKeyframes);
     line.segment_w.q = line.segment_w.p + Eigen::Vector3d(0, id % 3 == 0 ? 0 : 2.5, id % 3 == 0 ? 1.5 : 0);
-    const std::vector<Sight> sights = Sights(id % kKeyframes, id);
-    line.sights = sights;
+    const std::vector<Observation> observations = Observations(id % kKeyframes, id);
+    line.observations = observations;
     map_.Put(line);
   }
 

@@ -66,7 +66,8 @@ TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
   EXPECT_THAT(HalfWritten(found), testing::IsEmpty());
 }
 
-/// A run whose film, and nothing else, is for a disk of so many KiB: on the first `filled_kib` something stands already.
+/// A run whose film, and nothing else, is for a disk of so many KiB: on the first `filled_kib` something stands
+/// already.
 void ExpectNoFilm(int kib, int filled_kib) {
   const WholeRun run;
   const fs::path disk = run.folder() / "disk", found = run.folder() / "found";

@@ -12,8 +12,8 @@
 
 namespace plslam::test {
 
-/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine. Under a
-/// sanitizer all limits are longer (Patience), and what it finds in a process fails the test.
+/// Runs the real `plslam` with the other real executables, in a folder of its own, on a private port of this machine.
+/// Under a sanitizer all limits are longer (Patience), and what it finds in a process fails the test.
 class WholeRun {
  public:
   WholeRun();
@@ -50,9 +50,9 @@ class WholeRun {
   std::unique_ptr<ChildProcess> process_;
 };
 
-/// Runs `command` on a file system of its own of so many KiB; `command` is a line for sh, and `folder` is where the file system is
-/// mounted. What is on it is gone afterwards: the command copies out what is looked at. Output goes to `folder`.sh.log. Exit code;
-/// nullopt where this machine does not allow it.
+/// Runs `command` on a file system of its own of so many KiB; `command` is a line for sh, and `folder` is where the
+/// file system is mounted. What is on it is gone afterwards: the command copies out what is looked at. Output goes to
+/// `folder`.sh.log. Exit code; nullopt where this machine does not allow it.
 std::optional<int> OnASmallDisk(const std::filesystem::path& folder, int kib, const std::string& command);
 
 }  // namespace plslam::test

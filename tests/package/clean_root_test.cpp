@@ -12,8 +12,8 @@ namespace {
 using testing::HasSubstr;
 using CleanRoot = InstalledTree;
 
-/// Everything that the programs need comes with the package, or because it asks for it: nothing of a developer's machine is
-/// there.
+/// Everything that the programs need comes with the package, or because it asks for it: nothing of a developer's
+/// machine is there.
 TEST_F(CleanRoot, HasAllThatIsNeededOnceAptHasInstalledThePackage) {
   PLSLAM_REQUIRE_LONG_TESTS();
   if (geteuid() != 0) GTEST_SKIP() << "a root of its own can be made by root only";

@@ -65,8 +65,8 @@ const scalesOf = `return Object.fromEntries(["tracked", "entropy"].map((key) => 
 async function checkZoom(page) {
   await browser.run("document.getElementById('plots').scrollIntoView()");
   const box = "return document.querySelector('[data-plot=tracked] .u-over').getBoundingClientRect().toJSON()";
-  // Plots that come into sight are drawn then.
-  await browser.until("return plslam.plots.plots.get('tracked').visible && plslam.plots.plots.get('entropy').visible", "plots in sight");
+  // Plots that come into view are drawn then.
+  await browser.until("return plslam.plots.plots.get('tracked').visible && plslam.plots.plots.get('entropy').visible", "plots in view");
   const { x, y, width, height } = await browser.run(box);
   const at = (share) => [x + share * width, y + 0.5 * height];
   const before = await browser.run(scalesOf);
@@ -134,11 +134,11 @@ async function clickOn(page, type) {
 async function checkPick(page) {
   const rays = "return plslam.view.parts.selection.rays.n";
   const point = await clickOn(page, "points");
-  const sights = await browser.run("return plslam.run.map.points.sights[arguments[0]]", point);
+  const observations = await browser.run("return plslam.run.map.points.observations[arguments[0]]", point);
   const id = await browser.run("return plslam.run.observersOf('points').ids[arguments[0]]", point);
-  check.that((await browser.run(rays)) === sights, `a ray to each of the ${sights} keyframes that observe it`);
+  check.that((await browser.run(rays)) === observations, `a ray to each of the ${observations} keyframes that observe it`);
   const text = await page.text("#picked");
-  check.that(text.includes(`Point ${id}`) && text.includes(`${sights} keyframes`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
+  check.that(text.includes(`Point ${id}`) && text.includes(`${observations} keyframes`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
   check.that(await browser.run("return plslam.view.parts.selection.frusta.visible"), "whose keyframes are marked");
   await browser.key("Escape");
   await browser.until("return document.getElementById('picked').hidden", "no box");

@@ -9,8 +9,8 @@
 
 namespace plslam::test {
 
-/// A member of an LCM multicast group that wishes us ill: it sends junk of several kinds, by turns, at a fixed rate. It
-/// listens to what the others send, and repeats and alters that too. Seeded; what it hears depends on the others.
+/// A member of an LCM multicast group that wishes us ill: it sends junk of several kinds, by turns, at a fixed rate.
+/// It listens to what the others send, and repeats and alters that too. Seeded; what it hears depends on the others.
 class HostileSender {
  public:
   struct Plan {
@@ -26,7 +26,8 @@ class HostileSender {
     uint64_t seed = 1;
   };
 
-  /// Begins at once, in the network namespace of the calling thread. Throws std::runtime_error where there is no socket.
+  /// Begins at once, in the network namespace of the calling thread. Throws std::runtime_error where there is no
+  /// socket.
   explicit HostileSender(Plan plan);
   ~HostileSender();
   HostileSender(const HostileSender&) = delete;

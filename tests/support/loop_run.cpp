@@ -147,7 +147,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   if (!options_.loops.enabled) return;
   closer_.AddKeyframe(keyframe);
   const double t3 = NowMs();
-  const LoopClosure loop = closer_.Judge(mapper_.map(), kSession, keyframe.keyframe_id);
+  const LoopClosure loop = closer_.Check(mapper_.map(), kSession, keyframe.keyframe_id);
   run_.judge_ms.push_back(NowMs() - t3);
   Note(loop);
   if (loop.kind != LoopClosure::Kind::kLoop) return;
@@ -211,7 +211,7 @@ std::vector<OdometryFrame> Run::AsTheMapHasIt() const { return CarriedByKeyframe
 // Both by what the map ended with.
 void Run::CountRevisits() {
   const Map& map = mapper_.map();
-  std::map<int64_t, double> way_m;
+  std::map<int64_t, double> path_m;
   double total_m = 0.0;
   int64_t before = -1;
   bool in_visit = false;
@@ -221,11 +221,11 @@ void Run::CountRevisits() {
       const auto step = TrueRelation(map.FindKeyframe(before)->frame_id, keyframe.frame_id);
       if (step) total_m += step->translation().norm();
     }
-    way_m[id] = total_m;
+    path_m[id] = total_m;
     before = id;
     bool again = false;
     bool shared = false;
-    for (const auto& [old_id, at_m] : way_m) {
+    for (const auto& [old_id, at_m] : path_m) {
       if (total_m - at_m < kBehind_m) break;
       const auto apart = TrueRelation(map.FindKeyframe(old_id)->frame_id, keyframe.frame_id);
       if (!apart || apart->translation().norm() > kNear_m || apart->Log().tail<3>().norm() > kNear_rad) continue;

@@ -24,8 +24,8 @@ struct LoopOfRun {
   bool IsFalse() const { return error_m > 0.5 || error_deg > 5.0; }
 };
 
-/// Ways through places that were seen before, by the truth: runs of keyframes with another one near them, looking the same way,
-/// that is older and not just behind.
+/// Ways through places that were seen before, by the truth: runs of keyframes with another one near them, looking the
+/// same way, that is older and not just behind.
 struct Revisits {
   int total = 0;
   /// With landmarks shared across, or a loop.
@@ -41,7 +41,8 @@ struct LoopRun {
   std::vector<LoopOfRun> looked_at;
   /// Error of the trajectory before and after the correction and after the adjustment that followed, for each loop.
   std::vector<double> ate_before_m, ate_corrected_m, ate_adjusted_m;
-  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Judge` where there is one), the mapper's part, and the adjustments.
+  /// ms of this thread's work: for each keyframe; for each loop (pose graph and the rest of `Judge` where there is
+  /// one), the mapper's part, and the adjustments.
   std::vector<double> judge_ms, loop_ms, correct_ms, adjust_ms;
   /// Corrections that the mapper refused, with its words.
   std::vector<std::string> refused;
@@ -65,8 +66,8 @@ struct LoopRunOptions {
   int ask_every = 0;
 };
 
-/// Front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: what a keyframe's loop
-/// does to the map takes effect with the map of that keyframe.
+/// Front end, odometry, mapping and loop closing over a dataset in this process, as in lockstep: what a keyframe's
+/// loop does to the map takes effect with the map of that keyframe.
 LoopRun RunLoops(const Dataset& dataset, const PlaceRecogniser& places, const LoopRunOptions& options);
 
 }  // namespace plslam::test

@@ -15,9 +15,9 @@
 
 namespace plslam::test {
 
-/// Hosts joined by a bad network: a switch of our own hands on what their kernels send (TAP interfaces eth0, MTU 1500,
-/// addresses 10.77.0.1, .2, ..., multicast routed over them), packet by packet, and loses, doubles, delays and reorders
-/// on the way to each receiver. Needs no netem of the kernel. Traffic within a host is not touched.
+/// Hosts joined by a bad network: a switch of our own hands on what their kernels send (TAP interfaces eth0, MTU
+/// 1500, addresses 10.77.0.1, .2, ..., multicast routed over them), packet by packet, and loses, doubles, delays and
+/// reorders on the way to each receiver. Needs no netem of the kernel. Traffic within a host is not touched.
 class LossyLan {
  public:
   /// Of each packet on its way to each receiver, by chance.

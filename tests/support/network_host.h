@@ -7,8 +7,8 @@
 
 namespace plslam::test {
 
-/// A host with addresses of its own, within this machine: a Linux network namespace. It goes when the last process in it
-/// has ended, and nothing of it is seen from outside. Its loopback carries multicast, as on any host.
+/// A host with addresses of its own, within this machine: a Linux network namespace. It goes when the last process in
+/// it has ended, and nothing of it is seen from outside. Its loopback carries multicast, as on any host.
 class NetworkHost {
  public:
   /// Why this kernel grants this user no such host; empty where it does. The first call may put this process into a
@@ -32,8 +32,8 @@ class NetworkHost {
   int fd_ = -1;
 };
 
-/// Hosts joined by a switch: each has an interface eth0 (MTU 1500) with the address 10.77.0.1, .2, ... and a route for
-/// multicast over it.
+/// Hosts joined by a switch: each has an interface eth0 (MTU 1500) with the address 10.77.0.1, .2, ... and a route
+/// for multicast over it.
 class Lan {
  public:
   explicit Lan(int n_hosts);

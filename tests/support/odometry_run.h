@@ -42,16 +42,16 @@ std::vector<OdometryFrame> RunOdometry(
 /// truth. Negative where there are fewer than 3.
 double AbsoluteTrajectoryError(const std::vector<OdometryFrame>& frames);
 
-/// Scale of the path of these frames against that of the same frames in `whole`, after the best similarity; 0 where there are
-/// fewer than 3.
+/// Scale of the path of these frames against that of the same frames in `whole`, after the best similarity; 0 where
+/// there are fewer than 3.
 double ScaleAgainst(const std::vector<OdometryFrame>& piece, const std::vector<OdometryFrame>& whole);
 
-/// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 where the covariance is honest), leaving
-/// out the largest hundredth, which are outliers of any Gaussian.
+/// Mean of e^T cov^-1 e over the motions between successive tracked frames (6 where the covariance is honest),
+/// leaving out the largest hundredth, which are outliers of any Gaussian.
 double MotionNees(const std::vector<OdometryFrame>& frames);
 
-/// Mean of e^T cov^-1 e over the motions of `span` tracked frames, their covariances composed as a filter does: errors that frames have
-/// in common show here.
+/// Mean of e^T cov^-1 e over the motions of `span` tracked frames, their covariances composed as a filter does:
+/// errors that frames have in common show here.
 double SpanNees(const std::vector<OdometryFrame>& frames, size_t span);
 
 /// Frames with state lost.

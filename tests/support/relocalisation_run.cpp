@@ -50,7 +50,7 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, StereoFron
     mapper.Adjust(nullptr);
     mapper.Cull();
     closer.AddKeyframe(keyframe);
-    const LoopClosure loop = closer.Judge(mapper.map(), kMapSession, keyframe.keyframe_id);
+    const LoopClosure loop = closer.Check(mapper.map(), kMapSession, keyframe.keyframe_id);
     if (loop.kind == LoopClosure::Kind::kLoop) mapper.Correct(loop, &reason);
   }
   closer.Follow(mapper.map());
@@ -59,8 +59,8 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, StereoFron
   return {std::move(odometry), mapper.map(), std::move(closer), dataset.t_ns(last)};
 }
 
-/// Where a frame lies in the map: as to the keyframe nearest in time, so that what the map has drifted elsewhere does not
-/// count.
+/// Where a frame lies in the map: as to the keyframe nearest in time, so that what the map has drifted elsewhere does
+/// not count.
 SE3 PlaceInMap(const Dataset& dataset, const Map& map, int frame) {
   const MapKeyframe* nearest = nullptr;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -92,7 +92,7 @@ void Try(const Dataset& dataset, StereoFrontEnd& front_end, const Mapped& mapped
     const bool right = !lost && IsRight(odometry.T_w_odom() * result.T_odom_c, truth, trials);
     if (right && trial.frames_until_right < 0) trial.frames_until_right = i + 1;
     if (!lost && !right) ++(trial.frames_until_right < 0 ? trial.wrong_before : trial.wrong_afterwards);
-    if (!lost && !odometry.is_adrift()) continue;
+    if (!lost && !odometry.is_unanchored()) continue;
     ++trial.asked;
     const Relocalisation answer = mapped.closer.Relocalise(mapped.map, result.features);
     if (answer.found) {

@@ -15,7 +15,8 @@ struct RelocalisationTrial {
   int from_frame = 0;  ///< last frame before, and the first after
   int to_frame = 0;
   double carried_m = 0.0;
-  /// Frames with sight until the pose in the map was right for the first time, and after that wrong ones; -1: never right.
+  /// Frames with observation until the pose in the map was right for the first time, and after that wrong ones; -1:
+  /// never right.
   int frames_until_right = -1;
   int wrong_afterwards = 0;
   int asked = 0;
@@ -34,8 +35,8 @@ struct RelocalisationTrials {
   double max_error_deg = 1.0;
 };
 
-/// Makes a map of the dataset, and then, from its end, trials drawn by `seed`: nothing is seen for a while, then the frames from
-/// elsewhere on. Loop_process is asked as vo_process asks it. In this process, as in lockstep.
+/// Makes a map of the dataset, and then, from its end, trials drawn by `seed`: nothing is seen for a while, then the
+/// frames from elsewhere on. Loop_process is asked as vo_process asks it. In this process, as in lockstep.
 std::vector<RelocalisationTrial> RunRelocalisationTrials(const Dataset& dataset, const PlaceRecogniser& places,
                                                          const VoOptions& vo, const MappingOptions& mapping,
                                                          const LoopOptions& loops, const RelocalisationTrials& trials,

@@ -8,8 +8,8 @@
 
 namespace plslam::test {
 
-/// How long a test waits for what must come in the end; `limit` is meant for a build as users have it. Sanitized programs are
-/// five to fifteen times slower. Nothing that is promised in seconds may be judged by this.
+/// How long a test waits for what must come in the end; `limit` is meant for a build as users have it. Sanitized
+/// programs are five to fifteen times slower. Nothing that is promised in seconds may be judged by this.
 inline std::chrono::milliseconds Patience(std::chrono::milliseconds limit) {
 #ifdef PLSLAM_SANITIZED
   constexpr int kSlower = 10;
@@ -36,8 +36,8 @@ inline std::string SanitizerReports(const std::string& logs) {
   return reports;
 }
 
-/// Fails the test where a sanitizer has found something in a process. Such a process ends, but a run starts it again, or is
-/// over already: by exit codes alone it would go unnoticed.
+/// Fails the test where a sanitizer has found something in a process. Such a process ends, but a run starts it again,
+/// or is over already: by exit codes alone it would go unnoticed.
 inline void ExpectNoSanitizerReports(const std::string& logs) { EXPECT_EQ(SanitizerReports(logs), ""); }
 
 }  // namespace plslam::test

@@ -14,9 +14,9 @@ SE3 Blend(const SE3& a, const SE3& b, double t) {
 }
 
 template <class Landmarks>
-double MeanSights(const Landmarks& landmarks) {
+double MeanObservations(const Landmarks& landmarks) {
   size_t sum = 0;
-  for (const auto& [id, landmark] : landmarks) sum += landmark.sights.size();
+  for (const auto& [id, landmark] : landmarks) sum += landmark.observations.size();
   return landmarks.empty() ? 0.0 : static_cast<double>(sum) / static_cast<double>(landmarks.size());
 }
 
@@ -24,8 +24,8 @@ void Summarise(const Map& map, SlamRun& run) {
   run.keyframes = static_cast<int>(map.keyframes().size());
   run.points = map.points().size();
   run.lines = map.lines().size();
-  run.sights_per_point = MeanSights(map.points());
-  run.sights_per_line = MeanSights(map.lines());
+  run.observations_per_point = MeanObservations(map.points());
+  run.observations_per_line = MeanObservations(map.lines());
   run.map = map;
 }
 

@@ -17,8 +17,8 @@ struct SlamRun {
   int keyframes = 0;
   size_t points = 0;
   size_t lines = 0;
-  double sights_per_point = 0.0;
-  double sights_per_line = 0.0;
+  double observations_per_point = 0.0;
+  double observations_per_line = 0.0;
   /// Per keyframe, ms, and the figures of its adjustment.
   std::vector<double> insert_ms;
   std::vector<double> adjust_ms;
@@ -29,8 +29,8 @@ struct SlamRun {
 /// The frames of a run, given in odom, where the map's keyframes carry them.
 std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom, const Map& map);
 
-/// Front end, odometry and mapping over a dataset in this process, as in lockstep: the map of a keyframe takes effect when
-/// the next keyframe has been made.
+/// Front end, odometry and mapping over a dataset in this process, as in lockstep: the map of a keyframe takes effect
+/// when the next keyframe has been made.
 SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride = 1,
                 int max_frames = 1 << 30);
 

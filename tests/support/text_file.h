@@ -36,8 +36,8 @@ class ScratchFolder {
   std::filesystem::path folder_;
 };
 
-/// All bytes of a file; empty where it cannot be read, as one of /proc whose process goes meanwhile (an istreambuf_iterator
-/// would throw there).
+/// All bytes of a file; empty where it cannot be read, as one of /proc whose process goes meanwhile (an
+/// istreambuf_iterator would throw there).
 inline std::string ReadText(const std::filesystem::path& path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();

@@ -19,8 +19,8 @@ struct Worsening {
   int streaks = 0;
 };
 
-/// A dataset with its images made worse. Noise is seeded by the number of pairs read before: the same at every run, another
-/// where a pair is read again.
+/// A dataset with its images made worse. Noise is seeded by the number of pairs read before: the same at every run,
+/// another where a pair is read again.
 class WorseImages : public ChangedImages {
  public:
   WorseImages(const Dataset& dataset, const Worsening& worsening) : ChangedImages(dataset), worsening_(worsening) {}

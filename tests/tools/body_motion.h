@@ -32,7 +32,8 @@ struct MovingBox {
 /// - `bus`: passes from right to left at one depth.
 const std::vector<std::string>& BodyKindNames();
 
-/// The body for a camera on the path `T_w_c`. Its motion follows the smoothed path, so that what shakes the camera does not shake it.
+/// The body for a camera on the path `T_w_c`. Its motion follows the smoothed path, so that what shakes the camera
+/// does not shake it.
 MovingBox MoveBody(const BodyRequest& request, const StereoCamera& camera, const std::vector<SE3>& T_w_c);
 
 }  // namespace plslam::test

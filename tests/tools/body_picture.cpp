@@ -11,7 +11,8 @@ namespace {
 using synthetic::Footprint;
 using synthetic::Texture;
 
-// A face at a pixel (x, y): its coordinates (0 to 1) are U.(x, y, 1) / W.(x, y, 1) and V.(x, y, 1) / W.(x, y, 1): a homography.
+// A face at a pixel (x, y): its coordinates (0 to 1) are U.(x, y, 1) / W.(x, y, 1) and V.(x, y, 1) / W.(x, y, 1): a
+// homography.
 struct Homography {
   Eigen::RowVector3d U;
   Eigen::RowVector3d V;

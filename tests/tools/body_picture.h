@@ -26,8 +26,9 @@ struct Body {
   std::vector<synthetic::Texture> textures;
 };
 
-/// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear (towards -z), left,
-/// right and front faces have the first texture, or each the next one where there are several; the roof has the last one.
+/// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear
+/// (towards -z), left, right and front faces have the first texture, or each the next one where there are several;
+/// the roof has the last one.
 Body MakeBox(const Eigen::Vector3d& size_m, std::vector<synthetic::Texture> textures);
 
 /// What a camera sees of a body: grey values where `coverage` (0 to 1, CV_32F) is not 0.
@@ -36,8 +37,8 @@ struct BodyPicture {
   cv::Mat coverage;
 };
 
-/// The body as the left camera of a rectified rig sees it from `T_b_cam`, the pose of that camera in the body; for the right one
-/// give the pose of the right. Faces are filtered in the texture and anti-aliased at their borders.
+/// The body as the left camera of a rectified rig sees it from `T_b_cam`, the pose of that camera in the body; for
+/// the right one give the pose of the right. Faces are filtered in the texture and anti-aliased at their borders.
 BodyPicture PictureOfBody(const Body& body, const StereoCamera& camera, const SE3& T_b_cam);
 
 /// Puts the picture in front of an image, with noise of `sigma` grey values on it, seeded.

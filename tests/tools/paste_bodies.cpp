@@ -1,12 +1,14 @@
-// Pastes a moving body with the right stereo geometry into a recorded sequence, and writes the rectified pair as a KITTI folder.
+// Pastes a moving body with the right stereo geometry into a recorded sequence, and writes the rectified pair as a
+// KITTI folder.
 //
 //   paste_bodies data/kitti_03 out/k03_truck --body lead --share 0.45 --seed 1
 //   paste_bodies data/kitti_03 out/k03_bus --stand --from 40 --frames 80 --body bus --share 0.6
 //   paste_bodies data/kitti_03 out/k03_hood --hood 0.28
 //   paste_bodies data/kitti_03 out/k03_stand --stand --from 40 --frames 80     (the same without a body)
 //
-// Beside images, calibration, times and truth (of the camera) the folder holds mask_0 (255 where the left image shows a body or the
-// bonnet) and bodies.txt: of each frame the share of the left image that is pasted, the outline's bounds there, and T_c_b.
+// Beside images, calibration, times and truth (of the camera) the folder holds mask_0 (255 where the left image shows
+// a body or the bonnet) and bodies.txt: of each frame the share of the left image that is pasted, the outline's
+// bounds there, and T_c_b.
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -95,7 +97,8 @@ std::vector<Frame> ChooseFrames(const Request& request, const Dataset& dataset, 
   return frames;
 }
 
-// The camera's path, or the camera as its own world where it is not known everywhere: bodies then move relative to it.
+// The camera's path, or the camera as its own world where it is not known everywhere: bodies then move relative to
+// it.
 std::vector<SE3> PathOf(const std::vector<Frame>& frames, bool* known) {
   std::vector<SE3> path;
   *known = true;

@@ -16,8 +16,8 @@ struct BusAddress {
   int receive_buffer = 0;
 };
 
-/// `url` as processes take it: empty means LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error where the port or
-/// the ttl is no number.
+/// `url` as processes take it: empty means LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error where the
+/// port or the ttl is no number.
 BusAddress ParseBusAddress(const std::string& url);
 
 }  // namespace plslam

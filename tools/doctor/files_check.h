@@ -11,8 +11,8 @@ namespace plslam {
 /// ("histories", "outputs"), `mend` how to choose another folder.
 Findings CheckFolder(const std::filesystem::path& folder, const std::string& use, const std::string& mend);
 
-/// Whether the vocabulary `name` (of `kind`, "points" or "lines") is where loop_process looks for it, and whole. `key`: the
-/// option that names it.
+/// Whether the vocabulary `name` (of `kind`, "points" or "lines") is where loop_process looks for it, and whole.
+/// `key`: the option that names it.
 Findings CheckVocabulary(const std::string& name, const std::string& kind, const std::string& key);
 
 /// Whether the programs of the system stand beside this one.

@@ -16,12 +16,12 @@ struct NetworkDevice {
   bool multicast = false;
 };
 
-/// Device of the route to an IPv4 address by a table as /proc/net/route has it (the longest prefix that is up, then the
-/// lowest metric); empty where there is none.
+/// Device of the route to an IPv4 address by a table as /proc/net/route has it (the longest prefix that is up, then
+/// the lowest metric); empty where there is none.
 std::string RouteDevice(const std::string& table, const std::string& address);
 
-/// What of route, devices and ttl keeps datagrams of `address` from their readers; empty where nothing does. Precondition:
-/// kMulticast.
+/// What of route, devices and ttl keeps datagrams of `address` from their readers; empty where nothing does.
+/// Precondition: kMulticast.
 Findings CheckRoute(const BusAddress& address, const std::string& route_device,
                     const std::vector<NetworkDevice>& devices);
 

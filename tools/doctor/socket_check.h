@@ -18,7 +18,8 @@ struct UdpSocket {
 
 std::vector<UdpSocket> ParseUdpSockets(const std::string& table);
 
-/// Whether the kernel grants the receive buffer that the bus asks for, and whether sockets of the bus have lost datagrams.
+/// Whether the kernel grants the receive buffer that the bus asks for, and whether sockets of the bus have lost
+/// datagrams.
 Findings CheckReceiveBuffer(const BusAddress& address);
 
 /// kMulticast: whether the port can be shared with LCM. kRelay: whether an LCM relay answers there.

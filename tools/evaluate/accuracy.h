@@ -39,7 +39,8 @@ struct EvaluateOptions {
   double max_clock_offset_s = 0.0;
 };
 
-/// Frames over which a filter adds up motions until something else corrects it: errors that frames have in common show.
+/// Frames over which a filter adds up motions until something else corrects it: errors that frames have in common
+/// show.
 constexpr size_t kConsistencySpan = 20;
 
 struct RelativeErrorSummary {
@@ -80,7 +81,8 @@ struct Accuracy {
 
 Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth, const EvaluateOptions& options);
 
-/// `ate_m` (rmse) first, null where nothing is associated or it is no finite number (so are all others then); the counts, errors and tables by name. Leaves the pairs out.
+/// `ate_m` (rmse) first, null where nothing is associated or it is no finite number (so are all others then); the
+/// counts, errors and tables by name. Leaves the pairs out.
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
 
 }  // namespace plslam

@@ -16,7 +16,8 @@ enum class Alignment {
   kSim3,   ///< the same with a scale
 };
 
-/// Takes the estimate (b of the similarity) to the truth (a), by `AlignPaths` where it is of least squares. No pairs: identity.
+/// Takes the estimate (b of the similarity) to the truth (a), by `AlignPaths` where it is of least squares. No pairs:
+/// identity.
 Similarity Align(const PosePairs& pairs, Alignment alignment);
 
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.

@@ -8,16 +8,17 @@
 
 namespace plslam {
 
-/// How the clocks of an estimate and of the truth stand to each other, as far as the paths tell. Truth from another sensor than
-/// the images often comes some milliseconds early or late, which in a moving camera passes for an error of position.
+/// How the clocks of an estimate and of the truth stand to each other, as far as the paths tell. Truth from another
+/// sensor than the images often comes some milliseconds early or late, which in a moving camera passes for an error
+/// of position.
 struct ClockOffset {
   double offset_s = 0.0;   ///< to add to the times of the estimate
   double ate_m = 0.0;      ///< root mean square there
   double ate_now_m = 0.0;  ///< the same, of the same poses, without it
 };
 
-/// The offset of at most `max_s` at which the absolute error is least, among poses that have an interpolated truth at all of
-/// them; to a tenth of a millisecond. nullopt where fewer than three have, or the least lies at the limit.
+/// The offset of at most `max_s` at which the absolute error is least, among poses that have an interpolated truth at
+/// all of them; to a tenth of a millisecond. nullopt where fewer than three have, or the least lies at the limit.
 std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
                                           int64_t max_gap_ns, double max_s);
 

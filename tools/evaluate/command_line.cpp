@@ -83,8 +83,9 @@ bool HasNoTimes(const std::string& path, const std::string& format, const Argume
   }
 }
 
-/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be associated. And
-/// where two such files differ in length, rows of one number are not of one frame: a frame without a pose has none.
+/// Frames that count as seconds belong to no time of a clock: nothing, or by chance something wrong, would be
+/// associated. And where two such files differ in length, rows of one number are not of one frame: a frame without a
+/// pose has none.
 void CheckTimes(const Arguments& a, size_t n_estimate, size_t n_truth) {
   const bool estimate_lacks = HasNoTimes(a.estimate, a.estimate_format, a);
   if (estimate_lacks != HasNoTimes(a.truth, a.truth_format, a)) {

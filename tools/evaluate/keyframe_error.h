@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Errors of the motion between consecutive keyframes, the measure of PL-SLAM's tables (§VII: "relative errors between
-/// the KFs positions"). The paper prints no formula; docs/metrics.md says how it is read here.
+/// Errors of the motion between consecutive keyframes, the measure of PL-SLAM's tables (§VII: "relative errors
+/// between the KFs positions"). The paper prints no formula; docs/metrics.md says how it is read here.
 struct KeyframeErrors {
   int motions = 0;
   double rmse_m = 0.0;              ///< translation error of a motion

@@ -5,7 +5,8 @@
 
 namespace plslam {
 
-/// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, where there is none.
+/// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, where there is
+/// none.
 nlohmann::json ReadRunSummary(const std::string& folder);
 
 }  // namespace plslam

@@ -21,11 +21,12 @@ ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const 
 std::vector<ColmapView> TrackOf(const MapPoint& point, const std::vector<ColmapImage>& images,
                                 const std::map<int64_t, size_t>& place_of) {
   std::vector<ColmapView> track;
-  for (const Sight& sight : point.sights) {
-    const auto place = place_of.find(sight.keyframe_id);
+  for (const Observation& observation : point.observations) {
+    const auto place = place_of.find(observation.keyframe_id);
     if (place == place_of.end()) continue;
     const ColmapImage& image = images[place->second];
-    if (sight.feature < static_cast<int64_t>(image.features.size())) track.push_back({image.id, sight.feature});
+    if (observation.feature < static_cast<int64_t>(image.features.size()))
+      track.push_back({image.id, observation.feature});
   }
   return track;
 }

@@ -47,16 +47,17 @@ struct ColmapModel {
   std::vector<ColmapPoint> points;
 };
 
-/// File names of the keyframes' images, by keyframe: the number of the frame, `000012.png`; with the session behind it
-/// (`000012_s3.png`) where an earlier keyframe has that name.
+/// File names of the keyframes' images, by keyframe: the number of the frame, `000012.png`; with the session behind
+/// it (`000012_s3.png`) where an earlier keyframe has that name.
 std::map<int64_t, std::string> KeyframeImageNames(const Map& map);
 
-/// The keyframes as images and the points seen by two keyframes or more; COLMAP has no line segments, and no stereo that
-/// would hold a point seen by one. Numbers are those of the map, plus one. Points lie in the w of the map, in metres.
+/// The keyframes as images and the points seen by two keyframes or more; COLMAP has no line segments, and no stereo
+/// that would hold a point seen by one. Numbers are those of the map, plus one. Points lie in the w of the map, in
+/// metres.
 ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera);
 
-/// Write `cameras`, `images` and `points3D` into the folder, which is made: `.txt`, or `.bin`, which takes precedence for
-/// COLMAP. See docs/exports.md. Throw std::runtime_error.
+/// Write `cameras`, `images` and `points3D` into the folder, which is made: `.txt`, or `.bin`, which takes precedence
+/// for COLMAP. See docs/exports.md. Throw std::runtime_error.
 void WriteColmapText(const std::string& folder, const ColmapModel& model);
 void WriteColmapBinary(const std::string& folder, const ColmapModel& model);
 

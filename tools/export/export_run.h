@@ -31,7 +31,8 @@ struct ExportedFile {
   std::string what;
 };
 
-/// Writes the files of docs/exports.md. Throws std::runtime_error where the source does not have what a named format needs.
+/// Writes the files of docs/exports.md. Throws std::runtime_error where the source does not have what a named format
+/// needs.
 std::vector<ExportedFile> ExportRun(const ExportRequest& request);
 
 }  // namespace plslam

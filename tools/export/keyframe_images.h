@@ -18,8 +18,8 @@ class KeyframeImages {
   /// Throws std::runtime_error where the dataset cannot be opened, or its rectified camera is not `camera`.
   KeyframeImages(const std::string& dataset, const StereoCamera& camera);
 
-  /// The image taken at that time, 8-bit grey; nullopt where the dataset has none. Throws DatasetError where it has one that
-  /// cannot be read.
+  /// The image taken at that time, 8-bit grey; nullopt where the dataset has none. Throws DatasetError where it has
+  /// one that cannot be read.
   std::optional<cv::Mat> At(int64_t t_ns) const;
 
   /// Left camera as calibrated (l) from rectified left camera (c).

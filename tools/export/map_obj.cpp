@@ -43,13 +43,13 @@ void AddPoints(const Map& map, ObjText& obj) {
 void AddLines(const Map& map, ObjText& obj) {
   obj.Name("lines");
   for (const auto& [id, line] : map.lines()) {
-    const Colour colour = SightsColour(line.sights.size());
+    const Colour colour = ObservationsColour(line.observations.size());
     const size_t p = obj.AddVertex(line.segment_w.p, colour);
     obj.AddElement('l', {p, obj.AddVertex(line.segment_w.q, colour)});
   }
 }
 
-void AddWays(const Map& map, ObjText& obj) {
+void AddPaths(const Map& map, ObjText& obj) {
   std::map<int64_t, std::vector<size_t>> ways;
   obj.Name("keyframes");
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -66,7 +66,7 @@ std::string MapObj(const Map& map) {
   ObjText obj;
   if (!map.points().empty()) AddPoints(map, obj);
   if (!map.lines().empty()) AddLines(map, obj);
-  if (!map.keyframes().empty()) AddWays(map, obj);
+  if (!map.keyframes().empty()) AddPaths(map, obj);
   return obj.Take();
 }
 

@@ -17,8 +17,9 @@ struct RunSource {
   Trajectory frames;
 };
 
-/// `path` is a map file (.plmap), or a folder with one of them or a `trajectory.tum`, or both. Throws std::runtime_error
-/// where there is neither, or more than one map. `map` is taken instead of the map in the folder, where it is not empty.
+/// `path` is a map file (.plmap), or a folder with one of them or a `trajectory.tum`, or both. Throws
+/// std::runtime_error where there is neither, or more than one map. `map` is taken instead of the map in the folder,
+/// where it is not empty.
 RunSource ReadRunSource(const std::string& path, const std::string& map = "");
 
 }  // namespace plslam

@@ -29,8 +29,8 @@ struct HelpPage {
   std::vector<std::string> CommandNames() const;
 };
 
-/// Reads what `command --help` printed. Throws std::runtime_error with the line that is not understood: then the manual
-/// would lack something.
+/// Reads what `command --help` printed. Throws std::runtime_error with the line that is not understood: then the
+/// manual would lack something.
 HelpPage ParseHelp(const std::string& command, const std::string& text);
 
 }  // namespace plslam

@@ -24,7 +24,8 @@ struct ChildExit {
 };
 
 /// A running program in a process group of its own (a Ctrl-C on the terminal reaches only the launcher, which then
-/// stops its children in order). Standard output and errors are appended to a file; nothing else of ours is inherited.
+/// stops its children in order). Standard output and errors are appended to a file; nothing else of ours is
+/// inherited.
 class ChildProcess {
  public:
   /// `niceness` is added to our own: 0 is as important as we are, 19 runs when nobody else wants to. Throws

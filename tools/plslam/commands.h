@@ -11,8 +11,8 @@ namespace plslam {
 /// What the command line chose to do; its result is the exit code.
 using Command = std::function<int()>;
 
-// Each adds a subcommand with its options, which, when chosen, sets `*command`. All that `*command` refers to lives as
-// long as it does.
+// Each adds a subcommand with its options, which, when chosen, sets `*command`. All that `*command` refers to lives
+// as long as it does.
 void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);
 void AddRecordCommand(CLI::App* app, Command* command);

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Counts different numbers of sessions. They ascend nearly without gaps, so each costs little more than a bit: a set of
-/// landmarks was the greatest part of the memory of a long run's launcher.
+/// Counts different numbers of sessions. They ascend nearly without gaps, so each costs little more than a bit: a set
+/// of landmarks was the greatest part of the memory of a long run's launcher.
 class IdCounter {
  public:
   /// Negative ones do not count.

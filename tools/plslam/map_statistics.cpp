@@ -13,7 +13,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   if (head.source == source_ && head.version <= version_) return;
   source_ = head.source;
   version_ = head.version;
-  settled_.Add(head);
+  committed_.Add(head);
   totals_ = head.totals;
   for (const auto& [stage, ms] : head.stage_ms) stage_ms_.Add(stage, ms);
   if (head.adjustment.n_points == 0) return;
@@ -22,7 +22,7 @@ void MapStatistics::Add(const MapUpdate& head) {
   after_px_ += head.adjustment.reprojection_after_px;
 }
 
-double MapStatistics::ObservationsPerPoint() const { return Ratio(totals_.point_sights, totals_.points); }
-double MapStatistics::ObservationsPerLine() const { return Ratio(totals_.line_sights, totals_.lines); }
+double MapStatistics::ObservationsPerPoint() const { return Ratio(totals_.point_observations, totals_.points); }
+double MapStatistics::ObservationsPerLine() const { return Ratio(totals_.line_observations, totals_.lines); }
 
 }  // namespace plslam

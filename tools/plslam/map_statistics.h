@@ -22,7 +22,7 @@ class MapStatistics {
   int64_t version() const { return version_; }
   /// Of the newest version.
   const MapTotals& totals() const { return totals_; }
-  const SettledKeyframes& settled() const { return settled_; }
+  const CommittedKeyframes& committed() const { return committed_; }
 
   /// Keyframes that see a landmark, on average; 0 without landmarks.
   double ObservationsPerPoint() const;
@@ -41,7 +41,7 @@ class MapStatistics {
 
   int64_t source_ = 0;
   int64_t version_ = 0;
-  SettledKeyframes settled_;
+  CommittedKeyframes committed_;
   MapTotals totals_;
   StageTimes stage_ms_;
   int64_t n_adjustments_ = 0;

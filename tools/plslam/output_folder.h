@@ -7,12 +7,13 @@
 
 namespace plslam {
 
-/// The folder of a run's outputs, which for the life of this object no other run writes into. Unless it is kept, what was made
-/// here goes again at the end: folders, and logs of processes that came to nothing. What earlier runs have left stays.
+/// The folder of a run's outputs, which for the life of this object no other run writes into. Unless it is kept, what
+/// was made here goes again at the end: folders, and logs of processes that came to nothing. What earlier runs have
+/// left stays.
 class OutputFolder {
  public:
-  /// Makes `folder` and its `logs`. Throws std::runtime_error, and leaves everything as it was, where they cannot be made, or
-  /// another run has the folder.
+  /// Makes `folder` and its `logs`. Throws std::runtime_error, and leaves everything as it was, where they cannot be
+  /// made, or another run has the folder.
   explicit OutputFolder(const std::filesystem::path& folder);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

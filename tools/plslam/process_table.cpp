@@ -69,9 +69,9 @@ Arguments MappingArguments(const RunOptions& options) {
   return settings.Take();
 }
 
-// Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for the
-// adjustment of the one before, and behind it the tracker and whoever has pictures to draw of each frame. Live it is the tracker,
-// beside the map; the others are waited for by nobody.
+// Where processors are few, who the others wait for comes first. In lockstep that is the map: each keyframe waits for
+// the adjustment of the one before, and behind it the tracker and whoever has pictures to draw of each frame. Live it
+// is the tracker, beside the map; the others are waited for by nobody.
 constexpr Niceness kFirst{0, 0};
 constexpr Niceness kFirstWhenLive{5, 0};
 constexpr Niceness kSourceOfFrames{8, 0};

@@ -45,12 +45,12 @@ int NicenessOf(const ProcessRow& row, const RunOptions& options);
 /// In the order of starting.
 std::span<const ProcessRow> ProcessTable();
 
-/// Where the recorder writes: FILE, and FILE.2, FILE.3, ... where it had to be started again, since a log that is opened
-/// anew is empty.
+/// Where the recorder writes: FILE, and FILE.2, FILE.3, ... where it had to be started again, since a log that is
+/// opened anew is empty.
 std::filesystem::path RecordingOf(const RunOptions& options, int restart);
 
-/// Configuration, bus and parent, as RunProcess (core/process/process.h) takes them; then its own, so that an option of
-/// `plslam run` wins over `--set`.
+/// Configuration, bus and parent, as RunProcess (core/process/process.h) takes them; then its own, so that an option
+/// of `plslam run` wins over `--set`.
 std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& options);
 
 struct Restart {

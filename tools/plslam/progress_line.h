@@ -24,7 +24,8 @@ struct Progress {
 /// One line of text, without a line end, at most `width` characters long.
 std::string FormatProgress(const Progress& progress, int width);
 
-/// Draws the line over itself on stderr where that is a terminal; otherwise is silent. A terminal that has gone is no error.
+/// Draws the line over itself on stderr where that is a terminal; otherwise is silent. A terminal that has gone is no
+/// error.
 class ProgressLine {
  public:
   explicit ProgressLine(bool enabled);

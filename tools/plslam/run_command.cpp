@@ -61,8 +61,8 @@ std::string WhereToLook(const RunOptions& options, const RunSession& session) {
   return text;
 }
 
-/// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the folder is this
-/// run's from here on; of a start that failed nothing is left but logs that its sentence points at.
+/// Where nothing was played, what the folder holds of an earlier run stays, and its summary with it. Otherwise the
+/// folder is this run's from here on; of a start that failed nothing is left but logs that its sentence points at.
 void TakeFolder(const RunOptions& options, const RunSession& session, const RunSummary& summary,
                 OutputFolder* folder) {
   const bool points_at_logs = summary.reason.find((options.out / "logs").string()) != std::string::npos;

@@ -7,8 +7,9 @@
 
 namespace plslam {
 
-/// A folder for the runs of a dataset that name none, within out/. It is called as the end of the location, and where that
-/// leaves out what another location might differ in, by a hash of all of it besides: two datasets share no folder.
+/// A folder for the runs of a dataset that name none, within out/. It is called as the end of the location, and where
+/// that leaves out what another location might differ in, by a hash of all of it besides: two datasets share no
+/// folder.
 std::filesystem::path DefaultOut(const std::string& dataset);
 
 /// Compares `trajectory.tum` with `groundtruth.tum` in a folder of outputs: errors by name, as `evaluate` gives them.
@@ -25,7 +26,8 @@ std::optional<double> PathLength_m(const std::filesystem::path& out);
 /// For people; bytes that are not UTF-8 (names, sentences of others) are replaced.
 std::string JsonText(const nlohmann::json& json);
 
-/// Puts the warnings of the summary into `report.html`, where there is one. Throws std::runtime_error where that fails.
+/// Puts the warnings of the summary into `report.html`, where there is one. Throws std::runtime_error where that
+/// fails.
 void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::json& warnings);
 
 /// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.

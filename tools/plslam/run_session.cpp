@@ -22,7 +22,7 @@ constexpr seconds kStartLimit{60};
 /// For the first word of the mapping_process that several robots share, which says one every second.
 constexpr seconds kSharedMapLimit{10};
 /// For the last messages of the launcher itself, once the viewer has everything.
-constexpr milliseconds kSettleLimit{2000};
+constexpr milliseconds kDrainLimit{2000};
 constexpr seconds kRunSaveLimit{60};
 /// For a viewer that has not heard all yet when the run is interrupted: one that was started again, say.
 constexpr seconds kCatchUpLimit{20};
@@ -89,7 +89,7 @@ void RunSession::Interrupt() {
     if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : "interrupted");
     if (phase_ != Phase::kPlaying) return;
     supervisor_.Interrupt("player");
-    EndPlaying(Phase::kSettling, Clock::now());
+    EndPlaying(Phase::kDraining, Clock::now());
   });
 }
 
@@ -121,7 +121,7 @@ void RunSession::Tick() {
   if (!accepted_) CheckAccepted();
   if (phase_ == Phase::kStarting) CheckStarted(now);
   if (phase_ == Phase::kPlaying) CheckPlayed(now);
-  if (phase_ == Phase::kSettling) CheckSettled(now);
+  if (phase_ == Phase::kDraining) CheckDrained(now);
   if (phase_ == Phase::kSaving) CheckSaved(now);
   if (phase_ == Phase::kStopping && supervisor_.stopped()) EndStop();
   ShowProgress(now);
@@ -147,7 +147,8 @@ bool RunSession::HearsSharedMap() const {
   return !shared || monitor_.Hears("mapping");
 }
 
-/// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the folder.
+/// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the
+/// folder.
 void RunSession::CheckAccepted() {
   const std::string player = monitor_.StateOf(supervisor_.pid("player"));
   const bool plays = player == "ready" || player == "running" || player == "finished";
@@ -161,7 +162,7 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!failed_at_) failed_at_ = now;
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image says that the stream ends there: what came before is handled as always.
-  const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kSettleLimit;
+  const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
   if (supervisor_.failed() == "player" && monitor_.statistics().frames().answered() > 0 && goes_on) return;
   if (!lacks_map_ || supervisor_.failed() == "mapping") return BeginStop("");
   if (phase_ == Phase::kSaving) return;
@@ -192,19 +193,20 @@ void RunSession::CheckStarted(Clock::time_point now) {
 }
 
 void RunSession::CheckPlayed(Clock::time_point now) {
-  if (ViewerIsDone()) return EndPlaying(Phase::kSettling, now);
+  if (ViewerIsDone()) return EndPlaying(Phase::kDraining, now);
   const std::string stall = stall_watch_.Look(monitor_.Signs(supervisor_.pid("viewer"), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
-/// It has written what it could. One that could not deliver everything says so, with its exit code, when it is stopped.
+/// It has written what it could. One that could not deliver everything says so, with its exit code, when it is
+/// stopped.
 bool RunSession::ViewerIsDone() const {
   const std::string state = monitor_.StateOf(supervisor_.pid("viewer"));
   return state == "finished" || state == "failed";
 }
 
-/// It must not write less than was answered. One that has been started again hears once more what was said before; any other may
-/// be behind on a busy machine.
+/// It must not write less than was answered. One that has been started again hears once more what was said before;
+/// any other may be behind on a busy machine.
 bool RunSession::ViewerHasCaughtUp() const {
   return monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames().answered();
 }
@@ -214,10 +216,10 @@ bool RunSession::MapperHasMap() const {
   return monitor_.statistics().keyframes() == 0 || monitor_.StateOf(supervisor_.pid("mapping")) == "running";
 }
 
-void RunSession::CheckSettled(Clock::time_point now) {
-  const bool settled = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
-  if (!settled && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kSettleLimit)) return;
-  if (interrupted_ && !settled) {
+void RunSession::CheckDrained(Clock::time_point now) {
+  const bool drained = interrupted_ ? ViewerHasCaughtUp() : monitor_.has_all();
+  if (!drained && now - phase_began_ < (interrupted_ ? kCatchUpLimit : kDrainLimit)) return;
+  if (interrupted_ && !drained) {
     interrupted_ = false;  // what the run is for is not there
     return BeginStop(fmt::format("interrupted, and the viewer did not get all poses within {} s; see {}",
                                  kCatchUpLimit.count(), (options_.out / "logs").string()));
@@ -270,8 +272,8 @@ void RunSession::BeginStop(const std::string& reason) {
   supervisor_.Stop(Clock::now());
 }
 
-/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more. All have had
-/// the time to say why they failed.
+/// What went wrong while the processes stopped spoils a run that had gone well; otherwise why it stopped says more.
+/// All have had the time to say why they failed.
 void RunSession::EndStop() {
   if (failed_at_) {
     reason_ = Joined(supervisor_.failure(), reason_);

@@ -17,8 +17,9 @@
 namespace plslam {
 
 /// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
-/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything. A process that fails
-/// ends the run early: what the player has sent before an image that it cannot read is handled to its end, and the map is saved.
+/// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything. A
+/// process that fails ends the run early: what the player has sent before an image that it cannot read is handled to
+/// its end, and the map is saved.
 class RunSession {
  public:
   /// `options.url` and `options.out` are set.
@@ -35,7 +36,8 @@ class RunSession {
   RunSummary Summary() const;
   /// Dataset and configuration were taken by all processes, and the outputs of earlier runs are gone.
   bool accepted() const { return accepted_; }
-  /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended well.
+  /// To the end of the stream, or interrupted; the map is saved where that was asked for, and all processes ended
+  /// well.
   bool ended_well() const { return HasResult() && supervisor_.failed().empty(); }
   /// The map that was to be saved is, by this run.
   bool saved_map() const { return !options_.save_map.empty() && !lacks_map_; }
@@ -43,7 +45,7 @@ class RunSession {
  private:
   using Clock = std::chrono::steady_clock;
   Supervisor::Options SupervisorOptions();
-  enum class Phase { kStarting, kPlaying, kSettling, kSaving, kStopping };
+  enum class Phase { kStarting, kPlaying, kDraining, kSaving, kStopping };
 
   void RemoveStates() const;
   void StartRows(bool last);
@@ -56,7 +58,7 @@ class RunSession {
   void EndPlaying(Phase next, Clock::time_point now);
   void CheckStarted(Clock::time_point now);
   void CheckPlayed(Clock::time_point now);
-  void CheckSettled(Clock::time_point now);
+  void CheckDrained(Clock::time_point now);
   void CheckSaved(Clock::time_point now);
   bool ViewerIsDone() const;
   bool ViewerHasCaughtUp() const;

@@ -34,7 +34,8 @@ class RunStatistics {
   void AddFrame(const FrameReport& frame);
   void AddLandmark(int64_t session, int64_t landmark_id, bool is_line);
 
-  /// Frames with a pose message, and those that these say were skipped; one that a restarted tracker does again counts once.
+  /// Frames with a pose message, and those that these say were skipped; one that a restarted tracker does again
+  /// counts once.
   const FrameTally& frames() const { return frames_; }
   const MovingTally& moving() const { return moving_; }
   int64_t keyframes() const { return keyframes_; }

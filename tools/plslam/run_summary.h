@@ -54,7 +54,8 @@ RunFindings FindingsOf(const RunSummary& summary);
 
 nlohmann::json SummaryToJson(const RunSummary& summary);
 
-/// For people: a dozen lines at most. `verbose`: also what the map is made of, all errors, and tables of times and processes.
+/// For people: a dozen lines at most. `verbose`: also what the map is made of, all errors, and tables of times and
+/// processes.
 std::string SummaryToText(const nlohmann::json& summary, bool verbose = false);
 
 }  // namespace plslam

@@ -8,7 +8,8 @@
 
 namespace plslam {
 
-/// Times in ms by stage. Names come over the wire, where anybody may invent them: those beyond `kMaxStages` do not count.
+/// Times in ms by stage. Names come over the wire, where anybody may invent them: those beyond `kMaxStages` do not
+/// count.
 class StageTimes {
  public:
   static constexpr size_t kMaxStages = 64;

@@ -18,9 +18,10 @@ struct SignsOfLife {
 
 /// Judges whether a run still gets on. Time is told by the caller.
 ///
-/// While frames come there must be poses, unless the player waits for the next frame's time: that is no stall, however long
-/// the gap in the data. Behind the end of the stream only the viewer has work left. It may wait a minute for the map, and
-/// says nothing while it writes; who is silent for longer, or has not finished long after the last news, never will.
+/// While frames come there must be poses, unless the player waits for the next frame's time: that is no stall,
+/// however long the gap in the data. Behind the end of the stream only the viewer has work left. It may wait a minute
+/// for the map, and says nothing while it writes; who is silent for longer, or has not finished long after the last
+/// news, never will.
 class StallWatch {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;

@@ -144,7 +144,8 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   failed_pid_ = pid;
 }
 
-/// Its log says why; where that has no error, since the disk is full, what it said to others, which comes a little later.
+/// Its log says why; where that has no error, since the disk is full, what it said to others, which comes a little
+/// later.
 std::string Supervisor::failure() const {
   if (failure_.empty()) return failure_;
   std::string why = LastLine(LogOf(failed_));

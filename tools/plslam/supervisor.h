@@ -29,9 +29,9 @@ struct ProcessReport {
   int exit_signal = 0;
 };
 
-/// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none gets
-/// ready), and stops all of them: `bus::kStopOrder`, and SIGKILL where that is of no avail. What goes wrong while they stop is a
-/// failure, too. Knows nothing of messages; time is told by the caller.
+/// Starts processes, starts those that crash again (a bounded number of times, with pauses that grow as long as none
+/// gets ready), and stops all of them: `bus::kStopOrder`, and SIGKILL where that is of no avail. What goes wrong
+/// while they stop is a failure, too. Knows nothing of messages; time is told by the caller.
 class Supervisor {
  public:
   using TimePoint = std::chrono::steady_clock::time_point;
@@ -42,8 +42,8 @@ class Supervisor {
     int max_restarts = 5;        ///< of each process
     std::chrono::milliseconds first_pause{200};
     std::chrono::milliseconds patience{5000};  ///< after the order to stop
-    /// Arguments of a process that is started again for the `restart`-th time, from those of its first start. May be empty:
-    /// they stay.
+    /// Arguments of a process that is started again for the `restart`-th time, from those of its first start. May be
+    /// empty: they stay.
     std::function<std::vector<std::string>(const std::string& name, int restart, std::vector<std::string> arguments)>
         arguments_of_restart;
     /// A process with this id has ended. May be empty.
@@ -51,7 +51,8 @@ class Supervisor {
     /// What a process with this id said of its own failure: its log may be on a full disk. May be empty.
     std::function<std::string(pid_t pid)> last_word{};
     std::chrono::milliseconds patience_with_writers{60000};  ///< in place of `patience`
-    /// A process has ended ("was ended by SIGKILL") and will be started again for the `restart`-th time. May be empty.
+    /// A process has ended ("was ended by SIGKILL") and will be started again for the `restart`-th time. May be
+    /// empty.
     std::function<void(const std::string& name, const std::string& how, int restart)> on_restart = nullptr;
   };
 
@@ -59,8 +60,9 @@ class Supervisor {
   enum class Ending {
     kRestart,  ///< it must run until stopped; where it ends it is started again
     kMayEnd,   ///< it may end with exit code 0; ended by a signal it is started again, any other code fails the run
-    /// It must run until stopped, and then still writes what the run is for, which may take long. Ended by a signal it is started
-    /// again; ended by an error of its own (a full disk) it fails the run, since it would end by it again.
+    /// It must run until stopped, and then still writes what the run is for, which may take long. Ended by a signal
+    /// it is started again; ended by an error of its own (a full disk) it fails the run, since it would end by it
+    /// again.
     kWritesAtTheEnd,
   };
 
@@ -69,8 +71,8 @@ class Supervisor {
   /// `niceness` as in `ChildProcess`. Throws std::runtime_error where the program cannot be started.
   void Start(const std::string& name, const std::string& executable, const std::vector<std::string>& arguments,
              Ending ending, int niceness = 0);
-  /// From here on an exit code of this process leads to a restart; before (while it reads its options) to a failure. One that
-  /// is ended by a signal is started again at any time.
+  /// From here on an exit code of this process leads to a restart; before (while it reads its options) to a failure.
+  /// One that is ended by a signal is started again at any time.
   void SetReady(const std::string& name, TimePoint now);
   /// -1 where it does not run.
   pid_t pid(const std::string& name) const;

@@ -15,12 +15,14 @@ Trajectory TrajectoryOf(const G2oGraph<SE2>& graph);
 
 /// A session of a map and its keyframes by time, T_w_kf.
 struct SessionTrajectory {
-  /// What the file's name gets: nothing for the session of the first keyframe, "_sN" for session N, as images of COLMAP's.
+  /// What the file's name gets: nothing for the session of the first keyframe, "_sN" for session N, as images of
+  /// COLMAP's.
   std::string suffix;
   Trajectory keyframes;
 };
 
-/// Each session on its own, in the order of their first keyframes: their times may be the same, or of different clocks.
+/// Each session on its own, in the order of their first keyframes: their times may be the same, or of different
+/// clocks.
 std::vector<SessionTrajectory> TrajectoriesOf(const Map& map);
 
 /// The pose graph of a map; vertices have the numbers of the keyframes.

@@ -17,9 +17,9 @@ template <class Pose>
 void Perturb(PoseGraph<Pose>& graph, double sigma, uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> noise(0.0, sigma);
-  const std::vector<bool> held = HeldPoses(graph, {});
+  const std::vector<bool> constant = ConstantPoses(graph, {});
   for (size_t i = 0; i < graph.poses.size(); ++i) {
-    if (held[i]) continue;
+    if (constant[i]) continue;
     Eigen::Matrix<double, kPoseFreedom<Pose>, 1> step;
     for (int k = 0; k < step.size(); ++k) step[k] = noise(random);
     graph.poses[i].T_w_kf = PoseGroup<Pose>::Plus(graph.poses[i].T_w_kf, step.data());
@@ -31,7 +31,7 @@ template <class Pose>
 std::vector<Pose> InitialPoses(const G2oGraph<Pose>& file, const std::string& initial) {
   if (initial == "odometry") return ChainedPoses(file.graph);
   if (initial == "file") return ChainedPoses(file.graph, file.given);
-  return ChordalPoses(file.graph, HeldPoses(file.graph, {})).value_or(std::vector<Pose>());
+  return ChordalPoses(file.graph, ConstantPoses(file.graph, {})).value_or(std::vector<Pose>());
 }
 
 template <class Pose>

@@ -139,7 +139,7 @@ int Check(const CheckOptions& o) {
     if (frame == shown) read = std::move(pair);
   }
   const RowErrors errors = MeasureRows(all, reader.rectifier().camera());
-  const RowVerdict verdict = JudgeRows(errors);
+  const RowVerdict verdict = CheckRows(errors);
   const Pair pair = read ? *std::move(read) : reader.Read(shown);
   WritePng(o.out,
            DrawRectification({pair.left, reader.rectifier().left_mask()},

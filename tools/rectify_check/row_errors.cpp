@@ -13,7 +13,8 @@ namespace plslam {
 namespace {
 
 constexpr int kMinMatches = 30;
-/// What stereo matching allows (core/features/options.h, StereoOptions): a standard deviation of 0.3 px, 2 px at most.
+/// What stereo matching allows (core/features/options.h, StereoOptions): a standard deviation of 0.3 px, 2 px at
+/// most.
 constexpr double kGood_px = 0.5;
 constexpr double kUsable_px = 1.0;
 
@@ -111,7 +112,7 @@ RowErrors MeasureRows(const std::vector<RowMatch>& matches, const StereoCamera& 
   return result;
 }
 
-RowVerdict JudgeRows(const RowErrors& e) {
+RowVerdict CheckRows(const RowErrors& e) {
   if (e.matches < kMinMatches) {
     return {false,
             fmt::format("only {} points were found in both images, too few to judge: the scene has no texture, the "

@@ -18,13 +18,13 @@ struct RowMatch {
   double Disparity() const { return left_px.x() - right_px.x(); }
 };
 
-/// Points that look alike in both images, wherever they lie: unlike the matching of the tracker, nothing is presumed about
-/// rows. Mutual best, with a ratio to the second best, and at most a tenth of the height apart in rows, which keeps most
-/// chance matches out.
+/// Points that look alike in both images, wherever they lie: unlike the matching of the tracker, nothing is presumed
+/// about rows. Mutual best, with a ratio to the second best, and at most a tenth of the height apart in rows, which
+/// keeps most chance matches out.
 std::vector<RowMatch> MatchAcrossRows(const ImageFeatures& left, const ImageFeatures& right, int height_px);
 
-/// How well rows agree. Row errors are fitted, robustly, by offset + roll * x + scale * y with x, y from the principal point, in
-/// focal lengths: what a wrong pitch, a wrong roll, and focal lengths that differ leave behind.
+/// How well rows agree. Row errors are fitted, robustly, by offset + roll * x + scale * y with x, y from the
+/// principal point, in focal lengths: what a wrong pitch, a wrong roll, and focal lengths that differ leave behind.
 struct RowErrors {
   int matches = 0;
   double median_px = 0.0;  ///< with its sign
@@ -47,6 +47,6 @@ struct RowVerdict {
   std::string sentence;
 };
 
-RowVerdict JudgeRows(const RowErrors& errors);
+RowVerdict CheckRows(const RowErrors& errors);
 
 }  // namespace plslam

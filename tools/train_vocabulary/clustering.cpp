@@ -23,7 +23,8 @@ int NearestCenter(const Descriptor& d, const Descriptor* centers, int count) {
   return nearest;
 }
 
-/// Each further centre is drawn with the probability of the squared distance to the nearest one so far: never a copy of it.
+/// Each further centre is drawn with the probability of the squared distance to the nearest one so far: never a copy
+/// of it.
 std::vector<Descriptor> DrawCenters(const std::vector<Descriptor>& all, const std::vector<int32_t>& members, int k,
                                     std::mt19937_64& random) {
   std::vector<Descriptor> centers{all[members[random() % members.size()]]};

@@ -69,7 +69,7 @@ std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {
 
 int Train(const Arguments& a) {
   const std::vector<std::vector<Descriptor>> images = ReadDescriptors(a);
-  const WordKind kind = a.kind == "points" ? WordKind::kPoints : WordKind::kLines;
+  const FeatureType kind = a.kind == "points" ? FeatureType::kPoints : FeatureType::kLines;
   const Vocabulary vocabulary =
       TrainVocabulary(images, kind, a.training, [](double share) { ShowProgress("training", share); });
   if (vocabulary.words() < 2) throw std::runtime_error("these images have too few descriptors for a vocabulary");

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// The descriptor that has each bit set which more than half of the added ones have: the centre of a cluster whose distance is
-/// the Hamming distance.
+/// The descriptor that has each bit set which more than half of the added ones have: the centre of a cluster whose
+/// distance is the Hamming distance.
 ///
 /// Counts all 256 bits at once in eight bit planes (plane i holds bit i of the counts), emptied before they overflow.
 class MajorityVote {

@@ -69,7 +69,7 @@ std::vector<int64_t> ImagesWithWord(const std::vector<std::vector<Descriptor>>& 
 
 }  // namespace
 
-Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, WordKind kind,
+Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, FeatureType kind,
                            const TrainingOptions& options, const std::function<void(double)>& progress) {
   VocabularyTree tree;
   tree.kind = kind;

@@ -35,7 +35,8 @@ constexpr size_t kMaxSince = 128;
 
 std::string_view OrEmpty(const char* text) { return text == nullptr ? std::string_view() : std::string_view(text); }
 
-/// "localhost:8080", "127.0.0.1", "[::1]:80": names of this machine, whatever the port, which a forwarded one changes.
+/// "localhost:8080", "127.0.0.1", "[::1]:80": names of this machine, whatever the port, which a forwarded one
+/// changes.
 bool NamesThisMachine(std::string_view host) {
   const size_t colon = host.rfind(':');
   if (colon != std::string_view::npos && host.find(']', colon) == std::string_view::npos)

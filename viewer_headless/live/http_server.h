@@ -20,10 +20,10 @@ struct HttpResponse {
   std::function<void()> sent = nullptr;
 };
 
-/// Serves GET on 127.0.0.1 and nowhere else, to 256 connections at a time (more are cut), each on a thread of its own, so that
-/// nobody waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and 60 s for the answer;
-/// then it is cut. Other methods are refused, and so are requests that name another host, so that a page of the network cannot
-/// read it through a browser here.
+/// Serves GET on 127.0.0.1 and nowhere else, to 256 connections at a time (more are cut), each on a thread of its
+/// own, so that nobody waits for another. A connection may be idle for 15 s, take 5 s for the head of a request, and
+/// 60 s for the answer; then it is cut. Other methods are refused, and so are requests that name another host, so
+/// that a page of the network cannot read it through a browser here.
 class HttpServer {
  public:
   using Handler = std::function<HttpResponse(const HttpRequest&)>;

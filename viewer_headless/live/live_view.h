@@ -13,9 +13,10 @@
 
 namespace plslam {
 
-/// The report's page while the run goes on: `/` is the page, `/data.json?since=...` what is new since (ReportSince), which waits
-/// until the owner of the data, on its own thread, calls `Answer`. `/end` waits for the end of the run and then says
-/// "finished", or "live" after 25 s: a page asks it beside the data, so that it hears of the end however seldom it asks for those.
+/// The report's page while the run goes on: `/` is the page, `/data.json?since=...` what is new since (ReportSince),
+/// which waits until the owner of the data, on its own thread, calls `Answer`. `/end` waits for the end of the run
+/// and then says "finished", or "live" after 25 s: a page asks it beside the data, so that it hears of the end
+/// however seldom it asks for those.
 class LiveView {
  public:
   /// `page` is the template, filled without data. Throws std::runtime_error where the port cannot be had.

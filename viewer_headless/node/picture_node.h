@@ -18,9 +18,9 @@
 
 namespace plslam {
 
-/// Brings image, features and pose of frames together and hands the pictures to whom they are for: files in `overlays/`,
-/// the report, the film of the run. In lockstep every frame has its picture, but for those from before this process listened; in
-/// real time what does not come is missing.
+/// Brings image, features and pose of frames together and hands the pictures to whom they are for: files in
+/// `overlays/`, the report, the film of the run. In lockstep every frame has its picture, but for those from before
+/// this process listened; in real time what does not come is missing.
 class PictureNode {
  public:
   /// What the pictures are for beside the options. Both stay.
@@ -49,8 +49,9 @@ class PictureNode {
     /// A sentence for each thing that was asked for by name (overlays, the film) and is not there.
     std::vector<std::string> failures;
   };
-  /// No more pictures of this run: the film gets its name, if it is whole. `lockstep`: every picture was promised. `ended`: the
-  /// stream has come to its end; else frames behind the newest picture are not missed. May be called again.
+  /// No more pictures of this run: the film gets its name, if it is whole. `lockstep`: every picture was promised.
+  /// `ended`: the stream has come to its end; else frames behind the newest picture are not missed. May be called
+  /// again.
   Result Finish(const Recorder& recorder, bool lockstep, bool ended);
 
  private:

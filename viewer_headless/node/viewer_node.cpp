@@ -23,12 +23,12 @@ namespace plslam {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
-// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says nothing: it
-// may wait 15 s for the map.
+// After the end of a stream: until it counts as over when the tracker says that it has finished, and when it says
+// nothing: it may wait 15 s for the map.
 constexpr int kQuietTicksAfterFinish = 4;
 constexpr int kQuietTicksAtMost = 80;
-// Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a whole map is
-// adjusted in less.
+// Until the map is taken as it is, from the last thing that came: a killed mapping_process is back sooner, and a
+// whole map is adjusted in less.
 constexpr int kQuietTicksForTheMap = 240;
 // Pictures whose messages have to be sent again come sooner.
 constexpr int kQuietTicksForPictures = 20;
@@ -46,7 +46,8 @@ ViewerNode::ViewerNode(bus::Process& process, const ViewerOptions& options)
 
 ViewerNode::~ViewerNode() {
   try {
-    // A run that ends before any frame was answered does not write over the one before, and leaves no empty trajectories.
+    // A run that ends before any frame was answered does not write over the one before, and leaves no empty
+    // trajectories.
     if (dirty_ && HasPlayed()) Write(false);
     ShowProgress(true);
   } catch (const std::exception& e) {
@@ -150,7 +151,7 @@ void ViewerNode::OnStatus(const status_t& message) {
 void ViewerNode::OnMap(const MapUpdate& update) {
   mapping_heard_ = true;
   report_->OnMap(update);
-  settled_.Add(update);
+  committed_.Add(update);
   dirty_ = true;
   quiet_ticks_ = 0;
 }
@@ -186,7 +187,7 @@ bool ViewerNode::RunIsOver() const {
 bool ViewerNode::MapIsComplete() const {
   if (!mapping_heard_) return true;
   const auto last = recorder_.LastKeyframe();
-  return !last || settled_.Has(last->first, last->second);
+  return !last || committed_.Has(last->first, last->second);
 }
 
 bool ViewerNode::PicturesMayCome() const { return lockstep_ && pictures_->MayCome(); }

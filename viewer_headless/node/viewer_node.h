@@ -25,10 +25,10 @@
 namespace plslam {
 
 /// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
-/// ended, camera and every pose are there, in lockstep every picture, and the map has taken in the last keyframe (state
-/// "finished"), and again when it is told to stop and something came after. What was asked for and cannot be delivered makes the
-/// state "failed", with the reason, and exit code 1 at the end.
-/// Never needed by the others: it only reads ordered channels from their histories.
+/// ended, camera and every pose are there, in lockstep every picture, and the map has taken in the last keyframe
+/// (state "finished"), and again when it is told to stop and something came after. What was asked for and cannot be
+/// delivered makes the state "failed", with the reason, and exit code 1 at the end. Never needed by the others: it
+/// only reads ordered channels from their histories.
 class ViewerNode {
  public:
   /// Throws std::runtime_error where the output folder cannot be written, or another process has it (FolderLock).
@@ -77,7 +77,7 @@ class ViewerNode {
   bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;
-  SettledKeyframes settled_;
+  CommittedKeyframes committed_;
   /// Something has come since the files were written, and ticks since the last thing came.
   bool dirty_ = false;
   int quiet_ticks_ = 0;

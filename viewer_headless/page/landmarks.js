@@ -33,7 +33,7 @@ function reorder(values, width, order) {
 
 function sortBySeen(table, name, width) {
   const order = Array.from(table.seen.keys()).sort((a, b) => table.seen[a] - table.seen[b] || a - b);
-  return { order, positions: reorder(table[name], width, order), seen: reorder(table.seen, 1, order), sights: reorder(table.sights, 1, order) };
+  return { order, positions: reorder(table[name], width, order), seen: reorder(table.seen, 1, order), observations: reorder(table.observations, 1, order) };
 }
 
 export class Landmarks {
@@ -67,7 +67,7 @@ export class Landmarks {
     object.geometry.setAttribute("position", new BufferAttribute(positions, 3));
   }
 
-  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (when first), "sights" (keyframes that see it). */
+  /** `mode`: "height" (along the map's vertical, from its origin), "seen" (when first), "observations" (keyframes that see it). */
   colour(run, mode) {
     if (!this.pointData) return;
     this.up = run.map.vertical.up;
@@ -75,7 +75,7 @@ export class Landmarks {
     this.range = {
       height: quantiles(heights, 0.03, 0.97),
       seen: [run.frames.id[0], run.frames.id[run.rows - 1]],
-      sights: [2, Math.max(8, quantiles(this.pointData.sights, 0, 0.95)[1])],
+      observations: [2, Math.max(8, quantiles(this.pointData.observations, 0, 0.95)[1])],
     }[mode];
     this.points.geometry.setAttribute("tint", this.tints(this.pointData, 3, 1, mode));
     this.segments.geometry.setAttribute("color", this.tints(this.segmentData, 6, 2, mode));
@@ -85,12 +85,12 @@ export class Landmarks {
     return this.up[0] * positions[at] + this.up[1] * positions[at + 1] + this.up[2] * positions[at + 2];
   }
 
-  tints({ positions, seen, sights }, width, vertices, mode) {
+  tints({ positions, seen, observations }, width, vertices, mode) {
     const [low, high] = this.range;
     const tints = new Uint8Array(seen.length * vertices * 3);
     for (let i = 0; i < seen.length; ++i) {
       for (let v = 0; v < vertices; ++v) {
-        const value = mode === "height" ? this.height(positions, i * width + 3 * v) : mode === "seen" ? seen[i] : sights[i];
+        const value = mode === "height" ? this.height(positions, i * width + 3 * v) : mode === "seen" ? seen[i] : observations[i];
         const colour = ramp(scales[mode], (value - low) / (high - low || 1));
         for (let k = 0; k < 3; ++k) tints[(i * vertices + v) * 3 + k] = 255 * colour[k];
       }

@@ -3,8 +3,8 @@ import { byId, element } from "./element.js";
 import { cssGradient, scales } from "./colours.js";
 import { fixed } from "./format.js";
 
-const kTitles = { height: "height", seen: "first seen in frame", sights: "observed by keyframes" };
-const kUnits = { height: " m", seen: "", sights: "" };
+const kTitles = { height: "height", seen: "first seen in frame", observations: "observed by keyframes" };
+const kUnits = { height: " m", seen: "", observations: "" };
 
 export function showLegend(mode, range) {
   const digits = mode === "height" && range && Math.abs(range[1] - range[0]) < 10 ? 1 : 0;
@@ -20,7 +20,7 @@ export function showLegend(mode, range) {
 
 /** Buttons of which one is pressed; `choose(mode)`. */
 export function makeColourChoice(choose) {
-  const names = { height: "Height", seen: "Age", sights: "Observations" };
+  const names = { height: "Height", seen: "Age", observations: "Observations" };
   const buttons = Object.entries(names).map(([mode, label]) =>
     element("button", { type: "button", "data-mode": mode, "aria-pressed": mode === "height" ? "true" : "false",
       onclick: () => {

@@ -18,7 +18,7 @@ function drawSegments(context, { segments, segment_ages, segment_depths }, scale
   for (let i = 0; i < segment_ages.length; ++i) {
     const [u0, v0, u1, v1] = segments.subarray(4 * i, 4 * i + 4);
     const deep = segment_depths[i];
-    context.strokeStyle = deep ? css(ramp(scales.sights, segment_ages[i] / kOldAge)) : "rgb(200 200 200 / 0.7)";
+    context.strokeStyle = deep ? css(ramp(scales.observations, segment_ages[i] / kOldAge)) : "rgb(200 200 200 / 0.7)";
     context.lineWidth = (deep ? 2.5 : 1) * mark;
     context.setLineDash(deep ? [] : [4, 4]);
     context.beginPath();

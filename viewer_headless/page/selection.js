@@ -174,7 +174,7 @@ export class Selection {
     const up = run.map.vertical.up;
     const ends = type === "segments" ? table[kColumn[type]].subarray(row * kWidths[type], (row + 1) * kWidths[type]) : null;
     return [
-      ["observed by", `${count(table.sights[row])}${table.sights[row] === 255 ? " and more" : ""} keyframes`],
+      ["observed by", `${count(table.observations[row])}${table.observations[row] === 255 ? " and more" : ""} keyframes`],
       ["in frames", ...(run.packedObservers ? named : ["not stored (long run)"]), frames.length > kMostNamed ? ` and ${frames.length - kMostNamed} more` : ""],
       ["sigma", `${metres(unpackSigma(table.sigma?.[row]))}${ends ? " across" : ""}`],
       ["height", metres(up[0] * p[0] + up[1] * p[1] + up[2] * p[2])],

@@ -18,10 +18,10 @@ inline constexpr size_t kMaxReportFrames = 20'000;
 /// Every so many-th frame (of `frames().begin()`, counted one by one) a report of this run has.
 int64_t FrameStride(const Recorder& recorder);
 
-/// What was published with each frame, from row `first_row` on (a row is a frame of the stride): `id`, `t_s` since the first
-/// frame, `session` (0, 1, ... in order of appearance), `state`, `keyframe` (1: became one), counts, `entropy_ratio`,
-/// `live` position in w as published, `odom` position by odometry alone (in the w of the first frame of the session),
-/// and `stages_ms`, as wide as `stage_names`.
+/// What was published with each frame, from row `first_row` on (a row is a frame of the stride): `id`, `t_s` since
+/// the first frame, `session` (0, 1, ... in order of appearance), `state`, `keyframe` (1: became one), counts,
+/// `entropy_ratio`, `live` position in w as published, `odom` position by odometry alone (in the w of the first frame
+/// of the session), and `stages_ms`, as wide as `stage_names`.
 Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row);
 
 /// What the map makes of the frames at last.

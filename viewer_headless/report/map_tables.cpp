@@ -12,9 +12,9 @@ namespace plslam {
 namespace {
 
 /// The frame of the first keyframe that sees it and is still there; -1: none.
-int32_t FirstSeen(const Map& map, const std::vector<Sight>& sights) {
-  for (const Sight& sight : sights) {
-    if (const MapKeyframe* keyframe = map.FindKeyframe(sight.keyframe_id)) return Clamp32(keyframe->frame_id);
+int32_t FirstSeen(const Map& map, const std::vector<Observation>& observations) {
+  for (const Observation& observation : observations) {
+    if (const MapKeyframe* keyframe = map.FindKeyframe(observation.keyframe_id)) return Clamp32(keyframe->frame_id);
   }
   return -1;
 }
@@ -27,7 +27,7 @@ std::vector<const Landmark*> Choose(const IdMap<Landmark>& landmarks, size_t lim
   for (const auto& [id, landmark] : landmarks) chosen.push_back(&landmark);
   if (chosen.size() <= limit) return chosen;
   std::stable_sort(chosen.begin(), chosen.end(),
-                   [](const auto* a, const auto* b) { return a->sights.size() > b->sights.size(); });
+                   [](const auto* a, const auto* b) { return a->observations.size() > b->observations.size(); });
   chosen.resize(limit);
   std::sort(chosen.begin(), chosen.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
   return chosen;
@@ -52,16 +52,16 @@ Table LandmarkTable(const Map& map, const std::vector<const Landmark*>& landmark
                     int width) {
   std::vector<float> positions;
   std::vector<int32_t> seen;
-  std::vector<uint8_t> sights, sigma;
+  std::vector<uint8_t> observations, sigma;
   for (const Landmark* landmark : landmarks) {
     AppendPositions(*landmark, positions);
-    seen.push_back(FirstSeen(map, landmark->sights));
-    sights.push_back(static_cast<uint8_t>(std::min<size_t>(255, landmark->sights.size())));
+    seen.push_back(FirstSeen(map, landmark->observations));
+    observations.push_back(static_cast<uint8_t>(std::min<size_t>(255, landmark->observations.size())));
     sigma.push_back(PackSigma(Sigma_m(*landmark)));
   }
   return {{name, width, std::move(positions)},
           {"seen", 1, std::move(seen)},
-          {"sights", 1, std::move(sights)},
+          {"observations", 1, std::move(observations)},
           {"sigma", 1, std::move(sigma)}};
 }
 

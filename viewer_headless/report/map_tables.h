@@ -16,8 +16,8 @@ struct MapLimits {
   size_t observer_bytes = 1'500'000;  ///< beyond, nothing is said of who observes which landmark
 };
 
-/// The map for the page. Where it has more than the limits allow, the landmarks that fewest keyframes see are left out, and
-/// the covisibility edges with fewest shared landmarks, or who observes the landmarks; `notes` then says so.
+/// The map for the page. Where it has more than the limits allow, the landmarks that fewest keyframes see are left
+/// out, and the covisibility edges with fewest shared landmarks, or who observes the landmarks; `notes` then says so.
 ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::string>* notes);
 
 }  // namespace plslam

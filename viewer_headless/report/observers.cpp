@@ -27,8 +27,8 @@ std::string PackObservers(const std::vector<const Landmark*>& landmarks, const R
   int32_t last_first = 0;
   for (const Landmark* landmark : landmarks) {
     std::vector<int32_t> observers;
-    for (const Sight& sight : landmark->sights) {
-      if (const auto row = rows.find(sight.keyframe_id); row != rows.end()) observers.push_back(row->second);
+    for (const Observation& observation : landmark->observations) {
+      if (const auto row = rows.find(observation.keyframe_id); row != rows.end()) observers.push_back(row->second);
     }
     AppendNumber(static_cast<uint64_t>(landmark->id - last_id), bytes);
     last_id = landmark->id;

@@ -12,11 +12,12 @@ namespace plslam {
 /// The row of each keyframe in the tables of a page, by id.
 using RowOfKeyframe = std::map<int64_t, int32_t>;
 
-/// Ids of landmarks and the keyframes that observe them, packed: a landmark of ten observations takes about thirteen bytes. For
-/// each landmark, in ascending order of ids, these numbers: its id less that of the one before (of the first: less -1), how many
-/// keyframes observe it, the row of the first of them less that of the landmark before (of the first: less 0; as 2n where it
-/// is n, as 2n - 1 where it is -n), and for each further keyframe its row less the one before. Numbers are LEB128: seven bits a
-/// byte, the lowest first, the eighth bit where more follow. Keyframes without a row are left out.
+/// Ids of landmarks and the keyframes that observe them, packed: a landmark of ten observations takes about thirteen
+/// bytes. For each landmark, in ascending order of ids, these numbers: its id less that of the one before (of the
+/// first: less -1), how many keyframes observe it, the row of the first of them less that of the landmark before (of
+/// the first: less 0; as 2n where it is n, as 2n - 1 where it is -n), and for each further keyframe its row less the
+/// one before. Numbers are LEB128: seven bits a byte, the lowest first, the eighth bit where more follow. Keyframes
+/// without a row are left out.
 template <class Landmark>
 std::string PackObservers(const std::vector<const Landmark*>& landmarks, const RowOfKeyframe& rows);
 

@@ -15,8 +15,8 @@ constexpr int kRightWidth_px = kPictureWidth_px / 2;
 constexpr int kKeyframeWidth_px = 320;
 constexpr int kQuality = 68;
 
-// Means of whole blocks as far as they go (a border narrower than a block is cut off), and the rest between pixels: a tenth of
-// the time that means over parts of pixels take.
+// Means of whole blocks as far as they go (a border narrower than a block is cut off), and the rest between pixels: a
+// tenth of the time that means over parts of pixels take.
 cv::Mat Shrink(const cv::Mat& image, int width_px) {
   if (image.cols <= width_px) return image;
   const int height_px = std::max(1, image.rows * width_px / image.cols);

@@ -9,9 +9,9 @@
 
 namespace plslam {
 
-/// The pictures of a run that a report has room for. Of every `stride`-th frame the left image with its features, and the
-/// right image, smaller; the stride doubles whenever there are more than `max_pictures`. Of every keyframe a smaller image, for the pairs of loops; beyond
-/// `max_keyframes` every second one goes.
+/// The pictures of a run that a report has room for. Of every `stride`-th frame the left image with its features, and
+/// the right image, smaller; the stride doubles whenever there are more than `max_pictures`. Of every keyframe a
+/// smaller image, for the pairs of loops; beyond `max_keyframes` every second one goes.
 class PictureStore {
  public:
   explicit PictureStore(int64_t max_pictures) : max_pictures_(max_pictures) {}

@@ -22,9 +22,9 @@ struct ProcessSample {
   int64_t pid = 0;
 };
 
-/// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32 counters
-/// each (queues, and what the bus lost, repaired, sent again, rejected, skipped), and 600 samples, of which every second
-/// one goes when there are more. Numbers that are not finite are refused.
+/// Keeps queues, repairs, times and memory of each process over the run, in bounded memory: at most 16 processes, 32
+/// counters each (queues, and what the bus lost, repaired, sent again, rejected, skipped), and 600 samples, of which
+/// every second one goes when there are more. Numbers that are not finite are refused.
 class ProcessLog {
  public:
   void Add(const ProcessSample& sample);

@@ -36,8 +36,8 @@ struct RunFacts {
   std::vector<RunWarning> warnings;
 };
 
-/// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small one
-/// (disparities: of the camera).
+/// A picture of the run: the rectified left image, made smaller, and what was tracked in it, in pixels of the small
+/// one (disparities: of the camera).
 struct ReportPicture {
   int64_t frame_id = 0;
   int width_px = 0;
@@ -72,8 +72,8 @@ struct ReportCorrection {
   Table table;
 };
 
-/// What a process said of itself over time: columns `t_s` (since the first status of any), `frame`, `cpu_s`, `memory_mb`, and
-/// one for each counter that is shown.
+/// What a process said of itself over time: columns `t_s` (since the first status of any), `frame`, `cpu_s`,
+/// `memory_mb`, and one for each counter that is shown.
 struct ReportProcess {
   std::string name;
   std::string state;
@@ -88,10 +88,10 @@ struct ReportObservers {
   std::string segments;
 };
 
-/// The map: points (`p`, `seen`, `sights`, `sigma`), segments (`pq`, `seen`, `sights`, `sigma`), keyframes (`id`, `frame`, `p`,
-/// `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop edges (`ab`). `seen` is the frame that
-/// saw it first, `q` is x, y, z, w, positions are in metres in w; `sigma` is the standard deviation of the position (of
-/// segments: across them, at the ends), packed (PackSigma).
+/// The map: points (`p`, `seen`, `observations`, `sigma`), segments (`pq`, `seen`, `observations`, `sigma`),
+/// keyframes (`id`, `frame`, `p`, `q`, `parent`, `sigma_m`), edges between rows of keyframes (`ab`, `shared`), loop
+/// edges (`ab`). `seen` is the frame that saw it first, `q` is x, y, z, w, positions are in metres in w; `sigma` is
+/// the standard deviation of the position (of segments: across them, at the ends), packed (PackSigma).
 struct ReportMap {
   Table points;
   Table segments;
@@ -103,8 +103,8 @@ struct ReportMap {
   std::optional<ReportObservers> observers;
 };
 
-/// A run, or what is new of it, as the page shows it. Rows of `frames` and `path` stand for the same frames, `path` for
-/// all of them: `frames` begins at row `first_row`.
+/// A run, or what is new of it, as the page shows it. Rows of `frames` and `path` stand for the same frames, `path`
+/// for all of them: `frames` begins at row `first_row`.
 struct ReportData {
   RunFacts facts;
   /// For the next question of a live page (ReportSince).

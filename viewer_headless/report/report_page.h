@@ -6,18 +6,19 @@
 
 namespace plslam {
 
-/// The page that shows a report, as the build has bundled it: `report_template.html` in `share/plslam` beside the folder of
-/// this program. nullopt where it was built without (docs/viewer.md).
+/// The page that shows a report, as the build has bundled it: `report_template.html` in `share/plslam` beside the
+/// folder of this program. nullopt where it was built without (docs/viewer.md).
 std::optional<std::string> ReadReportTemplate();
 
 /// JSON as the page can hold it: no text in it ends the element that it stands in.
 std::string SafeInPage(std::string_view json);
 
-/// The page with the data inside, so that it needs nothing else. Throws std::runtime_error where the template is none.
+/// The page with the data inside, so that it needs nothing else. Throws std::runtime_error where the template is
+/// none.
 std::string FillTemplate(const std::string& page, std::string_view json);
 
-/// A report with these warnings (a list as in summary.json) in the place of those that the viewer told: `plslam run` alone knows the
-/// whole run, its files evaluated. Throws std::runtime_error where the page has no place for them.
+/// A report with these warnings (a list as in summary.json) in the place of those that the viewer told: `plslam run`
+/// alone knows the whole run, its files evaluated. Throws std::runtime_error where the page has no place for them.
 std::string FillWarnings(const std::string& page, std::string_view json);
 
 }  // namespace plslam

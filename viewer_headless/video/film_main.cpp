@@ -19,8 +19,8 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? 0 : 1;
   }
-  // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow is an
-  // error like a full disk.
+  // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow
+  // is an error like a full disk.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
   return plslam::WriteFilm(file, stdin, stdout);
 }

@@ -18,9 +18,9 @@ class NoFilmsHere : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A film that plslam_film writes: a program of its own, so that nobody who wants no film loads the 250 libraries of OpenCV's
-/// videoio. It starts at once, and has loaded them when the first picture comes. Where it dies or says no, `Begin`, `Add` and
-/// `Finish` throw std::runtime_error with one sentence, and it is over.
+/// A film that plslam_film writes: a program of its own, so that nobody who wants no film loads the 250 libraries of
+/// OpenCV's videoio. It starts at once, and has loaded them when the first picture comes. Where it dies or says no,
+/// `Begin`, `Add` and `Finish` throw std::runtime_error with one sentence, and it is over.
 class FilmProcess {
  public:
   /// `file` ends in ".mp4". What cannot be started is told by `Begin`.

@@ -59,8 +59,8 @@ int RefuseToWrite(std::FILE* out, const std::string& file) {
   return Refuse(out, fmt::format("{}: cannot be written: {}", file, why.empty() ? "it was cut off" : why));
 }
 
-/// The boxes of an MP4 file, one behind the other, reach to its end, and the one with the index, which is written last, is
-/// among them. OpenCV and FFmpeg go on without a word when a disk is full.
+/// The boxes of an MP4 file, one behind the other, reach to its end, and the one with the index, which is written
+/// last, is among them. OpenCV and FFmpeg go on without a word when a disk is full.
 bool IsWholeMp4(const std::string& path) {
   std::ifstream file(path, std::ios::binary | std::ios::ate);
   const auto end = static_cast<uint64_t>(file.tellg());

@@ -9,13 +9,13 @@
 
 namespace plslam {
 
-/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one (FilmProcess), and
-/// else, or where the name does not end in ".mp4", a folder of numbered PNG files. The first picture decides the size (made
-/// even).
+/// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one
+/// (FilmProcess), and else, or where the name does not end in ".mp4", a folder of numbered PNG files. The first
+/// picture decides the size (made even).
 class RunVideo {
  public:
-  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error where the
-  /// one that is meant cannot be written.
+  /// `film` has been started for `path`, where that is a file. `rate_hz` pictures a second. Throws std::runtime_error
+  /// where the one that is meant cannot be written.
   RunVideo(const std::string& path, std::unique_ptr<FilmProcess> film, double rate_hz, const cv::Size& size);
   /// Of a file that is not closed nothing is left.
   ~RunVideo() = default;
@@ -46,7 +46,8 @@ class RunVideo {
 /// The program that is to write `path`, started; nullptr where that is to be a folder of pictures.
 std::unique_ptr<FilmProcess> StartFilm(const std::string& path);
 
-/// Pictures a second of the recording, by the times of two frames and how many lie between; 20 where they say nothing.
+/// Pictures a second of the recording, by the times of two frames and how many lie between; 20 where they say
+/// nothing.
 double PictureRate_hz(int64_t t0_ns, int64_t t1_ns, int64_t n_frames);
 
 /// Two pictures in one: beside each other, or the second below the first where that is wide.

@@ -13,7 +13,8 @@ struct TopViewScene {
   std::vector<Eigen::Vector3d> path;  ///< of the camera, in the order of time
 };
 
-/// The part of the ground that is drawn: it grows with path and landmarks and never shrinks, in steps, so that a film of it is calm.
+/// The part of the ground that is drawn: it grows with path and landmarks and never shrinks, in steps, so that a film
+/// of it is calm.
 class TopViewWindow {
  public:
   void Include(const std::vector<Eigen::Vector3d>& path);
@@ -36,8 +37,8 @@ class TopViewWindow {
   double side_m_ = 4.0;
 };
 
-/// 8-bit BGR, dark; x to the right, z (forward) up; with a bar of a round number of metres. Positions that are not finite are
-/// left out.
+/// 8-bit BGR, dark; x to the right, z (forward) up; with a bar of a round number of metres. Positions that are not
+/// finite are left out.
 cv::Mat DrawTopView(const TopViewScene& scene, const TopViewWindow& window, const cv::Size& size);
 
 }  // namespace plslam

@@ -24,7 +24,7 @@ MapLink::MapLink(bus::Bus& bus, double wait_s, const TrackerSession& session, st
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
 void MapLink::OnUpdate(const MapUpdate& update) {
-  if (session_.lockstep && !update.settled) return;
+  if (session_.lockstep && !update.committed) return;
   if (update.session == session_.id) {
     newest_keyframe_id_ = update.session_keyframe_id;
   } else if (newest_keyframe_id_ < 0) {

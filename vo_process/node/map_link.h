@@ -10,12 +10,12 @@
 
 namespace plslam {
 
-/// A tracker's link to the map of mapping_process: its copy of the map, how far the map has got with the keyframes of the
-/// session, and the lockstep wait for it.
+/// A tracker's link to the map of mapping_process: its copy of the map, how far the map has got with the keyframes of
+/// the session, and the lockstep wait for it.
 ///
-/// In: MAP_UPDATE; in lockstep only committed updates count, so that the result does not depend on who is faster. Out: landmarks
-/// of the map for odometry. The wait for a keyframe ends when the map has it, or when mapping_process has not been heard of for
-/// `vo.map.wait_s`.
+/// In: MAP_UPDATE; in lockstep only committed updates count, so that the result does not depend on who is faster.
+/// Out: landmarks of the map for odometry. The wait for a keyframe ends when the map has it, or when mapping_process
+/// has not been heard of for `vo.map.wait_s`.
 class MapLink {
  public:
   /// `on_map` is called after each update that counts. `session` must outlive this.
@@ -30,7 +30,8 @@ class MapLink {
 
   /// Whether the map has a keyframe of the session, or a newer one.
   bool Has(int64_t session_keyframe_id) const { return newest_keyframe_id_ >= session_keyframe_id; }
-  /// Lets odometry take over the landmarks around the newest keyframe of the session in the map. Odometry may refuse; false then.
+  /// Lets odometry take over the landmarks around the newest keyframe of the session in the map. Odometry may refuse;
+  /// false then.
   bool Adopt(Odometry& odometry);
   /// The keyframe that landmarks were last taken over around; -1: none.
   int64_t adopted_keyframe_id() const { return adopted_keyframe_id_; }

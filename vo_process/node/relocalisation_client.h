@@ -13,9 +13,10 @@ namespace plslam {
 
 /// Asks loop_process where in the map a camera is.
 ///
-/// In: the features of a frame; RELOCALISATION; the life of loop_process. Out: WHERE_AM_I. A request is open from `Ask` until its
-/// result comes, `Cancel` or `End`. In lockstep the tracker waits for the result, until it comes or loop_process has not been
-/// heard of for `vo.relocalisation.wait_s`. A loop_process that was started again gets the open request anew.
+/// In: the features of a frame; RELOCALISATION; the life of loop_process. Out: RELOCALISATION_REQUEST. A request is
+/// open from `Ask` until its result comes, `Cancel` or `End`. In lockstep the tracker waits for the result, until it
+/// comes or loop_process has not been heard of for `vo.relocalisation.wait_s`. A loop_process that was started again
+/// gets the open request anew.
 class RelocalisationClient {
  public:
   RelocalisationClient(bus::Bus& bus, double wait_s);
@@ -24,8 +25,8 @@ class RelocalisationClient {
   bool IsDue(bool lockstep, double now_s) const;
   /// Publishes the request; `T_odom_c` is the pose of its frame.
   void Ask(Keyframe frame, const SE3& T_odom_c, double now_s);
-  /// Closes the open request with its result and returns T_w_odom as that says, whether or not the camera was found; nullopt where
-  /// the result is not of the open request.
+  /// Closes the open request with its result and returns T_w_odom as that says, whether or not the camera was found;
+  /// nullopt where the result is not of the open request.
   std::optional<SE3> Close(const Relocalisation& result, const TrackerSession& session);
   /// The result of the open request no longer counts.
   void Cancel() { request_.reset(); }

@@ -8,8 +8,8 @@
 
 namespace plslam {
 
-/// The stream that a tracker is tracking, as of its newest frame. Another camera, or time that goes back, begins another
-/// session.
+/// The stream that a tracker is tracking, as of its newest frame. Another camera, or time that goes back, begins
+/// another session.
 struct TrackerSession {
   int64_t id = 0;
   bool lockstep = false;

@@ -10,8 +10,8 @@
 
 namespace plslam {
 
-/// What a tracker that is started in the place of one that was killed goes on with, as of a frame that became a keyframe. The
-/// frames after it are played again, or are a gap of a live stream.
+/// What a tracker that is started in the place of one that was killed goes on with, as of a frame that became a
+/// keyframe. The frames after it are played again, or are a gap of a live stream.
 struct TrackerState {
   /// The configuration; with another one, nothing here is worth anything.
   std::string settings;
@@ -42,18 +42,20 @@ void WriteTrackerState(const std::string& path, const TrackerState& state);
 /// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
 TrackerState ReadTrackerState(const std::string& path);
 
-/// The state file of a tracker. It exists only while the tracker runs, or after it was killed: a clean exit removes it.
+/// The state file of a tracker. It exists only while the tracker runs, or after it was killed: a clean exit removes
+/// it.
 class TrackerCheckpoint {
  public:
   /// No file is read or written where `path` is empty.
   explicit TrackerCheckpoint(std::string path) : path_(std::move(path)) {}
 
   bool is_on() const { return !path_.empty(); }
-  /// The state that a killed tracker left, nullopt where there is none. Throws std::runtime_error, in one sentence, where the file
-  /// cannot be used: of other `settings`, damaged, or used several times already by trackers that were killed in turn.
+  /// The state that a killed tracker left, nullopt where there is none. Throws std::runtime_error, in one sentence,
+  /// where the file cannot be used: of other `settings`, damaged, or used several times already by trackers that were
+  /// killed in turn.
   std::optional<TrackerState> Take(const std::string& settings) const;
-  /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse than none:
-  /// other processes know what came after it.
+  /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse
+  /// than none: other processes know what came after it.
   bool Keep(const TrackerState& state);
   void Drop() const;
 

@@ -314,7 +314,8 @@ void VoNode::WarnAboutRows() {
       most_px);
 }
 
-/// As these are known now, which grows better with time. Of cameras that are in step and well calibrated there are no such counters.
+/// As these are known now, which grows better with time. Of cameras that are in step and well calibrated there are no
+/// such counters.
 void VoNode::TellOfCameras() {
   const auto tell = [this](const char* name, double value) {
     if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
@@ -350,22 +351,22 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
 
 /// What users are told: in a map that stays as it is, a place that the map does not know is none.
 TrackingState VoNode::StateOf(const OdometryResult& result) const {
-  const bool placed = !options_.map.localise_only || (odometry_->is_in_map() && !odometry_->is_adrift());
+  const bool placed = !options_.map.localise_only || (odometry_->is_in_map() && !odometry_->is_unanchored());
   return placed ? result.state : TrackingState::kLost;
 }
 
-/// A result on its way is about where the camera was before. While the camera is unanchored that is what counts, but not across a
-/// jump.
+/// A result on its way is about where the camera was before. While the camera is unanchored that is what counts, but
+/// not across a jump.
 void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
-  if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_adrift()))
+  if (result.jumped || (result.state == TrackingState::kRecovered && !odometry_->is_unanchored()))
     relocalisation_.Cancel();
   const bool lost = StateOf(result) == TrackingState::kLost;
-  if (lost || !odometry_->is_adrift()) session_.anchored_t_ns = frame.images.t_ns;
+  if (lost || !odometry_->is_unanchored()) session_.anchored_t_ns = frame.images.t_ns;
 }
 
-/// The camera is lost; or, in a map that grows, it has been unanchored for not too long; or, in a map that stays, a keyframe
-/// saw too little of the map to be held in place. A tracker that goes on from the state as of a keyframe requests what the
-/// tracker before it requested: after that keyframe, not at it.
+/// The camera is lost; or, in a map that grows, it has been unanchored for not too long; or, in a map that stays, a
+/// keyframe saw too little of the map to be held in place. A tracker that goes on from the state as of a keyframe
+/// requests what the tracker before it requested: after that keyframe, not at it.
 bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const {
   if (StateOf(result) == TrackingState::kLost) return true;
   if (options_.map.localise_only) {
@@ -374,7 +375,7 @@ bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& resul
   // Unsigned: times may be any.
   const uint64_t unanchored_ns =
       static_cast<uint64_t>(frame.images.t_ns) - static_cast<uint64_t>(session_.anchored_t_ns);
-  return odometry_->is_adrift() && !result.keyframe && unanchored_ns < kUnanchored_ns;
+  return odometry_->is_unanchored() && !result.keyframe && unanchored_ns < kUnanchored_ns;
 }
 
 void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& result) {
@@ -465,8 +466,9 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
 }
 
-/// The state is kept first, or another keyframe of this number could be made from an older state. In lockstep the keyframe is held
-/// until the map of the one before has been taken over: whoever goes on from the state finds the map as this tracker left it.
+/// The state is kept first, or another keyframe of this number could be made from an older state. In lockstep the
+/// keyframe is held until the map of the one before has been taken over: whoever goes on from the state finds the map
+/// as this tracker left it.
 void VoNode::PublishKeyframe() {
   if (!held_keyframe_) return;
   const Keyframe keyframe = *std::exchange(held_keyframe_, std::nullopt);
@@ -474,8 +476,8 @@ void VoNode::PublishKeyframe() {
   keyframes_.Publish(keyframe);
 }
 
-/// With the state as of the newest keyframe. In lockstep that keyframe may not have been published, and the frames after it are
-/// wanted again; a live stream goes on with a gap.
+/// With the state as of the newest keyframe. In lockstep that keyframe may not have been published, and the frames
+/// after it are wanted again; a live stream goes on with a gap.
 void VoNode::Restore() {
   if (!checkpoint_.is_on()) return;
   process_.bus().Every(kAskPeriod, [this] { AskAgainForFrames(); });
@@ -535,7 +537,8 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   if (checkpoint_.Keep(state)) Count("state.written", 1);
 }
 
-/// A player is ahead of a tracker that has gone back to its newest keyframe, and so may be one that is started beside it.
+/// A player is ahead of a tracker that has gone back to its newest keyframe, and so may be one that is started beside
+/// it.
 bool VoNode::LacksFramesBefore(const Frame& frame) const {
   const bool continues = frame.lockstep && session_.lockstep && odometry_ && frame.images.t_ns > session_.last_t_ns;
   const bool may_go_back = restored_ || frame.source != session_.last_source;

@@ -27,26 +27,26 @@ class stream_t;
 
 /// vo_process on the bus.
 ///
-/// In: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of the other processes. Out:
-/// a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
+/// In: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of the other
+/// processes. Out: a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
 ///
-/// A frame is tracked when it comes, unless the tracker waits (`Wait`); then up to eight frames are kept. What ends each wait
-/// stands with its name.
+/// A frame is tracked when it comes, unless the tracker waits (`Wait`); then up to eight frames are kept. What ends
+/// each wait stands with its name.
 ///
-/// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing of the old
-/// one holds there. A frame that does not fit the camera is answered as one without features, and so is one of the same stream
-/// that is less than a second too early (a clock that was put right).
+/// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing
+/// of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
+/// one of the same stream that is less than a second too early (a clock that was put right).
 ///
-/// The map takes effect at once in a live stream. In lockstep the map of keyframe k takes effect when keyframe k + 1 has been
-/// made, and is awaited there; a relocalisation result takes effect before the next frame. So the result does not depend on who
-/// is faster.
+/// The map takes effect at once in a live stream. In lockstep the map of keyframe k takes effect when keyframe k + 1
+/// has been made, and is awaited there; a relocalisation result takes effect before the next frame. So the result
+/// does not depend on who is faster.
 ///
-/// With a `state_file` the state is kept at each keyframe, before that is published: a tracker that is started in the place
-/// of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep the player
-/// sends these frames again, and the result is the same, bit for bit.
+/// With a `state_file` the state is kept at each keyframe, before that is published: a tracker that is started in the
+/// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep
+/// the player sends these frames again, and the result is the same, bit for bit.
 ///
-/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are published; a frame counts as lost until the camera has
-/// been found in the map, and again where it has gone on at a place that the map does not know.
+/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are published; a frame counts as lost until the
+/// camera has been found in the map, and again where it has gone on at a place that the map does not know.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);

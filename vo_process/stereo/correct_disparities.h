@@ -5,7 +5,8 @@
 
 namespace plslam {
 
-/// Subtracts `error_px(left_px, disparity_px)` from all disparities of both kinds; those that would fall to zero lose their depth.
+/// Subtracts `error_px(left_px, disparity_px)` from all disparities of both feature types; those that would fall to
+/// zero lose their depth.
 template <class Error>
 void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
   const auto correct = [&error_px](const Eigen::Vector2d& left_px, double& disparity_px) {
@@ -22,7 +23,8 @@ void CorrectDisparities(StereoFeatures& features, const Error& error_px) {
   }
 }
 
-/// From measured disparities, what the camera moved between the two images; where the pair then tells no depth, there is none.
+/// From measured disparities, what the camera moved between the two images; where the pair then tells no depth, there
+/// is none.
 inline void TakeSkewAway(const PairSkew& skew, StereoFeatures& features) {
   if (skew.is_zero()) return;
   CorrectDisparities(features, [&skew](const Eigen::Vector2d& left_px, double disparity_px) {

@@ -10,8 +10,8 @@ namespace plslam {
 namespace {
 
 constexpr int kMinKnown = 5;
-/// Spread of a window, in standard deviations of the sensor, above which it shows two surfaces; and a floor relative to
-/// the depth for slanted ones.
+/// Spread of a window, in standard deviations of the sensor, above which it shows two surfaces; and a floor relative
+/// to the depth for slanted ones.
 constexpr double kMaxSpreadSigmas = 6.0;
 constexpr double kMaxSpreadShare = 0.02;
 

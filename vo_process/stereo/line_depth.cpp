@@ -22,8 +22,8 @@ struct DepthSample {
   double inverse_m;
 };
 
-/// What one inverse depth errs by: the deviation of a depth over its square (`StereoOptions::depth_noise_per_m`), which is the
-/// same at all depths.
+/// What one inverse depth errs by: the deviation of a depth over its square (`StereoOptions::depth_noise_per_m`),
+/// which is the same at all depths.
 struct DepthSensor {
   double units_per_m;
   double inverse_noise;

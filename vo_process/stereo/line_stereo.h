@@ -13,8 +13,8 @@
 namespace plslam {
 
 /// How alike two rectified images are along a segment of the left one and its counterpart in the right one, whose
-/// columns are smaller by a disparity that runs evenly from `disparity_p_px` at p to `disparity_q_px` at q, and whose rows are
-/// those of `rows`.
+/// columns are smaller by a disparity that runs evenly from `disparity_p_px` at p to `disparity_q_px` at q, and whose
+/// rows are those of `rows`.
 ///
 /// Zero-mean normalised correlation, -1..1, of strips a few pixels wide to each side of the edge, of the more similar
 /// side: behind the edge of an object the background may differ. 0 where the strips leave the images.
@@ -29,10 +29,11 @@ std::vector<StereoLine> WithoutDepth(std::vector<LineFeature> lines);
 ///
 /// Candidates must share rows with the left segment, run in nearly the same direction, be of similar length, imply
 /// disparities in range at both ends, and have similar descriptors; the best must be best from both sides and clearly
-/// better than the second, and the images must look alike along it. Without images (both empty) that last test is left
-/// out; `rows` tells where in the right image the left rows are, while `right` has been brought to them. Disparities are
-/// read where the right infinite line crosses the rows of the left endpoints, since detectors cut the same edge at different
-/// places in the two images. Segments nearly parallel to the baseline, and those without a match, keep negative disparities.
+/// better than the second, and the images must look alike along it. Without images (both empty) that last test is
+/// left out; `rows` tells where in the right image the left rows are, while `right` has been brought to them.
+/// Disparities are read where the right infinite line crosses the rows of the left endpoints, since detectors cut the
+/// same edge at different places in the two images. Segments nearly parallel to the baseline, and those without a
+/// match, keep negative disparities.
 void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeature>& right, const cv::Mat& left_image,
                       const cv::Mat& right_image, const RowField& rows, const StereoOptions& options);
 

@@ -10,9 +10,9 @@
 
 namespace plslam {
 
-/// What it does to a stereo pair that the right image is taken a little later (or earlier) than the left one, while the camera moves:
-/// the pair is then one of two cameras that are apart by the baseline and by that motion. Depth and motion together say where a left
-/// pixel is found in the right image:
+/// What it does to a stereo pair that the right image is taken a little later (or earlier) than the left one, while
+/// the camera moves: the pair is then one of two cameras that are apart by the baseline and by that motion. Depth and
+/// motion together say where a left pixel is found in the right image:
 ///
 ///   (u_r, v_r) = project(T_late_c X - b e_x),   X = the point of the left pixel at an unknown depth,
 ///
@@ -21,13 +21,15 @@ class PairSkew {
  public:
   /// None: both are taken at the same time.
   PairSkew() = default;
-  /// `T_late_c` takes points from the left camera as it took its image to the left camera when the right image was taken.
+  /// `T_late_c` takes points from the left camera as it took its image to the left camera when the right image was
+  /// taken.
   PairSkew(const StereoCamera& camera, const SE3& T_late_c)
       : camera_(camera), R_late_c_(T_late_c.R()), t_late_c_(T_late_c.translation()), is_zero_(false) {}
 
   bool is_zero() const { return is_zero_; }
 
-  /// By how many rows the match of a left pixel is lower in the right image, where the column tells `measured_px` = u_left - u_right.
+  /// By how many rows the match of a left pixel is lower in the right image, where the column tells `measured_px` =
+  /// u_left - u_right.
   double RowOffset_px(const Eigen::Vector2d& left_px, double measured_px) const {
     if (is_zero_) return 0.0;
     const Eigen::Vector3d ray = Ray(left_px);
@@ -40,8 +42,8 @@ class PairSkew {
     return is_zero_ ? 0.0 : RowOffset_px(left_px, Ray(left_px), disparity_px / camera_.FocalBaseline());
   }
 
-  /// The disparity that a pair taken at one time would have. nullopt where the motion has taken the baseline away, so that the pair
-  /// tells no depth, and negative beyond infinity.
+  /// The disparity that a pair taken at one time would have. nullopt where the motion has taken the baseline away, so
+  /// that the pair tells no depth, and negative beyond infinity.
   std::optional<double> Disparity_px(const Eigen::Vector2d& left_px, double measured_px) const {
     if (is_zero_) return measured_px;
     const std::optional<double> inverse_depth = InverseDepth(Ray(left_px), left_px.x() - measured_px);

@@ -9,7 +9,8 @@
 
 namespace plslam {
 
-// Square patches of grey levels for alignment; used by patch_aligner.cpp, patch_tracker.cpp and slant_refiner.cpp only.
+// Square patches of grey levels for alignment; used by patch_aligner.cpp, patch_tracker.cpp and slant_refiner.cpp
+// only.
 
 inline constexpr int kHalf = 5;
 inline constexpr int kSide = 2 * kHalf + 1;

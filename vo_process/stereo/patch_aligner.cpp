@@ -15,7 +15,8 @@ constexpr int kMaxAlignIterations = 8;
 constexpr double kMaxAlignTravel = 2.5;
 /// More means that most of the gradient is noise.
 constexpr double kMaxInflation = 3.0;
-/// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real pairs.
+/// What the residuals do not show, in pixels of the level: interpolation, surfaces that are not flat. From real
+/// pairs.
 constexpr double kAlignModelError = 0.05;
 /// Slant makes errors in proportion to the disparity; below this, other errors are larger.
 constexpr double kMinSlantDisparity_px = 10.0;

@@ -20,9 +20,10 @@ struct PointCandidate {
   int second_distance = 0;
 };
 
-/// For each left point its candidate (PL-SLAM §IV.A), the right ones having been brought to left rows: on the same row (with a
-/// `skew`, on the row that it leads to) within `point_row_tolerance_px` times the scale of the octave, at most one octave apart, with a disparity in range; its
-/// descriptor must be near enough, clearly nearer than the second, and mutually best.
+/// For each left point its candidate (PL-SLAM §IV.A), the right ones having been brought to left rows: on the same
+/// row (with a `skew`, on the row that it leads to) within `point_row_tolerance_px` times the scale of the octave, at
+/// most one octave apart, with a disparity in range; its descriptor must be near enough, clearly nearer than the
+/// second, and mutually best.
 std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& left,
                                                 const std::vector<PointFeature>& right, const PairSkew& skew,
                                                 const StereoOptions& options);

@@ -9,24 +9,24 @@
 
 namespace plslam {
 
-/// By how many rows a place is lower in the right image of a pair than in the left, where the calibration that the pair was
-/// rectified with is not quite right:
+/// By how many rows a place is lower in the right image of a pair than in the left, where the calibration that the
+/// pair was rectified with is not quite right:
 ///
 ///   v_right - v_left = r0 + r1 x + r2 y + r3 x^2 + r4 x y + r5 y^2,   x = (u_right - cx) / half the width,
 ///                                                                     y = (v_left - cy) / half the height.
 ///
-/// What is left of a rotation between the cameras, of a focal length or of a distortion is of this shape, as far as it is
-/// smooth. Places are told by the column in the right image and the row in the left one, as a disparity tells them:
-/// u_left - disparity, v_left.
+/// What is left of a rotation between the cameras, of a focal length or of a distortion is of this shape, as far as
+/// it is smooth. Places are told by the column in the right image and the row in the left one, as a disparity tells
+/// them: u_left - disparity, v_left.
 ///
-/// Where the two images are not taken at the same time, rows differ by what the camera moves in between, too: that is the `PairSkew` of the
-/// pair, which may come with the field.
+/// Where the two images are not taken at the same time, rows differ by what the camera moves in between, too: that is
+/// the `PairSkew` of the pair, which may come with the field.
 class RowField {
  public:
   using Coefficients = Eigen::Matrix<double, 6, 1>;
 
-  /// By how much the right camera is turned against what the calibration says, as far as rows show it: pitch moves pixels down, roll
-  /// turns them from right to down. A yaw moves columns above all, of which rows tell nothing.
+  /// By how much the right camera is turned against what the calibration says, as far as rows show it: pitch moves
+  /// pixels down, roll turns them from right to down. A yaw moves columns above all, of which rows tell nothing.
   struct Turn {
     double pitch_rad = 0.0;
     double roll_rad = 0.0;
@@ -71,8 +71,8 @@ class RowField {
     return right_px.y() - Offset_px({right_px.x(), near_px});
   }
 
-  /// What the turn adds to the disparity at a place: roll moves columns as much as rows, pitch spreads or narrows them away
-  /// from the middle row.
+  /// What the turn adds to the disparity at a place: roll moves columns as much as rows, pitch spreads or narrows
+  /// them away from the middle row.
   double Disparity_px(const Eigen::Vector2d& place_px) const {
     if (is_zero_) return 0.0;
     const Eigen::Vector2d turned((place_px.x() - camera_.cx_px) / camera_.f_px,

@@ -54,8 +54,8 @@ void SideWorker::RunBoth(const std::function<void()>& here, const std::function<
   if (error_there) std::rethrow_exception(error_there);
 }
 
-/// The caller is seldom moved, so this is seldom more than a look at where it is. Where nothing can be avoided (one core,
-/// or the caller bound to one), or the system refuses, the scheduler decides as ever.
+/// The caller is seldom moved, so this is seldom more than a look at where it is. Where nothing can be avoided (one
+/// core, or the caller bound to one), or the system refuses, the scheduler decides as ever.
 void SideWorker::KeepOffThisCore() {
   const int core = sched_getcpu();
   if (core < 0 || core >= CPU_SETSIZE || core == std::exchange(avoided_core_, core)) return;

@@ -7,8 +7,9 @@
 
 namespace plslam {
 
-/// One thread that works beside the caller's: the right image while the caller does the left. It keeps off the core that
-/// the caller runs on: a scheduler that packs threads (virtual machines, power saving) would let the two take turns.
+/// One thread that works beside the caller's: the right image while the caller does the left. It keeps off the core
+/// that the caller runs on: a scheduler that packs threads (virtual machines, power saving) would let the two take
+/// turns.
 class SideWorker {
  public:
   SideWorker();
@@ -16,9 +17,9 @@ class SideWorker {
   SideWorker(const SideWorker&) = delete;
   SideWorker& operator=(const SideWorker&) = delete;
 
-  /// Runs `here` on the calling thread and `there` on the worker's, and returns when both are done. Where the worker has
-  /// not begun by the time that `here` is done (its core is busy), the caller runs `there`, too. Throws what they throw,
-  /// `here`'s first.
+  /// Runs `here` on the calling thread and `there` on the worker's, and returns when both are done. Where the worker
+  /// has not begun by the time that `here` is done (its core is busy), the caller runs `there`, too. Throws what they
+  /// throw, `here`'s first.
   void RunBoth(const std::function<void()>& here, const std::function<void()>& there);
 
  private:

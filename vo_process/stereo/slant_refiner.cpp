@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kSlopeSigma = 0.2;
 constexpr double kMaxSlope = 0.7;
-// Slopes of noisy patches take longer to settle than shifts. With six, one in ten patches of a noisy road did not, and fell
-// back to one shift.
+// Slopes of noisy patches take longer to settle than shifts. With six, one in ten patches of a noisy road did not,
+// and fell back to one shift.
 constexpr int kMaxSlantIterations = 10;
 constexpr double kMaxSlantTravel = 1.5;
 
@@ -24,8 +24,8 @@ using PatchRow = Eigen::Array<float, kRow, 1>;
 /// The columns of a patch; the idle one takes what the last takes.
 const PatchRow kColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
 
-/// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself, so
-/// that offset and gain of brightness drop out.
+/// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself,
+/// so that offset and gain of brightness drop out.
 struct SlantTemplate {
   Patch pixels;
   std::array<Patch, 4> derivatives;

@@ -22,14 +22,15 @@ struct RowPrior {
   double information = 0.0;
 };
 
-/// Aligns a patch once more with a disparity that changes over it, as on surfaces that are not parallel to the images:
-/// on a road it changes by baseline over camera height, a third of a pixel each row with a car's rig. One disparity for
-/// the whole patch is then that of some place of strong gradient in it, an error that grows with the disparity.
+/// Aligns a patch once more with a disparity that changes over it, as on surfaces that are not parallel to the
+/// images: on a road it changes by baseline over camera height, a third of a pixel each row with a car's rig. One
+/// disparity for the whole patch is then that of some place of strong gradient in it, an error that grows with the
+/// disparity.
 ///
-/// `center` is the pixel that the patch is around, at least seven from the left image's border; `off_center` where in it
-/// the disparity is wanted, `shift` the alignment without slant. Gauss-Newton over shift, row offset (`row` as in
-/// `PatchAligner`) and the two slopes, which are expected to be `kSlopeSigma`. nullopt where this does not converge or
-/// the slope is beyond reason.
+/// `center` is the pixel that the patch is around, at least seven from the left image's border; `off_center` where in
+/// it the disparity is wanted, `shift` the alignment without slant. Gauss-Newton over shift, row offset (`row` as in
+/// `PatchAligner`) and the two slopes, which are expected to be `kSlopeSigma`. nullopt where this does not converge
+/// or the slope is beyond reason.
 std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, const Eigen::Vector2i& center,
                                               const Eigen::Vector2d& off_center, const Eigen::Vector2d& shift,
                                               const RowPrior& row);

@@ -12,7 +12,8 @@ namespace {
 constexpr double kUnknownRowTolerance_px = 4.0;
 constexpr double kUnknownRowSigma_px = 2.0;
 
-/// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost nothing.
+/// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost
+/// nothing.
 ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const CameraCalibration& camera,
                             const FeatureMask& mask, std::optional<int> max_points,
                             const RunBoth& run_both = RunInTurn) {
@@ -22,7 +23,8 @@ ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, c
   return features;
 }
 
-/// A point without a matching corner is searched by its patch along the row of the right image, also where that is left out.
+/// A point without a matching corner is searched by its patch along the row of the right image, also where that is
+/// left out.
 void ForgetPartnersOutside(const FeatureMask& right_mask, StereoFeatures& features) {
   for (StereoPoint& point : features.points) {
     if (!point.HasDepth() || !right_mask.IsOutside(point.left.px - Eigen::Vector2d(point.disparity_px, 0.0)))

@@ -26,13 +26,13 @@ class StereoFrontEnd {
   const StereoCamera& camera() const { return rectifier_.camera(); }
 
   /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images,
-  /// `max_points` how many corners are wanted of each, where not as many as the options say. Throws std::runtime_error where the images
-  /// do not fit the rig.
+  /// `max_points` how many corners are wanted of each, where not as many as the options say. Throws
+  /// std::runtime_error where the images do not fit the rig.
   StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
                          std::optional<int> max_points = std::nullopt);
 
-  /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less sure of
-  /// disparities for it.
+  /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less
+  /// sure of disparities for it.
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
 
  private:

@@ -10,9 +10,10 @@
 
 namespace plslam {
 
-/// Stereo matches of both kinds (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, then sub-pixel disparity by
-/// comparing the images, with its standard deviation. All left features are kept; those without a match, and segments
-/// nearly parallel to the baseline, have no depth. `rows` tells how rows of the two differ. `run_both` shares the work between two threads.
+/// Stereo matches of both feature types (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, then sub-pixel
+/// disparity by comparing the images, with its standard deviation. All left features are kept; those without a match,
+/// and segments nearly parallel to the baseline, have no depth. `rows` tells how rows of the two differ. `run_both`
+/// shares the work between two threads.
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
                            const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                            const RunBoth& run_both = RunInTurn);

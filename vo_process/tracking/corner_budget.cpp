@@ -8,8 +8,8 @@
 namespace plslam {
 namespace {
 
-// Of the strongest corners, the share that is of use below which more are looked for, and above which no longer. Snow of 250 streaks
-// leaves a fifth; on real sequences in good weather it was never less than 65 per cent.
+// Of the strongest corners, the share that is of use below which more are looked for, and above which no longer. Snow
+// of 250 streaks leaves a fifth; on real sequences in good weather it was never less than 65 per cent.
 constexpr double kFewOfUse = 0.4;
 constexpr double kMostOfUse = 0.6;
 // Times the usual number: more corners take more time than they are worth.

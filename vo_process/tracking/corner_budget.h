@@ -6,9 +6,9 @@ namespace plslam {
 
 /// How many corners are looked for in the images of the next pair.
 ///
-/// The strongest corners are taken, and where it snows the strongest are snow: streaks that are elsewhere in the other image and in
-/// the next one. So where few of the strongest corners have a depth or were seen before, so many more are looked for that there should
-/// be as many of use as usual, until most of the strongest are of use again.
+/// The strongest corners are taken, and where it snows the strongest are snow: streaks that are elsewhere in the
+/// other image and in the next one. So where few of the strongest corners have a depth or were seen before, so many
+/// more are looked for that there should be as many of use as usual, until most of the strongest are of use again.
 class CornerBudget {
  public:
   /// `usual` corners in an image where all is well.

@@ -57,7 +57,7 @@ void DisparityCalibration::Correct(StereoFeatures& features) const {
   CorrectDisparities(features, [this](const Eigen::Vector2d& left_px, double) { return Offset_px(left_px.x()); });
 }
 
-bool DisparityCalibration::Compare(const Sight& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
+bool DisparityCalibration::Compare(const Observation& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
                                    Measurement& measurement) const {
   const Eigen::Vector3d ray((before.px.x() - camera_.cx_px) / camera_.f_px,
                             (before.px.y() - camera_.cy_px) / camera_.f_px, 1.0);
@@ -93,7 +93,7 @@ bool DisparityCalibration::Compare(const Sight& before, const SE3& T_now_before,
 void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
                                    const std::vector<double>& raw_disparities_px) {
   if (!options_.enabled) return;
-  std::vector<Sight> now;
+  std::vector<Observation> now;
   check_.Observe(T_odom_c, frame, raw_disparities_px);
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
@@ -103,21 +103,21 @@ void DisparityCalibration::Observe(const SE3& T_odom_c, const TrackedFrame& fram
     now.push_back({frame.point_tracks[i].landmark_id, T_odom_c, point.left.px, raw_disparities_px[i], point.sigma_px,
                    point.sigma_disparity_px});
   }
-  const auto by_id = [](const Sight& a, const Sight& b) { return a.landmark_id < b.landmark_id; };
+  const auto by_id = [](const Observation& a, const Observation& b) { return a.landmark_id < b.landmark_id; };
   std::sort(now.begin(), now.end(), by_id);
   const SE3 T_c_odom = T_odom_c.Inverse();
   std::vector<Measurement> measurements;
-  for (Sight& sight : now) {
-    const auto before = std::lower_bound(sights_.begin(), sights_.end(), sight, by_id);
-    if (before == sights_.end() || before->landmark_id != sight.landmark_id) continue;
+  for (Observation& observation : now) {
+    const auto before = std::lower_bound(observations_.begin(), observations_.end(), observation, by_id);
+    if (before == observations_.end() || before->landmark_id != observation.landmark_id) continue;
     Measurement measurement;
-    if (Compare(*before, T_c_odom * before->T_odom_c, sight.px, measurement)) {
+    if (Compare(*before, T_c_odom * before->T_odom_c, observation.px, measurement)) {
       measurements.push_back(measurement);
     } else {
-      sight = *before;  // not enough parallax yet: the stretch goes on
+      observation = *before;  // not enough parallax yet: the stretch goes on
     }
   }
-  sights_ = std::move(now);
+  observations_ = std::move(now);
   Learn(measurements);
 }
 

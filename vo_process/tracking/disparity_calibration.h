@@ -15,16 +15,18 @@ namespace plslam {
 
 /// Estimates, while driving, what is left of calibration errors in the disparities, and takes it away.
 ///
-/// A yaw of 0.02 degrees between the cameras, or some distortion that the calibration missed, shifts all disparities by
-/// a few tenths of a pixel: nothing to the eye, but at a disparity of 20 px a per cent of scale. The error is modelled as
+/// A yaw of 0.02 degrees between the cameras, or some distortion that the calibration missed, shifts all disparities
+/// by a few tenths of a pixel: nothing to the eye, but at a disparity of 20 px a per cent of scale. The error is
+/// modelled as
 ///
 ///   d_measured = d_true + b0 + b1 x + b2 x^2,   x = (u - cx) / f,
 ///
 /// and seen by comparing the disparity of a tracked point with the one that its motion in the left image implies. The
-/// motion has a scale error of its own, of which the disparities are the cause; it enters as a fourth, quickly changing
-/// unknown, and is told from b0 by points at different depths. A Kalman filter with a prior around zero, believed only
-/// when significant: a camera that does not move, or a good calibration, is left alone. Tracks share errors that are not the
-/// camera's (corners that slide, grazing ground), so being significant is not enough: `DisparityCheck` must agree.
+/// motion has a scale error of its own, of which the disparities are the cause; it enters as a fourth, quickly
+/// changing unknown, and is told from b0 by points at different depths. A Kalman filter with a prior around zero,
+/// believed only when significant: a camera that does not move, or a good calibration, is left alone. Tracks share
+/// errors that are not the camera's (corners that slide, grazing ground), so being significant is not enough:
+/// `DisparityCheck` must agree.
 class DisparityCalibration {
  public:
   DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options);
@@ -37,7 +39,7 @@ class DisparityCalibration {
 
   const DisparityCheck& check() const { return check_; }
 
-  /// Subtracts the offset from all disparities of both kinds; those that would fall to zero lose their depth.
+  /// Subtracts the offset from all disparities of both feature types; those that would fall to zero lose their depth.
   void Correct(StereoFeatures& features) const;
 
   /// Learns from the points of a tracked frame; `raw_disparities_px` are those before `Correct`, in the order of the
@@ -46,21 +48,21 @@ class DisparityCalibration {
 
   /// After a frame that was not tracked: views from before are not compared with later ones.
   void Interrupt() {
-    sights_.clear();
+    observations_.clear();
     check_.Interrupt();
   }
 
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.significant_, self.share_, self.state_, self.covariance_, self.sights_, self.check_);
+    a(self.significant_, self.share_, self.state_, self.covariance_, self.observations_, self.check_);
   }
 
  private:
   bool IsBelieved() const { return significant_ && check_.verdict() == DisparityCheck::Verdict::kAgrees; }
 
   /// A point as seen when its present stretch of tracking began.
-  struct Sight {
+  struct Observation {
     int64_t landmark_id = -1;
     SE3 T_odom_c;
     Eigen::Vector2d px = Eigen::Vector2d::Zero();
@@ -80,7 +82,7 @@ class DisparityCalibration {
     double variance_px2 = 1.0;
   };
 
-  bool Compare(const Sight& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
+  bool Compare(const Observation& before, const SE3& T_now_before, const Eigen::Vector2d& px_now,
                Measurement& measurement) const;
   void Learn(const std::vector<Measurement>& measurements);
   Eigen::Vector4d Row(double u_px, double disparity_px) const;
@@ -93,7 +95,7 @@ class DisparityCalibration {
   Eigen::Vector4d state_ = Eigen::Vector4d::Zero();
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
   /// Ordered by landmark.
-  std::vector<Sight> sights_;
+  std::vector<Observation> observations_;
   DisparityCheck check_;
 };
 

@@ -22,12 +22,13 @@ constexpr int kIterations = 3;
 // Of three residuals in their own deviations.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
-// How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as such.
+// How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as
+// such.
 constexpr double kPriorSigma_px = 0.3;
 // Stretches before there is a verdict.
 constexpr int64_t kMinStretches = 3;
-// Halves differ where half of their difference is more than so many deviations and more than such a share of the estimate;
-// those that have differed until both are as small as the second pair.
+// Halves differ where half of their difference is more than so many deviations and more than such a share of the
+// estimate; those that have differed until both are as small as the second pair.
 constexpr double kDifferSigmas = 3.0;
 constexpr double kDifferShare = 0.3;
 constexpr double kAgainSigmas = 2.0;
@@ -101,8 +102,8 @@ void DisparityCheck::Observe(const SE3& T_odom_c, const TrackedFrame& frame,
   begin_ = std::move(now);
 }
 
-/// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what a point says, its
-/// disparity eliminated, and improves that. Columns: the matrix, and the vector.
+/// Adds to the equations of coefficients and motion (left perturbation of the rotation, then of the translation) what
+/// a point says, its disparity eliminated, and improves that. Columns: the matrix, and the vector.
 bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b, Seen& point, Normal& normal) const {
   const PairView& before = point.before;
   const PairView& now = point.now;

@@ -20,13 +20,14 @@ Eigen::Vector3d DisparityErrorSigmas(double sigma_px);
 
 /// Whether an error of the disparities, as `DisparityCalibration` estimates it, is one of the cameras.
 ///
-/// Points that are seen in two pairs of images, a stretch of frames apart, tell it independently of the tracker's poses: with
-/// wrong disparities no rigid motion explains both pairs. The motion of each stretch is estimated anew with the coefficients of
-/// the error and eliminated, so that a pose that gave way to wrong disparities does not hide them.
+/// Points that are seen in two pairs of images, a stretch of frames apart, tell it independently of the tracker's
+/// poses: with wrong disparities no rigid motion explains both pairs. The motion of each stretch is estimated anew
+/// with the coefficients of the error and eliminated, so that a pose that gave way to wrong disparities does not hide
+/// them.
 ///
 /// Corners that slide, grazing ground and moving things look like such an error, too, and do not average out. So the
-/// estimate is made of halves of the points as well: odd and even landmarks, near and far ones. An error of the cameras is the
-/// same for all.
+/// estimate is made of halves of the points as well: odd and even landmarks, near and far ones. An error of the
+/// cameras is the same for all.
 class DisparityCheck {
  public:
   enum class Verdict : uint8_t {
@@ -43,8 +44,8 @@ class DisparityCheck {
   /// The error of disparities measured at a column, as far as it is known.
   double Estimate_px(double u_px) const;
 
-  /// Learns from the points of a tracked frame; `raw_disparities_px` are those before any correction, in the order of the
-  /// frame's points.
+  /// Learns from the points of a tracked frame; `raw_disparities_px` are those before any correction, in the order of
+  /// the frame's points.
   void Observe(const SE3& T_odom_c, const TrackedFrame& frame, const std::vector<double>& raw_disparities_px);
 
   /// After a frame that was not tracked: views from before are not compared with later ones.

@@ -19,7 +19,7 @@ struct Alignment {
   FrameMatches matches;
   /// Few inliers: the prior took part.
   bool weak = false;
-  /// Typical residuals of each kind in their own deviations, as in `MotionEstimate`.
+  /// Typical residuals of each feature type in their own deviations, as in `MotionEstimate`.
   double point_deviation = 0.0;
   double line_deviation = 0.0;
 };
@@ -31,9 +31,9 @@ class FrameAligner {
  public:
   FrameAligner(const StereoCamera& camera, const VoOptions& options) : camera_(camera), options_(options) {}
 
-  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the inliers
-  /// (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that all are
-  /// compared. nullopt: lost.
+  /// `T_odom_prev` is the pose of the frame before, `prediction` what is expected since, `expected_weight` the
+  /// inliers (points + 2 x lines) that frame had; where nothing is expected, a number that no search reaches, so that
+  /// all are compared. nullopt: lost.
   std::optional<Alignment> Align(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_prev,
                                  const MotionPrediction& prediction, int expected_weight) const;
 
@@ -41,15 +41,16 @@ class FrameAligner {
   FrameMatches MatchByProjection(const LocalLandmarks& landmarks, const TrackedFrame& frame, const SE3& T_odom_c,
                                  const Search& search) const;
 
-  /// The pose that matches say, from `T_odom_initial` on; the result keeps those that agree. nullopt: not determined, or too
-  /// few.
+  /// The pose that matches say, from `T_odom_initial` on; the result keeps those that agree. nullopt: not determined,
+  /// or too few.
   std::optional<Alignment> Estimate(const LocalLandmarks& landmarks, const TrackedFrame& frame,
                                     const FrameMatches& matches, const SE3& T_odom_initial,
                                     const std::optional<MotionPrior>& prior) const {
     return Estimate(landmarks, frame, matches, T_odom_initial, prior, options_.motion);
   }
 
-  /// Searches once more, for all landmarks, around a pose that was found; that one again where nothing better comes of it.
+  /// Searches once more, for all landmarks, around a pose that was found; that one again where nothing better comes
+  /// of it.
   Alignment Refine(const LocalLandmarks& landmarks, const TrackedFrame& frame, const Alignment& coarse,
                    const MotionPrior& prior) const;
 

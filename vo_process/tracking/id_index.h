@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// Values by id, several of one id in the order in which they came: filled first, then only asked, which costs one block of memory
-/// where std::map takes one for each value.
+/// Values by id, several of one id in the order in which they came: filled first, then only asked, which costs one
+/// block of memory where std::map takes one for each value.
 template <class Value>
 class IdIndex {
  public:

@@ -12,7 +12,7 @@ namespace {
 
 // Share of a measurement's variance that neighbouring frames have in common (place of a corner in its patch, say).
 constexpr double kCommonShare = 0.3;
-constexpr int kMinSights = 2;
+constexpr int kMinObservations = 2;
 // Right lines flatter than this (sine of the angle to the rows) give no disparity where rows meet them.
 constexpr double kMinTilt = 0.1;
 
@@ -125,8 +125,8 @@ void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, co
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
   const IdIndex<size_t> feature_of = PlacesBy(&FeatureTrack::landmark_id, tracks);
   for (const Landmark& landmark : landmarks) {
-    const Sights<Feature> seen = collected.Find(landmark.id);
-    if (seen.size() < kMinSights) continue;
+    const Observations<Feature> seen = collected.Find(landmark.id);
+    if (seen.size() < kMinObservations) continue;
     const auto found = feature_of.Find(landmark.id);
     if (!found.empty()) {
       Improve(landmark, seen, features[found.back().second]);
@@ -139,7 +139,7 @@ void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, co
   }
 }
 
-bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Sights<StereoPoint> seen,
+bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Observations<StereoPoint> seen,
                                    StereoPoint& feature) const {
   const auto project = [&](const SE3& T_c_odom) -> std::optional<Eigen::Vector3d> {
     const Eigen::Vector3d p_c = T_c_odom * landmark.p_odom;
@@ -149,17 +149,17 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Sights<StereoP
   const auto here = project(frames_.back().T_c_odom);
   if (!here) return false;
   Mean u, v, d;
-  for (const auto& [id, sight] : seen) {
-    const auto expected = project(*sight.T_c_odom);
+  for (const auto& [id, observation] : seen) {
+    const auto expected = project(*observation.T_c_odom);
     if (!expected) continue;
-    const StereoPoint& measured = *sight.feature;
+    const StereoPoint& measured = *observation.feature;
     u.Add(measured.left.px.x() - expected->x(), measured.sigma_px * measured.sigma_px);
     v.Add(measured.left.px.y() - expected->y(), measured.sigma_px * measured.sigma_px);
     if (measured.HasDepth()) {
       d.Add(measured.disparity_px - expected->z(), measured.sigma_disparity_px * measured.sigma_disparity_px);
     }
   }
-  if (u.n() < kMinSights) return false;
+  if (u.n() < kMinObservations) return false;
   const Eigen::Vector2d px = here->head<2>() + Eigen::Vector2d(u.value(), v.value());
   if (!camera_.InImage(px, 0.0)) return false;
   feature.left.px = px;
@@ -170,19 +170,20 @@ bool KeyframeMeasurements::Improve(const PointLandmark& landmark, Sights<StereoP
   return true;
 }
 
-bool KeyframeMeasurements::Improve(const LineLandmark& landmark, Sights<StereoLine> seen, StereoLine& feature) const {
+bool KeyframeMeasurements::Improve(const LineLandmark& landmark, Observations<StereoLine> seen,
+                                   StereoLine& feature) const {
   const auto here = Project(frames_.back().T_c_odom, landmark.segment_odom, camera_);
   if (!here) return false;
   EndMeans left;
-  for (const auto& [id, sight] : seen) {
-    const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
+  for (const auto& [id, observation] : seen) {
+    const auto expected = Project(*observation.T_c_odom, landmark.segment_odom, camera_);
     if (!expected) continue;
     const Segment2 projected = expected->Left();
-    left.Add(projected.p, projected.q, sight.feature->left.segment, sight.feature->sigma_px);
+    left.Add(projected.p, projected.q, observation.feature->left.segment, observation.feature->sigma_px);
   }
   const Segment2 projected = here->Left();
   // A mean taken at ends that are close together says nothing of the direction far from them.
-  if (left.p.n() < kMinSights || projected.Length() < 0.5 * feature.left.segment.Length()) return false;
+  if (left.p.n() < kMinObservations || projected.Length() < 0.5 * feature.left.segment.Length()) return false;
   const Segment2 mean = left.Line(projected.p, projected.q, feature.left.segment);
   const Segment2 moved{OntoLine(feature.left.segment.p, mean), OntoLine(feature.left.segment.q, mean)};
   const auto visible = ClipToImage(moved, camera_, 0.0);
@@ -195,12 +196,12 @@ bool KeyframeMeasurements::Improve(const LineLandmark& landmark, Sights<StereoLi
   return true;
 }
 
-bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, Sights<StereoLine> seen,
+bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, Observations<StereoLine> seen,
                                               const Segment2& right, StereoLine& feature) const {
   EndMeans means;
-  for (const auto& [id, sight] : seen) {
-    const StereoLine& measured = *sight.feature;
-    const auto expected = Project(*sight.T_c_odom, landmark.segment_odom, camera_);
+  for (const auto& [id, observation] : seen) {
+    const StereoLine& measured = *observation.feature;
+    const auto expected = Project(*observation.T_c_odom, landmark.segment_odom, camera_);
     if (!expected || !measured.HasDepth()) continue;
     const Segment2 projected = expected->Right();
     const double sigma =

@@ -20,17 +20,19 @@ struct KeyframeContent {
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// What the frames since the last keyframe saw of each landmark, so that a keyframe says all that they know and not only
-/// what its own image shows.
+/// What the frames since the last keyframe saw of each landmark, so that a keyframe says all that they know and not
+/// only what its own image shows.
 ///
-/// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection in the keyframe
-/// plus the weighted mean of what was measured minus what was projected in each frame. Errors of single frames average
-/// out; those that all frames share (`kCommonShare` of the variance) stay. Measurements of different keyframes share no
-/// frame, so adjustment may take them as independent. Landmarks that the keyframe's own detection missed, but frames before it
-/// saw, are added as features: a detector finds a corner again in two of three frames only.
+/// A keyframe's measurement of a landmark becomes the mean over these frames: the landmark's projection in the
+/// keyframe plus the weighted mean of what was measured minus what was projected in each frame. Errors of single
+/// frames average out; those that all frames share (`kCommonShare` of the variance) stay. Measurements of different
+/// keyframes share no frame, so adjustment may take them as independent. Landmarks that the keyframe's own detection
+/// missed, but frames before it saw, are added as features: a detector finds a corner again in two of three frames
+/// only.
 class KeyframeMeasurements {
  public:
-  /// Of a camera that stands no frames before these are kept: a mean over more is no better, and there is no end to them.
+  /// Of a camera that stands no frames before these are kept: a mean over more is no better, and there is no end to
+  /// them.
   static constexpr size_t kMaxFrames = 100;
 
   explicit KeyframeMeasurements(const StereoCamera& camera) : camera_(camera) {}
@@ -59,13 +61,13 @@ class KeyframeMeasurements {
     const Feature* feature = nullptr;
   };
   template <class Feature>
-  using Sights = std::span<const std::pair<int64_t, Seen<Feature>>>;
+  using Observations = std::span<const std::pair<int64_t, Seen<Feature>>>;
 
-  /// Means over `seen` as a feature of the last frame; `feature` says what it looks like. False, and nothing done, where
-  /// they say nothing.
-  bool Improve(const PointLandmark& landmark, Sights<StereoPoint> seen, StereoPoint& feature) const;
-  bool Improve(const LineLandmark& landmark, Sights<StereoLine> seen, StereoLine& feature) const;
-  bool ImproveDisparities(const LineLandmark& landmark, Sights<StereoLine> seen, const Segment2& right,
+  /// Means over `seen` as a feature of the last frame; `feature` says what it looks like. False, and nothing done,
+  /// where they say nothing.
+  bool Improve(const PointLandmark& landmark, Observations<StereoPoint> seen, StereoPoint& feature) const;
+  bool Improve(const LineLandmark& landmark, Observations<StereoLine> seen, StereoLine& feature) const;
+  bool ImproveDisparities(const LineLandmark& landmark, Observations<StereoLine> seen, const Segment2& right,
                           StereoLine& feature) const;
   /// The feature as it should be in the last frame where that did not find it.
   bool Expect(const PointLandmark& landmark, StereoPoint& feature) const;

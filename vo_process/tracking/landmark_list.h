@@ -11,8 +11,8 @@
 #include "core/features/features.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/id_index.h"
-#include "vo_process/tracking/map_patch.h"
 #include "vo_process/tracking/tracked_frame.h"
+#include "vo_process/tracking/tracker_local_map.h"
 
 namespace plslam {
 
@@ -23,8 +23,8 @@ struct LinearMeasurement {
   double variance = 1.0;
 };
 
-/// Kalman update of a position by independent measurements linearised at it. Leaves both as they are where the result is
-/// not finite, and returns false.
+/// Kalman update of a position by independent measurements linearised at it. Leaves both as they are where the result
+/// is not finite, and returns false.
 bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Vector3d& position,
                       Eigen::Matrix3d& covariance);
 
@@ -50,9 +50,9 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
   return known;
 }
 
-/// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here (as not
-/// seen lately, so that they are looked for once the pose is known), and drops all but one of those that are the same. What
-/// two of the map claim goes to the first.
+/// Overwrites with `set(known, is_new, landmark)` what the map knows of landmarks here, adds those that are not here
+/// (as not seen lately, so that they are looked for once the pose is known), and drops all but one of those that are
+/// the same. What two of the map claim goes to the first.
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
@@ -81,7 +81,7 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
     }
     Landmark& landmark = is_new ? landmarks.back() : landmarks[first];
     landmark.map_id = entry.landmark->id;
-    landmark.map_sights = static_cast<int>(entry.landmark->sights.size());
+    landmark.map_observations = static_cast<int>(entry.landmark->observations.size());
     set(*entry.landmark, is_new, landmark);
   }
   drop.resize(landmarks.size(), 0);
@@ -89,8 +89,8 @@ void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std
   std::erase_if(landmarks, [&](const Landmark&) { return drop[i++] != 0; });
 }
 
-/// Where each landmark comes to lie when those that `taken` flags move to a list of their own: its place there, or, of the
-/// others, its place in what is left.
+/// Where each landmark comes to lie when those that `taken` flags move to a list of their own: its place there, or,
+/// of the others, its place in what is left.
 inline std::vector<int> PlacesAfterTaking(const std::vector<char>& taken) {
   std::vector<int> places;
   places.reserve(taken.size());
@@ -125,7 +125,7 @@ std::vector<Landmark> CopyFlagged(const std::vector<char>& chosen, const std::ve
   return result;
 }
 
-/// Drops what has been out of sight, or missed in sight, for too long.
+/// Drops what has been out of view, or missed in view, for too long.
 template <class Landmark>
 void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks) {
   std::erase_if(landmarks, [&options](const Landmark& landmark) {

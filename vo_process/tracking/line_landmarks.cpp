@@ -16,7 +16,7 @@
 namespace plslam {
 namespace {
 
-// How far a segment may grow at one sight, in lengths of its own.
+// How far a segment may grow at one observation, in lengths of its own.
 constexpr double kMaxExtension = 0.5;
 
 Segment3 Transform(const SE3& T, const Segment3& segment) { return {T * segment.p, T * segment.q}; }
@@ -56,8 +56,8 @@ EndpointMeasurements MeasureEndpoint(const Eigen::Vector3d& p_c, const Eigen::Ma
   return result;
 }
 
-// `growth` of the covariance across the segment, so that a landmark stays able to follow. Nothing is measured along it: grown
-// there without end, an endpoint would slide with every change of the angle seen.
+// `growth` of the covariance across the segment, so that a landmark stays able to follow. Nothing is measured along
+// it: grown there without end, an endpoint would slide with every change of the angle seen.
 void FuseEndpoint(const SE3& T_c_odom, const StereoLine& seen, const StereoCamera& camera,
                   const Eigen::Matrix3d& across, double growth, Eigen::Vector3d& p_odom,
                   Eigen::Matrix3d& covariance) {
@@ -116,9 +116,9 @@ std::vector<LandmarkMatch> LineLandmarks::MatchByDescriptor(const TrackedFrame& 
   return PairUp(known.owners, MatchLinesBruteForce(known.descriptors, DescriptorsOf(frame.features.lines), options));
 }
 
-std::vector<LineObservation> LineLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
-                                                         const TrackedFrame& frame) const {
-  std::vector<LineObservation> observations;
+std::vector<LineCorrespondence> LineLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
+                                                            const TrackedFrame& frame) const {
+  std::vector<LineCorrespondence> observations;
   observations.reserve(matches.size());
   for (const LandmarkMatch& match : matches) {
     const LineLandmark& landmark = landmarks_[match.landmark];
@@ -133,7 +133,7 @@ void LineLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>
   for (const LandmarkMatch& match : matches) {
     LineLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.lines[match.feature], landmark);
-    frame.line_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_sights};
+    frame.line_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_observations};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -204,7 +204,7 @@ void LineLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& nex
   }
 }
 
-void LineLandmarks::FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+void LineLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     FeatureTrack& track = frame.line_tracks[i];

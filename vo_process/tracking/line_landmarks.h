@@ -6,8 +6,8 @@
 #include "core/geometry/stereo_camera.h"
 #include "core/motion/motion_estimator.h"
 #include "vo_process/options.h"
-#include "vo_process/tracking/map_patch.h"
 #include "vo_process/tracking/tracked_frame.h"
+#include "vo_process/tracking/tracker_local_map.h"
 
 namespace plslam {
 
@@ -25,8 +25,8 @@ struct LineLandmark {
   /// The same landmark in the map, or -1.
   int64_t map_id = -1;
   /// Keyframes that had seen it when the map last told of it.
-  int map_sights = 0;
-  /// Founded by the map, not by a frame.
+  int map_observations = 0;
+  /// Created by the map, not by a frame.
   bool from_map = false;
   int seen = 1;
   int unseen_frames = 0;
@@ -35,7 +35,7 @@ struct LineLandmark {
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.segment_odom.p, self.segment_odom.q, self.covariance_p, self.covariance_q, self.descriptor,
-      self.map_id, self.map_sights, self.from_map, self.seen, self.unseen_frames, self.missed);
+      self.map_id, self.map_observations, self.from_map, self.seen, self.unseen_frames, self.missed);
   }
 };
 
@@ -55,15 +55,15 @@ class LineLandmarks {
                                                const LineMatchOptions& options) const;
 
   /// What the motion estimator needs of each match.
-  std::vector<LineObservation> Observations(const std::vector<LandmarkMatch>& matches,
-                                            const TrackedFrame& frame) const;
+  std::vector<LineCorrespondence> Observations(const std::vector<LandmarkMatch>& matches,
+                                               const TrackedFrame& frame) const;
 
   /// Fuses what the frame saw of the matched landmarks (across the line; along it they are extended), names them in
   /// the frame's tracks, and ages the others.
   void Update(const SE3& T_odom_c, const std::vector<LandmarkMatch>& matches, TrackedFrame& frame);
 
-  /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the same
-  /// the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
+  /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the
+  /// same the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
   void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapLine>>& adopted, bool keep_own, int64_t& next_id);
 
   /// All into another frame, in which `T_new_odom` lies.
@@ -83,13 +83,13 @@ class LineLandmarks {
   /// Takes over the landmarks of another list, which lie in the same frame.
   void Append(const LineLandmarks& others);
 
-  /// Founds a landmark for each segment with depth that has none and is on this body (-1: of the world), and names it in the
-  /// frame's tracks.
+  /// Founds a landmark for each segment with depth that has none and is on this body (-1: of the world), and names it
+  /// in the frame's tracks.
   void Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id, int body = -1);
 
-  /// The same for every segment of the world with depth, after forgetting all landmarks; names in the frame's tracks are kept:
-  /// frame-to-frame odometry.
-  void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
+  /// The same for every segment of the world with depth, after forgetting all landmarks; names in the frame's tracks
+  /// are kept: frame-to-frame odometry.
+  void Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id);
 
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>

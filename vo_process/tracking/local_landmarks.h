@@ -8,7 +8,7 @@
 
 namespace plslam {
 
-/// Matches of both kinds.
+/// Matches of both feature types.
 struct FrameMatches {
   std::vector<LandmarkMatch> points;
   std::vector<LandmarkMatch> lines;
@@ -39,10 +39,10 @@ struct LocalLandmarks {
     points.Update(T_odom_c, matches.points, frame);
     lines.Update(T_odom_c, matches.lines, frame);
   }
-  void Adopt(const MapPatch& patch, bool keep_own) {
-    const SE3 T_odom_w = patch.T_w_odom.Inverse();
-    points.Adopt(T_odom_w, patch.points, keep_own, next_point_id);
-    lines.Adopt(T_odom_w, patch.lines, keep_own, next_line_id);
+  void Adopt(const TrackerLocalMap& local_map, bool keep_own) {
+    const SE3 T_odom_w = local_map.T_w_odom.Inverse();
+    points.Adopt(T_odom_w, local_map.points, keep_own, next_point_id);
+    lines.Adopt(T_odom_w, local_map.lines, keep_own, next_line_id);
   }
   void Move(const SE3& T_new_odom) {
     points.Move(T_new_odom);
@@ -53,7 +53,7 @@ struct LocalLandmarks {
     points.CountAsSeen();
     lines.CountAsSeen();
   }
-  /// Moves those that the flags of each kind name to a list of their own.
+  /// Moves those that the flags of each feature type name to a list of their own.
   LocalLandmarks Take(const std::vector<char>& taken_points, const std::vector<char>& taken_lines) {
     return {points.Take(taken_points), lines.Take(taken_lines)};
   }
@@ -68,9 +68,9 @@ struct LocalLandmarks {
     points.Found(T_odom_c, frame, next_point_id, body);
     lines.Found(T_odom_c, frame, next_line_id, body);
   }
-  void FoundAnew(const SE3& T_odom_c, TrackedFrame& frame) {
-    points.FoundAnew(T_odom_c, frame, next_point_id);
-    lines.FoundAnew(T_odom_c, frame, next_line_id);
+  void Initialise(const SE3& T_odom_c, TrackedFrame& frame) {
+    points.Initialise(T_odom_c, frame, next_point_id);
+    lines.Initialise(T_odom_c, frame, next_line_id);
   }
 
   /// All that it goes on with, for `core/io/files/archive.h`.

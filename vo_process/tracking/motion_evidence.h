@@ -10,8 +10,8 @@
 
 namespace plslam {
 
-// What speaks for a motion that a part of the image shows: how wide the part is, whether its features go the same way, and
-// which motion the features around a place follow.
+// What speaks for a motion that a part of the image shows: how wide the part is, whether its features go the same
+// way, and which motion the features around a place follow.
 
 /// Bodies that are told apart at once.
 inline constexpr size_t kMaxBodies = 3;
@@ -25,8 +25,8 @@ struct Spread {
 
 Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const StereoCamera& camera);
 
-/// Matches that went the same way in the image as some that are near by at the same depth: wrong ones go anywhere. `T_c_odom` is
-/// where the landmarks were seen from before.
+/// Matches that went the same way in the image as some that are near by at the same depth: wrong ones go anywhere.
+/// `T_c_odom` is where the landmarks were seen from before.
 std::vector<LandmarkMatch> MovingTogether(const PointLandmarks& landmarks, const SE3& T_c_odom,
                                           const std::vector<LandmarkMatch>& matches, const TrackedFrame& frame,
                                           const StereoCamera& camera);
@@ -37,7 +37,8 @@ class FeaturePlaces {
   /// Of a body, by its slot, or of the world (-1). A negative disparity is not known.
   void Add(const Eigen::Vector2d& px, double disparity_px, int body) { places_.push_back({px, disparity_px, body}); }
 
-  /// The body that has at least two features around there at about that depth, and more than `times` as many as the world;
+  /// The body that has at least two features around there at about that depth, and more than `times` as many as the
+  /// world;
   /// -1: none. A feature at the very place is not counted.
   int Owner(const Eigen::Vector2d& px, double disparity_px, int times) const;
 

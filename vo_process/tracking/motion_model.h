@@ -22,9 +22,9 @@ inline constexpr double kExpectedChi2 = 25.0;
 /// How far a pose is from the predicted one, in standard deviations of the prediction, squared.
 double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c);
 
-/// Constant velocity. Uncertain is how fast the camera was, what it was accelerated by since, and what of its motion is not gone
-/// on with: across gaps and while lost, all of these last, so deviations grow with the time since the last measured frame, and
-/// covariances of one frame after the other add up to that.
+/// Constant velocity. Uncertain is how fast the camera was, what it was accelerated by since, and what of its motion
+/// is not gone on with: across gaps and while lost, all of these last, so deviations grow with the time since the
+/// last measured frame, and covariances of one frame after the other add up to that.
 class MotionModel {
  public:
   explicit MotionModel(const TrackingOptions& options) : options_(options) {}
@@ -41,8 +41,8 @@ class MotionModel {
   /// A motion has been measured, so that predictions say more than "anywhere near".
   bool knows_motion() const { return last_dt_s_ > 0.0; }
 
-  /// After a frame that was not measured, `dt_s` behind the one before: half the velocity, so that a lost camera does not fly
-  /// away.
+  /// After a frame that was not measured, `dt_s` behind the one before: half the velocity, so that a lost camera does
+  /// not fly away.
   void Slow(double dt_s);
 
   /// All that it goes on with, for `core/io/files/archive.h`.
@@ -64,7 +64,8 @@ class MotionModel {
   double last_dt_s_ = 0.0;
   Matrix6d motion_covariance_ = Matrix6d::Zero();
   Extent speed_ = Extent::Zero();
-  /// Since the last measured frame, and how much more the camera would have moved since, at its speed, than was predicted.
+  /// Since the last measured frame, and how much more the camera would have moved since, at its speed, than was
+  /// predicted.
   double unmeasured_s_ = 0.0;
   Extent left_behind_ = Extent::Zero();
 };

@@ -14,12 +14,13 @@ namespace {
 constexpr int kSteps = 20;
 // As many motions as are taken to have been honest before anything is known.
 constexpr double kStepsBefore = 1.0;
-// One motion says no more than this: where the tracker was deceived, a loop was closed, or the map was wrong for a moment.
+// One motion says no more than this: where the tracker was deceived, a loop was closed, or the map was wrong for a
+// moment.
 constexpr double kMost = 25.0;
 // Pictures without noise, or landmarks that all are seen by few keyframes, would promise too much.
 constexpr double kLeast = 0.05;
-// From where on errors are taken as common: in rendered worlds, whose errors are independent, adjustment changes motions by 0.05 to 0.35
-// of what the tracker says (variances), in real pictures of good cameras by 1.4 to 20.
+// From where on errors are taken as common: in rendered worlds, whose errors are independent, adjustment changes
+// motions by 0.05 to 0.35 of what the tracker says (variances), in real pictures of good cameras by 1.4 to 20.
 constexpr double kIndependent = 0.5;
 // Frames over which motions are added up until something else is known of them.
 constexpr double kSpan = 20.0;

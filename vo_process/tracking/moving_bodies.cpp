@@ -12,7 +12,8 @@
 namespace plslam {
 namespace {
 
-// Exclusive inliers (points + 2 x lines) that make a second motion, and those that one that is known needs to be followed.
+// Exclusive inliers (points + 2 x lines) that make a second motion, and those that one that is known needs to be
+// followed.
 constexpr int kMinWeight = 25;
 constexpr int kMinFollowedWeight = 15;
 constexpr double kMinInlierRatio = 0.5;
@@ -27,7 +28,8 @@ constexpr double kRansacInlier_px = 3.0;
 constexpr uint64_t kRansacSeed = 1;
 // Features of the world are given to a body where so many times as many around them are the body's.
 constexpr int kSurroundedTimes = 3;
-// Frames out of sight after which what is near by founds landmarks of the world again, and after which a body is forgotten.
+// Frames out of view after which what is near by creates landmarks of the world again, and after which a body is
+// forgotten.
 constexpr int kGuardedFrames = 5;
 constexpr int kMaxUnseenFrames = 10;
 // In how many frames a body must be found to be told of.
@@ -142,8 +144,8 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
                 FlagsOf(found.matches.lines, &LandmarkMatch::feature, frame.features.lines.size())};
   Follow(dt_s, frame, claims);
   std::optional<SE3> rival;
-  // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first pair of frames the
-  // one that is found may be a body's.
+  // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first
+  // pair of frames the one that is found may be a body's.
   const bool is_asked = prediction.goes_on || is_first_pair_;
   is_first_pair_ = false;
   while (is_asked && FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
@@ -237,7 +239,8 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   const LocalLandmarks candidates = world.Copy(points, lines);
   const Rest rest(frame, claims);
 
-  // Where they would be if they stood, where they were last seen in the image, and where the motion so far would have them.
+  // Where they would be if they stood, where they were last seen in the image, and where the motion so far would have
+  // them.
   const double radius_px = prediction.goes_on ? kSearchRadius_px : 2.0 * kSearchRadius_px;
   FrameMatches matches;
   std::vector<SE3> from{found.T_odom_c, T_odom_prev};
@@ -312,7 +315,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
     found.matches = Renumbered(found.matches, point_places, line_places);
     return true;
   }
-  // One that was lost out of sight there goes on under its number.
+  // One that was lost out of view there goes on under its number.
   const bool goes_on = known >= 0 && bodies_[known].unseen_frames > 0;
   const size_t k = goes_on ? static_cast<size_t>(known) : static_cast<size_t>(slot - bodies_.begin());
   Body& body = bodies_[k];
@@ -372,8 +375,8 @@ int MovingBodies::BodyAround(const FrameMatches& matches, const Alignment& found
   return 2 * *most > static_cast<int>(matches.points.size()) ? static_cast<int>(most - counts.begin()) : -1;
 }
 
-/// Gives a body in sight what moves with it: its pose was measured at a small part of it and is off farther away. False, and
-/// nothing done, where that moves otherwise.
+/// Gives a body in view what moves with it: its pose was measured at a small part of it and is off farther away.
+/// False, and nothing done, where that moves otherwise.
 bool MovingBodies::Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
                         const TrackedFrame& frame) {
   Body& body = bodies_[known];
@@ -529,9 +532,9 @@ void LeaveOutOwned(OwnedIds& owned, std::vector<Adopted<Landmark>>& adopted) {
 
 }  // namespace
 
-void MovingBodies::LeaveOut(MapPatch& patch) {
-  LeaveOutOwned(owned_points_, patch.points);
-  LeaveOutOwned(owned_lines_, patch.lines);
+void MovingBodies::LeaveOut(TrackerLocalMap& local_map) {
+  LeaveOutOwned(owned_points_, local_map.points);
+  LeaveOutOwned(owned_lines_, local_map.lines);
 }
 
 }  // namespace plslam

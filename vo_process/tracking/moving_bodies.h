@@ -11,14 +11,14 @@
 #include "vo_process/options.h"
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/local_landmarks.h"
-#include "vo_process/tracking/map_patch.h"
 #include "vo_process/tracking/motion_evidence.h"
 #include "vo_process/tracking/motion_model.h"
+#include "vo_process/tracking/tracker_local_map.h"
 
 namespace plslam {
 
-/// A rigid thing that moves through the world: its landmarks lie in a frame of its own, which was the odometry frame when it
-/// was found, and the camera moves in that frame as it does in the world.
+/// A rigid thing that moves through the world: its landmarks lie in a frame of its own, which was the odometry frame
+/// when it was found, and the camera moves in that frame as it does in the world.
 struct Body {
   Body(const StereoCamera& camera, const VoOptions& options) : landmarks(camera, options), motion(options.tracking) {}
 
@@ -85,19 +85,19 @@ class OwnedIds {
 
 /// The bodies in view, up to three.
 ///
-/// A second consensus is looked for among what contradicts the pose found for a frame. Of two motions the world is the one
-/// that a body has not had before, that the motion so far goes on with, and, where that says nothing, the one that is spread
-/// over more of the image and more depths; never the one that merely has more features. What is on a body, or nearer to it
-/// than to the world at the same depth, founds landmarks of that body. One that stands while the camera moves goes back to
-/// the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and Newman 2018; the choice of the world by
-/// prediction instead of size is ours.)
+/// A second consensus is looked for among what contradicts the pose found for a frame. Of two motions the world is
+/// the one that a body has not had before, that the motion so far goes on with, and, where that says nothing, the one
+/// that is spread over more of the image and more depths; never the one that merely has more features. What is on a
+/// body, or nearer to it than to the world at the same depth, creates landmarks of that body. One that stands while
+/// the camera moves goes back to the world. (Label persistence as in Multimotion Visual Odometry, Judd, Gammell and
+/// Newman 2018; the choice of the world by prediction instead of size is ours.)
 class MovingBodies {
  public:
   MovingBodies(const StereoCamera& camera, const VoOptions& options);
 
-  /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion, or where
-  /// features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's tracks what is on
-  /// a body. Where only geometry decided which motion is the world's: the pose by the other one.
+  /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion,
+  /// or where features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's
+  /// tracks what is on a body. Where only geometry decided which motion is the world's: the pose by the other one.
   std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                               LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
@@ -109,7 +109,7 @@ class MovingBodies {
   int CountFeatures(const TrackedFrame& frame) const;
 
   /// Leaves out of what the map tells the landmarks that are on bodies; the map has them from before that was known.
-  void LeaveOut(MapPatch& patch);
+  void LeaveOut(TrackerLocalMap& local_map);
 
   /// Landmarks that bodies have taken since this was asked last.
   std::vector<Withdrawn> TakeWithdrawnPoints() { return owned_points_.TakeNew(); }
@@ -133,7 +133,8 @@ class MovingBodies {
   void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
                const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
-  /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the first.
+  /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
+  /// first.
   std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
                                       const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
                                       const Alignment& found) const;

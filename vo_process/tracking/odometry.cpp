@@ -7,18 +7,19 @@
 
 #include "core/motion/robust.h"
 #include "vo_process/stereo/correct_disparities.h"
-#include "vo_process/tracking/kind_balance.h"
+#include "vo_process/tracking/noise_scale.h"
 
 namespace plslam {
 namespace {
 
 constexpr double kMinInterval_s = 1e-3;
-// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree anywhere,
-// and where structure repeats more than a few. Soon after the loss, and later, when the camera may be anywhere.
+// Of the inliers before the loss, the least share that shows the same place: by descriptors alone, a few agree
+// anywhere, and where structure repeats more than a few. Soon after the loss, and later, when the camera may be
+// anywhere.
 constexpr double kRecoveredShare = 0.1;
 constexpr double kRecoveredShareLater = 0.4;
 constexpr int kSoonFrames = 5;
-// Between two sights of the same landmarks, for their motion to say how fast the camera is.
+// Between two observations of the same landmarks, for their motion to say how fast the camera is.
 constexpr double kLongestStep_s = 0.5;
 
 // Landmarks that a frame could found: points with depth, lines with depth twice.
@@ -65,14 +66,14 @@ KeyframeContent ContentOfWorld(const TrackedFrame& frame) {
 }
 
 // Of the landmarks that the frame found, lines counted twice: those that so many keyframes of the map see.
-double KnownShare(const TrackedFrame& frame, int sights) {
+double KnownShare(const TrackedFrame& frame, int observations) {
   int found = 0;
   int known = 0;
   const auto count = [&](const std::vector<FeatureTrack>& tracks, int weight) {
     for (const FeatureTrack& track : tracks) {
       if (track.landmark_id < 0 || track.age == 0 || !track.IsOfWorld()) continue;
       found += weight;
-      if (track.map_sights >= sights) known += weight;
+      if (track.map_observations >= observations) known += weight;
     }
   };
   count(frame.point_tracks, 1);
@@ -93,7 +94,7 @@ Odometry::Odometry(const StereoCamera& camera, const VoOptions& options)
       options_(options),
       aligner_(camera, options),
       motion_model_(options.tracking),
-      kind_balance_(options.landmarks.max_point_scale),
+      noise_scale_(options.landmarks.max_point_scale),
       keyframe_policy_(options.keyframes),
       calibration_(camera, options.disparity_calibration),
       row_calibration_(camera, options.row_calibration),
@@ -125,10 +126,10 @@ bool Odometry::LearnRows(const StereoFeatures& features) {
 OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   AddLineModelError(options_.landmarks.line_model_sigma_px, features);
   const std::vector<double> raw_disparities_px = PointDisparities(features);
-  kind_balance_.Apply(features);
+  noise_scale_.Apply(features);
   calibration_.Correct(features);
   TrackedFrame frame(std::move(features));
-  frame.point_sigma_scale = kind_balance_.scale();
+  frame.point_sigma_scale = noise_scale_.scale();
   OdometryResult result;
   const double dt_s = SecondsSince(t_ns);
   last_t_ns_ = t_ns;
@@ -184,7 +185,7 @@ void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) 
   row_calibration_ = RowCalibration(camera_, options_.row_calibration);
   calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
   TakeSkewAway(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
-  landmarks_.FoundAnew(T_odom_c_, frame);
+  landmarks_.Initialise(T_odom_c_, frame);
 }
 
 void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
@@ -197,41 +198,43 @@ void Odometry::Initialise(TrackedFrame& frame, OdometryResult& result) {
 }
 
 std::optional<Odometry::Tracked> Odometry::Find(const TrackedFrame& frame, const MotionPrediction& prediction) {
-  // Lost: only strong evidence ends it, first of the place it was lost at, then of the one it was recognised at, then of
-  // the frame before.
-  if (dormant_) {
-    if (auto tracked = FindDormant(frame, prediction)) return tracked;
+  // Lost: only strong evidence ends it, first of the place it was lost at, then of the one it was recognised at, then
+  // of the frame before.
+  if (previous_local_map_) {
+    if (auto tracked = FindInPreviousLocalMap(frame, prediction)) return tracked;
   }
   if (relocalised_) {
     if (auto tracked = FindRelocalised(frame, prediction)) return tracked;
   }
   auto found = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight());
-  // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing against it.
+  // After a long gap, too, or what few agree on by chance becomes a keyframe: the motion from before says nothing
+  // against it.
   const bool gap = motion_model_.knows_motion() && !prediction.is_near;
-  if (!found || ((dormant_ || gap) && found->weak)) return std::nullopt;
-  const bool was_lost = dormant_.has_value();
-  dormant_.reset();
-  return Tracked{std::move(*found), was_lost ? Reference::kFoundedWhileLost : Reference::kCurrent};
+  if (!found || ((previous_local_map_ || gap) && found->weak)) return std::nullopt;
+  const bool was_lost = previous_local_map_.has_value();
+  previous_local_map_.reset();
+  return Tracked{std::move(*found), was_lost ? Reference::kCreatedWhileLost : Reference::kCurrent};
 }
 
-// Before the first motion nothing says where to look: a camera that starts at speed is mostly outside the near window,
-// where far landmarks alone agree on a wrong motion. So all searches are compared.
+// Before the first motion nothing says where to look: a camera that starts at speed is mostly outside the near
+// window, where far landmarks alone agree on a wrong motion. So all searches are compared.
 int Odometry::ExpectedWeight() const {
   return motion_model_.knows_motion() ? tracked_weight_ : std::numeric_limits<int>::max();
 }
 
-std::optional<Odometry::Tracked> Odometry::FindDormant(const TrackedFrame& frame,
-                                                       const MotionPrediction& prediction) {
+std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedFrame& frame,
+                                                                  const MotionPrediction& prediction) {
   // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead.
-  const bool soon = dormant_->n_lost <= kSoonFrames;
-  const SE3& T_odom_last = soon ? T_odom_c_ : dormant_->T_odom_c;
-  auto found = aligner_.Align(dormant_->landmarks, frame, T_odom_last, prediction, ExpectedWeight());
+  const bool soon = previous_local_map_->n_lost <= kSoonFrames;
+  const SE3& T_odom_last = soon ? T_odom_c_ : previous_local_map_->T_odom_c;
+  auto found = aligner_.Align(previous_local_map_->landmarks, frame, T_odom_last, prediction, ExpectedWeight());
   const double share = soon ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
-  Tracked tracked{std::move(*found), Reference::kDormant, dormant_->T_odom_c, dormant_->elapsed_s};
-  dormant_->landmarks.NumberBehind(landmarks_);
-  landmarks_ = std::move(dormant_->landmarks);
-  dormant_.reset();
+  Tracked tracked{std::move(*found), Reference::kPreviousLocalMap, previous_local_map_->T_odom_c,
+                  previous_local_map_->elapsed_s};
+  previous_local_map_->landmarks.NumberBehind(landmarks_);
+  landmarks_ = std::move(previous_local_map_->landmarks);
+  previous_local_map_.reset();
   relocalised_.reset();
   return tracked;
 }
@@ -250,7 +253,8 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     // Found again where it was lost, it knows no more of the map than it did there.
-    if (tracked.reference != Reference::kDormant) is_adrift_ = tracked.reference == Reference::kFoundedWhileLost;
+    if (tracked.reference != Reference::kPreviousLocalMap)
+      is_unanchored_ = tracked.reference == Reference::kCreatedWhileLost;
   }
   result.T_prev_c = T_odom_c_.Inverse() * alignment.T_odom_c;
   result.n_tracked_points = static_cast<int>(alignment.matches.points.size());
@@ -259,23 +263,23 @@ void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, 
   tracked_weight_ = std::max(alignment.matches.Weight(), 4 * tracked_weight_ / 5);
   const Matrix6d covariance_before = alignment_covariance_;
   PropagateCovariance(tracked, result);
-  kind_balance_.Observe(alignment);
+  noise_scale_.Observe(alignment);
 
   landmarks_.Update(alignment.T_odom_c, alignment.matches, frame);
   if (options_.tracking.reference == "previous_frame") {
-    landmarks_.FoundAnew(alignment.T_odom_c, frame);
+    landmarks_.Initialise(alignment.T_odom_c, frame);
   } else {
     landmarks_.Found(alignment.T_odom_c, frame);
   }
   T_odom_c_ = alignment.T_odom_c;
-  result.jumped = tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised;
+  result.jumped = tracked.reference == Reference::kPreviousLocalMap || tracked.reference == Reference::kRelocalised;
   result.n_moving = bodies_.CountFeatures(frame);
   LearnMotion(tracked, dt_s, covariance_before, result);
   ChooseKeyframe(tracked, frame, result);
 }
 
-// A jump is no motion: what the camera did while nobody saw it tells how fast it is if that was not long, and else nobody knows. A
-// second image of the same time tells no speed.
+// A jump is no motion: what the camera did while nobody saw it tells how fast it is if that was not long, and else
+// nobody knows. A second image of the same time tells no speed.
 void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                            const OdometryResult& result) {
   if (!result.jumped) {
@@ -283,7 +287,7 @@ void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& 
     return;
   }
   const double unseen_s = tracked.before_s + dt_s;
-  if (tracked.reference != Reference::kDormant || unseen_s > kLongestStep_s) return motion_model_.Forget();
+  if (tracked.reference != Reference::kPreviousLocalMap || unseen_s > kLongestStep_s) return motion_model_.Forget();
   const SE3 T_before_c = tracked.T_odom_before.Inverse() * tracked.alignment.T_odom_c;
   motion_model_.Observe(T_before_c, unseen_s,
                         ComposeCovariance(covariance_before, T_before_c, tracked.alignment.covariance));
@@ -294,13 +298,13 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
   if (tracked.reference == Reference::kRelocalised) chained += UnknownMotion();
   const bool frame_to_frame = options_.tracking.reference == "previous_frame";
-  // Frame to frame, or among landmarks founded by the frame before: that frame is where they are exact.
-  const bool exact_before = frame_to_frame || tracked.reference == Reference::kFoundedWhileLost ||
+  // Frame to frame, or among landmarks created by the frame before: that frame is where they are exact.
+  const bool exact_before = frame_to_frame || tracked.reference == Reference::kCreatedWhileLost ||
                             tracked.reference == Reference::kRelocalised;
   // Otherwise both ends were measured against the same landmarks, and both errors are in the motion between.
   result.motion_covariance =
       exact_before ? alignment : ComposeCovariance(alignment_covariance_, result.T_prev_c, alignment);
-  if (tracked.reference == Reference::kDormant || tracked.reference == Reference::kRelocalised) {
+  if (tracked.reference == Reference::kPreviousLocalMap || tracked.reference == Reference::kRelocalised) {
     result.motion_covariance = chained;
   }
   covariance_kf_c_ = exact_before ? chained : alignment;
@@ -311,8 +315,9 @@ void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& resul
   alignment_covariance_ = alignment;
 }
 
-// The tracker goes by its own covariances; only what others are told has the errors that frames have in common. A camera that jumped, always
-// to a keyframe, lies to the keyframe before as that says, whatever it was thought to have done meanwhile.
+// The tracker goes by its own covariances; only what others are told has the errors that frames have in common. A
+// camera that jumped, always to a keyframe, lies to the keyframe before as that says, whatever it was thought to have
+// done meanwhile.
 void Odometry::PublishCovariance(OdometryResult& result) {
   const bool measured = result.state != TrackingState::kLost && !result.jumped;
   result.motion_covariance = uncertainty_.Of(result.T_prev_c, result.motion_covariance, measured);
@@ -328,9 +333,9 @@ void Odometry::PublishCovariance(OdometryResult& result) {
 
 void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kLost;
-  if (!dormant_) dormant_ = Dormant{landmarks_, T_odom_c_, 0};
-  ++dormant_->n_lost;
-  dormant_->elapsed_s += dt_s;
+  if (!previous_local_map_) previous_local_map_ = PreviousLocalMap{landmarks_, T_odom_c_, 0};
+  ++previous_local_map_->n_lost;
+  previous_local_map_->elapsed_s += dt_s;
   result.T_prev_c = prediction.T_prev_c;
   result.motion_covariance = prediction.covariance;
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
@@ -338,7 +343,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   motion_model_.Slow(dt_s);
   bodies_.Forget();
   // The next frame may match this one even where neither matches the landmarks from before.
-  landmarks_.FoundAnew(T_odom_c_, frame);
+  landmarks_.Initialise(T_odom_c_, frame);
 }
 
 int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {
@@ -365,7 +370,7 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
   candidate.tracked_from_keyframe = TrackedFromKeyframe(frame);
   candidate.median_depth_m = MedianDepth(frame, camera_);
   // In a map that stays as it is, keyframes are where it is looked at anew.
-  if (!options_.map.localise_only) candidate.known_share = KnownShare(frame, options_.keyframes.known_sights);
+  if (!options_.map.localise_only) candidate.known_share = KnownShare(frame, options_.keyframes.known_observations);
   const KeyframeDecision decision = keyframe_policy_.Decide(candidate);
   result.entropy_ratio = decision.entropy_ratio;
   if (decision.reason != KeyframeReason::kNone) MakeKeyframe(decision.reason, result);
@@ -392,21 +397,21 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
 // How odometry takes over what the map knows, and how a camera goes on in a map that it was found in.
 
 bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
-  auto patch = keyframe_log_.PatchAround(map, session, keyframe_id, options_.map.local_keyframes);
-  if (!patch) return false;
-  bodies_.LeaveOut(*patch);
-  T_w_odom_ = patch->T_w_odom;
+  auto local_map = keyframe_log_.LocalMapAround(map, session, keyframe_id, options_.map.local_keyframes);
+  if (!local_map) return false;
+  bodies_.LeaveOut(*local_map);
+  T_w_odom_ = local_map->T_w_odom;
   is_in_map_ = true;
   uncertainty_.Learn(map, session);
   const bool keep_own = options_.map.landmarks == "unknown";
-  if (!dormant_) {
-    landmarks_.Adopt(*patch, keep_own);
+  if (!previous_local_map_) {
+    landmarks_.Adopt(*local_map, keep_own);
     return true;
   }
   // While lost, the map is about the landmarks from before; names are drawn from one source.
-  LocalLandmarks& before = dormant_->landmarks;
+  LocalLandmarks& before = previous_local_map_->landmarks;
   before.NumberBehind(landmarks_);
-  before.Adopt(*patch, keep_own);
+  before.Adopt(*local_map, keep_own);
   landmarks_.NumberBehind(before);
   return true;
 }
@@ -416,29 +421,29 @@ bool Odometry::AdoptAround(const Map& map) {
   const auto count = [&](const auto& landmarks, const auto& find) {
     for (const auto& landmark : landmarks) {
       if (landmark.map_id < 0 || landmark.unseen_frames > 0 || find(landmark.map_id) == nullptr) continue;
-      for (const Sight& sight : find(landmark.map_id)->sights) ++counts[sight.keyframe_id];
+      for (const Observation& observation : find(landmark.map_id)->observations) ++counts[observation.keyframe_id];
     }
   };
   count(landmarks_.points.landmarks(), [&map](int64_t id) { return map.FindPoint(id); });
   count(landmarks_.lines.landmarks(), [&map](int64_t id) { return map.FindLine(id); });
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto best = std::max_element(counts.begin(), counts.end(), fewer);
-  if (dormant_ || best == counts.end()) return false;
-  auto patch = PatchAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
-  if (!patch) return false;
-  bodies_.LeaveOut(*patch);
-  landmarks_.Adopt(*patch, false);
+  if (previous_local_map_ || best == counts.end()) return false;
+  auto local_map = LocalMapAt(map, best->first, T_w_odom_, options_.map.local_keyframes);
+  if (!local_map) return false;
+  bodies_.LeaveOut(*local_map);
+  landmarks_.Adopt(*local_map, false);
   return true;
 }
 
 bool Odometry::Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom) {
-  auto patch = PatchAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
-  if (!patch) return false;
-  bodies_.LeaveOut(*patch);
+  auto local_map = LocalMapAt(map, map_keyframe_id, T_w_odom, options_.map.local_keyframes);
+  if (!local_map) return false;
+  bodies_.LeaveOut(*local_map);
   relocalised_ = Relocalised{LocalLandmarks(camera_, options_), T_w_odom};
   LocalLandmarks& landmarks = relocalised_->landmarks;
   landmarks.NumberBehind(landmarks_);
-  landmarks.Adopt(*patch, false);
+  landmarks.Adopt(*local_map, false);
   landmarks.CountAsSeen();
   landmarks_.NumberBehind(landmarks);
   return true;
@@ -454,14 +459,14 @@ std::optional<Odometry::Tracked> Odometry::FindRelocalised(const TrackedFrame& f
   landmarks_ = std::move(place.landmarks);
   T_w_odom_ = place.T_w_odom;
   is_in_map_ = true;
-  dormant_.reset();
+  previous_local_map_.reset();
   return Tracked{std::move(*found), was_lost ? Reference::kRelocalised : Reference::kLocalised};
 }
 
 /// Where the camera had not lost its way, what it was found by gives way: pose and landmarks as odometry has them.
 bool Odometry::KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                             Relocalised& place) const {
-  if (dormant_) return false;
+  if (previous_local_map_) return false;
   const auto own = aligner_.Align(landmarks_, frame, T_odom_c_, prediction, ExpectedWeight());
   if (!own || own->weak) return false;
   const SE3 T_odom_place = own->T_odom_c * found.T_odom_c.Inverse();

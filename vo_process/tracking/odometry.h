@@ -11,11 +11,11 @@
 #include "vo_process/tracking/frame_aligner.h"
 #include "vo_process/tracking/keyframe_measurements.h"
 #include "vo_process/tracking/keyframe_policy.h"
-#include "vo_process/tracking/kind_balance.h"
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
 #include "vo_process/tracking/motion_uncertainty.h"
 #include "vo_process/tracking/moving_bodies.h"
+#include "vo_process/tracking/noise_scale.h"
 #include "vo_process/tracking/row_calibration.h"
 #include "vo_process/tracking/sync_check.h"
 
@@ -39,12 +39,12 @@ struct KeyframeStep {
 /// What odometry says of a frame.
 struct OdometryResult {
   TrackingState state = TrackingState::kInitialising;
-  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation, which is
-  /// composed of those of the motions.
+  /// Continuous over the session, identity at its first frame with features; covariance of the right perturbation,
+  /// which is composed of those of the motions.
   SE3 T_odom_c;
   Matrix6d covariance = Matrix6d::Zero();
-  /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it was
-  /// found.
+  /// Motion since the frame before; where the pose `jumped`, from where a lost camera was thought to be to where it
+  /// was found.
   SE3 T_prev_c;
   bool jumped = false;
   /// With what frames have in common (`MotionUncertainty`).
@@ -88,59 +88,60 @@ class Odometry {
   /// Nothing is known of them yet: the next pair is to be looked at with that in mind.
   bool needs_rows() const { return row_calibration_.needs_look(); }
 
-  /// Learns how they differ from the matches of a pair, before it is tracked. True where `rows` becomes zero by it, or is not zero
-  /// any more; the disparities of before are then others than those that come.
+  /// Learns how they differ from the matches of a pair, before it is tracked. True where `rows` becomes zero by it,
+  /// or is not zero any more; the disparities of before are then others than those that come.
   bool LearnRows(const StereoFeatures& features);
 
   /// Takes the next frame; `t_ns` of sensor time. Frames without features, repeated frames and frames that match
   /// nothing are answered with a state, and the pose goes on by the motion model.
   OdometryResult Track(int64_t t_ns, StereoFeatures features);
 
-  /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do not
-  /// jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map does
-  /// not have the keyframe.
+  /// Takes over the landmarks of the map around a keyframe of this session, and with them T_w_odom. Poses in odom do
+  /// not jump; from the next frame on they are found among those landmarks. False, and nothing done, where the map
+  /// does not have the keyframe.
   bool Adopt(const Map& map, int64_t session, int64_t keyframe_id);
 
-  /// Takes over the landmarks of a map that no longer grows, around the keyframe that sees most of those tracked in the last
-  /// frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
+  /// Takes over the landmarks of a map that no longer grows, around the keyframe that sees most of those tracked in
+  /// the last frame; T_w_odom stays. False, and nothing done, where none of the map was tracked.
   bool AdoptAround(const Map& map);
 
-  /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it is
-  /// looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had lost its
-  /// way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and T_w_odom takes
-  /// the difference. False, and nothing done, where the map does not have the keyframe.
+  /// Somebody has found the camera in the map: near a keyframe of it, with this T_w_odom. From the next frame on it
+  /// is looked for among the landmarks there, and once it is found, `T_w_odom` is taken over. Where the camera had
+  /// lost its way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and
+  /// T_w_odom takes the difference. False, and nothing done, where the map does not have the keyframe.
   bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
 
   /// The camera has been found in a map, by `Adopt` or `Relocalise`.
   bool is_in_map() const { return is_in_map_; }
 
   /// Tracking went on after a loss, but not at the place where it was lost: where that is, nobody knows.
-  bool is_adrift() const { return is_adrift_; }
+  bool is_unanchored() const { return is_unanchored_; }
 
   /// Map from odometry, as of the last `Adopt`.
   const SE3& T_w_odom() const { return T_w_odom_; }
 
-  /// All that it goes on with after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was found, so
-  /// nothing is lost or dormant then, and what was seen since the keyframe before has gone into it.
+  /// All that it goes on with after a frame that became a keyframe, for `core/io/files/archive.h`. Such a frame was
+  /// found, so nothing is lost or set aside then, and what was seen since the keyframe before has gone into it.
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.motion_model_, self.kind_balance_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
+    a(self.motion_model_, self.noise_scale_, self.keyframe_policy_, self.calibration_, self.row_calibration_,
       self.corner_budget_, self.sync_check_, self.landmarks_, self.bodies_, self.keyframe_log_, self.T_w_odom_,
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
-      self.is_in_map_, self.is_adrift_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
+      self.is_in_map_, self.is_unanchored_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
       self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
       self.uncertainty_);
   }
 
  private:
   /// Where a frame was found: usually among the landmarks of the frame before; after it was lost, among those from
-  /// before the loss, those of the map where it was relocalised, or those founded by a lost frame. One that was not lost
-  /// is localised: found among both, and goes on among those of the map.
-  enum class Reference { kCurrent, kDormant, kRelocalised, kLocalised, kFoundedWhileLost };
+  /// before the loss, those of the map where it was relocalised, or those created by a lost frame. One that was not
+  /// lost is localised: found among both, and goes on among those of the map.
+  enum class Reference { kCurrent, kPreviousLocalMap, kRelocalised, kLocalised, kCreatedWhileLost };
   struct Tracked {
     Alignment alignment;
     Reference reference = Reference::kCurrent;
-    /// kDormant: where the camera was when it was last seen among these landmarks, and how long before the last frame.
+    /// kPreviousLocalMap: where the camera was when it was last seen among these landmarks, and how long before the
+    /// last frame.
     SE3 T_odom_before{};
     double before_s = 0.0;
     /// Where only geometry said which of two motions is the world's: the pose by the other.
@@ -154,7 +155,7 @@ class Odometry {
 
   double SecondsSince(int64_t t_ns) const;
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
-  std::optional<Tracked> FindDormant(const TrackedFrame& frame, const MotionPrediction& prediction);
+  std::optional<Tracked> FindInPreviousLocalMap(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
   bool KeepOdometry(const TrackedFrame& frame, const MotionPrediction& prediction, Alignment& found,
                     Relocalised& place) const;
@@ -177,7 +178,7 @@ class Odometry {
   FrameAligner aligner_;
   MotionModel motion_model_;
   MotionUncertainty uncertainty_;
-  KindBalance kind_balance_;
+  NoiseScale noise_scale_;
   KeyframePolicy keyframe_policy_;
   DisparityCalibration calibration_;
   RowCalibration row_calibration_;
@@ -200,25 +201,25 @@ class Odometry {
   Matrix6d alignment_covariance_ = Matrix6d::Zero();
 
   /// While lost: the landmarks from before, and where the camera was then.
-  struct Dormant {
+  struct PreviousLocalMap {
     LocalLandmarks landmarks;
     SE3 T_odom_c;
     int n_lost = 0;          ///< frames since
     double elapsed_s = 0.0;  ///< up to the last of them
   };
-  std::optional<Dormant> dormant_;
+  std::optional<PreviousLocalMap> previous_local_map_;
 
   std::optional<Relocalised> relocalised_;
   bool is_in_map_ = false;
-  bool is_adrift_ = false;
+  bool is_unanchored_ = false;
 
   int64_t next_keyframe_id_ = 0;
   SE3 T_odom_kf_;
   /// As published, of the keyframe and of the motion since.
   Matrix6d covariance_odom_kf_ = Matrix6d::Zero();
   Matrix6d published_kf_c_ = Matrix6d::Zero();
-  /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion between two
-  /// keyframes is less sure than the next keyframe is.
+  /// Of where the camera is, given the landmarks as they are. Both ends were measured against these, so the motion
+  /// between two keyframes is less sure than the next keyframe is.
   Matrix6d covariance_kf_c_ = Matrix6d::Zero();
   Matrix6d alignment_covariance_kf_ = Matrix6d::Zero();
   Matrix6d covariance_between_keyframes_ = Matrix6d::Zero();

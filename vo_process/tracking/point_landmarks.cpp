@@ -57,9 +57,9 @@ std::vector<LandmarkMatch> PointLandmarks::MatchByDescriptor(const TrackedFrame&
                 MatchBruteForce(known.descriptors, DescriptorsOf(frame.features.points), options, corners));
 }
 
-std::vector<PointObservation> PointLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
-                                                           const TrackedFrame& frame) const {
-  std::vector<PointObservation> observations;
+std::vector<PointCorrespondence> PointLandmarks::Observations(const std::vector<LandmarkMatch>& matches,
+                                                              const TrackedFrame& frame) const {
+  std::vector<PointCorrespondence> observations;
   observations.reserve(matches.size());
   for (const LandmarkMatch& match : matches) {
     const PointLandmark& landmark = landmarks_[match.landmark];
@@ -73,7 +73,7 @@ void PointLandmarks::Update(const SE3& T_odom_c, const std::vector<LandmarkMatch
   for (const LandmarkMatch& match : matches) {
     PointLandmark& landmark = landmarks_[match.landmark];
     Fuse(T_odom_c, frame.features.points[match.feature], landmark);
-    frame.point_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_sights};
+    frame.point_tracks[match.feature] = {landmark.id, landmark.seen, landmark.map_id, landmark.map_observations};
     ++landmark.seen;
     landmark.unseen_frames = 0;
     landmark.missed = 0;
@@ -155,7 +155,7 @@ void PointLandmarks::Found(const SE3& T_odom_c, TrackedFrame& frame, int64_t& ne
   }
 }
 
-void PointLandmarks::FoundAnew(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
+void PointLandmarks::Initialise(const SE3& T_odom_c, TrackedFrame& frame, int64_t& next_id) {
   landmarks_.clear();
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     FeatureTrack& track = frame.point_tracks[i];

@@ -16,8 +16,8 @@ constexpr double kRowDrift_px = 0.005;
 // Matches of a frame that tell something, and that tell whether rows differ.
 constexpr size_t kEnoughToBegin = 20;
 constexpr size_t kEnough = 50;
-// Where rows do differ, most matches are off by less with the field than without it: by this factor to begin with it, and
-// by this to go on.
+// Where rows do differ, most matches are off by less with the field than without it: by this factor to begin with it,
+// and by this to go on.
 constexpr double kMaxResidualShare = 0.5;
 constexpr double kMaxResidualShareOfUsed = 0.8;
 constexpr double kMinShareOfUsed = 0.6;
@@ -100,8 +100,9 @@ bool RowCalibration::IsWorthIt() const {
          state_.dot(covariance_.ldlt().solve(state_)) > options_.min_chi_square;
 }
 
-// A pitch moves all rows, and those far from the middle more, by the square of their tangent; rows that are all lower by the same
-// may also be cut or counted otherwise. Least squares over the pitch with what is expected of each as a prior.
+// A pitch moves all rows, and those far from the middle more, by the square of their tangent; rows that are all lower
+// by the same may also be cut or counted otherwise. Least squares over the pitch with what is expected of each as a
+// prior.
 RowField::Turn RowCalibration::TurnShown() const {
   const double tangent = 0.5 * camera_.height_px / camera_.f_px;
   const double bend = tangent * tangent;

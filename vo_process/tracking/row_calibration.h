@@ -15,11 +15,12 @@ namespace plslam {
 
 /// Estimates, while driving, by how much rows of the right image differ from those of the left (`RowField`).
 ///
-/// Public sequences have pairs whose rows differ by a pixel towards the corners. That costs matches, and where an edge
-/// is slanted each row of it is a disparity of its own: a segment at 20 degrees to the baseline errs by 2.7 px a row. Patches
-/// with corners tell the row of a match without knowing it, so this needs no motion and no depth. A Kalman filter with a
-/// prior around the median of the first pair, believed only where it is significant, large enough to matter, and most
-/// matches are the better for it: a good calibration is left alone. It follows slow changes, of warmth, not a knock.
+/// Public sequences have pairs whose rows differ by a pixel towards the corners. That costs matches, and where an
+/// edge is slanted each row of it is a disparity of its own: a segment at 20 degrees to the baseline errs by 2.7 px a
+/// row. Patches with corners tell the row of a match without knowing it, so this needs no motion and no depth. A
+/// Kalman filter with a prior around the median of the first pair, believed only where it is significant, large
+/// enough to matter, and most matches are the better for it: a good calibration is left alone. It follows slow
+/// changes, of warmth, not a knock.
 class RowCalibration {
  public:
   RowCalibration(const StereoCamera& camera, const RowCalibrationOptions& options);
@@ -27,14 +28,15 @@ class RowCalibration {
   /// What is believed; zero until it is significant.
   RowField field() const { return used_ ? RowField(camera_, state_, TurnShown()) : RowField(); }
 
-  /// No frame has had enough matches yet to tell whether rows differ. After some frames it is tried now and then only.
+  /// No frame has had enough matches yet to tell whether rows differ. After some frames it is tried now and then
+  /// only.
   bool needs_look() const {
     const bool now = n_frames_ < kFirstLooks || n_frames_ % kLookEvery == 0;
     return options_.enabled && !has_learned_ && now;
   }
 
-  /// Learns from the matches of a frame, by what their rows differ beyond the skew of the pair. True where `field` becomes zero by it,
-  /// or is not zero any more.
+  /// Learns from the matches of a frame, by what their rows differ beyond the skew of the pair. True where `field`
+  /// becomes zero by it, or is not zero any more.
   bool Observe(const StereoFeatures& features, const PairSkew& skew = {});
 
   /// All that it goes on with, for `core/io/files/archive.h`.

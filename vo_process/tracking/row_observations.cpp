@@ -10,7 +10,8 @@ namespace {
 
 // Patches that tell the row less well have little to say, and their errors are not of the normal kind.
 constexpr double kMaxSigmaRow_px = 0.4;
-// What the residuals of a patch do not show: slant, interpolation, the place of the corner in an image that is not sharp.
+// What the residuals of a patch do not show: slant, interpolation, the place of the corner in an image that is not
+// sharp.
 constexpr double kRowModelError_px = 0.2;
 // Corners that lie together, or are the same one in several octaves, err together: a cell of the image has one voice.
 constexpr double kRowHuber = 1.5;

@@ -10,7 +10,8 @@
 
 namespace plslam {
 
-/// A match whose patches tell its row without knowing it (corners, not edges): what is learned from of how rows differ.
+/// A match whose patches tell its row without knowing it (corners, not edges): what is learned from of how rows
+/// differ.
 struct RowObservation {
   /// Which of the points.
   size_t point = 0;

@@ -5,10 +5,10 @@
 
 namespace plslam {
 
-/// Stereo features of the next pair, for `odometry.Track`, with rows that differ as they are known to; what the pair tells of them
-/// is learned. The first pair is looked at twice, since landmarks are founded on it: before all for rows that may differ by much.
-/// So are further ones until there was enough to see, and one that changes whether rows differ. Throws as
-/// `StereoFrontEnd::Process`.
+/// Stereo features of the next pair, for `odometry.Track`, with rows that differ as they are known to; what the pair
+/// tells of them is learned. The first pair is looked at twice, since landmarks are created on it: before all for
+/// rows that may differ by much. So are further ones until there was enough to see, and one that changes whether rows
+/// differ. Throws as `StereoFrontEnd::Process`.
 inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, const StereoImages& images,
                               StageTimer& timer) {
   odometry.Expect(images.t_ns);

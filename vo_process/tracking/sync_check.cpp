@@ -21,16 +21,17 @@ constexpr double kLateSigma_frames = 1.0;
 constexpr double kUnevenSigma_frames = 0.1;
 // What counts of the past at the next frame: some fifty frames.
 constexpr double kMemory = 0.98;
-// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is found differs for
-// certain, and moves rows by so much that it matters to the search, they count little more.
+// Matches that were looked for with another lateness are those that agreed with it, and tell too little: when what is
+// found differs for certain, and moves rows by so much that it matters to the search, they count little more.
 constexpr double kOtherRows_px = 1.0;
 constexpr double kOtherDeviations = 3.0;
 constexpr double kMemoryOfOthers = 0.1;
-// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard deviations. Larger ones are
-// of wrong matches, which are many as long as matches are not looked for where they are.
+// Residuals that are smaller than expected make the result surer, but not beyond this share of the standard
+// deviations. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
 constexpr double kMinNoise = 0.3;
 constexpr int kIterations = 3;
-// To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer believed.
+// To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer
+// believed.
 constexpr double kMinDeviations = 10.0;
 constexpr int64_t kMinFrames = 3;
 constexpr double kMinLate_frames = 0.05;
@@ -65,8 +66,8 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
   return is_late_ != was_late;
 }
 
-// A motion that changes is, around the time of the left image, between that before and that after, and at the time of the next frame
-// that after.
+// A motion that changes is, around the time of the left image, between that before and that after, and at the time of
+// the next frame that after.
 std::vector<SyncCheck::Equation> SyncCheck::EquationsOf(const TrackedFrame& frame, double dt_s) const {
   std::vector<Equation> equations;
   const double along = std::clamp(solution_(kLate) / dt_s, -1.0, 1.0);

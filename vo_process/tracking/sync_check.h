@@ -13,14 +13,15 @@ namespace plslam {
 
 /// Estimates, while driving, by how much later than the left image the right one is taken.
 ///
-/// The row of a match is lower in the right image by the field of the rig (`RowField`), and by what the point moves down between the two
-/// images:
+/// The row of a match is lower in the right image by the field of the rig (`RowField`), and by what the point moves
+/// down between the two images:
 ///
 ///   v_right - v_left = field(u, v) + (late + uneven y) dv/dt,   y from -1 to 1 over the image,
 ///
-/// where dv/dt is seen by following the point over the frame before and the frame after. `uneven` is not zero where the two cameras
-/// read their rows at different speeds. The field stays while motions come and go, so all are found together: weighted least squares
-/// (Huber) in which the past fades. Believed only where it is large enough to matter and certain.
+/// where dv/dt is seen by following the point over the frame before and the frame after. `uneven` is not zero where
+/// the two cameras read their rows at different speeds. The field stays while motions come and go, so all are found
+/// together: weighted least squares (Huber) in which the past fades. Believed only where it is large enough to matter
+/// and certain.
 class SyncCheck {
  public:
   explicit SyncCheck(const StereoCamera& camera) : camera_(camera) {}
@@ -31,15 +32,15 @@ class SyncCheck {
   /// The same as a share of the time between the last frames.
   double late_frames() const { return interval_s_ > 0.0 ? late_s() / interval_s_ : 0.0; }
 
-  /// By how much longer the right camera takes to read its image than the left one (rolling shutters that are not alike); 0 until it is
-  /// significant.
+  /// By how much longer the right camera takes to read its image than the left one (rolling shutters that are not
+  /// alike); 0 until it is significant.
   double longer_readout_s() const { return is_uneven_ ? 2.0 * solution_(kUneven) : 0.0; }
 
   /// What is to be expected of a pair, with the motion `T_prev_c` within the `dt_s` before it.
   PairSkew SkewOf(const SE3& T_prev_c, double dt_s) const;
 
-  /// Learns from a frame that was tracked, `dt_s` after the one before: of the matches of that one, whose points are now seen to move
-  /// on. True where `late_s` becomes zero by it, or is not zero any more.
+  /// Learns from a frame that was tracked, `dt_s` after the one before: of the matches of that one, whose points are
+  /// now seen to move on. True where `late_s` becomes zero by it, or is not zero any more.
   bool Observe(const TrackedFrame& frame, double dt_s);
 
   /// After a frame that was not tracked.
@@ -93,7 +94,8 @@ class SyncCheck {
   StereoCamera camera_;
   bool is_late_ = false;
   bool is_uneven_ = false;
-  /// Normal equations, and their solution: six coefficients of the field in pixels, lateness and unevenness in seconds.
+  /// Normal equations, and their solution: six coefficients of the field in pixels, lateness and unevenness in
+  /// seconds.
   Matrix8d information_ = Matrix8d::Zero();
   Vector8d vector_ = Vector8d::Zero();
   Vector8d solution_ = Vector8d::Zero();

@@ -12,11 +12,11 @@ namespace plslam {
 /// Which landmark a feature belongs to.
 struct FeatureTrack {
   int64_t landmark_id = -1;
-  /// Frames in which the landmark has been seen; 0 for one founded by this feature.
+  /// Frames in which the landmark has been seen; 0 for one created by this feature.
   int age = 0;
   /// The same landmark in the map, or -1, and the keyframes that see it there.
   int64_t map_id = -1;
-  int map_sights = 0;
+  int map_observations = 0;
   /// The moving body that the feature is on (`MovingBodies`), or -1 for the world.
   int body = -1;
 
@@ -40,7 +40,7 @@ struct TrackedFrame {
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
-  /// Factor that the deviations of the points have grown by (`KindBalance`).
+  /// Factor that the deviations of the points have grown by (`NoiseScale`).
   double point_sigma_scale = 1.0;
   PointGrid point_grid;
   /// In the order of `features.points` and `features.lines`.
@@ -48,7 +48,7 @@ struct TrackedFrame {
   std::vector<FeatureTrack> line_tracks;
 };
 
-/// A landmark and the feature it is seen as: indices into the landmarks of one kind and the frame's features.
+/// A landmark and the feature it is seen as: indices into the landmarks of one feature type and the frame's features.
 struct LandmarkMatch {
   int landmark = -1;
   int feature = -1;

@@ -19,8 +19,8 @@ std::string TemporaryFolder(int64_t source);
 /// `memory_bytes` a kAll history moves its oldest messages to an LCM log, a kUnacknowledged one forgets them.
 class History {
  public:
-  /// `path` is the log of kAll, made when it is first needed. Unless `keep_file` it loses its name at once, and its folder too,
-  /// so that nothing is left even of a process that is killed.
+  /// `path` is the log of kAll, made when it is first needed. Unless `keep_file` it loses its name at once, and its
+  /// folder too, so that nothing is left even of a process that is killed.
   History(Retention retention, int64_t memory_bytes, std::string channel, std::string path, bool keep_file);
   ~History();
   History(const History&) = delete;

@@ -97,8 +97,8 @@ void OrderedReader::CountAsked(const std::vector<SeqRange>& ranges) {
   }
 }
 
-/// What lies before `seq` and is not here is lost for good; what is here is still delivered in order. Of what was sent before we
-/// listened, only this tells that it is lost.
+/// What lies before `seq` and is not here is lost for good; what is here is still delivered in order. Of what was
+/// sent before we listened, only this tells that it is lost.
 void OrderedReader::SkipTo(int64_t seq) {
   while (expected_ < seq) {
     if (!buffer_.empty() && buffer_.begin()->first == expected_) return;  // deliver it first; asked again later
@@ -223,8 +223,8 @@ void OrderedReader::GiveUp(int64_t now) {
   if (!dead) progress_ = now;  // the other gaps of a dead publisher need no wait of their own
 }
 
-/// How long a gap of a publisher that is heard is waited for. Where large messages hardly get through, trying on helps as long as
-/// they are there.
+/// How long a gap of a publisher that is heard is waited for. Where large messages hardly get through, trying on
+/// helps as long as they are there.
 int64_t OrderedReader::Patience(int64_t now) const {
   return now - kept_ < times_.absent_ns ? times_.kept_ns : times_.hopeless_ns;
 }

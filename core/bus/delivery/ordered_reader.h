@@ -10,8 +10,8 @@
 
 namespace plslam::bus {
 
-/// The reader's end of one ordered channel of one publisher: puts messages in order, notices gaps, says what to ask for
-/// again and what to acknowledge, and gives up what cannot be had. Time is handed in (nanoseconds of any steady
+/// The reader's end of one ordered channel of one publisher: puts messages in order, notices gaps, says what to ask
+/// for again and what to acknowledge, and gives up what cannot be had. Time is handed in (nanoseconds of any steady
 /// clock), so that tests need no clock; not thread-safe.
 ///
 ///   OnMessage / OnAnnounce  ->  while (Front()) { deliver; Pop(); }  ->  Poll() says what to send
@@ -61,8 +61,9 @@ class OrderedReader {
   int64_t delivered() const { return expected_ - 1; }
   int64_t heard() const { return heard_; }
   int64_t buffered_bytes() const { return buffered_bytes_; }
-  /// Totals since the start: messages that had to be asked for again (where nobody can be asked: that were given up), and of those
-  /// delivered after all. Numbers that were never asked for are not lost, however far a message that somebody forged has jumped.
+  /// Totals since the start: messages that had to be asked for again (where nobody can be asked: that were given up),
+  /// and of those delivered after all. Numbers that were never asked for are not lost, however far a message that
+  /// somebody forged has jumped.
   int64_t lost() const { return lost_; }
   int64_t repaired() const { return repaired_; }
 

@@ -114,8 +114,8 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
   return answer;
 }
 
-/// Forgets what every reader has, and readers long gone. Without any reader, and while readers may not have been heard
-/// yet, the bound of the history alone counts.
+/// Forgets what every reader has, and readers long gone. Without any reader, and while readers may not have been
+/// heard yet, the bound of the history alone counts.
 void OrderedWriter::Trim(int64_t now) {
   std::erase_if(readers_, [&](const auto& entry) { return now - entry.second.heard > times_.reader_kept_ns; });
   if (readers_.empty() || now < greeted_at_) return;

@@ -26,8 +26,8 @@ inline constexpr int kMaxOctave = 31;
 
 /// w >= 0.
 pose3_t ToMessage(const SE3& T_a_b);
-/// Unit quaternion (to 1e-6) and finite position. What is unit to rounding comes through with all its bits, but for the
-/// sign of the quaternion.
+/// Unit quaternion (to 1e-6) and finite position. What is unit to rounding comes through with all its bits, but for
+/// the sign of the quaternion.
 std::optional<SE3> FromMessage(const pose3_t& message);
 
 /// Row major.

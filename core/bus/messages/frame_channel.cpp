@@ -188,8 +188,8 @@ void FrameSubscriber::Impl::OfferNewest(AssembledFrame frame) {
   });
 }
 
-/// Frames between two, by the numbers of their strips, since ids may have a stride; but no more than there are ids between them: the
-/// number of a strip may be forged.
+/// Frames between two, by the numbers of their strips, since ids may have a stride; but no more than there are ids
+/// between them: the number of a strip may be forged.
 int FrameSubscriber::Impl::Skipped(const AssembledFrame& last, const AssembledFrame& frame) {
   const int64_t strips = frame.first_seq - last.first_seq;
   if (strips <= 0 || last.n_strips <= 0) return 0;

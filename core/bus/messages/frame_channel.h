@@ -10,8 +10,8 @@
 namespace plslam::bus {
 
 /// Cuts stereo frames into strips and sends them. Images are 8-bit grey; the right one may be a 16-bit depth map.
-/// Others are std::invalid_argument; one that readers would refuse for its size (64 MB) is std::runtime_error, in one sentence,
-/// before anything of the frame is sent.
+/// Others are std::invalid_argument; one that readers would refuse for its size (64 MB) is std::runtime_error, in one
+/// sentence, before anything of the frame is sent.
 class FramePublisher {
  public:
   FramePublisher(Bus& bus, bool lockstep);
@@ -25,8 +25,8 @@ class FramePublisher {
 };
 
 /// Puts strips together again, of both the lockstep and the live channel, and delivers whole frames on the thread of
-/// `Bus::Run`. In lockstep every frame in order, repaired and acknowledged, and again where it was sent again; live the newest
-/// whole one, with the number passed over before it.
+/// `Bus::Run`. In lockstep every frame in order, repaired and acknowledged, and again where it was sent again; live
+/// the newest whole one, with the number passed over before it.
 class FrameSubscriber {
  public:
   struct Frame {

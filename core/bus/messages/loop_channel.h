@@ -15,8 +15,8 @@
 
 namespace plslam::bus {
 
-/// `closure` as pages of at most `page_bytes`. Throws std::invalid_argument where readers would refuse it: numbers that are
-/// not finite, poses or names that do not ascend.
+/// `closure` as pages of at most `page_bytes`. Throws std::invalid_argument where readers would refuse it: numbers
+/// that are not finite, poses or names that do not ascend.
 std::vector<loop_closure_t> CutIntoPages(const LoopClosure& closure, int64_t page_bytes);
 
 /// Puts loop closures together again.
@@ -36,8 +36,8 @@ class LoopClosurePublisher {
   std::mutex publishing_;  // pages of two closures must not mix
 };
 
-/// Hands every closure of every publisher to `handler`, in order, on the thread of `Bus::Run`. Pages that cannot be are
-/// counted in `BusCounters::rejected`.
+/// Hands every closure of every publisher to `handler`, in order, on the thread of `Bus::Run`. Pages that cannot be
+/// are counted in `BusCounters::rejected`.
 class LoopClosureSubscriber {
  public:
   LoopClosureSubscriber(Bus& bus, std::function<void(const LoopClosure&)> handler);

@@ -9,7 +9,8 @@
 
 namespace plslam::bus {
 
-/// Sends the map: whoever owns it publishes every version once, in order, beginning with 1, the first on base version 0.
+/// Sends the map: whoever owns it publishes every version once, in order, beginning with 1, the first on base version
+/// 0.
 class MapUpdatePublisher {
  public:
   /// `asked`: a listener lacks what has been published. Called on the thread of `Bus::Run`; the owner of the map then
@@ -26,10 +27,10 @@ class MapUpdatePublisher {
   std::shared_ptr<State> state_;
 };
 
-/// Hears every update of the map in order, on the thread of `Bus::Run`: asks for the whole map where one is missing, at
-/// the start too, and again every 500 ms until it comes. When mapping_process has been started again its new map takes the
-/// place of the old one; of two publishers the one that was heard first is the old one. Pages that cannot be are counted in
-/// `BusCounters::rejected`.
+/// Hears every update of the map in order, on the thread of `Bus::Run`: asks for the whole map where one is missing,
+/// at the start too, and again every 500 ms until it comes. When mapping_process has been started again its new map
+/// takes the place of the old one; of two publishers the one that was heard first is the old one. Pages that cannot
+/// be are counted in `BusCounters::rejected`.
 class MapUpdateSubscriber {
  public:
   MapUpdateSubscriber(Bus& bus, std::function<void(MapUpdate)> handler);

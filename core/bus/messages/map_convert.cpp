@@ -64,26 +64,26 @@ std::optional<Eigen::Vector3d> PositionFromArray(const double (&values)[3]) {
   return p.allFinite() ? std::optional(p) : std::nullopt;
 }
 
-std::vector<sight_t> ToMessages(const std::vector<Sight>& sights) {
-  std::vector<sight_t> messages(sights.size());
-  for (size_t i = 0; i < sights.size(); ++i) {
-    messages[i].keyframe_id = sights[i].keyframe_id;
-    messages[i].feature = sights[i].feature;
+std::vector<observation_t> ToMessages(const std::vector<Observation>& observations) {
+  std::vector<observation_t> messages(observations.size());
+  for (size_t i = 0; i < observations.size(); ++i) {
+    messages[i].keyframe_id = observations[i].keyframe_id;
+    messages[i].feature = observations[i].feature;
   }
   return messages;
 }
 
-std::optional<std::vector<Sight>> FromMessages(const std::vector<sight_t>& messages) {
-  std::vector<Sight> sights;
-  sights.reserve(messages.size());
+std::optional<std::vector<Observation>> FromMessages(const std::vector<observation_t>& messages) {
+  std::vector<Observation> observations;
+  observations.reserve(messages.size());
   int64_t last = -1;
-  for (const sight_t& message : messages) {
+  for (const observation_t& message : messages) {
     const bool ok = message.keyframe_id > last && message.feature >= 0 && message.feature < kMaxFeature;
     if (!ok) return std::nullopt;
     last = message.keyframe_id;
-    sights.push_back({message.keyframe_id, message.feature});
+    observations.push_back({message.keyframe_id, message.feature});
   }
-  return sights;
+  return observations;
 }
 
 }  // namespace
@@ -140,18 +140,18 @@ map_point_t ToMessage(const MapPoint& point) {
   message.octave = static_cast<int8_t>(point.octave);
   message.depth_m = point.depth_m;
   ToBytes(point.descriptor, message.descriptor);
-  message.sights = ToMessages(point.sights);
-  message.n_sights = static_cast<int32_t>(message.sights.size());
+  message.observations = ToMessages(point.observations);
+  message.n_observations = static_cast<int32_t>(message.observations.size());
   return message;
 }
 
 std::optional<MapPoint> FromMessage(const map_point_t& message) {
   const auto p_w = PositionFromArray(message.p_w_m);
   const auto covariance = TriangleFromArray<3>(message.covariance_m2);
-  auto sights = FromMessages(message.sights);
+  auto observations = FromMessages(message.observations);
   const bool rest_ok = message.id >= 0 && std::isfinite(message.angle_rad) && message.octave >= 0 &&
                        message.octave <= kMaxOctave && std::isfinite(message.depth_m) && message.depth_m > 0.0;
-  if (!p_w || !covariance || !sights || !rest_ok) return std::nullopt;
+  if (!p_w || !covariance || !observations || !rest_ok) return std::nullopt;
   return MapPoint{.id = message.id,
                   .p_w = *p_w,
                   .covariance = *covariance,
@@ -159,7 +159,7 @@ std::optional<MapPoint> FromMessage(const map_point_t& message) {
                   .angle_rad = message.angle_rad,
                   .octave = static_cast<uint8_t>(message.octave),
                   .depth_m = message.depth_m,
-                  .sights = std::move(*sights)};
+                  .observations = std::move(*observations)};
 }
 
 map_line_t ToMessage(const MapLine& line) {
@@ -170,8 +170,8 @@ map_line_t ToMessage(const MapLine& line) {
   TriangleToArray<3>(line.covariance_p, message.covariance_p_m2);
   TriangleToArray<3>(line.covariance_q, message.covariance_q_m2);
   ToBytes(line.descriptor, message.descriptor);
-  message.sights = ToMessages(line.sights);
-  message.n_sights = static_cast<int32_t>(message.sights.size());
+  message.observations = ToMessages(line.observations);
+  message.n_observations = static_cast<int32_t>(message.observations.size());
   return message;
 }
 
@@ -180,14 +180,14 @@ std::optional<MapLine> FromMessage(const map_line_t& message) {
   const auto q = PositionFromArray(message.q_w_m);
   const auto covariance_p = TriangleFromArray<3>(message.covariance_p_m2);
   const auto covariance_q = TriangleFromArray<3>(message.covariance_q_m2);
-  auto sights = FromMessages(message.sights);
-  if (!p || !q || !covariance_p || !covariance_q || !sights || message.id < 0) return std::nullopt;
+  auto observations = FromMessages(message.observations);
+  if (!p || !q || !covariance_p || !covariance_q || !observations || message.id < 0) return std::nullopt;
   return MapLine{.id = message.id,
                  .segment_w = {*p, *q},
                  .covariance_p = *covariance_p,
                  .covariance_q = *covariance_q,
                  .descriptor = FromBytes(message.descriptor),
-                 .sights = std::move(*sights)};
+                 .observations = std::move(*observations)};
 }
 
 map_totals_t ToMessage(const MapTotals& totals) {
@@ -195,17 +195,17 @@ map_totals_t ToMessage(const MapTotals& totals) {
   message.n_keyframes = totals.keyframes;
   message.n_points = totals.points;
   message.n_lines = totals.lines;
-  message.n_point_sights = totals.point_sights;
-  message.n_line_sights = totals.line_sights;
+  message.n_point_observations = totals.point_observations;
+  message.n_line_observations = totals.line_observations;
   message.n_loops = totals.loops;
   return message;
 }
 
 std::optional<MapTotals> FromMessage(const map_totals_t& m) {
   const int64_t least =
-      std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops});
+      std::min({m.n_keyframes, m.n_points, m.n_lines, m.n_point_observations, m.n_line_observations, m.n_loops});
   if (least < 0) return std::nullopt;
-  return MapTotals{m.n_keyframes, m.n_points, m.n_lines, m.n_point_sights, m.n_line_sights, m.n_loops};
+  return MapTotals{m.n_keyframes, m.n_points, m.n_lines, m.n_point_observations, m.n_line_observations, m.n_loops};
 }
 
 map_adjustment_t ToMessage(const AdjustmentFigures& figures) {

@@ -17,9 +17,9 @@ class map_totals_t;
 
 namespace plslam::bus {
 
-// The parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their bits, covariances
-// of landmarks are rounded to single precision; what has been through once comes through again as it is, so a copy of
-// a map and the map have the same messages, byte for byte.
+// The parts of a map to messages and back, checked as in convert.h. Positions and poses keep all their bits,
+// covariances of landmarks are rounded to single precision; what has been through once comes through again as it is,
+// so a copy of a map and the map have the same messages, byte for byte.
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe);
 std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message);

@@ -26,7 +26,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.version = update.version;
   page.base_version = update.base_version;
   page.session_keyframe_id = update.session_keyframe_id;
-  page.settled = update.settled ? 1 : 0;
+  page.committed = update.committed ? 1 : 0;
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
   return page;
@@ -57,7 +57,7 @@ bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) {
   return true;
 }
 
-/// Of a landmark; one with the id of the one before goes on with its sights.
+/// Of a landmark; one with the id of the one before goes on with its observations.
 template <class Message, class Landmark>
 bool AppendOne(const Message& message, std::vector<Landmark>& to) {
   auto landmark = FromMessage(message);
@@ -67,11 +67,11 @@ bool AppendOne(const Message& message, std::vector<Landmark>& to) {
     to.push_back(std::move(*landmark));
     return true;
   }
-  std::vector<Sight>& sights = to.back().sights;
-  const bool goes_on = !landmark->sights.empty() && !sights.empty() &&
-                       landmark->sights.front().keyframe_id > sights.back().keyframe_id;
+  std::vector<Observation>& observations = to.back().observations;
+  const bool goes_on = !landmark->observations.empty() && !observations.empty() &&
+                       landmark->observations.front().keyframe_id > observations.back().keyframe_id;
   if (!goes_on) return false;
-  sights.insert(sights.end(), landmark->sights.begin(), landmark->sights.end());
+  observations.insert(observations.end(), landmark->observations.begin(), landmark->observations.end());
   return true;
 }
 
@@ -125,10 +125,10 @@ class AcceptedMessages {
   auto Of(const Value& value) {
     auto message = ToMessage(value);
     if (!AppendOne(message, taken_)) {
-      throw std::invalid_argument(
-          fmt::format("map update: {} {} cannot be: numbers that are not finite, or ids, keyframes or sights that do "
-                      "not ascend",
-                      kind_, NameOf(value)));
+      throw std::invalid_argument(fmt::format(
+          "map update: {} {} cannot be: numbers that are not finite, or ids, keyframes or observations that do "
+          "not ascend",
+          kind_, NameOf(value)));
     }
     if (taken_.size() > 1) taken_.erase(taken_.begin());
     return message;
@@ -154,7 +154,7 @@ void CutValues(const char* kind, const std::vector<Value>& values, int32_t map_u
 template <class Landmark, class Message>
 void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int32_t map_update_t::*count,
                   std::vector<Message> map_update_t::*list, UpdatePager& pager) {
-  static constexpr int64_t kSightBytes = 12;
+  static constexpr int64_t kObservationBytes = 12;
   const auto add = [&](Message message) {
     map_update_t& page = pager.PageFor(message._getEncodedSizeNoHash());
     (page.*list).push_back(std::move(message));
@@ -163,16 +163,16 @@ void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int3
   AcceptedMessages<Landmark> messages(kind);
   for (const Landmark& landmark : landmarks) {
     Message rest = messages.Of(landmark);
-    // More sights than a page holds go into entries of their own before the last.
+    // More observations than a page holds go into entries of their own before the last.
     while (rest._getEncodedSizeNoHash() > pager.room()) {
       Message part = rest;
       const int64_t excess = rest._getEncodedSizeNoHash() - pager.room();
-      const int64_t n = rest.n_sights - (excess + kSightBytes - 1) / kSightBytes;
+      const int64_t n = rest.n_observations - (excess + kObservationBytes - 1) / kObservationBytes;
       if (n <= 0) break;  // the pager says what is wrong
-      part.n_sights = static_cast<int32_t>(n);
-      part.sights.resize(static_cast<size_t>(n));
-      rest.sights.erase(rest.sights.begin(), rest.sights.begin() + n);
-      rest.n_sights -= part.n_sights;
+      part.n_observations = static_cast<int32_t>(n);
+      part.observations.resize(static_cast<size_t>(n));
+      rest.observations.erase(rest.observations.begin(), rest.observations.begin() + n);
+      rest.n_observations -= part.n_observations;
       add(std::move(part));
     }
     add(std::move(rest));
@@ -182,7 +182,7 @@ void CutLandmarks(const char* kind, const std::vector<Landmark>& landmarks, int3
 bool SameHead(const map_update_t& page, const MapUpdate& update) {
   return page.version == update.version && page.base_version == update.base_version &&
          page.header.session == update.session && page.session_keyframe_id == update.session_keyframe_id &&
-         (page.settled != 0) == update.settled;
+         (page.committed != 0) == update.committed;
 }
 
 }  // namespace
@@ -192,7 +192,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const auto adjustment = FromMessage(page.adjustment);
   const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
                           page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
-                          (page.settled == 0 || page.settled == 1);
+                          (page.committed == 0 || page.committed == 1);
   if (!totals || !adjustment || !numbers_ok) return std::nullopt;
   MapUpdate update;
   update.source = page.header.source;
@@ -201,7 +201,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   update.session = page.header.session;
   update.session_keyframe_id = page.session_keyframe_id;
   update.t_ns = page.header.t_ns;
-  update.settled = page.settled != 0;
+  update.committed = page.committed != 0;
   update.totals = *totals;
   update.adjustment = *adjustment;
   for (const stage_t& stage : page.stages) {

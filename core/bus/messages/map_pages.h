@@ -11,7 +11,7 @@
 namespace plslam::bus {
 
 /// `update` as pages of at most `page_bytes`. Throws std::invalid_argument that names what no reader would take:
-/// numbers that are not finite, ids or sights that do not ascend, keyframes older than their parents.
+/// numbers that are not finite, ids or observations that do not ascend, keyframes older than their parents.
 std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_bytes);
 
 /// What the head of a page says, without content (stages only from page 0); nullopt where it cannot be.

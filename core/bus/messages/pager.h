@@ -57,9 +57,9 @@ class Pager {
   std::vector<Page> pages_;
 };
 
-/// What became of a page. kComplete: `PageAssembler::Take` has the whole. kPassedOver: it goes on with something whose
-/// beginning or middle never came. kNonsense: a page that cannot be (values, counts). What had come is dropped with
-/// either.
+/// What became of a page. kComplete: `PageAssembler::Take` has the whole. kPassedOver: it goes on with something
+/// whose beginning or middle never came. kNonsense: a page that cannot be (values, counts). What had come is dropped
+/// with either.
 enum class PageOutcome { kTaken, kComplete, kPassedOver, kNonsense };
 
 /// How pages make a value.
@@ -129,8 +129,9 @@ class PageAssembler {
   std::optional<Value> complete_;
 };
 
-/// Hands every value that comes over `channel` by pages to `handler`, on the thread of `Bus::Run`, until what is returned goes
-/// away. Pages that cannot be, or that go on with what never began, are counted in `BusCounters::rejected`.
+/// Hands every value that comes over `channel` by pages to `handler`, on the thread of `Bus::Run`, until what is
+/// returned goes away. Pages that cannot be, or that go on with what never began, are counted in
+/// `BusCounters::rejected`.
 template <class Page, class Assembler, class Value>
 std::shared_ptr<void> SubscribePaged(Bus& bus, const Channel& channel, std::function<void(const Value&)> handler) {
   struct State {

@@ -11,8 +11,9 @@
 
 namespace plslam::bus {
 
-/// Puts a keyed MAC behind messages and checks it: BLAKE2b-256 (libsodium's crypto_generichash) over the channel name,
-/// a zero byte and the message. Without a key it adds nothing, and accepts messages with or without a MAC behind them.
+/// Puts a keyed MAC behind messages and checks it: BLAKE2b-256 (libsodium's crypto_generichash) over the channel
+/// name, a zero byte and the message. Without a key it adds nothing, and accepts messages with or without a MAC
+/// behind them.
 ///
 /// The MAC proves that the message was written by a holder of the key for this channel. It does not hide it, and old
 /// messages stay valid: the numbers in the header are what tells a replayed message from a new one.
@@ -20,8 +21,8 @@ class Authenticator {
  public:
   static constexpr size_t kMacBytes = 32;
 
-  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error where it cannot be read or is no key; warns where
-  /// its mode lets others than its owner have it.
+  /// `key_file` holds 64 hex digits; empty: no key. Throws std::runtime_error where it cannot be read or is no key;
+  /// warns where its mode lets others than its owner have it.
   explicit Authenticator(const std::string& key_file);
 
   bool has_key() const { return key_.has_value(); }

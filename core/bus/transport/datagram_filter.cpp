@@ -31,7 +31,8 @@ void Expect(Program& program, uint32_t value, size_t skipped) {
   program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, static_cast<uint8_t>(skipped), value});
 }
 
-// Keeps a datagram whose channel is this one. At most 64 bytes are compared by words, then by single bytes, two instructions each.
+// Keeps a datagram whose channel is this one. At most 64 bytes are compared by words, then by single bytes, two
+// instructions each.
 void KeepChannel(Program& program, const std::string& name) {
   const size_t size = name.size() + 1;  // with the zero that ends it
   const size_t words = size / 4;

@@ -6,8 +6,8 @@
 
 namespace plslam::bus {
 
-/// Tells numbers that have been taken before from new ones. They may come out of order among the newest 64; older ones
-/// count as taken.
+/// Tells numbers that have been taken before from new ones. They may come out of order among the newest 64; older
+/// ones count as taken.
 class ReplayWindow {
  public:
   /// True the first time. Precondition: seq >= 0.

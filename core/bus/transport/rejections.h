@@ -20,8 +20,8 @@ enum class Rejection {
   kNumber         // of the above
 };
 
-/// What this process has had to reject, by reason, and what foreign traffic it hears: counted, told once in the log, and
-/// shown as one line in the status. Time in nanoseconds of any steady clock; not thread-safe.
+/// What this process has had to reject, by reason, and what foreign traffic it hears: counted, told once in the log,
+/// and shown as one line in the status. Time in nanoseconds of any steady clock; not thread-safe.
 class Rejections {
  public:
   /// True for the first of its kind, which is worth a line in the log.
@@ -29,8 +29,8 @@ class Rejections {
   /// A process with another prefix is heard; true for the first word with that prefix.
   bool OtherPrefix(std::string_view prefix, int64_t now);
 
-  /// "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" of what happened within the last minute; empty
-  /// where nothing did.
+  /// "messages rejected: 1204 altered or with another bus.key_file (POSE), 3 malformed (STATUS)" of what happened
+  /// within the last minute; empty where nothing did.
   std::string Line(int64_t now) const;
 
   /// What is the matter with a message: "it is ...".

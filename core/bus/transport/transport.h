@@ -25,8 +25,8 @@ std::string EffectiveUrl(const std::string& url);
 /// What a receive buffer is asked for where the system allows more than its default.
 inline constexpr int64_t kWantedReceiveBuffer = 2'000'000;
 
-/// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver). `Send` and `Listen` are safe from any thread; `Receive`
-/// belongs to one.
+/// One LCM instance: URL, raw publishing and raw reception (of udpm by a receiver of our own, see UdpReceiver).
+/// `Send` and `Listen` are safe from any thread; `Receive` belongs to one.
 class Transport {
  public:
   enum class Kind { kUdpMulticast, kTcpRelay, kFileRead, kFileWrite, kMemory };
@@ -92,8 +92,8 @@ class Transport {
   Receiver receiver_;
 };
 
-/// What every program says of a multicast group that this host has no way to: `error_number` is the system's, 0 where it was not
-/// asked. Its remedy: `kMulticastOverLoopback`, as root, for processes of one host.
+/// What every program says of a multicast group that this host has no way to: `error_number` is the system's, 0 where
+/// it was not asked. Its remedy: `kMulticastOverLoopback`, as root, for processes of one host.
 std::string NoRouteToGroup(const std::string& group, int error_number = 0);
 inline constexpr std::array<const char*, 2> kMulticastOverLoopback = {"ip link set lo up multicast on",
                                                                       "ip route replace 224.0.0.0/4 dev lo"};

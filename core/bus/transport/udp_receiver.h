@@ -26,9 +26,9 @@ struct UdpGroup {
 /// Group of a `udpm://[ADDRESS][:PORT][?ttl=N&recv_buf_size=N]`; throws std::runtime_error where it is none.
 UdpGroup ParseUdpGroup(const std::string& url);
 
-/// Receives LCM messages of one packet each, which all of ours are. LCM 1.3.1 itself crashes on forged parts of longer
-/// messages (a first part without a channel name wraps its length) and remembers every channel name that it has ever
-/// seen, so what comes from a network does not go through it. For one thread.
+/// Receives LCM messages of one packet each, which all of ours are. LCM 1.3.1 itself crashes on forged parts of
+/// longer messages (a first part without a channel name wraps its length) and remembers every channel name that it
+/// has ever seen, so what comes from a network does not go through it. For one thread.
 class UdpReceiver {
  public:
   using Receiver = std::function<void(std::string_view channel, ByteView bytes)>;

@@ -18,7 +18,8 @@ using ByteView = std::span<const uint8_t>;
 /// Largest message that fits one datagram whatever the options say.
 inline constexpr size_t kMaxMessageBytes = 60000;
 
-/// Largest number of a message that is believed: far from what a publisher can reach, and sums with it do not overflow.
+/// Largest number of a message that is believed: far from what a publisher can reach, and sums with it do not
+/// overflow.
 inline constexpr int64_t kMaxNumber = int64_t{1} << 62;
 
 /// `header_t` as it stands at the begin of every message.
@@ -40,9 +41,9 @@ int32_t ReadInt32(const uint8_t* p);
 /// Header of a message of at least kWireHeaderBytes.
 WireHeader ReadHeader(ByteView message);
 
-/// Length of the message of type `layout` at the begin of `bytes`; nullopt where its fingerprint, sizes, array lengths
-/// or strings are not what the type allows or do not fit in `bytes`. LCM's generated decoders allocate whatever size
-/// they read; after this check they allocate at most a small multiple of `bytes`.
+/// Length of the message of type `layout` at the begin of `bytes`; nullopt where its fingerprint, sizes, array
+/// lengths or strings are not what the type allows or do not fit in `bytes`. LCM's generated decoders allocate
+/// whatever size they read; after this check they allocate at most a small multiple of `bytes`.
 std::optional<size_t> MessageLength(const MessageLayout& layout, ByteView bytes);
 
 }  // namespace plslam::bus

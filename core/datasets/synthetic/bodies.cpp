@@ -29,7 +29,8 @@ constexpr double kStopFrom_s = 3.0;
 constexpr double kStopTo_s = 5.0;
 constexpr double kStopRamp_s = 0.4;
 
-/// The time that a body which stops has got to on its path: as far as the real time at the end of each period, constant while it stops.
+/// The time that a body which stops has got to on its path: as far as the real time at the end of each period,
+/// constant while it stops.
 double StoppingTime(double t_s) {
   const double period = std::floor(t_s / kStopPeriod_s);
   const double s = t_s - period * kStopPeriod_s;
@@ -52,8 +53,8 @@ double StoppingTime(double t_s) {
   return period * kStopPeriod_s + speed * way;
 }
 
-/// How much of what takes a body `duration_s` and repeats every `period_s` is done, from 0 to 1; nullopt in the pauses, and before
-/// it first begins.
+/// How much of what takes a body `duration_s` and repeats every `period_s` is done, from 0 to 1; nullopt in the
+/// pauses, and before it first begins.
 std::optional<double> Progress(double t_s, double begin_s, double period_s, double duration_s) {
   const double since_s = t_s - begin_s;
   if (since_s < 0.0) {
@@ -76,8 +77,8 @@ Quad Panel(const Eigen::Vector3d& origin, const Eigen::Vector3d& s, const Eigen:
   return quad;
 }
 
-/// The four sides and the roof of a box about the origin, x right, y down, z ahead. Each has `panels` x `panels` pictures, which
-/// follow one another in `paints` from `first`.
+/// The four sides and the roof of a box about the origin, x right, y down, z ahead. Each has `panels` x `panels`
+/// pictures, which follow one another in `paints` from `first`.
 std::vector<Quad> MakeBox(const Eigen::Vector3d& size_m, int panels, const std::vector<int>& paints, int first,
                           const World& world) {
   const Eigen::Vector3d x(size_m.x(), 0.0, 0.0);

@@ -25,10 +25,11 @@ struct Stage {
   double baseline_m = 0.0;
 };
 
-/// Textured boxes that move through a world on paths of their own, and the bonnet that moves with the camera. Where one is at a
-/// time is a function of the options and the time alone.
+/// Textured boxes that move through a world on paths of their own, and the bonnet that moves with the camera. Where
+/// one is at a time is a function of the options and the time alone.
 ///
-/// A body moves in the level frame v that the camera's path makes when it is smoothed over 1.4 s: x right, y down, z ahead.
+/// A body moves in the level frame v that the camera's path makes when it is smoothed over 1.4 s: x right, y down, z
+/// ahead.
 class Bodies {
  public:
   Bodies() = default;
@@ -37,7 +38,8 @@ class Bodies {
 
   /// Boxes first, and last the bonnet where there is one.
   int size() const { return static_cast<int>(boxes_.size()) + (hood_.empty() ? 0 : 1); }
-  /// Pose of a body: of the middle of the box, or of the camera that carries the bonnet. nullopt while it is not there.
+  /// Pose of a body: of the middle of the box, or of the camera that carries the bonnet. nullopt while it is not
+  /// there.
   std::optional<SE3> T_w_b(int body, double frame) const;
   /// What is there at a frame (frames between whole numbers exist for motion blur), and the body of each quad.
   struct Surfaces {
@@ -63,10 +65,10 @@ class Bodies {
   Plan Lead(int i);
   /// A lorry from behind, 2 to 3 m to the left, that turns in ahead.
   Plan Overtake(int i);
-  /// From right to left at one depth, wholly out of sight before and afterwards.
+  /// From right to left at one depth, wholly out of view before and afterwards.
   Plan Cross(int i);
-  /// Of a camera that moves: drives ahead, stops for 2 s while the camera comes nearer, and drives on. Of one that stands:
-  /// crosses, and stops half way.
+  /// Of a camera that moves: drives ahead, stops for 2 s while the camera comes nearer, and drives on. Of one that
+  /// stands: crosses, and stops half way.
   Plan Stop(int i);
   /// Small ones that walk to the left and to the right, each at its own depth and speed.
   Plan Crowd(int i);

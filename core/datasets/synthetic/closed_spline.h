@@ -32,8 +32,8 @@ class ClosedSpline {
   std::vector<double> lengths_;
 };
 
-/// Control points about `spacing_m` apart on a rectangle of the given half sides with rounded corners, anticlockwise from
-/// the middle of the side at -y, heading +x.
+/// Control points about `spacing_m` apart on a rectangle of the given half sides with rounded corners, anticlockwise
+/// from the middle of the side at -y, heading +x.
 std::vector<Eigen::Vector2d> RoundedRectangle(double half_x_m, double half_y_m, double radius_m, double spacing_m);
 
 /// The control points about the origin, scaled so that the spline has this length.

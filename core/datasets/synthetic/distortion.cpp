@@ -60,7 +60,8 @@ Lens::Lens(const Intrinsics& intrinsics, const std::array<double, 4>& k) : recor
 }
 
 std::vector<float> Lens::Apply(const std::vector<float>& ideal) const {
-  // The mean of four bilinear taps half an ideal pixel off is the box of a recorded pixel, symmetric about its centre.
+  // The mean of four bilinear taps half an ideal pixel off is the box of a recorded pixel, symmetric about its
+  // centre.
   std::vector<float> out(map_.size());
   const auto fetch = [this, &ideal](float x, float y) {
     const int x0 = static_cast<int>(x);

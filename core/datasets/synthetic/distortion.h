@@ -44,8 +44,8 @@ class Lens {
   std::vector<Source> map_;
 };
 
-/// What a calibration misses of a pair of lenses: disparities that are off by a parabola over the columns of the left image,
-/// which is given at the centres of its left, middle and right third.
+/// What a calibration misses of a pair of lenses: disparities that are off by a parabola over the columns of the left
+/// image, which is given at the centres of its left, middle and right third.
 class DisparityBias {
  public:
   DisparityBias(const std::array<double, 3>& thirds_px, int width) : thirds_px_(thirds_px), width_(width) {}
@@ -53,8 +53,8 @@ class DisparityBias {
   bool is_zero() const { return thirds_px_ == std::array<double, 3>{}; }
   double At(double u_px) const;
 
-  /// The right image with it: its pixels are moved by what belongs to the columns where the left camera sees the same.
-  /// `depth_m` of the right image (0: infinitely far) and f b give these.
+  /// The right image with it: its pixels are moved by what belongs to the columns where the left camera sees the
+  /// same. `depth_m` of the right image (0: infinitely far) and f b give these.
   std::vector<float> Apply(const std::vector<float>& right, const std::vector<float>& depth_m,
                            double focal_baseline) const;
 

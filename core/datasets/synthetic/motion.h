@@ -11,7 +11,8 @@
 
 namespace plslam::synthetic {
 
-/// Where the left camera is at each frame, in the world's frame w. Frames between whole numbers exist for motion blur.
+/// Where the left camera is at each frame, in the world's frame w. Frames between whole numbers exist for motion
+/// blur.
 class Motion {
  public:
   virtual ~Motion() = default;
@@ -66,8 +67,8 @@ class ListedMotion : public Motion {
   std::vector<SE3> poses_;
 };
 
-/// A trajectory file in TUM (`t x y z qx qy qz qw`, seconds) or KITTI format (12 numbers, the rows of [R t]), told apart by
-/// the first line. Throws DatasetError with file, line and reason.
+/// A trajectory file in TUM (`t x y z qx qy qz qw`, seconds) or KITTI format (12 numbers, the rows of [R t]), told
+/// apart by the first line. Throws DatasetError with file, line and reason.
 struct FilePoses {
   std::vector<SE3> T_w_c;
   /// Strictly increasing; empty for KITTI files, which carry no times.

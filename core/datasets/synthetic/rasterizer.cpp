@@ -92,7 +92,7 @@ std::optional<ScreenQuad> Project(const Quad& quad, int index, const View& view)
   const Triple normal = Cross(e, g);
   const double determinant = Dot(normal, p);
   if (!rows || std::abs(determinant) < 1e-9 * std::sqrt(Dot(normal, normal))) {
-    return std::nullopt;  // out of sight, or seen exactly from its side
+    return std::nullopt;  // out of view, or seen exactly from its side
   }
   // The inverse of [e g p] takes a ray to (s, t, 1) / z.
   const Linear s = OverPixels(Cross(g, p), view, 1.0 / determinant);

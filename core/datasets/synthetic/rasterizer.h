@@ -66,8 +66,8 @@ struct ScreenQuad {
 /// The quads that may be seen in `view`.
 std::vector<ScreenQuad> ProjectQuads(const Scene& scene, const View& view);
 
-/// Which surface covers each pixel. Pixels crossed by a border hold a list of fragments beside the surface that covers
-/// them whole.
+/// Which surface covers each pixel. Pixels crossed by a border hold a list of fragments beside the surface that
+/// covers them whole.
 struct Visibility {
   struct Fragment {
     int surface = -1;

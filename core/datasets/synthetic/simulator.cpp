@@ -11,7 +11,8 @@
 namespace plslam::synthetic {
 namespace {
 
-// Images that are averaged to a blurred one: as many that edges move by this from one to the next, where they are so far away.
+// Images that are averaged to a blurred one: as many that edges move by this from one to the next, where they are so
+// far away.
 constexpr double kBlurStep_px = 1.5;
 constexpr double kBlurDepth_m = 2.0;
 constexpr int kMinBlurSteps = 5;
@@ -192,8 +193,8 @@ int Simulator::BlurSteps(const Eye& eye, double frame) const {
   const SE3 closes = motion_->At(frame + 0.5 * options_.blur);
   // The chord of the rotation; of angles as small it is their length.
   const double turn_rad = (closes.R() - opens.R()).norm() / std::sqrt(2.0);
-  const double way_m = (closes.translation() - opens.translation()).norm();
-  const double moved_px = eye.lens.ideal().fx * (turn_rad + way_m / kBlurDepth_m);
+  const double path_m = (closes.translation() - opens.translation()).norm();
+  const double moved_px = eye.lens.ideal().fx * (turn_rad + path_m / kBlurDepth_m);
   return std::clamp(static_cast<int>(std::ceil(moved_px / kBlurStep_px)), kMinBlurSteps, kMaxBlurSteps);
 }
 

@@ -14,8 +14,8 @@ struct Footprint {
   float dv_dy = 0.0F;
 };
 
-/// A grey texture with its mip-maps (2x2 means, centres aligned, so that no level is shifted against another). Sides are
-/// powers of two.
+/// A grey texture with its mip-maps (2x2 means, centres aligned, so that no level is shifted against another). Sides
+/// are powers of two.
 class Texture {
  public:
   enum class Border { kRepeat, kClamp };

@@ -16,8 +16,8 @@ constexpr float kCeilingTint = 18.0F;
 constexpr double kFade =
     0.22;  // share of a line's length over which it fades at each end, so that it has no end point
 
-/// A white face on which soft stripes are painted. In its four corners it has the same grey as every other face, so that
-/// the edges between faces fade there too.
+/// A white face on which soft stripes are painted. In its four corners it has the same grey as every other face, so
+/// that the edges between faces fade there too.
 class WhiteFace {
  public:
   WhiteFace(const Face& face, uint64_t seed, float tint)
@@ -88,8 +88,8 @@ double Contrast(Random& random) {
   return random.Chance(0.6) ? -random.Uniform(30.0, 42.0) : random.Uniform(26.0, 36.0);
 }
 
-/// Verticals and slanted stripes side by side, none of which crosses another; a rail below the ceiling and one above the
-/// floor.
+/// Verticals and slanted stripes side by side, none of which crosses another; a rail below the ceiling and one above
+/// the floor.
 void PaintWall(WhiteFace& wall) {
   Random& random = wall.random();
   const double height = wall.height_m();

@@ -12,7 +12,8 @@
 
 namespace plslam::synthetic {
 
-/// A textured parallelogram: the points origin + s * edge_s + t * edge_t with s and t in [0, 1], seen from both sides.
+/// A textured parallelogram: the points origin + s * edge_s + t * edge_t with s and t in [0, 1], seen from both
+/// sides.
 struct Quad {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   Eigen::Vector3d edge_s = Eigen::Vector3d::Zero();

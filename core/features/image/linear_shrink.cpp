@@ -99,8 +99,8 @@ LinearShrink::LinearShrink(cv::Size from, cv::Size to) : from_(from), to_(to) {
   if (from.width < kSpan) padded_.resize(kSpan);
 }
 
-/// (a (2048 - w) + b w) / 16 = 128 a + w (b - a) / 16. With w = 32 h + l that is 128 a + 2 h (b - a) + l (b - a) / 16, of
-/// which nothing exceeds 16 bits.
+/// (a (2048 - w) + b w) / 16 = 128 a + w (b - a) / 16. With w = 32 h + l that is 128 a + 2 h (b - a) + l (b - a) /
+/// 16, of which nothing exceeds 16 bits.
 PLSLAM_AVX2_CLONES
 void LinearShrink::ShrinkRow(const std::vector<Block>& blocks, const uint8_t* source, int16_t* out) {
   for (const Block& block : blocks) {

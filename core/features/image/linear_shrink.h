@@ -7,12 +7,13 @@
 
 namespace plslam {
 
-/// Shrinks 8-bit images of one size to another one by linear interpolation: pixel for pixel what cv::resize gives with
-/// INTER_LINEAR, in a third of the time, because columns and weights are known beforehand and eight pixels are picked
-/// by one shuffle.
+/// Shrinks 8-bit images of one size to another one by linear interpolation: pixel for pixel what cv::resize gives
+/// with INTER_LINEAR, in a third of the time, because columns and weights are known beforehand and eight pixels are
+/// picked by one shuffle.
 class LinearShrink {
  public:
-  /// Whether it can: sides of `to` have at least 8 pixels, those of `from` are as long or longer, but less than twice.
+  /// Whether it can: sides of `to` have at least 8 pixels, those of `from` are as long or longer, but less than
+  /// twice.
   static bool Fits(cv::Size from, cv::Size to);
 
   /// The sizes must fit.

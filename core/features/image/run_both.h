@@ -4,8 +4,8 @@
 
 namespace plslam {
 
-/// Runs two pieces of work that do not touch each other's data, and returns when both are done: side by side where the
-/// caller has a second thread, in turn otherwise. The result does not depend on which.
+/// Runs two pieces of work that do not touch each other's data, and returns when both are done: side by side where
+/// the caller has a second thread, in turn otherwise. The result does not depend on which.
 using RunBoth = std::function<void(const std::function<void()>&, const std::function<void()>&)>;
 
 inline void RunInTurn(const std::function<void()>& first, const std::function<void()>& second) {

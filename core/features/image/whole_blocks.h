@@ -2,9 +2,9 @@
 
 namespace plslam {
 
-/// Calls `run(begin, count)` so that a row of independent pixels is done in whole blocks of vector code: the last block
-/// overlaps the one before, which costs less than a remainder pixel by pixel. Only for kernels whose output is not
-/// their input.
+/// Calls `run(begin, count)` so that a row of independent pixels is done in whole blocks of vector code: the last
+/// block overlaps the one before, which costs less than a remainder pixel by pixel. Only for kernels whose output is
+/// not their input.
 template <int kBlock, class Run>
 void InWholeBlocks(int count, const Run& run) {
   const int whole = count / kBlock * kBlock;

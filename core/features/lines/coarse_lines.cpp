@@ -16,7 +16,8 @@ constexpr int kMaxSharp_px = 5;
 /// Sharp lines with which an image needs no others: so many, or this share of all that are wanted.
 constexpr double kEnoughSharp = 50.0;
 constexpr double kEnoughShare = 0.25;
-/// A coarse line is known already where lines of finer images run along this share of it, within these pixels of its own image.
+/// A coarse line is known already where lines of finer images run along this share of it, within these pixels of its
+/// own image.
 constexpr double kKnownShare = 0.3;
 constexpr double kKnownWithin_px = 2.5;
 constexpr double kMinCosine = 0.98;

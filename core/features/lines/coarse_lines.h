@@ -20,8 +20,8 @@ class CoarseLines {
   /// `detector` must outlive it.
   CoarseLines(LineDetector& detector, const LineOptions& options) : detector_(detector), options_(options) {}
 
-  /// Of `segments`, those of the whole `image`, takes the soft ones out where fewer than 50 are sharp (and fewer than a
-  /// quarter of `max_lines`), and adds what halved images show beside the others, with the octave of its image,
+  /// Of `segments`, those of the whole `image`, takes the soft ones out where fewer than 50 are sharp (and fewer than
+  /// a quarter of `max_lines`), and adds what halved images show beside the others, with the octave of its image,
   /// longest first. Else nothing changes.
   void Complete(const cv::Mat& image, const Gradients& gradients, std::vector<DetectedSegment>& segments);
 

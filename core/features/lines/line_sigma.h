@@ -9,9 +9,9 @@ namespace plslam {
 /// middle, +-1 at the endpoints, beyond them outside.
 ///
 /// A straight line through n independent edge places of deviation s has s / sqrt(n) in the middle and twice that at
-/// the ends: s^2 / n (1 + 3 t^2). s is image noise over contrast; a floor stands for what does not average out
-/// (edges that are not quite straight, rectification, sampling). Constants calibrated on rendered edges with noise. A line of a
-/// halved image has half of the noise, half of the places, and pixels of twice the size.
+/// the ends: s^2 / n (1 + 3 t^2). s is image noise over contrast; a floor stands for what does not average out (edges
+/// that are not quite straight, rectification, sampling). Constants calibrated on rendered edges with noise. A line
+/// of a halved image has half of the noise, half of the places, and pixels of twice the size.
 double LineSigma_px(double length_px, double contrast, double t, int octave = 0);
 
 /// The same at its ends, with what a blurred edge errs beyond its fit: its two sides need not be blurred alike.

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// Items by bucket, in one piece of memory (counting sort). Items of one bucket keep the order they were given in, and
-/// neighbouring buckets lie side by side.
+/// Items by bucket, in one piece of memory (counting sort). Items of one bucket keep the order they were given in,
+/// and neighbouring buckets lie side by side.
 template <class Item>
 class Buckets {
  public:

@@ -27,8 +27,8 @@ std::vector<CornerPlace> CornerPlacesOf(const std::vector<Point>& points) {
   return corners;
 }
 
-/// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away. Points that
-/// are not finite are left out.
+/// The points of one image in buckets, for fast queries by place. Holds copies, so the features may go away. Points
+/// that are not finite are left out.
 class PointGrid {
  public:
   /// A point as matching sees it; `index` is its place in the vector that the grid was made from.
@@ -94,16 +94,16 @@ struct PointQuery {
 
 /// For each query the index of its match in the vector that the grid was made from, or -1.
 ///
-/// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is at
-/// most `max_distance`, below `ratio` times the second best that is not the same corner in another octave (within 1.5
-/// pixels of the coarser one), if no other query is nearer to that point (mutual best; equal distances: the lower query),
-/// and, with `check_rotation`, if its turn agrees with most of the others.
+/// Among the points within the radius and the octave window the one with the nearest descriptor, if its distance is
+/// at most `max_distance`, below `ratio` times the second best that is not the same corner in another octave (within
+/// 1.5 pixels of the coarser one), if no other query is nearer to that point (mutual best; equal distances: the lower
+/// query), and, with `check_rotation`, if its turn agrees with most of the others.
 std::vector<int> MatchPointsByProjection(const std::vector<PointQuery>& queries, const PointGrid& grid,
                                          const MatchOptions& options);
 
-/// For each descriptor of `a` the index of its match in `b`, or -1: mutual best over all pairs, with `max_distance` and
-/// `ratio`. For recovery, where no prediction can be trusted. Works for points and lines alike. Of points, `corners_of_b`
-/// tells which of `b` are the same corner in several octaves, and no rivals.
+/// For each descriptor of `a` the index of its match in `b`, or -1: mutual best over all pairs, with `max_distance`
+/// and `ratio`. For recovery, where no prediction can be trusted. Works for points and lines alike. Of points,
+/// `corners_of_b` tells which of `b` are the same corner in several octaves, and no rivals.
 std::vector<int> MatchBruteForce(const std::vector<Descriptor>& a, const std::vector<Descriptor>& b,
                                  const MatchOptions& options, std::span<const CornerPlace> corners_of_b = {});
 

@@ -7,7 +7,8 @@
 
 namespace plslam {
 
-/// Distances of `query` to `count` descriptors in a row, into `distances`; what brute-force matching spends its time on.
+/// Distances of `query` to `count` descriptors in a row, into `distances`; what brute-force matching spends its time
+/// on.
 void HammingDistances(const Descriptor& query, const Descriptor* descriptors, int count, uint16_t* distances);
 
 /// A feature of one image as it is, of a stereo feature that in the left one.

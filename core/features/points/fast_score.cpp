@@ -29,9 +29,9 @@ Circle CircleAround(const uint8_t* row, size_t step) {
 
 /// Scores of `count` pixels from `row` on.
 ///
-/// The best arc's darkest pixel is the maximum over the 16 arcs of 9 of their minima. Arcs k and k+1 share 8 pixels, so
-/// they are done in pairs: min(the 8, max(the first, the last)). Minima of 8 come from those of 4 and 2. Written out,
-/// without arrays: this is the form that the compiler turns into vector code.
+/// The best arc's darkest pixel is the maximum over the 16 arcs of 9 of their minima. Arcs k and k+1 share 8 pixels,
+/// so they are done in pairs: min(the 8, max(the first, the last)). Minima of 8 come from those of 4 and 2. Written
+/// out, without arrays: this is the form that the compiler turns into vector code.
 PLSLAM_AVX2_CLONES
 void ScoreRow(const uint8_t* __restrict row, const Circle& c, int count, uint8_t* __restrict scores) {
   const uint8_t* __restrict r0 = c.p0;

@@ -27,8 +27,8 @@ struct BriefTest {
 };
 using BriefPattern = std::array<BriefTest, 256>;
 
-/// The pattern turned into an angle bin. Its 256 pairs are drawn from a seeded Gaussian (BRIEF's G-II, Calonder 2010),
-/// all within the patch for every turn.
+/// The pattern turned into an angle bin. Its 256 pairs are drawn from a seeded Gaussian (BRIEF's G-II, Calonder
+/// 2010), all within the patch for every turn.
 const BriefPattern& TurnedPattern(int bin);
 
 /// Steered BRIEF descriptors (Rublee 2011, §4) on blurred images.

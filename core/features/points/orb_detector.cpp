@@ -94,7 +94,8 @@ void DropWeakBesideStrong(int threshold, const cv::Rect& band, cv::Mat& scores) 
   }
 }
 
-/// Where the parabola through three equidistant values has its vertex, the middle one being the largest: in [-1/2, 1/2].
+/// Where the parabola through three equidistant values has its vertex, the middle one being the largest: in [-1/2,
+/// 1/2].
 double VertexOffset(int before, int middle, int after) {
   const int curvature = 2 * middle - before - after;
   return curvature > 0 ? 0.5 * (after - before) / curvature : 0.0;

@@ -13,7 +13,8 @@ namespace {
 /// The disc of the orientation, and one more column that its vector code reads.
 constexpr int kDescriptorMargin_px = kOrbPatchRadius_px + 1;
 
-/// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep enough).
+/// Points wanted of each level, in proportion to its side (as its edges' length, not its area: coarse levels keep
+/// enough).
 std::vector<int> LevelQuotas(const OrbOptions& options, int levels, int max_points) {
   std::vector<double> sides(levels, 1.0);
   for (int level = 1; level < levels; ++level) sides[level] = sides[level - 1] / options.scale_factor;

@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// Whether the bytes could be appended; false where no memory is left. For callbacks of C libraries, which no exception may
-/// pass through.
+/// Whether the bytes could be appended; false where no memory is left. For callbacks of C libraries, which no
+/// exception may pass through.
 inline bool AppendBytes(std::string& file, const void* bytes, size_t n) noexcept {
   try {
     file.append(static_cast<const char*>(bytes), n);

@@ -25,7 +25,8 @@
 ///   template <class Archive, class Self>
 ///   static void Fields(Archive& a, Self& self) { a(self.id, self.pose); }   // a member, also of private fields
 ///
-/// or as a free function `Fields(Archive&, T&)` in this namespace, where the layout belongs to a format and not to the type.
+/// or as a free function `Fields(Archive&, T&)` in this namespace, where the layout belongs to a format and not to
+/// the type.
 namespace plslam::archive {
 
 static_assert(std::endian::native == std::endian::little, "values are copied byte by byte");

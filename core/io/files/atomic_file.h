@@ -12,8 +12,8 @@ void WriteFileAtomically(const std::string& path, std::string_view content);
 /// One part behind the other.
 void WriteFileAtomically(const std::string& path, std::initializer_list<std::string_view> parts);
 
-/// Makes the folder, and those above it, where they are not there. An empty name is this folder: nothing is to be made.
-/// Throws std::runtime_error with one sentence.
+/// Makes the folder, and those above it, where they are not there. An empty name is this folder: nothing is to be
+/// made. Throws std::runtime_error with one sentence.
 void MakeFolder(const std::string& folder);
 
 }  // namespace plslam

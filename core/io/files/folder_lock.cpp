@@ -17,8 +17,8 @@
 namespace plslam {
 namespace {
 
-/// Processes that have a lock on a file of this number, as /proc/locks tells: "1: FLOCK ADVISORY WRITE PID MAJOR:MINOR:INODE ...".
-/// The device is left out: some file systems give another to stat().
+/// Processes that have a lock on a file of this number, as /proc/locks tells: "1: FLOCK ADVISORY WRITE PID
+/// MAJOR:MINOR:INODE ...". The device is left out: some file systems give another to stat().
 std::vector<pid_t> HoldersOf(ino_t inode) {
   std::vector<pid_t> holders;
   std::ifstream locks("/proc/locks");

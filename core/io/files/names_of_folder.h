@@ -5,8 +5,8 @@
 
 namespace plslam {
 
-/// What a folder is called, whole and without a slash at the end: as it was given, and, where that is through a link, as it
-/// really is. A dataset's name tells what belongs to it, and either may be the one that the benchmark gave it.
+/// What a folder is called, whole and without a slash at the end: as it was given, and, where that is through a link,
+/// as it really is. A dataset's name tells what belongs to it, and either may be the one that the benchmark gave it.
 std::vector<std::filesystem::path> NamesOfFolder(const std::filesystem::path& folder);
 
 }  // namespace plslam

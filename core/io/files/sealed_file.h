@@ -11,8 +11,8 @@
 
 namespace plslam {
 
-/// Of fields and content: BLAKE2b for files that are kept; Poly1305 with a key that everybody knows for those that are written
-/// all the time, which takes a seventh of that and sees damage as well.
+/// Of fields and content: BLAKE2b for files that are kept; Poly1305 with a key that everybody knows for those that
+/// are written all the time, which takes a seventh of that and sees damage as well.
 enum class Checksum { kBlake2b, kPoly1305 };
 
 /// A kind of file of ours: what it begins with, the format that this program knows, and what to call it.
@@ -36,15 +36,15 @@ static_assert(sizeof(Seal) == 56);
 /// Of a content that belongs behind it.
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
 
-/// The seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without its subject,
-/// where it is no such file, of another format, or not of that length.
+/// The seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without its
+/// subject, where it is no such file, of another format, or not of that length.
 Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length);
 
 /// Throws std::runtime_error where the content is not what was sealed.
 void CheckSeal(const FileKind& kind, const Seal& seal, std::span<const uint8_t> content);
 
-/// A file of that kind, of which the seal has been read: content is asked for only where it is one. Throws std::runtime_error, in a
-/// sentence without its subject.
+/// A file of that kind, of which the seal has been read: content is asked for only where it is one. Throws
+/// std::runtime_error, in a sentence without its subject.
 class SealedFileReader {
  public:
   SealedFileReader(const std::string& path, const FileKind& kind);

@@ -16,7 +16,8 @@ struct TextRow {
   bool has_commas;        ///< they separate the fields
   bool is_first = false;  ///< no row stands before it
 
-  /// The names of the columns of a list with commas, as some tools write them, without #: no number begins with a letter.
+  /// The names of the columns of a list with commas, as some tools write them, without #: no number begins with a
+  /// letter.
   bool IsCsvHeader() const;
 
   /// `PATH:LINE: MESSAGE`, thrown as std::runtime_error.

@@ -26,7 +26,8 @@ cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected);
 /// The same of whatever size.
 cv::Mat ReadGreyImage(const std::string& path);
 
-/// A 16-bit single-channel image (depth map). Throws DatasetError like `ReadGreyImage`, and where it has other pixels.
+/// A 16-bit single-channel image (depth map). Throws DatasetError like `ReadGreyImage`, and where it has other
+/// pixels.
 cv::Mat ReadDepthImage(const std::string& path, const ImageSize& expected);
 
 }  // namespace plslam

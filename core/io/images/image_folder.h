@@ -24,8 +24,8 @@ struct ImageKey {
 
 ImageKey KeyOfImage(const std::string& file_name);
 
-/// The images (png, jpg, jpeg, pgm; hidden files passed over) of a folder by their keys. Throws DatasetError where two
-/// have the same key, or the folder cannot be read or has none.
+/// The images (png, jpg, jpeg, pgm; hidden files passed over) of a folder by their keys. Throws DatasetError where
+/// two have the same key, or the folder cannot be read or has none.
 std::map<ImageKey, std::string> ListImages(const std::string& folder);
 
 }  // namespace plslam

@@ -18,8 +18,9 @@ struct ImageHeader {
   size_t data_offset = 0;
 };
 
-/// Header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, decoded by us so that
-/// the size is known before a decoder allocates anything. nullopt where the bytes are none of them or end too early.
+/// Header of a PNG (ISO/IEC 15948), JPEG (ITU-T T.81, any frame type) or binary PGM ("P5") file, decoded by us so
+/// that the size is known before a decoder allocates anything. nullopt where the bytes are none of them or end too
+/// early.
 std::optional<ImageHeader> ParseImageHeader(std::span<const uint8_t> bytes);
 
 /// Whether the file reaches the end mark of its format (PNG: chunk IEND; JPEG: marker EOI; PGM: all pixels).

@@ -50,8 +50,8 @@ void LimitJpegScans(j_common_ptr jpeg) {
   }
 }
 
-/// Whether `steps` ran to its end. libjpeg leaves it by longjmp where it cannot go on, past frames that have nothing to destroy:
-/// its own, and that of `steps`, which must be so.
+/// Whether `steps` ran to its end. libjpeg leaves it by longjmp where it cannot go on, past frames that have nothing
+/// to destroy: its own, and that of `steps`, which must be so.
 template <class Steps>
 bool RunJpegSteps(JpegErrors& errors, const Steps& steps) {
   if (setjmp(errors.way_out) != 0) return false;

@@ -26,8 +26,8 @@ using PngReason = std::array<char, 128>;
 
 void PassOverPngWarning(png_structp /*png*/, png_const_charp /*what*/) {}
 
-/// Whether `steps` ran to its end. libpng leaves it by longjmp where it cannot go on, past frames that have nothing to destroy:
-/// its own, and that of `steps`, which must be so.
+/// Whether `steps` ran to its end. libpng leaves it by longjmp where it cannot go on, past frames that have nothing
+/// to destroy: its own, and that of `steps`, which must be so.
 template <class Steps>
 bool RunPngSteps(png_structp png, const Steps& steps) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;

@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// Writes the image as PNG (`EncodePng`), whole or not at all (`WriteFileAtomically`). Throws std::runtime_error where the file
-/// cannot be written, std::invalid_argument where the image is none.
+/// Writes the image as PNG (`EncodePng`), whole or not at all (`WriteFileAtomically`). Throws std::runtime_error
+/// where the file cannot be written, std::invalid_argument where the image is none.
 void WritePng(const std::string& path, const cv::Mat& image, std::optional<int> compression = std::nullopt);
 
 }  // namespace plslam

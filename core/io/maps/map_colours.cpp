@@ -9,7 +9,7 @@
 namespace plslam {
 namespace {
 
-constexpr int kOldSights = 20;
+constexpr int kOldObservations = 20;
 constexpr double kLowShare = 0.02;
 constexpr double kHighShare = 0.98;
 
@@ -40,8 +40,8 @@ Colour HeightColours::operator()(const Eigen::Vector3d& p_w) const {
 }
 
 /// As in the pictures of the tracked features.
-Colour SightsColour(size_t sights) {
-  const double share = std::min(1.0, static_cast<double>(sights) / kOldSights);
+Colour ObservationsColour(size_t observations) {
+  const double share = std::min(1.0, static_cast<double>(observations) / kOldObservations);
   return {Channel(1.0 - share * 100.0 / 255.0), Channel((70.0 + 185.0 * share) / 255.0), Channel(1.0 - share)};
 }
 

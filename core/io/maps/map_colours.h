@@ -13,9 +13,9 @@ namespace plslam {
 /// Red, green, blue.
 using Colour = std::array<uint8_t, 3>;
 
-/// Colours points by their height over the others of the map: low blue, over green and yellow, to high red. Up is that of
-/// the map (VerticalOf).
-/// The highest and the lowest fiftieth take the colours of the ends, so that outliers do not take all the colours.
+/// Colours points by their height over the others of the map: low blue, over green and yellow, to high red. Up is
+/// that of the map (VerticalOf). The highest and the lowest fiftieth take the colours of the ends, so that outliers
+/// do not take all the colours.
 class HeightColours {
  public:
   explicit HeightColours(const Map& map);
@@ -31,6 +31,6 @@ class HeightColours {
 };
 
 /// Of a line by the keyframes that see it: violet for few, green for 20 and more.
-Colour SightsColour(size_t sights);
+Colour ObservationsColour(size_t observations);
 
 }  // namespace plslam

@@ -20,21 +20,21 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 constexpr FileKind kMapFile{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 1, "map file"};
 
-/// Reads landmarks of one kind into the map; returns how many sights they have.
+/// Reads landmarks of one kind into the map; returns how many observations they have.
 template <class Landmark>
 int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
   int64_t last_id = -1;
-  int64_t n_sights = 0;
+  int64_t n_observations = 0;
   for (uint64_t n = read.ReadCount(archive::MinBytes<Landmark>()); n > 0; --n) {
     Landmark landmark;
     read(landmark);
     map_file::Check(landmark, stored.features);
     if (landmark.id <= last_id) throw std::runtime_error("landmarks do not ascend");
     last_id = landmark.id;
-    n_sights += static_cast<int64_t>(landmark.sights.size());
+    n_observations += static_cast<int64_t>(landmark.observations.size());
     stored.map.Put(landmark);
   }
-  return n_sights;
+  return n_observations;
 }
 
 void ReadKeyframes(archive::Reader& read, StoredMap& stored) {
@@ -68,8 +68,8 @@ StoredMap ReadContent(Bytes content) {
   ReadKeyframes(read, stored);
   ReadMap(read, stored.features);
   for (const auto& [id, features] : stored.features) map_file::Check(id, features);
-  const int64_t point_sights = ReadLandmarks<MapPoint>(read, stored);
-  const int64_t line_sights = ReadLandmarks<MapLine>(read, stored);
+  const int64_t point_observations = ReadLandmarks<MapPoint>(read, stored);
+  const int64_t line_observations = ReadLandmarks<MapLine>(read, stored);
   std::vector<LoopEdge> loops;
   read(loops);
   for (const LoopEdge& loop : loops) {
@@ -77,7 +77,7 @@ StoredMap ReadContent(Bytes content) {
     stored.map.Add(loop);
   }
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
-  map_file::CheckWhole(stored, point_sights, line_sights);
+  map_file::CheckWhole(stored, point_observations, line_observations);
   stored.map.TakeChanges();
   return stored;
 }
@@ -109,7 +109,7 @@ void CheckAll(const StoredMap& stored) {
   for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
   for (const LoopEdge& loop : stored.map.loops()) map_file::Check(loop);
   const MapTotals totals = stored.map.Totals();
-  map_file::CheckWhole(stored, totals.point_sights, totals.line_sights);
+  map_file::CheckWhole(stored, totals.point_observations, totals.line_observations);
 }
 
 /// A little more than it will be.
@@ -120,7 +120,7 @@ size_t RoughLength(const StoredMap& stored) {
              static_cast<size_t>(totals.keyframes) * (MinBytes<MapKeyframe>() + 64) +
              static_cast<size_t>(totals.points) * MinBytes<MapPoint>() +
              static_cast<size_t>(totals.lines) * MinBytes<MapLine>() +
-             static_cast<size_t>(totals.point_sights + totals.line_sights) * MinBytes<Sight>();
+             static_cast<size_t>(totals.point_observations + totals.line_observations) * MinBytes<Observation>();
   for (const auto& [id, features] : stored.features) {
     n += features.points.size() * MinBytes<StereoPoint>() + features.lines.size() * MinBytes<StereoLine>();
   }

@@ -24,7 +24,7 @@ struct StoredMap {
   /// The camera it was made with, encoded by whoever compares it; opaque here.
   std::vector<uint8_t> rig;
   Map map;
-  /// Of the keyframes that the map has, by their number in it. Every sight is among them.
+  /// Of the keyframes that the map has, by their number in it. Every observation is among them.
   std::map<int64_t, StereoFeatures> features;
   /// Greater than any that was ever given.
   int64_t next_keyframe_id = 0;
@@ -36,19 +36,19 @@ struct StoredMap {
   int64_t version = 0;
 };
 
-/// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit, so that
-/// what is decoded is encoded to the same bytes again. See docs/map_files.md.
+/// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit,
+/// so that what is decoded is encoded to the same bytes again. See docs/map_files.md.
 ///
 /// Throws std::runtime_error where the map breaks what decoding demands.
 std::vector<uint8_t> EncodeMap(const StoredMap& stored);
 
-/// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a newer
-/// format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that do not
-/// ascend, sights of features that a keyframe does not have). Needs memory in proportion to the bytes.
+/// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a
+/// newer format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that
+/// do not ascend, observations of features that a keyframe does not have). Needs memory in proportion to the bytes.
 StoredMap DecodeMap(std::span<const uint8_t> bytes);
 
-/// Beside the file and renamed. Throws std::runtime_error, which names the file, where it cannot be written, and where the map has
-/// no keyframe: a file that was there stays.
+/// Beside the file and renamed. Throws std::runtime_error, which names the file, where it cannot be written, and
+/// where the map has no keyframe: a file that was there stays.
 void WriteMapFile(const std::string& path, const StoredMap& stored);
 
 /// Errors name the file.

@@ -44,17 +44,18 @@ bool IsFeature(const StereoLine& l) {
 }
 
 template <class Feature>
-void CheckSights(const char* kind, int64_t id, const std::vector<Sight>& sights,
-                 const std::map<int64_t, StereoFeatures>& features, std::vector<Feature> StereoFeatures::*of) {
+void CheckObservations(const char* kind, int64_t id, const std::vector<Observation>& observations,
+                       const std::map<int64_t, StereoFeatures>& features, std::vector<Feature> StereoFeatures::*of) {
   int64_t last = -1;
-  for (const Sight& sight : sights) {
-    Demand(sight.keyframe_id > last, "{} {} has sights that do not ascend by keyframe ({} after {})", kind, id,
-           sight.keyframe_id, last);
-    last = sight.keyframe_id;
-    const auto found = features.find(sight.keyframe_id);
+  for (const Observation& observation : observations) {
+    Demand(observation.keyframe_id > last, "{} {} has observations that do not ascend by keyframe ({} after {})",
+           kind, id, observation.keyframe_id, last);
+    last = observation.keyframe_id;
+    const auto found = features.find(observation.keyframe_id);
     const auto n = found == features.end() ? 0 : static_cast<int64_t>((found->second.*of).size());
-    Demand(sight.feature >= 0 && sight.feature < n, "{} {} is seen as feature {} of keyframe {}, which has {}", kind,
-           id, sight.feature, sight.keyframe_id, n);
+    Demand(observation.feature >= 0 && observation.feature < n,
+           "{} {} is seen as feature {} of keyframe {}, which has {}", kind, id, observation.feature,
+           observation.keyframe_id, n);
   }
 }
 
@@ -87,14 +88,14 @@ void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features)
   const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
                   p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;
   Demand(ok, "point {} has values that cannot be", p.id);
-  CheckSights("point", p.id, p.sights, features, &StereoFeatures::points);
+  CheckObservations("point", p.id, p.observations, features, &StereoFeatures::points);
 }
 
 void Check(const MapLine& l, const std::map<int64_t, StereoFeatures>& features) {
   const bool ok = l.id >= 0 && l.segment_w.p.allFinite() && l.segment_w.q.allFinite() &&
                   IsCovariance<3>(l.covariance_p) && IsCovariance<3>(l.covariance_q);
   Demand(ok, "line {} has values that cannot be", l.id);
-  CheckSights("line", l.id, l.sights, features, &StereoFeatures::lines);
+  CheckObservations("line", l.id, l.observations, features, &StereoFeatures::lines);
 }
 
 void Check(const LoopEdge& loop) {
@@ -103,7 +104,7 @@ void Check(const LoopEdge& loop) {
   Demand(ok, "the loop from keyframe {} to {} has values that cannot be", loop.old_keyframe_id, loop.keyframe_id);
 }
 
-void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sights) {
+void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t line_observations) {
   const Map& map = stored.map;
   Demand(stored.next_keyframe_id > LastId(map.keyframes()), "the next keyframe would be {}, and there is a {}",
          stored.next_keyframe_id, LastId(map.keyframes()));
@@ -113,7 +114,7 @@ void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sigh
          stored.next_line_id, LastId(map.lines()));
   Demand(stored.version >= 0, "the map's version is {}", stored.version);
   const MapTotals totals = map.Totals();
-  Demand(totals.point_sights == point_sights && totals.line_sights == line_sights,
+  Demand(totals.point_observations == point_observations && totals.line_observations == line_observations,
          "a feature belongs to several landmarks");
   for (const auto& [id, features] : stored.features) {
     Demand(map.FindKeyframe(id) != nullptr, "features are of keyframe {}, which the map does not have", id);

@@ -10,12 +10,12 @@ namespace plslam::map_file {
 
 void Check(const MapKeyframe& keyframe);
 void Check(int64_t keyframe_id, const StereoFeatures& features);
-/// Sights ascend and are of features that there are.
+/// Observations ascend and are of features that there are.
 void Check(const MapPoint& point, const std::map<int64_t, StereoFeatures>& features);
 void Check(const MapLine& line, const std::map<int64_t, StereoFeatures>& features);
 void Check(const LoopEdge& loop);
-/// Next numbers are greater than all that are in use, sessions and features name keyframes of the map, and each feature
-/// belongs to one landmark (there are as many sights in the map as `sights` were put).
-void CheckWhole(const StoredMap& stored, int64_t point_sights, int64_t line_sights);
+/// Next numbers are greater than all that are in use, sessions and features name keyframes of the map, and each
+/// feature belongs to one landmark (there are as many observations in the map as `observations` were put).
+void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t line_observations);
 
 }  // namespace plslam::map_file

@@ -35,19 +35,19 @@ void Fields(Archive& a, T& features) {
   a(features.points, features.lines);
 }
 
-template <class Archive, Is<Sight> T>
-void Fields(Archive& a, T& sight) {
-  a(sight.keyframe_id, sight.feature);
+template <class Archive, Is<Observation> T>
+void Fields(Archive& a, T& observation) {
+  a(observation.keyframe_id, observation.feature);
 }
 
 template <class Archive, Is<MapPoint> T>
 void Fields(Archive& a, T& p) {
-  a(p.id, p.p_w, p.covariance, p.descriptor, p.angle_rad, p.octave, p.depth_m, p.sights);
+  a(p.id, p.p_w, p.covariance, p.descriptor, p.angle_rad, p.octave, p.depth_m, p.observations);
 }
 
 template <class Archive, Is<MapLine> T>
 void Fields(Archive& a, T& l) {
-  a(l.id, l.segment_w.p, l.segment_w.q, l.covariance_p, l.covariance_q, l.descriptor, l.sights);
+  a(l.id, l.segment_w.p, l.segment_w.q, l.covariance_p, l.covariance_q, l.descriptor, l.observations);
 }
 
 template <class Archive, Is<LoopEdge> T>

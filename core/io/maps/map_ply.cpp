@@ -10,10 +10,10 @@
 namespace plslam {
 namespace {
 
-void AppendVertex(const Eigen::Vector3d& p_w, const Colour& colour, size_t sights, std::string& bytes) {
+void AppendVertex(const Eigen::Vector3d& p_w, const Colour& colour, size_t observations, std::string& bytes) {
   for (const double value : p_w) AppendLittleEndian(static_cast<float>(value), bytes);
   for (const uint8_t channel : colour) AppendLittleEndian(channel, bytes);
-  AppendLittleEndian(static_cast<int32_t>(sights), bytes);
+  AppendLittleEndian(static_cast<int32_t>(observations), bytes);
 }
 
 }  // namespace
@@ -23,17 +23,17 @@ std::string MapPly(const Map& map) {
   std::string ply = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment points, then both ends of each line; metres\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int sights\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty int observations\n"
       "element edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n",
       n_points + 2 * n_lines, n_lines);
   const HeightColours colour_of(map);
   for (const auto& [id, point] : map.points()) {
-    AppendVertex(point.p_w, colour_of(point.p_w), point.sights.size(), ply);
+    AppendVertex(point.p_w, colour_of(point.p_w), point.observations.size(), ply);
   }
   for (const auto& [id, line] : map.lines()) {
-    const Colour colour = SightsColour(line.sights.size());
-    AppendVertex(line.segment_w.p, colour, line.sights.size(), ply);
-    AppendVertex(line.segment_w.q, colour, line.sights.size(), ply);
+    const Colour colour = ObservationsColour(line.observations.size());
+    AppendVertex(line.segment_w.p, colour, line.observations.size(), ply);
+    AppendVertex(line.segment_w.q, colour, line.observations.size(), ply);
   }
   for (size_t i = 0; i < n_lines; ++i) {
     AppendLittleEndian(static_cast<int32_t>(n_points + 2 * i), ply);

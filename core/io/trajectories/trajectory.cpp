@@ -19,8 +19,8 @@ constexpr int64_t kNsPerS = 1'000'000'000;
 // The year 2115; the difference of two times within it fits 64 bits.
 constexpr int64_t kMaxTime_ns = 4'600'000'000 * kNsPerS;
 
-// 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which errors
-// would be infinite.
+// 25 times round the Earth. What is further away is a number in another column or of a solver that diverged, of which
+// errors would be infinite.
 constexpr double kMaxPosition_m = 1e9;
 
 void RequireFields(const TextRow& row, size_t n, const char* format) {

@@ -26,8 +26,8 @@ enum class TrajectoryFormat {
 /// `times_path` (one second value a line) or, without one, count frames as seconds; the other formats have times of
 /// their own and leave `times_path` unread.
 ///
-/// Empty lines, lines that begin with # and the names of columns with commas are passed over, and both ends of line are
-/// understood. Times must increase from row to row and are exact to the nanosecond (further digits are rounded).
+/// Empty lines, lines that begin with # and the names of columns with commas are passed over, and both ends of line
+/// are understood. Times must increase from row to row and are exact to the nanosecond (further digits are rounded).
 /// Quaternions and rotation matrices are normalised when they are within 1 % of a rotation. A file without rows is an
 /// empty trajectory. Anything else throws std::runtime_error with file, line and value.
 Trajectory ReadTrajectory(const std::string& path, const std::string& times_path = "");

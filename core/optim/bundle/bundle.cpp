@@ -9,25 +9,26 @@
 #include "core/optim/bundle/ceres_solver.h"
 #include "core/optim/bundle/line_cost.h"
 #include "core/optim/bundle/line_endpoint_cost.h"
+#include "core/optim/bundle/observation_group.h"
 #include "core/optim/bundle/point_cost.h"
 #include "core/optim/bundle/relative_poses.h"
 #include "core/optim/bundle/schur_solver.h"
-#include "core/optim/bundle/sight_group.h"
 
 namespace plslam {
 namespace {
 
-// Share of sights below which a change of outliers is not worth another pass.
+// Share of observations below which a change of outliers is not worth another pass.
 constexpr double kFewChanges = 0.005;
 
-template <class Sight>
-std::string IndexFault(const char* kind, const std::vector<Sight>& sights, size_t poses, size_t landmarks) {
+template <class Observation>
+std::string IndexFault(const char* kind, const std::vector<Observation>& observations, size_t poses,
+                       size_t landmarks) {
   const auto is_place = [](int i, size_t size) { return i >= 0 && static_cast<size_t>(i) < size; };
-  for (size_t i = 0; i < sights.size(); ++i) {
-    if (is_place(sights[i].pose, poses) && is_place(LandmarkOf(sights[i]), landmarks)) continue;
-    return std::string(kind) + " sight " + std::to_string(i) + " is of pose " + std::to_string(sights[i].pose) +
-           " of " + std::to_string(poses) + " and " + kind + " " + std::to_string(LandmarkOf(sights[i])) + " of " +
-           std::to_string(landmarks);
+  for (size_t i = 0; i < observations.size(); ++i) {
+    if (is_place(observations[i].pose, poses) && is_place(LandmarkOf(observations[i]), landmarks)) continue;
+    return std::string(kind) + " observation " + std::to_string(i) + " is of pose " +
+           std::to_string(observations[i].pose) + " of " + std::to_string(poses) + " and " + kind + " " +
+           std::to_string(LandmarkOf(observations[i])) + " of " + std::to_string(landmarks);
   }
   return {};
 }
@@ -49,9 +50,9 @@ std::string Fault(const BundleProblem& problem) {
     return "a relative pose is between poses " + std::to_string(relative.a) + " and " + std::to_string(relative.b) +
            " of " + std::to_string(problem.poses.size());
   }
-  std::string fault = IndexFault("point", problem.point_sights, problem.poses.size(), problem.points.size());
+  std::string fault = IndexFault("point", problem.point_observations, problem.poses.size(), problem.points.size());
   if (!fault.empty()) return fault;
-  return IndexFault("line", problem.line_sights, problem.poses.size(), problem.lines.size());
+  return IndexFault("line", problem.line_observations, problem.poses.size(), problem.lines.size());
 }
 
 // Where nothing is fixed, the first pose is held, so that the whole cannot float.
@@ -81,8 +82,8 @@ BundleResult AsGiven(const BundleProblem& problem) {
   for (const BundlePose& pose : problem.poses) result.T_w_c.push_back(pose.T_w_c);
   for (const BundlePoint& point : problem.points) result.points.push_back(point.p_w);
   for (const BundleLine& line : problem.lines) result.lines.push_back(line.segment_w);
-  result.point_inliers.assign(problem.point_sights.size(), false);
-  result.line_inliers.assign(problem.line_sights.size(), false);
+  result.point_inliers.assign(problem.point_observations.size(), false);
+  result.line_inliers.assign(problem.line_observations.size(), false);
   return result;
 }
 
@@ -95,8 +96,8 @@ class Adjustment {
         options_(options),
         gates_(MakeGates(options.gate_sigmas)),
         poses_(MakePoses(problem)),
-        points_(problem.points, problem.point_sights, options.huber_delta, poses_, problem.camera),
-        lines_(problem.lines, problem.line_sights, options.huber_delta, poses_, problem.camera),
+        points_(problem.points, problem.point_observations, options.huber_delta, poses_, problem.camera),
+        lines_(problem.lines, problem.line_observations, options.huber_delta, poses_, problem.camera),
         relative_poses_(problem.relative_poses, poses_) {}
 
   BundleResult Run(const std::atomic<bool>* stop, BundleCovariances covariances) {
@@ -122,9 +123,9 @@ class Adjustment {
     }
     points_.HoldUndetermined();
     lines_.HoldUndetermined();
-    StepJudge judge(Actions(), options_, stop);
+    StepControl control(Actions(), options_, stop);
     const bool dense = CountFree(poses_) <= options_.max_dense_poses;
-    const bool solved = dense ? SolveDensely(judge, result) : SolveSparsely(judge, result);
+    const bool solved = dense ? SolveDensely(control, result) : SolveSparsely(control, result);
     RestoreLost();
     if (!solved) result.reason = "the solver failed";
     return solved;
@@ -142,8 +143,8 @@ class Adjustment {
     }
   }
 
-  SightActions Actions() {
-    SightActions actions;
+  ObservationActions Actions() {
+    ObservationActions actions;
     actions.loss = [this] {
       const LossSum points = points_.Loss();
       const LossSum lines = lines_.Loss();
@@ -157,30 +158,30 @@ class Adjustment {
     return actions;
   }
 
-  bool SolveDensely(StepJudge& judge, BundleResult& result) {
+  bool SolveDensely(StepControl& control, BundleResult& result) {
     LandmarkElimination<PointCost> points(points_);
     LandmarkElimination<Line> lines(lines_);
     SchurSolver solver(poses_, relative_poses_, {&points, &lines}, options_);
-    return RunPasses(solver, judge, result);
+    return RunPasses(solver, control, result);
   }
 
-  bool SolveSparsely(StepJudge& judge, BundleResult& result) {
+  bool SolveSparsely(StepControl& control, BundleResult& result) {
     CeresSolver solver(poses_, relative_poses_, points_.ParameterCount() + lines_.ParameterCount(), options_);
     solver.Add(points_);
     solver.Add(lines_);
-    return RunPasses(solver, judge, result);
+    return RunPasses(solver, control, result);
   }
 
   template <class Solver>
-  bool RunPasses(Solver& solver, StepJudge& judge, BundleResult& result) {
+  bool RunPasses(Solver& solver, StepControl& control, BundleResult& result) {
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
-      const BundlePass pass = solver.Run(judge, refinement == 0 && options_.max_refinements > 0);
+      const BundlePass pass = solver.Run(control, refinement == 0 && options_.max_refinements > 0);
       result.stopped = pass.stopped;
-      result.settled |= !pass.stopped;
+      result.converged |= !pass.stopped;
       result.iterations += pass.iterations;
       if (!pass.ok || !IsFinite()) return false;
       const int changed = points_.Gate(gates_) + lines_.Gate(gates_);
-      if (changed <= kFewChanges * (points_.sight_count() + lines_.sight_count())) break;
+      if (changed <= kFewChanges * (points_.observation_count() + lines_.observation_count())) break;
     }
     return true;
   }
@@ -218,12 +219,12 @@ class Adjustment {
   }
 
   BundleRms Rms(State state) const {
-    const SightSums points = points_.Sum(state);
-    const SightSums lines = lines_.Sum(state);
+    const ObservationSums points = points_.Sum(state);
+    const ObservationSums lines = lines_.Sum(state);
     BundleRms rms;
     rms.normalised = std::sqrt((points.squares + lines.squares) / std::max(1.0, points.rows + lines.rows));
-    rms.point_px = std::sqrt(points.squares_px / std::max(1.0, points.sights));
-    rms.line_px = std::sqrt(lines.squares_px / std::max(1.0, lines.sights));
+    rms.point_px = std::sqrt(points.squares_px / std::max(1.0, points.observations));
+    rms.line_px = std::sqrt(lines.squares_px / std::max(1.0, lines.observations));
     return rms;
   }
 
@@ -231,8 +232,8 @@ class Adjustment {
   const BundleOptions& options_;
   Gates gates_;
   std::vector<AdjustedPose> poses_;
-  SightGroup<PointCost> points_;
-  SightGroup<Line> lines_;
+  ObservationGroup<PointCost> points_;
+  ObservationGroup<Line> lines_;
   RelativePoses relative_poses_;
 };
 

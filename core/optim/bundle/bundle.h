@@ -29,7 +29,7 @@ struct BundleLine {
 };
 
 /// `pose` sees `point` at (u, v, disparity); a disparity below zero is not used.
-struct PointSight {
+struct PointObservation {
   int pose = -1;
   int point = -1;
   Eigen::Vector3d uvd = Eigen::Vector3d::Zero();
@@ -38,7 +38,7 @@ struct PointSight {
 };
 
 /// `pose` sees `line` as a segment with disparities at its ends (below zero: not used).
-struct LineSight {
+struct LineObservation {
   int pose = -1;
   int line = -1;
   Segment2 observed;
@@ -63,8 +63,8 @@ struct BundleProblem {
   std::vector<BundlePose> poses;
   std::vector<BundlePoint> points;
   std::vector<BundleLine> lines;
-  std::vector<PointSight> point_sights;
-  std::vector<LineSight> line_sights;
+  std::vector<PointObservation> point_observations;
+  std::vector<LineObservation> line_observations;
   /// Only between poses that see something; those whose covariance is not positive definite do not count. The
   /// covariances of the result leave them out.
   std::vector<RelativePose> relative_poses;
@@ -73,8 +73,8 @@ struct BundleProblem {
 /// Those of many poses take longer than their adjustment.
 enum class BundleCovariances { kAll, kNone };
 
-/// Normalised (standard deviations) and in pixels of the left image, over the sights that are inliers in the end: of
-/// points, and of lines across (the rms of the two ends).
+/// Normalised (standard deviations) and in pixels of the left image, over the observations that are inliers in the
+/// end: of points, and of lines across (the rms of the two ends).
 struct BundleRms {
   double normalised = 0.0;
   double point_px = 0.0;
@@ -90,15 +90,15 @@ struct BundleResult {
   std::vector<Eigen::Vector3d> points;
   std::vector<Segment3> lines;
   /// Of the right perturbation of each pose, given the fixed poses (zero for those; a kilometre and ten turns where
-  /// nothing is seen, or the whole cannot be inverted); of positions and endpoints given
-  /// all poses (conditional), across the line only for endpoints. Zero for landmarks that are fixed or have no inlier,
-  /// which are as given. Empty where `ok` is false or none were asked for.
+  /// nothing is seen, or the whole cannot be inverted); of positions and endpoints given all poses (conditional),
+  /// across the line only for endpoints. Zero for landmarks that are fixed or have no inlier, which are as given.
+  /// Empty where `ok` is false or none were asked for.
   std::vector<Matrix6d> pose_covariances;
   std::vector<Eigen::Matrix3d> point_covariances;
   std::vector<Eigen::Matrix3d> line_p_covariances;
   std::vector<Eigen::Matrix3d> line_q_covariances;
-  /// In the order of the sights: those that agree in the end. Sights of landmarks behind a camera never do, nor do those
-  /// that do not determine their landmark any more once others are gone.
+  /// In the order of the observations: those that agree in the end. Observations of landmarks behind a camera never
+  /// do, nor do those that do not determine their landmark any more once others are gone.
   std::vector<bool> point_inliers;
   std::vector<bool> line_inliers;
   BundleRms before;
@@ -106,17 +106,18 @@ struct BundleResult {
   int iterations = 0;
   bool stopped = false;
   /// A pass came to its end: where none did, poses were on their way, and inliers say little.
-  bool settled = false;
+  bool converged = false;
 };
 
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks
 /// eliminated first (Schur complement: `SchurSolver`, or Ceres for many poses), outliers removed between passes.
-/// Residuals are whitened vectors in both images; points and lines stand side by side. One thread, so equal input gives
-/// equal output.
+/// Residuals are whitened vectors in both images; points and lines stand side by side. One thread, so equal input
+/// gives equal output.
 ///
 /// What cannot be measured (not finite, sigmas that are not positive, segments without length) is never an inlier. A
-/// landmark whose sights leave a direction open (one view without disparity, infinity) stays near where it was given
-/// in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is held.
+/// landmark whose observations leave a direction open (one view without disparity, infinity) stays near where it was
+/// given in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is
+/// held.
 ///
 /// `stop`, if given, is looked at before each pass and between iterations: when it is set, the best state so far is
 /// returned.

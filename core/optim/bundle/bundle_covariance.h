@@ -4,16 +4,16 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/optim/bundle/observation_group.h"
 #include "core/optim/bundle/reduced_information.h"
-#include "core/optim/bundle/sight_group.h"
 
 namespace plslam {
 
-/// Covariances of an adjustment's result, from the inliers' information at the end: landmarks are eliminated one by one
-/// (Schur complement), and what is left is inverted.
+/// Covariances of an adjustment's result, from the inliers' information at the end: landmarks are eliminated one by
+/// one (Schur complement), and what is left is inverted.
 ///
-/// Each sight counts with its robust weight, times what turns the inverse of the weighted information into an honest
-/// covariance (see RobustExpectation). Residuals larger than the sigmas promise enlarge all of them.
+/// Each observation counts with its robust weight, times what turns the inverse of the weighted information into an
+/// honest covariance (see RobustExpectation). Residuals larger than the sigmas promise enlarge all of them.
 class BundleCovariance {
  public:
   BundleCovariance(int free_poses, double huber_delta, double gate_sigmas)
@@ -22,10 +22,10 @@ class BundleCovariance {
         reduced_(free_poses),
         free_poses_(free_poses) {}
 
-  /// Eliminates the landmarks of one kind. Returns the covariances of their parameters given all poses, before `Excess`;
-  /// zero for those that are fixed, without inliers, or cannot be inverted.
+  /// Eliminates the landmarks of one feature type. Returns the covariances of their parameters given all poses,
+  /// before `Excess`; zero for those that are fixed, without inliers, or cannot be inverted.
   template <class Cost>
-  std::vector<typename SightGroup<Cost>::Information> Eliminate(const SightGroup<Cost>& group);
+  std::vector<typename ObservationGroup<Cost>::Information> Eliminate(const ObservationGroup<Cost>& group);
 
   /// Factor by which all covariances grow: weighted squares over those expected, at least 1.
   double Excess() const;
@@ -48,29 +48,31 @@ class BundleCovariance {
 };
 
 template <class Cost>
-std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(const SightGroup<Cost>& group) {
-  using Information = typename SightGroup<Cost>::Information;
-  constexpr int kSize = SightGroup<Cost>::kSize;
+std::vector<typename ObservationGroup<Cost>::Information> BundleCovariance::Eliminate(
+    const ObservationGroup<Cost>& group) {
+  using Information = typename ObservationGroup<Cost>::Information;
+  constexpr int kSize = ObservationGroup<Cost>::kSize;
   constexpr int kRows = Cost::kMaxRows;
   std::vector<Information> covariances(group.landmarks().size(), Information::Zero());
   std::vector<std::pair<int, Coupling<Cost>>> couplings;
   Eigen::Matrix<double, kRows, 1> r;
   Eigen::Matrix<double, kRows, 6, Eigen::RowMajor> by_pose;
   Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor> by_landmark;
-  group.ForEachLandmark([&](size_t i, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
+  group.ForEachLandmark([&](size_t i, const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end) {
     const auto& landmark = group.landmarks()[i];
     Information H = group.PriorInformation(i);
     couplings.clear();
     bool seen = false;
-    for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
-      if (!sight->active) continue;
+    for (const AdjustedObservation<Cost>* observation = begin; observation != end; ++observation) {
+      if (!observation->active) continue;
       r.setZero();
       by_pose.setZero();
       by_landmark.setZero();
-      const CameraView& view = sight->pose->view;
-      if (!sight->cost.Evaluate(view, landmark.x.data(), r.data(), by_pose.data(), by_landmark.data())) continue;
+      const CameraView& view = observation->pose->view;
+      if (!observation->cost.Evaluate(view, landmark.x.data(), r.data(), by_pose.data(), by_landmark.data()))
+        continue;
       seen = true;
-      const int rows = sight->cost.rows();
+      const int rows = observation->cost.rows();
       const RobustExpectation& expected = expectations_[rows];
       const double squared = r.squaredNorm();
       const double weight = PseudoHuberWeight(squared, delta_);
@@ -79,7 +81,7 @@ std::vector<typename SightGroup<Cost>::Information> BundleCovariance::Eliminate(
       rows_ += rows;
       const double information = weight * expected.A * expected.A / (expected.B * expected.weight);
       if (landmark.free) H.noalias() += information * by_landmark.transpose() * by_landmark;
-      const int column = sight->pose->column;
+      const int column = observation->pose->column;
       if (column < 0) continue;
       reduced_.Add(column, column, information * by_pose.transpose() * by_pose);
       if (landmark.free) couplings.emplace_back(column, information * by_pose.transpose() * by_landmark);

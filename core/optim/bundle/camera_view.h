@@ -20,8 +20,8 @@ struct CameraView {
 
 /// A pose as six free numbers x = [a; w] around where it started: `R = R_start Exp(w)`, `t_w_c = t_start + a`.
 ///
-/// A plain vector space needs no manifold, whose product with each Jacobian costs as much as the Jacobian itself. By a
-/// the derivative is minus the one by a point of the world, so it is free; rotations stay below half a turn.
+/// A plain vector space needs no manifold, whose product with each Jacobian costs as much as the Jacobian itself. By
+/// a the derivative is minus the one by a point of the world, so it is free; rotations stay below half a turn.
 class AdjustedPose {
  public:
   AdjustedPose() = default;
@@ -42,11 +42,11 @@ class AdjustedPose {
  public:
   bool IsFree() const { return column >= 0; }
   /// Free, and something is seen from it.
-  bool IsAdjusted() const { return IsFree() && sights > 0; }
+  bool IsAdjusted() const { return IsFree() && observations > 0; }
 
   int column = -1;
-  int sights = 0;
-  /// At the end: by a sight that agrees, or a relative pose.
+  int observations = 0;
+  /// At the end: by an observation that agrees, or a relative pose.
   bool held = false;
   Vector6d x = Vector6d::Zero();
   CameraView view;

@@ -41,7 +41,7 @@ CeresSolver::CeresSolver(std::vector<AdjustedPose>& poses, const RelativePoses& 
                          const BundleOptions& options)
     : poses_(poses),
       options_(options),
-      sight_loss_(options.huber_delta),
+      observation_loss_(options.huber_delta),
       relative_loss_(RelativePoses::kDelta),
       problem_(ProblemOptions(this)),
       parameters_(landmark_numbers) {
@@ -59,11 +59,11 @@ CeresSolver::CeresSolver(std::vector<AdjustedPose>& poses, const RelativePoses& 
   }
 }
 
-BundlePass CeresSolver::Run(StepJudge& judge, bool trim) {
-  pass_ = {true, judge.IsStopped(), 0};
+BundlePass CeresSolver::Run(StepControl& control, bool trim) {
+  pass_ = {true, control.IsStopped(), 0};
   // Preparing alone takes a while.
   if (pass_.stopped) return pass_;
-  judge_ = &judge;
+  control_ = &control;
   trim_ = trim;
   finished_ = false;
   ceres::Solver::Summary summary;
@@ -101,15 +101,15 @@ void CeresSolver::PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluat
   if (!evaluate_jacobians) return;
   // Jacobians at a point that was evaluated already: the step to it was accepted.
   if (new_evaluation_point) {
-    judge_->Start(trim_);
+    control_->Start(trim_);
   } else {
-    finished_ = !judge_->GoesOn();
+    finished_ = !control_->GoesOn();
   }
 }
 
 ceres::CallbackReturnType CeresSolver::operator()(const ceres::IterationSummary& summary) {
   pass_.iterations = summary.iteration;
-  pass_.stopped = judge_->IsStopped();
+  pass_.stopped = control_->IsStopped();
   return pass_.stopped || finished_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
 }
 

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/optim/bundle/observation_group.h"
 #include "core/optim/bundle/pose_system.h"
-#include "core/optim/bundle/sight_group.h"
 
 namespace plslam {
 
@@ -23,15 +23,15 @@ struct Damping {
   }
 };
 
-/// The landmarks of one kind in a step of all poses and landmarks. Each ties together only the poses that see it, and no
-/// other landmark, so it is solved for in terms of those poses (Schur complement): what is left is a system of the poses
-/// alone. Losses are twice the costs.
+/// The landmarks of one feature type in a step of all poses and landmarks. Each ties together only the poses that see
+/// it, and no other landmark, so it is solved for in terms of those poses (Schur complement): what is left is a
+/// system of the poses alone. Losses are twice the costs.
 class EliminatedLandmarks {
  public:
   virtual ~EliminatedLandmarks() = default;
 
-  /// Information and gradient at the state as it is, which is evaluated; those of poses are added to `poses`. Returns the
-  /// loss.
+  /// Information and gradient at the state as it is, which is evaluated; those of poses are added to `poses`. Returns
+  /// the loss.
   virtual double Linearise(PoseSystem& poses) = 0;
 
   /// Takes from `poses` what the landmarks, damped, are free to take up. False where one cannot be solved for.
@@ -53,7 +53,7 @@ class EliminatedLandmarks {
 template <class Cost>
 class LandmarkElimination final : public EliminatedLandmarks {
  public:
-  explicit LandmarkElimination(SightGroup<Cost>& group);
+  explicit LandmarkElimination(ObservationGroup<Cost>& group);
 
   double Linearise(PoseSystem& poses) override;
   bool Eliminate(const Damping& damping, PoseSystem& poses) override;
@@ -63,10 +63,10 @@ class LandmarkElimination final : public EliminatedLandmarks {
   double Steepest() const override;
 
  private:
-  static constexpr int kSize = SightGroup<Cost>::kSize;
+  static constexpr int kSize = ObservationGroup<Cost>::kSize;
   static constexpr int kRows = Cost::kMaxRows;
   using Parameters = typename Cost::Landmark::Parameters;
-  using Information = typename SightGroup<Cost>::Information;
+  using Information = typename ObservationGroup<Cost>::Information;
 
   /// How a landmark hangs together with a pose that sees it.
   struct Coupling {
@@ -89,13 +89,13 @@ class LandmarkElimination final : public EliminatedLandmarks {
     size_t first;
   };
 
-  void LineariseSights(const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end, Block& block,
-                       PoseSystem& poses);
+  void LineariseObservations(const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end,
+                             Block& block, PoseSystem& poses);
   size_t EndOf(size_t block) const {
     return block + 1 < blocks_.size() ? blocks_[block + 1].first : couplings_.size();
   }
 
-  SightGroup<Cost>& group_;
+  ObservationGroup<Cost>& group_;
   std::vector<Block> blocks_;
   std::vector<Coupling> couplings_;
 };
@@ -105,41 +105,42 @@ class LandmarkElimination final : public EliminatedLandmarks {
 namespace plslam {
 
 template <class Cost>
-LandmarkElimination<Cost>::LandmarkElimination(SightGroup<Cost>& group) : group_(group) {
+LandmarkElimination<Cost>::LandmarkElimination(ObservationGroup<Cost>& group) : group_(group) {
   blocks_.reserve(group.landmarks().size());
-  couplings_.reserve(group.sight_count());
+  couplings_.reserve(group.observation_count());
 }
 
 template <class Cost>
 double LandmarkElimination<Cost>::Linearise(PoseSystem& poses) {
   blocks_.clear();
   couplings_.clear();
-  group_.ForEachLandmark([&](size_t i, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
+  group_.ForEachLandmark([&](size_t i, const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end) {
     auto& landmark = group_.landmarks()[i];
     Block block;
     block.landmark = &landmark;
     block.first = couplings_.size();
     block.H = group_.PriorInformation(i);
     block.g.noalias() = block.H * (landmark.x - landmark.start);
-    LineariseSights(begin, end, block, poses);
+    LineariseObservations(begin, end, block, poses);
     if (landmark.free && begin != end) blocks_.push_back(block);
   });
   return group_.Loss().loss + group_.PriorLoss();
 }
 
 template <class Cost>
-void LandmarkElimination<Cost>::LineariseSights(const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end,
-                                                Block& block, PoseSystem& poses) {
+void LandmarkElimination<Cost>::LineariseObservations(const AdjustedObservation<Cost>* begin,
+                                                      const AdjustedObservation<Cost>* end, Block& block,
+                                                      PoseSystem& poses) {
   Eigen::Matrix<double, kRows, 1> r;
   Eigen::Matrix<double, kRows, 6, Eigen::RowMajor> by_pose;
   Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor> by_landmark;
   const bool free_landmark = block.landmark->free;
-  for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
-    const int pose = sight->pose->column;
-    if (!sight->active || (pose < 0 && !free_landmark)) continue;
-    if (!sight->Evaluate(r.data(), pose < 0 ? nullptr : by_pose.data(), by_landmark.data())) continue;
-    const int rows = sight->cost.rows();
-    const double root = std::sqrt(PseudoHuberWeight(sight->now.squared, group_.huber_delta()));
+  for (const AdjustedObservation<Cost>* observation = begin; observation != end; ++observation) {
+    const int pose = observation->pose->column;
+    if (!observation->active || (pose < 0 && !free_landmark)) continue;
+    if (!observation->Evaluate(r.data(), pose < 0 ? nullptr : by_pose.data(), by_landmark.data())) continue;
+    const int rows = observation->cost.rows();
+    const double root = std::sqrt(PseudoHuberWeight(observation->now.squared, group_.huber_delta()));
     r.head(rows) *= root;
     by_landmark.topRows(rows) *= root;
     for (int row = rows; row < kRows; ++row) {
@@ -232,9 +233,9 @@ void LandmarkElimination<Cost>::TakeBack() {
 
 template <class Cost>
 double LandmarkElimination<Cost>::Loss() const {
-  group_.ForEachLandmark([](size_t, const AdjustedSight<Cost>* begin, const AdjustedSight<Cost>* end) {
-    for (const AdjustedSight<Cost>* sight = begin; sight != end; ++sight) {
-      if (sight->active) sight->Refit();
+  group_.ForEachLandmark([](size_t, const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end) {
+    for (const AdjustedObservation<Cost>* observation = begin; observation != end; ++observation) {
+      if (observation->active) observation->Refit();
     }
   });
   return group_.Loss().loss + group_.PriorLoss();

@@ -30,15 +30,15 @@ ObservedImage::ObservedImage(const Eigen::Vector2d& p_px, const Eigen::Vector2d&
   offset_px = normal.dot(0.5 * (p_px + q_px));
 }
 
-ObservedImages::ObservedImages(const LineSight& sight, const StereoCamera& camera) {
+ObservedImages::ObservedImages(const LineObservation& observation, const StereoCamera& camera) {
   const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
-  const Eigen::Vector2d p = sight.observed.p - centre;
-  const Eigen::Vector2d q = sight.observed.q - centre;
+  const Eigen::Vector2d p = observation.observed.p - centre;
+  const Eigen::Vector2d q = observation.observed.q - centre;
   left = ObservedImage(p, q, camera.f_px, 0.0);
-  const Eigen::Vector2d p_right = p - sight.disparity_p_px * Eigen::Vector2d::UnitX();
-  const Eigen::Vector2d q_right = q - sight.disparity_q_px * Eigen::Vector2d::UnitX();
-  has_right =
-      sight.disparity_p_px >= 0.0 && sight.disparity_q_px >= 0.0 && (q_right - p_right).norm() >= kMinLength_px;
+  const Eigen::Vector2d p_right = p - observation.disparity_p_px * Eigen::Vector2d::UnitX();
+  const Eigen::Vector2d q_right = q - observation.disparity_q_px * Eigen::Vector2d::UnitX();
+  has_right = observation.disparity_p_px >= 0.0 && observation.disparity_q_px >= 0.0 &&
+              (q_right - p_right).norm() >= kMinLength_px;
   if (has_right) right = ObservedImage(p_right, q_right, camera.f_px, camera.baseline_m);
 }
 
@@ -70,10 +70,10 @@ std::array<Eigen::Matrix3d, 2> AdjustedLine::EndCovariances(const Eigen::Matrix4
           across * covariance.bottomRightCorner<2, 2>() * across.transpose()};
 }
 
-LineCost::LineCost(const LineSight& sight, const AdjustedLine& line, const CameraView& view,
+LineCost::LineCost(const LineObservation& observation, const AdjustedLine& line, const CameraView& view,
                    const StereoCamera& camera)
-    : line_(&line), weight_(1.0 / sight.sigma_px), min_depth_m_(camera.MinDepth()) {
-  const ObservedImages images(sight, camera);
+    : line_(&line), weight_(1.0 / observation.sigma_px), min_depth_m_(camera.MinDepth()) {
+  const ObservedImages images(observation, camera);
   left_ = images.left;
   right_ = images.right;
   has_right_ = images.has_right;
@@ -81,9 +81,10 @@ LineCost::LineCost(const LineSight& sight, const AdjustedLine& line, const Camer
   const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
   const auto end = [&](const Eigen::Vector2d& px, double sigma_disparity_px) {
     return End{0.0, ((px - centre) / camera.f_px).homogeneous(),
-               1.0 / std::hypot(right_.normal.x() * sigma_disparity_px, kRightOwnShare * sight.sigma_px)};
+               1.0 / std::hypot(right_.normal.x() * sigma_disparity_px, kRightOwnShare * observation.sigma_px)};
   };
-  ends_ = {end(sight.observed.p, sight.sigma_disparity_p_px), end(sight.observed.q, sight.sigma_disparity_q_px)};
+  ends_ = {end(observation.observed.p, observation.sigma_disparity_p_px),
+           end(observation.observed.q, observation.sigma_disparity_q_px)};
   Anchor(view, line);
 }
 
@@ -94,7 +95,7 @@ void LineCost::Anchor(const CameraView& view, const AdjustedLine& line) {
   for (End& end : ends_) end.along = std::clamp(AlongAt(end.ray, p, q), -kMaxSeenBeyond, 1.0 + kMaxSeenBeyond);
 }
 
-bool LineCost::IsUsable(const LineSight& s) {
+bool LineCost::IsUsable(const LineObservation& s) {
   const bool finite = s.observed.p.allFinite() && s.observed.q.allFinite() && std::isfinite(s.disparity_p_px) &&
                       std::isfinite(s.disparity_q_px) && std::isfinite(s.sigma_px);
   if (!finite || !(s.sigma_px > 0.0) || !(s.observed.Length() >= kMinLength_px)) return false;

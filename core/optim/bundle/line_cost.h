@@ -30,9 +30,10 @@ struct ObservedImage {
   double baseline_m = 0.0;
 };
 
-/// Both images of a sight; `has_right` is false where a disparity is missing or the right segment has no length.
+/// Both images of an observation; `has_right` is false where a disparity is missing or the right segment has no
+/// length.
 struct ObservedImages {
-  ObservedImages(const LineSight& sight, const StereoCamera& camera);
+  ObservedImages(const LineObservation& observation, const StereoCamera& camera);
 
   ObservedImage left;
   ObservedImage right;
@@ -68,12 +69,12 @@ struct AdjustedLine {
 };
 
 /// One view of a line: for each end of the observed segment, the place of the landmark that was seen there (found
-/// between passes, and carried along by the endpoints) is compared with the infinite observed lines in the left and the right
-/// image. Whitened distances; rows: left p, right p, left q, right q; without disparities left p, left q.
+/// between passes, and carried along by the endpoints) is compared with the infinite observed lines in the left and
+/// the right image. Whitened distances; rows: left p, right p, left q, right q; without disparities left p, left q.
 ///
-/// So the noise is stated where it arises, at the two ends, and the distances stay nearly linear in the parameters. The
-/// right end has the error of the left one across the line minus that of its disparity; the right rows hold what is
-/// not explained by the left ones. A line parallel to the baseline has almost nothing in them, and gets no weight.
+/// So the noise is stated where it arises, at the two ends, and the distances stay nearly linear in the parameters.
+/// The right end has the error of the left one across the line minus that of its disparity; the right rows hold what
+/// is not explained by the left ones. A line parallel to the baseline has almost nothing in them, and gets no weight.
 class LineCost {
  public:
   using Landmark = AdjustedLine;
@@ -81,10 +82,11 @@ class LineCost {
   static constexpr bool kShiftsAgainstCamera = false;
 
   LineCost() = default;
-  LineCost(const LineSight& sight, const AdjustedLine& line, const CameraView& view, const StereoCamera& camera);
+  LineCost(const LineObservation& observation, const AdjustedLine& line, const CameraView& view,
+           const StereoCamera& camera);
 
   /// False for what cannot be measured: not finite, sigmas that are not positive, segments without length.
-  static bool IsUsable(const LineSight& sight);
+  static bool IsUsable(const LineObservation& observation);
 
   /// Finds what was seen.
   void Anchor(const CameraView& view, const AdjustedLine& line);

@@ -45,22 +45,22 @@ std::array<Eigen::Matrix3d, 2> AdjustedEndpoints::EndCovariances(const Matrix6d&
           project * covariance.bottomRightCorner<3, 3>() * project};
 }
 
-LineEndpointCost::LineEndpointCost(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view,
-                                   const StereoCamera& camera)
-    : start_px_(sight.observed.p - Eigen::Vector2d(camera.cx_px, camera.cy_px)),
-      length_px_(sight.observed.Length()),
-      sigma_px_(sight.sigma_px),
-      sigma_disparity_p_px_(sight.sigma_disparity_p_px),
-      sigma_disparity_q_px_(sight.sigma_disparity_q_px),
+LineEndpointCost::LineEndpointCost(const LineObservation& observation, const AdjustedEndpoints& line,
+                                   const CameraView& view, const StereoCamera& camera)
+    : start_px_(observation.observed.p - Eigen::Vector2d(camera.cx_px, camera.cy_px)),
+      length_px_(observation.observed.Length()),
+      sigma_px_(observation.sigma_px),
+      sigma_disparity_p_px_(observation.sigma_disparity_p_px),
+      sigma_disparity_q_px_(observation.sigma_disparity_q_px),
       min_depth_m_(camera.MinDepth()) {
-  const ObservedImages images(sight, camera);
+  const ObservedImages images(observation, camera);
   left_ = images.left;
   right_ = images.right;
   rows_ = images.has_right ? 4 : 2;
   Anchor(view, line);
 }
 
-bool LineEndpointCost::IsUsable(const LineSight& sight) { return LineCost::IsUsable(sight); }
+bool LineEndpointCost::IsUsable(const LineObservation& observation) { return LineCost::IsUsable(observation); }
 
 void LineEndpointCost::Anchor(const CameraView& view, const AdjustedEndpoints& line) {
   const double tilt = rows_ == 4 ? right_.normal.x() : 0.0;

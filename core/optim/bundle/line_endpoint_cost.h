@@ -31,9 +31,9 @@ struct AdjustedEndpoints {
   bool free;
 };
 
-/// One view of a line as in the paper (PL-SLAM §V.B): whitened distances of the projected endpoints to the infinite lines
-/// through the observed segment, in the left and the right image. Rows: left p, left q, right p, right q; without
-/// disparities the left ones.
+/// One view of a line as in the paper (PL-SLAM §V.B): whitened distances of the projected endpoints to the infinite
+/// lines through the observed segment, in the left and the right image. Rows: left p, left q, right p, right q;
+/// without disparities the left ones.
 ///
 /// The observed line is known at its ends, so the distances are correlated and less certain beyond them (see
 /// core/motion/line_residual.h). Where the endpoints are along it is found between passes.
@@ -44,11 +44,11 @@ class LineEndpointCost {
   static constexpr bool kShiftsAgainstCamera = false;
 
   LineEndpointCost() = default;
-  LineEndpointCost(const LineSight& sight, const AdjustedEndpoints& line, const CameraView& view,
+  LineEndpointCost(const LineObservation& observation, const AdjustedEndpoints& line, const CameraView& view,
                    const StereoCamera& camera);
 
   /// As `LineCost::IsUsable`.
-  static bool IsUsable(const LineSight& sight);
+  static bool IsUsable(const LineObservation& observation);
 
   /// Weighs by where the endpoints are.
   void Anchor(const CameraView& view, const AdjustedEndpoints& line);

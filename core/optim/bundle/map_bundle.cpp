@@ -7,8 +7,8 @@
 namespace plslam {
 namespace {
 
-// Errors at which the map contradicts a motion by the tracker. Squared, in standard deviations; and in metres or radians, since
-// the standard deviations of a standing camera are tiny.
+// Errors at which the map contradicts a motion by the tracker. Squared, in standard deviations; and in metres or
+// radians, since the standard deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
 constexpr double kContradicted = 0.1;
 
@@ -31,12 +31,12 @@ void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {
   }
 }
 
-template <class Kind, class BundleSight>
-void AddSights(const std::vector<int64_t>& ids, const Map& map, const KeyframeFeatures& features,
-               const MapBundle& bundle, std::vector<BundleSight>& sights) {
-  ForEachSight<Kind>(bundle, ids, map, features, [&](int pose, int landmark, const Sight& sight) {
-    const auto& of_keyframe = Kind::Features(features.at(sight.keyframe_id));
-    sights.push_back(SightOf(pose, landmark, of_keyframe[static_cast<size_t>(sight.feature)]));
+template <class Type, class BundleObservation>
+void AddObservations(const std::vector<int64_t>& ids, const Map& map, const KeyframeFeatures& features,
+                     const MapBundle& bundle, std::vector<BundleObservation>& observations) {
+  ForEachObservation<Type>(bundle, ids, map, features, [&](int pose, int landmark, const Observation& observation) {
+    const auto& of_keyframe = Type::Features(features.at(observation.keyframe_id));
+    observations.push_back(ObservationOf(pose, landmark, of_keyframe[static_cast<size_t>(observation.feature)]));
   });
 }
 
@@ -53,8 +53,8 @@ MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const 
   }
   for (const int64_t id : bundle.points) problem.points.push_back({map.FindPoint(id)->p_w});
   for (const int64_t id : bundle.lines) problem.lines.push_back({map.FindLine(id)->segment_w});
-  AddSights<PointKind>(bundle.points, map, features, bundle, problem.point_sights);
-  AddSights<LineKind>(bundle.lines, map, features, bundle, problem.line_sights);
+  AddObservations<PointType>(bundle.points, map, features, bundle, problem.point_observations);
+  AddObservations<LineType>(bundle.lines, map, features, bundle, problem.line_observations);
   if (relative_sigma > 0.0) AddMotions(map, relative_sigma, bundle);
   return bundle;
 }

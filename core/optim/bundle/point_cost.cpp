@@ -6,20 +6,21 @@
 
 namespace plslam {
 
-PointCost::PointCost(const PointSight& sight, const AdjustedPoint&, const CameraView&, const StereoCamera& camera)
-    : uvd_(sight.uvd.x() - camera.cx_px, sight.uvd.y() - camera.cy_px, sight.uvd.z()),
-      weight_(1.0 / sight.sigma_px),
-      weight_disparity_(1.0 / sight.sigma_disparity_px),
+PointCost::PointCost(const PointObservation& observation, const AdjustedPoint&, const CameraView&,
+                     const StereoCamera& camera)
+    : uvd_(observation.uvd.x() - camera.cx_px, observation.uvd.y() - camera.cy_px, observation.uvd.z()),
+      weight_(1.0 / observation.sigma_px),
+      weight_disparity_(1.0 / observation.sigma_disparity_px),
       f_px_(camera.f_px),
       focal_baseline_(camera.FocalBaseline()),
       min_depth_m_(camera.MinDepth()),
-      rows_(sight.uvd.z() >= 0.0 ? 3 : 2) {}
+      rows_(observation.uvd.z() >= 0.0 ? 3 : 2) {}
 
-bool PointCost::IsUsable(const PointSight& sight) {
-  const bool finite = sight.uvd.allFinite() && std::isfinite(sight.sigma_px);
-  const bool disparity =
-      sight.uvd.z() < 0.0 || (sight.sigma_disparity_px > 0.0 && std::isfinite(sight.sigma_disparity_px));
-  return finite && sight.sigma_px > 0.0 && disparity;
+bool PointCost::IsUsable(const PointObservation& observation) {
+  const bool finite = observation.uvd.allFinite() && std::isfinite(observation.sigma_px);
+  const bool disparity = observation.uvd.z() < 0.0 ||
+                         (observation.sigma_disparity_px > 0.0 && std::isfinite(observation.sigma_disparity_px));
+  return finite && observation.sigma_px > 0.0 && disparity;
 }
 
 bool PointCost::Evaluate(const CameraView& view, const double* p_w, double* residuals, double* by_pose,

@@ -33,10 +33,11 @@ class PointCost {
   static constexpr bool kShiftsAgainstCamera = true;
 
   PointCost() = default;
-  PointCost(const PointSight& sight, const AdjustedPoint& point, const CameraView& view, const StereoCamera& camera);
+  PointCost(const PointObservation& observation, const AdjustedPoint& point, const CameraView& view,
+            const StereoCamera& camera);
 
   /// False for what cannot be measured: not finite, or sigmas that are not positive.
-  static bool IsUsable(const PointSight& sight);
+  static bool IsUsable(const PointObservation& observation);
 
   /// What is taken from the state between passes: nothing.
   void Anchor(const CameraView&, const AdjustedPoint&) {}

@@ -10,8 +10,8 @@
 
 namespace plslam {
 
-/// The information matrix of the free poses once landmarks are eliminated: 6 x 6 blocks of a symmetric matrix, of which
-/// the upper ones are kept and only where two poses share a landmark.
+/// The information matrix of the free poses once landmarks are eliminated: 6 x 6 blocks of a symmetric matrix, of
+/// which the upper ones are kept and only where two poses share a landmark.
 class ReducedInformation {
  public:
   /// Starts with next to nothing on the diagonal (a kilometre, ten turns), so that what nobody saw is very uncertain.

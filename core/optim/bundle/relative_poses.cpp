@@ -54,7 +54,7 @@ RelativePoses::RelativePoses(const std::vector<RelativePose>& measured, std::vec
   for (const RelativePose& relative : measured) {
     AdjustedPose& a = poses[static_cast<size_t>(relative.a)];
     AdjustedPose& b = poses[static_cast<size_t>(relative.b)];
-    if (a.sights == 0 || b.sights == 0) continue;
+    if (a.observations == 0 || b.observations == 0) continue;
     const RelativePoseCost cost(relative, a, b);
     if (cost.IsUsable()) costs_.push_back(cost);
   }

@@ -32,7 +32,8 @@ class RelativePoseCost {
   bool usable_ = false;
 };
 
-/// The relative poses of an adjustment that count: measured well, between poses that see something, of which one is free.
+/// The relative poses of an adjustment that count: measured well, between poses that see something, of which one is
+/// free.
 class RelativePoses {
  public:
   /// Where their loss turns linear, in standard deviations.

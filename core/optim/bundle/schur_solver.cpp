@@ -9,14 +9,14 @@ namespace plslam {
 namespace {
 
 // Limits as those of Ceres.
-constexpr double kMinQuality = 1e-3;
+constexpr double kMinGainRatio = 1e-3;
 constexpr double kFlat = 1e-10;
 constexpr int kMaxWithoutStep = 5;
 
 }  // namespace
 
-void TrustRegion::Accepted(double quality) {
-  radius_ = std::min(1e16, radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * quality - 1.0, 3)));
+void TrustRegion::Accepted(double gain_ratio) {
+  radius_ = std::min(1e16, radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain_ratio - 1.0, 3)));
   shrink_ = 2.0;
 }
 
@@ -35,20 +35,20 @@ SchurSolver::SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& 
       system_(CountFree(poses)),
       reduced_(system_) {}
 
-BundlePass SchurSolver::Run(StepJudge& judge, bool trim) {
-  BundlePass pass{true, judge.IsStopped(), 0};
+BundlePass SchurSolver::Run(StepControl& control, bool trim) {
+  BundlePass pass{true, control.IsStopped(), 0};
   if (pass.stopped) return pass;
   TrustRegion region;
   double loss = Linearise();
-  judge.Start(trim);
+  control.Start(trim);
   int without_step = 0;
   while (pass.iterations < options_.max_iterations && !IsFlat() && !pass.stopped) {
     ++pass.iterations;
-    const std::optional<double> foretold = Step(region.damping());
-    pass.stopped = judge.IsStopped();
-    if (!foretold || *foretold <= 0.0) {
+    const std::optional<double> predicted_reduction = Step(region.damping());
+    pass.stopped = control.IsStopped();
+    if (!predicted_reduction || *predicted_reduction <= 0.0) {
       if (++without_step == kMaxWithoutStep) {
-        pass.ok = foretold.has_value();
+        pass.ok = predicted_reduction.has_value();
         break;
       }
       region.Rejected();
@@ -56,9 +56,9 @@ BundlePass SchurSolver::Run(StepJudge& judge, bool trim) {
     }
     without_step = 0;
     const double gain = loss - Loss();
-    if (gain > kMinQuality * *foretold) {
-      region.Accepted(gain / *foretold);
-      if (!judge.GoesOn()) break;
+    if (gain > kMinGainRatio * *predicted_reduction) {
+      region.Accepted(gain / *predicted_reduction);
+      if (!control.GoesOn()) break;
       if (pass.iterations < options_.max_iterations && !pass.stopped) loss = Linearise();
     } else {
       TakeBack();
@@ -101,17 +101,17 @@ std::optional<double> SchurSolver::Step(const Damping& damping) {
     if (root.info() != Eigen::Success) return std::nullopt;
     step = -root.solve(reduced_.g);
   }
-  double foretold = step.dot(of_poses.cwiseProduct(step) - system_.g);
-  for (EliminatedLandmarks* kind : kinds_) foretold += kind->Step(step);
+  double predicted_reduction = step.dot(of_poses.cwiseProduct(step) - system_.g);
+  for (EliminatedLandmarks* kind : kinds_) predicted_reduction += kind->Step(step);
   for (size_t i = 0; i < poses_.size(); ++i) {
     if (!poses_[i].IsFree()) continue;
     before_[i] = poses_[i].x;
     poses_[i].x += step.segment<6>(6 * poses_[i].column);
     poses_[i].Update();
   }
-  if (foretold > 0.0) return foretold;
+  if (predicted_reduction > 0.0) return predicted_reduction;
   TakeBack();
-  return std::isfinite(foretold) ? std::optional(foretold) : std::nullopt;
+  return std::isfinite(predicted_reduction) ? std::optional(predicted_reduction) : std::nullopt;
 }
 
 void SchurSolver::TakeBack() {

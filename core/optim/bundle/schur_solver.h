@@ -7,17 +7,17 @@
 #include "core/optim/bundle/camera_view.h"
 #include "core/optim/bundle/eliminated_landmarks.h"
 #include "core/optim/bundle/relative_poses.h"
-#include "core/optim/bundle/step_judge.h"
+#include "core/optim/bundle/step_control.h"
 
 namespace plslam {
 
-/// How far steps are trusted, as Ceres has it: K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least squares
-/// problems" (2004), 3.2.
+/// How far steps are trusted, as Ceres has it: K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least
+/// squares problems" (2004), 3.2.
 class TrustRegion {
  public:
   Damping damping() const { return {1.0 / radius_}; }
-  /// `quality`: gain of the step over what was foretold.
-  void Accepted(double quality);
+  /// `gain_ratio`: gain of the step over what was predicted_reduction.
+  void Accepted(double gain_ratio);
   void Rejected();
 
  private:
@@ -25,8 +25,8 @@ class TrustRegion {
   double shrink_ = 2.0;
 };
 
-/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated and a dense system of the poses: what Ceres
-/// does with its dense Schur complement, step for step, in a third of the time, because the sizes of all blocks
+/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated and a dense system of the poses: what
+/// Ceres does with its dense Schur complement, step for step, in a third of the time, because the sizes of all blocks
 /// are known to the compiler. Time grows with the cube of the free poses: for many there is `CeresSolver`.
 class SchurSolver {
  public:
@@ -34,16 +34,17 @@ class SchurSolver {
   SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
               const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options);
 
-  /// Steps from the state as it is until `judge` has enough; leaves the best state found. Outliers are trimmed if `trim`.
-  /// Fails where the system cannot be solved, however short the step. Where steps promise no gain any more, which Ceres
-  /// calls a failure too, it is at its end.
-  BundlePass Run(StepJudge& judge, bool trim);
+  /// Steps from the state as it is until `control` has enough; leaves the best state found. Outliers are trimmed if
+  /// `trim`. Fails where the system cannot be solved, however short the step. Where steps promise no gain any more,
+  /// which Ceres calls a failure too, it is at its end.
+  BundlePass Run(StepControl& control, bool trim);
 
  private:
   double Linearise();
   double Loss() const;
   bool IsFlat() const;
-  /// Returns the gain foretold; where that is not above 0, nothing has moved. nullopt where the system cannot be solved.
+  /// Returns the gain predicted_reduction; where that is not above 0, nothing has moved. nullopt where the system
+  /// cannot be solved.
   std::optional<double> Step(const Damping& damping);
   void TakeBack();
 

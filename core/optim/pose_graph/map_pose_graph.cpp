@@ -44,7 +44,8 @@ MapPoseGraph PoseGraphOf(const Map& map, const MapGraph& graph, const std::map<i
   }
   for (const MapEdge& edge : graph.edges()) {
     if (!T_w_kf.contains(edge.a) || !T_w_kf.contains(edge.b)) continue;
-    // As the map has it: adjusted since it was measured. A step that is not known must not pull back what a loop joins.
+    // As the map has it: adjusted since it was measured. A step that is not known must not pull back what a loop
+    // joins.
     const SE3 T_a_b = edge.known ? map.FindKeyframe(edge.a)->T_w_kf.Inverse() * map.FindKeyframe(edge.b)->T_w_kf
                                  : T_w_kf.at(edge.a).Inverse() * T_w_kf.at(edge.b);
     const auto information = InformationFromCovariance(EdgeCovariance(map, edge, T_a_b, drift));

@@ -73,7 +73,7 @@ class Optimiser {
   PoseGraphSolve<Pose> SolveFromStart(const std::vector<bool>& rejected) {
     PoseGraphSolve<Pose> solve;
     if (options_.start != "given") {
-      const auto chordal = ChordalPoses(graph_, HeldPoses(graph_, rejected));
+      const auto chordal = ChordalPoses(graph_, ConstantPoses(graph_, rejected));
       if (chordal) solve = Solve(rejected, *chordal);
     }
     if (solve.ok && options_.start == "chordal") return solve;

@@ -41,7 +41,8 @@ struct PoseGraphNode {
   bool fixed = false;
 };
 
-/// What is known of the motion between two nodes, with the information (inverse covariance) of its right perturbation.
+/// What is known of the motion between two nodes, with the information (inverse covariance) of its right
+/// perturbation.
 template <class Pose>
 struct PoseGraphMotion {
   /// Places in `nodes`.
@@ -61,9 +62,9 @@ struct PoseGraph {
 
 template <class Pose>
 struct PoseGraphSolution {
-  /// False where there is nothing to do (no edges, nothing free) or the input is refused (an index out of range, an edge
-  /// from a pose to itself, values that are not finite, information that is not positive definite) or the solver failed;
-  /// poses are then as given, and `reason` says why. Never a NaN.
+  /// False where there is nothing to do (no edges, nothing free) or the input is refused (an index out of range, an
+  /// edge from a pose to itself, values that are not finite, information that is not positive definite) or the solver
+  /// failed; poses are then as given, and `reason` says why. Never a NaN.
   bool ok = false;
   std::string reason;
   std::vector<Pose> T_w_kf;
@@ -86,17 +87,17 @@ using PoseGraphResult = PoseGraphSolution<SE3>;
 /// space and [translation; angle] in the plane: to first order the right perturbation, and exactly the error of g2o's
 /// EDGE_SE3:QUAT and EDGE_SE2.
 ///
-/// In each connected part without a fixed pose the first one is held. One thread; equal input gives equal output.
+/// In each connected part without a fixed pose the first one is constant. One thread; equal input gives equal output.
 ///
-/// Edges that are `robust` can be rejected, whole: one by one, the edge that the rest contradicts most (the chi-square by
-/// which its removal would lower the sum, from its residual's covariance) is taken out if that is more than
-/// `rejection_chi2` and a solve without it confirms it: the least sum of min(chi2, rejection_chi2), in the sense of
-/// data snooping. Edges that agree with each other support each other.
+/// Edges that are `robust` can be rejected, whole: one by one, the edge that the rest contradicts most (the
+/// chi-square by which its removal would lower the sum, from its residual's covariance) is taken out if that is more
+/// than `rejection_chi2` and a solve without it confirms it: the least sum of min(chi2, rejection_chi2), in the sense
+/// of data snooping. Edges that agree with each other support each other.
 PoseGraphSolution<SE3> OptimisePoseGraph(const PoseGraph<SE3>& graph, const PoseGraphOptions& options);
 PoseGraphSolution<SE2> OptimisePoseGraph(const PoseGraph<SE2>& graph, const PoseGraphOptions& options);
 
-/// Covariance of the right perturbation of each pose of a result that is ok, given the poses held; zero for these. The
-/// blocks of the inverse information that are asked for, without the rest of it.
+/// Covariance of the right perturbation of each pose of a result that is ok, given the poses constant; zero for
+/// these. The blocks of the inverse information that are asked for, without the rest of it.
 std::vector<PoseMatrix<SE3>> PoseGraphCovariances(const PoseGraph<SE3>& graph,
                                                   const PoseGraphSolution<SE3>& solution);
 std::vector<PoseMatrix<SE2>> PoseGraphCovariances(const PoseGraph<SE2>& graph,

@@ -7,25 +7,25 @@
 
 namespace plslam {
 
-/// A sparse symmetric matrix of N x N blocks, one row and column of blocks for each pose that is not held, summed up block
-/// by block. Only its lower triangle is kept.
+/// A sparse symmetric matrix of N x N blocks, one row and column of blocks for each pose that is not constant, summed
+/// up block by block. Only its lower triangle is kept.
 template <int N>
 class PoseBlockMatrix {
  public:
   using Block = Eigen::Matrix<double, N, N>;
 
-  explicit PoseBlockMatrix(const std::vector<bool>& held) : column_(held.size(), -1) {
-    for (size_t i = 0; i < held.size(); ++i) {
-      if (!held[i]) column_[i] = size_++;
+  explicit PoseBlockMatrix(const std::vector<bool>& constant) : column_(constant.size(), -1) {
+    for (size_t i = 0; i < constant.size(); ++i) {
+      if (!constant[i]) column_[i] = size_++;
     }
   }
 
-  /// Place of the pose among the blocks; -1 where it is held.
+  /// Place of the pose among the blocks; -1 where it is constant.
   int column(int pose) const { return column_[pose]; }
   /// Rows of numbers.
   int rows() const { return N * size_; }
 
-  /// Adds to the block of (a, b) and, by symmetry, to that of (b, a). Blocks of held poses go nowhere.
+  /// Adds to the block of (a, b) and, by symmetry, to that of (b, a). Blocks of constant poses go nowhere.
   void Add(int a, int b, const Block& block) {
     const int row = column_[a];
     const int column = column_[b];

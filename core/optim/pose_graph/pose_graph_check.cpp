@@ -39,35 +39,35 @@ std::string PoseGraphObjection(const PoseGraph<Pose>& graph) {
     if (!objection.empty()) return fmt::format("edge {} from pose {} to {} {}", i, edge.a, edge.b, objection);
   }
   if (graph.edges.empty()) return "no edge joins two poses";
-  const std::vector<bool> held = HeldPoses(graph, {});
-  if (std::find(held.begin(), held.end(), false) == held.end()) return "no pose is free";
+  const std::vector<bool> constant = ConstantPoses(graph, {});
+  if (std::find(constant.begin(), constant.end(), false) == constant.end()) return "no pose is free";
   return "";
 }
 
 template <class Pose>
-std::vector<bool> HeldPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected) {
+std::vector<bool> ConstantPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected) {
   const size_t n = graph.poses.size();
   GraphParts parts(n);
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     if (rejected.empty() || !rejected[i]) parts.Join(graph.edges[i].a, graph.edges[i].b);
   }
-  std::vector<bool> held(n, false);
+  std::vector<bool> constant(n, false);
   std::vector<bool> anchored(n, false);
   for (size_t i = 0; i < n; ++i) {
     if (!graph.poses[i].fixed) continue;
-    held[i] = true;
+    constant[i] = true;
     anchored[parts.Find(static_cast<int>(i))] = true;
   }
   // A part's name is its first pose.
   for (size_t i = 0; i < n; ++i) {
-    if (parts.Find(static_cast<int>(i)) == static_cast<int>(i) && !anchored[i]) held[i] = true;
+    if (parts.Find(static_cast<int>(i)) == static_cast<int>(i) && !anchored[i]) constant[i] = true;
   }
-  return held;
+  return constant;
 }
 
 template std::string PoseGraphObjection(const PoseGraph<SE3>&);
 template std::string PoseGraphObjection(const PoseGraph<SE2>&);
-template std::vector<bool> HeldPoses(const PoseGraph<SE3>&, const std::vector<bool>&);
-template std::vector<bool> HeldPoses(const PoseGraph<SE2>&, const std::vector<bool>&);
+template std::vector<bool> ConstantPoses(const PoseGraph<SE3>&, const std::vector<bool>&);
+template std::vector<bool> ConstantPoses(const PoseGraph<SE2>&, const std::vector<bool>&);
 
 }  // namespace plslam

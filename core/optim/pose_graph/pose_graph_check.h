@@ -11,9 +11,9 @@ namespace plslam {
 template <class Pose>
 std::string PoseGraphObjection(const PoseGraph<Pose>& graph);
 
-/// Which poses stay as they are: the fixed ones, those without an edge, and the first of each connected part that has no
-/// fixed one. Edges that are `rejected` connect nothing; an empty vector rejects none.
+/// Which poses stay as they are: the fixed ones, those without an edge, and the first of each connected part that has
+/// no fixed one. Edges that are `rejected` connect nothing; an empty vector rejects none.
 template <class Pose>
-std::vector<bool> HeldPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected);
+std::vector<bool> ConstantPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& rejected);
 
 }  // namespace plslam

@@ -42,8 +42,8 @@ Rotation<Pose> NearestRotation(const Rotation<Pose>& M) {
 
 /// Transposed rotations of the free poses, one below the other: R_w_b^T = R_a_b^T R_w_a^T in the mean.
 template <class Pose>
-std::optional<Eigen::MatrixXd> RelaxedRotations(const PoseGraph<Pose>& graph, const std::vector<bool>& held) {
-  PoseBlockMatrix<kD<Pose>> H(held);
+std::optional<Eigen::MatrixXd> RelaxedRotations(const PoseGraph<Pose>& graph, const std::vector<bool>& constant) {
+  PoseBlockMatrix<kD<Pose>> H(constant);
   Eigen::MatrixXd rhs = Eigen::MatrixXd::Zero(H.rows(), kD<Pose>);
   for (const PoseGraphMotion<Pose>& edge : graph.edges) {
     const double weight = RotationWeight<Pose>(edge.information);
@@ -65,8 +65,8 @@ std::optional<Eigen::MatrixXd> RelaxedRotations(const PoseGraph<Pose>& graph, co
 
 /// One Gauss-Newton step of the translations alone, in which the error is linear.
 template <class Pose>
-bool SetTranslations(const PoseGraph<Pose>& graph, const std::vector<bool>& held, std::vector<Pose>& poses) {
-  PoseBlockMatrix<kD<Pose>> H(held);
+bool SetTranslations(const PoseGraph<Pose>& graph, const std::vector<bool>& constant, std::vector<Pose>& poses) {
+  PoseBlockMatrix<kD<Pose>> H(constant);
   Eigen::VectorXd rhs = Eigen::VectorXd::Zero(H.rows());
   const auto add_to = [&](int pose, const Eigen::Matrix<double, kD<Pose>, 1>& v) {
     if (H.column(pose) >= 0) rhs.template segment<kD<Pose>>(kD<Pose> * H.column(pose)) += v;
@@ -96,21 +96,21 @@ bool SetTranslations(const PoseGraph<Pose>& graph, const std::vector<bool>& held
 }  // namespace
 
 template <class Pose>
-std::optional<std::vector<Pose>> ChordalPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& held) {
-  const auto relaxed = RelaxedRotations(graph, held);
+std::optional<std::vector<Pose>> ChordalPoses(const PoseGraph<Pose>& graph, const std::vector<bool>& constant) {
+  const auto relaxed = RelaxedRotations(graph, constant);
   if (!relaxed) return std::nullopt;
   std::vector<Pose> poses;
   int column = 0;
-  for (size_t i = 0; i < held.size(); ++i) {
+  for (size_t i = 0; i < constant.size(); ++i) {
     const Pose& given = graph.poses[i].T_w_kf;
-    if (held[i]) {
+    if (constant[i]) {
       poses.push_back(given);
       continue;
     }
     const Rotation<Pose> R = relaxed->template middleRows<kD<Pose>>(kD<Pose> * column++).transpose();
     poses.push_back(PoseGroup<Pose>::FromRotation(NearestRotation<Pose>(R), given.translation()));
   }
-  if (!SetTranslations(graph, held, poses)) return std::nullopt;
+  if (!SetTranslations(graph, constant, poses)) return std::nullopt;
   return poses;
 }
 

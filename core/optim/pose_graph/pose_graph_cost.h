@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// Right perturbations as Ceres wants them. Costs give derivatives by the perturbation itself, in the first columns, so
-/// that the derivative of Plus is those columns' identity and no product loses digits.
+/// Right perturbations as Ceres wants them. Costs give derivatives by the perturbation itself, in the first columns,
+/// so that the derivative of Plus is those columns' identity and no product loses digits.
 template <class Pose>
 class PoseManifold : public ceres::Manifold {
  public:

@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// All that differs between pose graphs in space and in the plane. Parameters are a pose as numbers; perturbations stand
-/// on the right, to first order [translation; rotation].
+/// All that differs between pose graphs in space and in the plane. Parameters are a pose as numbers; perturbations
+/// stand on the right, to first order [translation; rotation].
 template <class Pose>
 struct PoseGroup;
 

@@ -68,7 +68,7 @@ namespace {
 template <class Pose>
 PoseBlockMatrix<kPoseFreedom<Pose>> Information(const PoseGraph<Pose>& graph, const std::vector<Pose>& T_w_kf,
                                                 const std::vector<bool>& rejected) {
-  PoseBlockMatrix<kPoseFreedom<Pose>> H(HeldPoses(graph, rejected));
+  PoseBlockMatrix<kPoseFreedom<Pose>> H(ConstantPoses(graph, rejected));
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     if (rejected[i]) continue;
     const PoseGraphMotion<Pose>& edge = graph.edges[i];

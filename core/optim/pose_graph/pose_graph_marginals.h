@@ -9,10 +9,10 @@
 
 namespace plslam {
 
-/// Chosen elements of the inverse of a sparse symmetric positive definite matrix, without the rest of it: those where the
-/// matrix itself, or its Cholesky factor L D L^T, has an element. Recursion from the last column to the first
-/// (Takahashi, Fagan, Chin 1973): Z = D^-1 L^-1 + (I - L^T) Z, in which each column needs only chosen elements of later
-/// ones. Costs about as much as the factorisation.
+/// Chosen elements of the inverse of a sparse symmetric positive definite matrix, without the rest of it: those where
+/// the matrix itself, or its Cholesky factor L D L^T, has an element. Recursion from the last column to the first
+/// (Takahashi, Fagan, Chin 1973): Z = D^-1 L^-1 + (I - L^T) Z, in which each column needs only chosen elements of
+/// later ones. Costs about as much as the factorisation.
 class SelectedInverse {
  public:
   /// Of the lower triangle of a symmetric matrix.
@@ -47,7 +47,7 @@ class PoseGraphMarginals {
 
   bool ok() const { return inverse_.ok(); }
 
-  /// Zero for held poses.
+  /// Zero for constant poses.
   PoseMatrix<Pose> OfPose(int pose) const { return Block(pose, pose); }
   /// Of both ends of an edge that is not rejected.
   JointMatrix OfEdge(const PoseGraphMotion<Pose>& edge) const;

@@ -9,7 +9,8 @@ namespace plslam {
 namespace {
 
 // Share of an edge's information that others must contribute in a direction for it to count as predicted: what double
-// precision leaves of the difference. An edge that alone joins two parts may still seem to be predicted; a solve tells.
+// precision leaves of the difference. An edge that alone joins two parts may still seem to be predicted; a solve
+// tells.
 constexpr double kPredicted = 1e-12;
 
 template <class Pose>

@@ -45,10 +45,10 @@ PoseGraphSolve<Pose> SolvePoseGraph(const PoseGraph<Pose>& graph, const std::vec
   PoseManifold<Pose> manifold;
   std::deque<PoseGraphCost<Pose>> costs;
   ceres::Problem problem(Ownership());
-  const std::vector<bool> held = HeldPoses(graph, rejected);
+  const std::vector<bool> constant = ConstantPoses(graph, rejected);
   for (size_t i = 0; i < start.size(); ++i) {
     problem.AddParameterBlock(block(i), Group::kParameters, &manifold);
-    if (held[i]) problem.SetParameterBlockConstant(block(i));
+    if (constant[i]) problem.SetParameterBlockConstant(block(i));
   }
   for (size_t i = 0; i < graph.edges.size(); ++i) {
     if (rejected[i]) continue;
@@ -65,7 +65,7 @@ PoseGraphSolve<Pose> SolvePoseGraph(const PoseGraph<Pose>& graph, const std::vec
   const bool finite = std::all_of(parameters.begin(), parameters.end(), [](double x) { return std::isfinite(x); });
   solve.ok = summary.IsSolutionUsable() && finite && std::isfinite(solve.chi2);
   if (!solve.ok) return solve;
-  for (size_t i = 0; i < start.size(); ++i) solve.T_w_kf.push_back(held[i] ? start[i] : Group::Load(block(i)));
+  for (size_t i = 0; i < start.size(); ++i) solve.T_w_kf.push_back(constant[i] ? start[i] : Group::Load(block(i)));
   return solve;
 }
 

@@ -118,8 +118,8 @@ TEST(Bus, LateJoinerGetsEverythingFromTheFirstMessageOn) {
   });
   reader.Start();
   ASSERT_TRUE(received.Reaches(kMessages)) << received.value();
-  // An announcement made while the publisher was at work can be heard only after the reader has joined (a busy machine). What
-  // came after it then counts as lost, and as repaired.
+  // An announcement made while the publisher was at work can be heard only after the reader has joined (a busy
+  // machine). What came after it then counts as lost, and as repaired.
   EXPECT_EQ(reader->counters().lost, reader->counters().repaired);
 }
 

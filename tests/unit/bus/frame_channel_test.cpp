@@ -315,7 +315,8 @@ TEST(FrameChannel, PicturesAreTakenOnlyWhenWanted) {
 TEST(FrameChannel, SlowReaderOfPicturesGetsEveryFrameInLockstep) {
   constexpr int kFrames = 24;
   BusOptions options = OptionsFor(PrivateUrl());
-  // Frames that nobody has taken yet do not fit into the history, and a reader takes longer for each than a publisher waits.
+  // Frames that nobody has taken yet do not fit into the history, and a reader takes longer for each than a publisher
+  // waits.
   options.history_bytes = 200'000;
   options.max_wait_ms = 10;
   Waiter handled;

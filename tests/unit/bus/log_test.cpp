@@ -247,7 +247,8 @@ TEST_F(RecordedLog, FramesWhoseTimesDoNotIncreaseArePassedOverAndCounted) {
     return OpenLogDataset(folder_ / name);
   };
   constexpr int64_t kSecond = 1'000'000'000;
-  // The clock of the camera was set back once, by more than a frame: the frames of before, or of after, are in the way.
+  // The clock of the camera was set back once, by more than a frame: the frames of before, or of after, are in the
+  // way.
   const auto stepped = with_times("stepped", [](int64_t id, int64_t t) { return id >= 5 ? t - 60'000'000 : t; });
   EXPECT_EQ(stepped->size(), kFrames - 1);
   const auto far = with_times("far", [](int64_t id, int64_t t) { return id >= 2 ? t - kSecond : t; });

@@ -23,7 +23,8 @@ BusOptions PrivateOptions() {
   return options;
 }
 
-/// mapping_process in small: versions are published, and the whole map when it is asked for, on the thread of the bus.
+/// mapping_process in small: versions are published, and the whole map when it is asked for, on the thread of the
+/// bus.
 class Publisher {
  public:
   Publisher(const BusOptions& options, uint64_t seed)

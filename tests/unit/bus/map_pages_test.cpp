@@ -65,7 +65,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   for (size_t i = 0; i < update.points.size(); ++i) {
     EXPECT_EQ(back->points[i].p_w, update.points[i].p_w);
     EXPECT_EQ(back->points[i].descriptor, update.points[i].descriptor);
-    EXPECT_EQ(back->points[i].sights, update.points[i].sights);
+    EXPECT_EQ(back->points[i].observations, update.points[i].observations);
     EXPECT_LE((back->points[i].covariance - update.points[i].covariance).cwiseAbs().maxCoeff(),
               1e-7 * update.points[i].covariance.cwiseAbs().maxCoeff());
   }
@@ -92,7 +92,7 @@ TEST(MapPages, ALandmarkSeenByMoreKeyframesThanAPageHolds) {
   MapUpdate update;
   update.version = 1;
   MapLine line;
-  for (int i = 0; i < 1000; ++i) line.sights.push_back({3 * i, i % 7});
+  for (int i = 0; i < 1000; ++i) line.observations.push_back({3 * i, i % 7});
   for (line.id = 0; line.id < 3; ++line.id) update.lines.push_back(line);
   const auto pages = CutIntoPages(update, 1200);
   EXPECT_GT(pages.size(), 30U);
@@ -100,7 +100,7 @@ TEST(MapPages, ALandmarkSeenByMoreKeyframesThanAPageHolds) {
   const auto back = Assemble(pages);
   ASSERT_TRUE(back);
   ASSERT_EQ(back->lines.size(), 3U);
-  for (const MapLine& received : back->lines) EXPECT_EQ(received.sights, line.sights);
+  for (const MapLine& received : back->lines) EXPECT_EQ(received.observations, line.observations);
 }
 
 TEST(MapPages, AnEmptyUpdateIsOnePage) {
@@ -124,7 +124,7 @@ TEST(MapPages, WhatNoReaderWouldTakeIsNotSent) {
       [](MapUpdate& u) { u.points[1].depth_m = 0.0; },
       [](MapUpdate& u) { u.lines[1].segment_w.q.z() = kNan; },
       [](MapUpdate& u) {
-        u.lines[1].sights = {{4, 0}, {3, 0}};
+        u.lines[1].observations = {{4, 0}, {3, 0}};
       },
       [](MapUpdate& u) { u.keyframes[1].parent_id = u.keyframes[1].id; },
       [](MapUpdate& u) { u.keyframes[1].covariance(0, 0) = kNan; },
@@ -199,12 +199,12 @@ TEST(MapUpdateAssembler, RefusesHostilePages) {
       [](map_update_t& p) { p.points[0].covariance_m2[3] = -1.0F; },
       [](map_update_t& p) { p.points[0].octave = -1; },
       [](map_update_t& p) { p.points[0].depth_m = -1.0; },
-      [](map_update_t& p) { p.points[0].sights.at(0).feature = 2'000'000'000; },
-      [](map_update_t& p) { p.points[0].sights.at(0).keyframe_id = -1; },
+      [](map_update_t& p) { p.points[0].observations.at(0).feature = 2'000'000'000; },
+      [](map_update_t& p) { p.points[0].observations.at(0).keyframe_id = -1; },
       [](map_update_t& p) { std::swap(p.points[0], p.points[1]); },
       [](map_update_t& p) { p.points[1] = p.points[0]; },
       [](map_update_t& p) { p.lines[0].q_w_m[2] = kNan; },
-      [](map_update_t& p) { p.lines[0].sights.at(0).feature = -1; },
+      [](map_update_t& p) { p.lines[0].observations.at(0).feature = -1; },
   };
   MapUpdateAssembler assembler;
   for (size_t i = 0; i < faults.size(); ++i) {

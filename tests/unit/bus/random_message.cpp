@@ -24,6 +24,7 @@
 #include "plslam/map_request_t.hpp"
 #include "plslam/map_totals_t.hpp"
 #include "plslam/map_update_t.hpp"
+#include "plslam/observation_t.hpp"
 #include "plslam/point_feature_t.hpp"
 #include "plslam/polygon_t.hpp"
 #include "plslam/pose3_t.hpp"
@@ -32,7 +33,6 @@
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/repair_request_t.hpp"
 #include "plslam/same_landmarks_t.hpp"
-#include "plslam/sight_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -66,7 +66,7 @@ const auto& Table() {
               intrinsics_t, keyframe_name_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t,
               map_adjustment_t, map_keyframe_t, map_line_t, map_point_t, map_request_t, map_totals_t, map_update_t,
               point_feature_t, polygon_t, pose3_t, pose_t, range_t, relocalisation_t, repair_request_t,
-              same_landmarks_t, sight_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t,
+              same_landmarks_t, observation_t, stage_t, status_t, stream_t, track_line_t, track_point_t, tracks_t,
               withdrawn_t>();
   return table;
 }

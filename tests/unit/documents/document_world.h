@@ -11,8 +11,8 @@
 
 namespace plslam::test {
 
-/// A folder in which a reader of the documents might sit: `build/release/bin`, `config`, and the files that documents take
-/// for granted (`my_camera`, `my.plmap`, ...), made when a command names them.
+/// A folder in which a reader of the documents might sit: `build/release/bin`, `config`, and the files that documents
+/// take for granted (`my_camera`, `my.plmap`, ...), made when a command names them.
 class DocumentWorld {
  public:
   DocumentWorld();
@@ -20,8 +20,8 @@ class DocumentWorld {
   DocumentWorld(const DocumentWorld&) = delete;
   DocumentWorld& operator=(const DocumentWorld&) = delete;
 
-  /// Runs a block, and interrupts what is endless in it when the rest is done. Returns what went wrong, with the output of
-  /// the command; empty where all ended with exit code 0.
+  /// Runs a block, and interrupts what is endless in it when the rest is done. Returns what went wrong, with the
+  /// output of the command; empty where all ended with exit code 0.
   std::string Run(const CommandBlock& block);
 
  private:

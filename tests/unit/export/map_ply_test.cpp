@@ -11,7 +11,7 @@ namespace {
 struct Vertex {
   float p[3];
   uint8_t rgb[3];
-  int32_t sights;
+  int32_t observations;
 };
 
 /// A reader of its own for the very layout that the header announces.
@@ -44,7 +44,7 @@ Ply Read(const std::string& bytes) {
     Vertex& vertex = ply.vertices.emplace_back();
     for (float& value : vertex.p) value = Take<float>(bytes, at);
     for (uint8_t& channel : vertex.rgb) channel = Take<uint8_t>(bytes, at);
-    vertex.sights = Take<int32_t>(bytes, at);
+    vertex.observations = Take<int32_t>(bytes, at);
   }
   for (size_t i = 0; i < n_edges; ++i) {
     const auto from = Take<int32_t>(bytes, at);
@@ -65,14 +65,14 @@ Map SomeMap() {
     MapPoint point;
     point.id = 2 * i;
     point.p_w = {1.0 + i, -0.5 * i, 3.0};
-    point.sights = {{0, i}, {2, i}};
+    point.observations = {{0, i}, {2, i}};
     map.Put(point);
   }
   for (int i = 0; i < 2; ++i) {
     MapLine line;
     line.id = i;
     line.segment_w = {{7.0, 8.0, 9.0 + i}, {-7.0, -8.0, -9.0}};
-    line.sights = {{1, i}};
+    line.observations = {{1, i}};
     map.Put(line);
   }
   return map;
@@ -86,9 +86,9 @@ TEST(MapPly, PointsThenEndsOfLinesThatEdgesJoin) {
   ASSERT_EQ(ply.vertices.size(), 15U);
   EXPECT_EQ(ply.vertices[3].p[0], 4.0F);
   EXPECT_EQ(ply.vertices[3].p[1], -1.5F);
-  EXPECT_EQ(ply.vertices[3].sights, 2);
+  EXPECT_EQ(ply.vertices[3].observations, 2);
   EXPECT_EQ(ply.vertices[13].p[2], 10.0F);
-  EXPECT_EQ(ply.vertices[13].sights, 1);
+  EXPECT_EQ(ply.vertices[13].observations, 1);
   EXPECT_THAT(ply.edges, testing::ElementsAre(testing::Pair(11, 12), testing::Pair(13, 14)));
 }
 

@@ -56,10 +56,10 @@ StereoFeatures FeaturesOf(const SE3& T_w_kf) {
   return features;
 }
 
-std::vector<Sight> SeenByAll(int feature) {
-  std::vector<Sight> sights;
-  for (int i = 0; i < kKeyframes; ++i) sights.push_back({i, feature});
-  return sights;
+std::vector<Observation> SeenByAll(int feature) {
+  std::vector<Observation> observations;
+  for (int i = 0; i < kKeyframes; ++i) observations.push_back({i, feature});
+  return observations;
 }
 
 void PutLandmarks(Map& map) {
@@ -67,18 +67,18 @@ void PutLandmarks(Map& map) {
   for (int i = 0; i < kPoints; ++i) {
     point.id = i;
     point.p_w = PointAt(i);
-    point.sights = SeenByAll(i);
+    point.observations = SeenByAll(i);
     map.Put(point);
   }
   point.id = kAlone;
   point.p_w = PointAt(kAlone);
-  point.sights = {{0, kPoints}};
+  point.observations = {{0, kPoints}};
   map.Put(point);
   MapLine line;
   for (int i = 0; i < kLines; ++i) {
     line.id = i;
     line.segment_w = SegmentAt(i);
-    line.sights = SeenByAll(i);
+    line.observations = SeenByAll(i);
     map.Put(line);
   }
 }

@@ -19,8 +19,8 @@ struct View {
   uint64_t noise_seed = 1;
 };
 
-/// A smooth random texture without period (waves of many directions and lengths from 5 pixels up), defined on the plane,
-/// so that views with any sub-pixel shift are exact. `softness` lengthens the shortest wave.
+/// A smooth random texture without period (waves of many directions and lengths from 5 pixels up), defined on the
+/// plane, so that views with any sub-pixel shift are exact. `softness` lengthens the shortest wave.
 cv::Mat RenderTexture(int width_px, int height_px, const View& view, uint64_t seed = 1, double softness = 1.0);
 
 /// The same where pixel (x, y) shows the texture at (`column`(x, y), y): a slanted surface.

@@ -16,7 +16,8 @@ namespace {
 
 const cv::Size kSize(400, 300);
 
-/// A slanted bar that moved by `moved_px` along the rows while the shutter was open; its long sides without that, directed as segments are.
+/// A slanted bar that moved by `moved_px` along the rows while the shutter was open; its long sides without that,
+/// directed as segments are.
 struct MovedBar {
   explicit MovedBar(int moved_px) {
     const Segment2 axis{{170.0, 40.0}, {230.0, 260.0}};

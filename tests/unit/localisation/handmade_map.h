@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::test {
@@ -29,7 +29,7 @@ struct HandmadeMap {
   }
 
   /// A new feature of the keyframe where the point or segment is seen without noise.
-  Sight SeePoint(int64_t keyframe_id, const Eigen::Vector3d& p_w, const Descriptor& descriptor) {
+  Observation SeePoint(int64_t keyframe_id, const Eigen::Vector3d& p_w, const Descriptor& descriptor) {
     const Eigen::Vector3d uvd =
         FeatureWorld::Camera().ProjectStereo(map.FindKeyframe(keyframe_id)->T_w_kf.Inverse() * p_w);
     StereoPoint seen;
@@ -40,7 +40,7 @@ struct HandmadeMap {
     features[keyframe_id].points.push_back(seen);
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].points.size()) - 1};
   }
-  Sight SeeLine(int64_t keyframe_id, const Segment3& segment_w, const Descriptor& descriptor) {
+  Observation SeeLine(int64_t keyframe_id, const Segment3& segment_w, const Descriptor& descriptor) {
     const SE3 T_kf_w = map.FindKeyframe(keyframe_id)->T_w_kf.Inverse();
     const Eigen::Vector3d p = FeatureWorld::Camera().ProjectStereo(T_kf_w * segment_w.p);
     const Eigen::Vector3d q = FeatureWorld::Camera().ProjectStereo(T_kf_w * segment_w.q);
@@ -54,23 +54,25 @@ struct HandmadeMap {
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].lines.size()) - 1};
   }
 
-  void PutPoint(int64_t id, const Eigen::Vector3d& p_w, const Descriptor& descriptor, std::vector<Sight> sights) {
+  void PutPoint(int64_t id, const Eigen::Vector3d& p_w, const Descriptor& descriptor,
+                std::vector<Observation> observations) {
     MapPoint point;
     point.id = id;
     point.p_w = p_w;
     point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
     point.descriptor = descriptor;
-    point.depth_m = (map.FindKeyframe(sights.back().keyframe_id)->T_w_kf.Inverse() * p_w).z();
-    point.sights = std::move(sights);
+    point.depth_m = (map.FindKeyframe(observations.back().keyframe_id)->T_w_kf.Inverse() * p_w).z();
+    point.observations = std::move(observations);
     map.Put(point);
   }
-  void PutLine(int64_t id, const Segment3& segment_w, const Descriptor& descriptor, std::vector<Sight> sights) {
+  void PutLine(int64_t id, const Segment3& segment_w, const Descriptor& descriptor,
+               std::vector<Observation> observations) {
     MapLine line;
     line.id = id;
     line.segment_w = segment_w;
     line.covariance_p = line.covariance_q = 1e-4 * Eigen::Matrix3d::Identity();
     line.descriptor = descriptor;
-    line.sights = std::move(sights);
+    line.observations = std::move(observations);
     map.Put(line);
   }
 
@@ -80,9 +82,9 @@ struct HandmadeMap {
     for (int i = 0; i < n; ++i) {
       const Eigen::Vector3d p_w(0.2 * (i % 10) - 0.9, 0.2 * (i / 10 % 8) - 0.7, 4.0 + 0.1 * (i % 7));
       const Descriptor& descriptor = descriptors[static_cast<size_t>(first_id + i)];
-      std::vector<Sight> sights;
-      for (const int64_t id : keyframes) sights.push_back(SeePoint(id, p_w, descriptor));
-      PutPoint(first_id + i, p_w, descriptor, sights);
+      std::vector<Observation> observations;
+      for (const int64_t id : keyframes) observations.push_back(SeePoint(id, p_w, descriptor));
+      PutPoint(first_id + i, p_w, descriptor, observations);
     }
   }
 };

@@ -16,7 +16,7 @@ std::vector<Descriptor> Random(uint64_t first, int n) {
 }
 
 TEST(MatchByNodes, IsBruteForceWithinEachNode) {
-  const Vocabulary vocabulary = TrainVocabulary({Random(0, 3000)}, WordKind::kPoints, {});
+  const Vocabulary vocabulary = TrainVocabulary({Random(0, 3000)}, FeatureType::kPoints, {});
   const std::vector<Descriptor> a = Random(0, 400);
   std::vector<Descriptor> b = Random(100, 400);
   for (size_t i = 0; i < b.size(); ++i) b[i][i % 4] ^= 0x11ULL << (i % 50);

@@ -14,8 +14,8 @@ PlaceRecogniser SmallPlaces() {
   TrainingOptions options;
   options.depth = 2;
   options.min_descriptors = 2;
-  return {TrainVocabulary(images, WordKind::kPoints, options), TrainVocabulary(images, WordKind::kLines, options),
-          PlaceOptions()};
+  return {TrainVocabulary(images, FeatureType::kPoints, options),
+          TrainVocabulary(images, FeatureType::kLines, options), PlaceOptions()};
 }
 
 Keyframe Named(int64_t session, int64_t number) {

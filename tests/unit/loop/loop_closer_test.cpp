@@ -86,9 +86,9 @@ TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
   // Started anew: everything comes at once, the map first.
   LoopCloser anew(FeatureWorld::Camera(), places, {});
   const Keyframe& last = ring.walk.keyframes[shown - 1];
-  EXPECT_EQ(anew.Judge(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
+  EXPECT_EQ(anew.Check(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
   for (int i = 0; i < shown; ++i) anew.AddKeyframe(ring.walk.keyframes[i]);
-  ExpectSame(anew.Judge(closing.mapper.map(), last.session, last.keyframe_id), loop);
+  ExpectSame(anew.Check(closing.mapper.map(), last.session, last.keyframe_id), loop);
 }
 
 TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
@@ -96,8 +96,8 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
   Closing closing(PlacesOf(ring.world), {});
   for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
   ASSERT_TRUE(closing.loops.empty());
-  // Another tracker starts on the other side of the ring, which the first has not seen, with an origin of its own, and
-  // comes to where the first began, a bit off its path.
+  // Another tracker starts on the other side of the ring, which the first has not seen, with an origin of its own,
+  // and comes to where the first began, a bit off its path.
   const std::vector<SE3> path = RingPath(4.0, 0.4, 74);
   std::vector<SE3> beside;
   for (int i = 44; i < 74; ++i) beside.push_back(path[i] * SE3(Eigen::Quaterniond::Identity(), {0.2, 0.05, 0.1}));
@@ -130,7 +130,7 @@ TEST(LoopCloser, SessionThatBeganNowhereIsJoined) {
             1e-3);
 }
 
-// One that is judged late, say, with others in the map already: the newer one finds it.
+// One that is checked late, say, with others in the map already: the newer one finds it.
 TEST(LoopCloser, TheOldEndOfALoopCameIntoTheMapBeforeTheNewOne) {
   const Ring ring;
   Closing open(PlacesOf(ring.world), {});
@@ -139,7 +139,7 @@ TEST(LoopCloser, TheOldEndOfALoopCameIntoTheMapBeforeTheNewOne) {
   ASSERT_GT(found, 0);
   const Map& map = open.mapper.map();
   for (const Keyframe& keyframe : ring.walk.keyframes) {
-    const LoopClosure loop = open.closer.Judge(map, keyframe.session, keyframe.keyframe_id);
+    const LoopClosure loop = open.closer.Check(map, keyframe.session, keyframe.keyframe_id);
     for (const LoopEdge& edge : loop.edges) EXPECT_LT(edge.old_keyframe_id, edge.keyframe_id);
   }
 }
@@ -190,8 +190,8 @@ TEST(LoopCloser, KeyframesWithoutAnythingOrWithNonsense) {
     EXPECT_EQ(closing.Show(*keyframe).kind, Kind::kNone);
     EXPECT_FALSE(closing.closer.Relocalise(closing.mapper.map(), keyframe->features).found);
   }
-  EXPECT_EQ(closing.closer.Judge(closing.mapper.map(), 99, 0).kind, Kind::kNone);
-  EXPECT_EQ(closing.closer.Judge(Map(), 7, 0).kind, Kind::kNone);
+  EXPECT_EQ(closing.closer.Check(closing.mapper.map(), 99, 0).kind, Kind::kNone);
+  EXPECT_EQ(closing.closer.Check(Map(), 7, 0).kind, Kind::kNone);
 }
 
 TEST(LoopCloser, SwitchedOffSaysNothing) {

@@ -11,7 +11,7 @@ constexpr double kWorldRadius_m = 4.0;
 constexpr double kStep_m = 0.4;
 
 template <class Landmark>
-Vocabulary Train(const std::vector<Landmark>& landmarks, WordKind kind) {
+Vocabulary Train(const std::vector<Landmark>& landmarks, FeatureType kind) {
   // Images of a dozen landmarks each: every word is rare.
   std::vector<std::vector<Descriptor>> images;
   for (size_t i = 0; i < landmarks.size(); ++i) {
@@ -34,7 +34,7 @@ WalkOptions WithoutIds(uint64_t seed) {
 }  // namespace
 
 PlaceRecogniser PlacesOf(const FeatureWorld& world) {
-  return {Train(world.points(), WordKind::kPoints), Train(world.lines(), WordKind::kLines), PlaceOptions()};
+  return {Train(world.points(), FeatureType::kPoints), Train(world.lines(), FeatureType::kLines), PlaceOptions()};
 }
 
 Ring::Ring(int keyframes, uint64_t seed)
@@ -47,7 +47,7 @@ Closing::Closing(const PlaceRecogniser& places, const LoopOptions& options)
 LoopClosure Closing::Show(const Keyframe& keyframe) {
   EXPECT_TRUE(MapOne(keyframe, mapper));
   closer.AddKeyframe(keyframe);
-  return closer.Judge(mapper.map(), keyframe.session, keyframe.keyframe_id);
+  return closer.Check(mapper.map(), keyframe.session, keyframe.keyframe_id);
 }
 
 void Closing::TakeOver(const LoopClosure& loop) {

@@ -20,9 +20,9 @@ constexpr int64_t kFirstLandmark = 1000000;
 
 int64_t Shifted(int64_t id, int64_t by) { return id < 0 ? -1 : id + by; }
 
-std::vector<Sight> ShiftedSights(std::vector<Sight> sights, int64_t by) {
-  for (Sight& sight : sights) sight.keyframe_id += by;
-  return sights;
+std::vector<Observation> ShiftedObservations(std::vector<Observation> observations, int64_t by) {
+  for (Observation& observation : observations) observation.keyframe_id += by;
+  return observations;
 }
 
 void PutKeyframes(const Map& from, int64_t n, int64_t shift, int64_t session, const SE3& T_new_old, Map& to) {
@@ -40,22 +40,22 @@ void PutKeyframes(const Map& from, int64_t n, int64_t shift, int64_t session, co
 
 // Of those of which keyframes have come.
 void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_shift, const SE3& T_new_old, Map& to) {
-  const auto is_of_others = [n](const Sight& sight) { return sight.keyframe_id >= n; };
+  const auto is_of_others = [n](const Observation& observation) { return observation.keyframe_id >= n; };
   for (const auto& [id, point] : from.points()) {
     MapPoint put = point;
     put.id += landmark_shift;
-    std::erase_if(put.sights, is_of_others);
-    put.sights = ShiftedSights(put.sights, shift);
+    std::erase_if(put.observations, is_of_others);
+    put.observations = ShiftedObservations(put.observations, shift);
     put.p_w = T_new_old * point.p_w;
-    if (!put.sights.empty()) to.Put(put);
+    if (!put.observations.empty()) to.Put(put);
   }
   for (const auto& [id, line] : from.lines()) {
     MapLine put = line;
     put.id += landmark_shift;
-    std::erase_if(put.sights, is_of_others);
-    put.sights = ShiftedSights(put.sights, shift);
+    std::erase_if(put.observations, is_of_others);
+    put.observations = ShiftedObservations(put.observations, shift);
     put.segment_w = {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q};
-    if (!put.sights.empty()) to.Put(put);
+    if (!put.observations.empty()) to.Put(put);
   }
 }
 
@@ -90,7 +90,7 @@ bool SeesFirstPart(const LoopEvidence& evidence) { return evidence.edge.old_keyf
 TEST(SeparateParts, WhatAnotherPartShowsDoesNotContradictALoop) {
   const Ring ring;
   TwoParts parts(ring);
-  const LoopClosure loop = parts.closer.Judge(parts.map, ring.walk.keyframes.front().session, parts.newest);
+  const LoopClosure loop = parts.closer.Check(parts.map, ring.walk.keyframes.front().session, parts.newest);
   const LoopSearch& search = parts.closer.last_search();
   ASSERT_TRUE(std::any_of(search.evidence.begin(), search.evidence.end(), [](const LoopEvidence& evidence) {
     return SeesFirstPart(evidence) && evidence.place.inliers > 40;

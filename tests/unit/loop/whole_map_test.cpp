@@ -66,10 +66,11 @@ TEST(MakeWholeMapProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnoug
   WholeMapOptions options;
   options.points_per_keyframe = 15;
   const WholeMapProblem problem = MakeWholeMapProblem(mapper.map(), features, FeatureWorld::Camera(), options);
-  std::map<int, int> sights_of_point;
-  for (const PointSight& sight : problem.bundle.point_sights) ++sights_of_point[sight.point];
-  ASSERT_EQ(sights_of_point.size(), problem.bundle.points.size());
-  for (const auto& [point, sights] : sights_of_point) EXPECT_GE(sights, options.min_sights);
+  std::map<int, int> observations_of_point;
+  for (const PointObservation& observation : problem.bundle.point_observations)
+    ++observations_of_point[observation.point];
+  ASSERT_EQ(observations_of_point.size(), problem.bundle.points.size());
+  for (const auto& [point, observations] : observations_of_point) EXPECT_GE(observations, options.min_observations);
   EXPECT_LE(problem.bundle.points.size(), 15U * problem.keyframes.size());
   EXPECT_GE(problem.bundle.points.size(), 30U);
 }

@@ -28,7 +28,7 @@ Keyframe KeyframeOf(int64_t id, bool lockstep = true) {
 class Service : public testing::Test {
  protected:
   /// The version of the map with keyframes up to this one.
-  MapUpdate Update(int64_t keyframe_id, bool settled) {
+  MapUpdate Update(int64_t keyframe_id, bool committed) {
     while (next_id_ <= keyframe_id) {
       MapKeyframe keyframe;
       keyframe.id = next_id_;
@@ -39,23 +39,23 @@ class Service : public testing::Test {
       ++next_id_;
     }
     MapUpdate update = ChangedPart(map_, map_.TakeChanges());
-    Sign(update, keyframe_id, settled);
+    Sign(update, keyframe_id, committed);
     update.base_version = version_++;
     update.version = version_;
     return update;
   }
-  MapUpdate Whole(int64_t keyframe_id, bool settled, int64_t source) {
+  MapUpdate Whole(int64_t keyframe_id, bool committed, int64_t source) {
     MapUpdate update = WholeMap(map_);
-    Sign(update, keyframe_id, settled);
+    Sign(update, keyframe_id, committed);
     update.version = version_;
     update.source = source_ = source;
     return update;
   }
-  void Sign(MapUpdate& update, int64_t keyframe_id, bool settled) const {
+  void Sign(MapUpdate& update, int64_t keyframe_id, bool committed) const {
     update.source = source_;
     update.session = kSession;
     update.session_keyframe_id = keyframe_id;
-    update.settled = settled;
+    update.committed = committed;
   }
   /// Keyframes 0 to this one of another session come into the map, as far as they are not there.
   void PutOther(int64_t keyframe_id) {
@@ -92,8 +92,8 @@ class Service : public testing::Test {
   int64_t source_ = 1;
   double now_ms_ = 0.0;
   LoopService service_{LoopCloser(FeatureWorld::Camera(),
-                                  PlaceRecogniser(test::SmallVocabulary(WordKind::kPoints),
-                                                  test::SmallVocabulary(WordKind::kLines), {}),
+                                  PlaceRecogniser(test::SmallVocabulary(FeatureType::kPoints),
+                                                  test::SmallVocabulary(FeatureType::kLines), {}),
                                   LoopOptions()),
                        [this] { return now_ms_; }};
 };
@@ -153,9 +153,9 @@ TEST_F(Service, AWholeMapIsJudgedWhenAllItsFeaturesAreThere) {
   Update(5, false);
   EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(5))), Ids{});
   EXPECT_EQ(Judged(service_.OnUpdate(Whole(5, false, 2))), Ids{});
-  Keyframe question = KeyframeOf(6);
-  question.previous_keyframe_id = -1;
-  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  Keyframe request = KeyframeOf(6);
+  request.previous_keyframe_id = -1;
+  EXPECT_TRUE(service_.OnRequest(request).answers.empty());
   for (int64_t id = 0; id < 4; ++id) EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(id))), Ids{}) << id;
   const auto output = service_.OnKeyframe(KeyframeOf(4));
   EXPECT_EQ(Judged(output), Ids{5});
@@ -206,7 +206,7 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
   EXPECT_FALSE(service_.OnUpdate(Whole(3, false, 2)).adjustment);
   const auto output = service_.OnKeyframe(KeyframeOf(3));
   ASSERT_TRUE(output.adjustment) << "when all features are there";
-  EXPECT_EQ(Judged(output), Ids{}) << "that is not judged again";
+  EXPECT_EQ(Judged(output), Ids{}) << "that is not checked again";
   EXPECT_EQ(output.adjustment->session, kSession);
   EXPECT_EQ(output.adjustment->session_keyframe_id, 3);
   EXPECT_EQ(output.adjustment->map_source, 2);
@@ -241,7 +241,7 @@ TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
   EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
 }
 
-// loop_process was started again: what other sessions have in the map was judged by the one before.
+// loop_process was started again: what other sessions have in the map was checked by the one before.
 TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsJudged) {
   Update(20, false);
   PutOther(10);
@@ -265,16 +265,16 @@ TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsJudged) {
   EXPECT_EQ(Judged(service_.OnUpdate(Whole(3, false, 1))), (Ids{1, 2, 3}));
 }
 
-// A robot that is lost brings no keyframes; the one that goes on settles the map for both.
+// A robot that is lost brings no keyframes; the one that goes on commits the map for both.
 TEST_F(Service, AQuestionOfARobotThatIsLostIsAnsweredAfterARestart) {
   Update(3, false);
   PutOther(10);
   for (int64_t id = 0; id <= 3; ++id) service_.OnKeyframe(KeyframeOf(id));
   for (int64_t id = 0; id <= 10; ++id) service_.OnKeyframe(OfOther(id));
   service_.OnUpdate(Whole(3, false, 5));
-  Keyframe question = OfOther(11);
-  question.previous_keyframe_id = 10;
-  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  Keyframe request = OfOther(11);
+  request.previous_keyframe_id = 10;
+  EXPECT_TRUE(service_.OnRequest(request).answers.empty());
   EXPECT_EQ(service_.OnUpdate(Update(3, true)).answers.size(), 1U);
 }
 
@@ -322,10 +322,10 @@ TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {
 }
 
 TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {
-  Keyframe question = KeyframeOf(1);
-  question.frame_id = 17;
-  question.previous_keyframe_id = 0;
-  EXPECT_TRUE(service_.OnQuestion(question).answers.empty());
+  Keyframe request = KeyframeOf(1);
+  request.frame_id = 17;
+  request.previous_keyframe_id = 0;
+  EXPECT_TRUE(service_.OnRequest(request).answers.empty());
   service_.OnKeyframe(KeyframeOf(0));
   EXPECT_TRUE(service_.OnUpdate(Update(0, false)).answers.empty());
   const auto output = service_.OnUpdate(Update(0, true));
@@ -338,12 +338,12 @@ TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {
 }
 
 TEST_F(Service, ALiveQuestionIsAnsweredAtOnceAndANewerOneTakesItsPlace) {
-  Keyframe question = KeyframeOf(0, false);
-  EXPECT_EQ(service_.OnQuestion(question).answers.size(), 1U) << "not found, where there is no map";
-  question.lockstep = true;
-  service_.OnQuestion(question);
-  question.frame_id = 99;
-  service_.OnQuestion(question);
+  Keyframe request = KeyframeOf(0, false);
+  EXPECT_EQ(service_.OnRequest(request).answers.size(), 1U) << "not found, where there is no map";
+  request.lockstep = true;
+  service_.OnRequest(request);
+  request.frame_id = 99;
+  service_.OnRequest(request);
   service_.OnKeyframe(KeyframeOf(0));
   const auto output = service_.OnUpdate(Update(0, true));
   ASSERT_EQ(output.answers.size(), 1U);

@@ -29,12 +29,12 @@ class ToldLoop : public testing::Test {
     return Publish(keyframe.session, keyframe.keyframe_id, false);
   }
   /// The map, as far as it has changed, with this as its newest keyframe.
-  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool settled) {
+  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool committed) {
     MapUpdate update = mapper_.TakeUpdate();
     update.source = 1;
     update.session = session;
     update.session_keyframe_id = keyframe_id;
-    update.settled = settled;
+    update.committed = committed;
     return service_.OnUpdate(update);
   }
   LoopService::Output TakeOver() {
@@ -59,10 +59,10 @@ TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
   EXPECT_FALSE(Publish(loop_.session, loop_.session_keyframe_id, true).adjustment.has_value()) << "once";
 }
 
-// Another robot's keyframe had no loop, and so is settled.
+// Another robot's keyframe had no loop, and so is committed.
 TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsSettled) {
   EXPECT_TRUE(Publish(kOtherRobot, 3, true).closures.empty());
-  EXPECT_TRUE(Show(next_).closures.empty()) << "nothing is judged on a map that is about to bend";
+  EXPECT_TRUE(Show(next_).closures.empty()) << "nothing is checked on a map that is about to bend";
   const auto output = TakeOver();
   EXPECT_TRUE(output.adjustment.has_value());
   EXPECT_EQ(output.closures.size(), 1U);
@@ -82,7 +82,7 @@ TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
   EXPECT_EQ(output.adjustment->keyframes.back().keyframe_id, newest);
 }
 
-// The map settles its newest keyframe, of whichever robot, which nobody has judged.
+// The map commits its newest keyframe, of whichever robot, which nobody has checked.
 TEST_F(ToldLoop, ThatIsRefusedFreesTheOthersAtOnce) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const int64_t newest = ring_.walk.keyframes[static_cast<size_t>(next_)].keyframe_id;

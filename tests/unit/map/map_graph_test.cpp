@@ -29,7 +29,7 @@ void Share(int64_t a, int64_t b, int landmarks, Map& map) {
   for (int k = 0; k < landmarks; ++k) {
     MapPoint point;
     point.id = 1000 * (a + 1) + 100'000 * (b + 1) + k;
-    point.sights = {{a, 2000 * static_cast<int>(b) + k}, {b, 2000 * static_cast<int>(a) + k}};
+    point.observations = {{a, 2000 * static_cast<int>(b) + k}, {b, 2000 * static_cast<int>(a) + k}};
     map.Put(point);
   }
 }

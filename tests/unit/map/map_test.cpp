@@ -18,17 +18,17 @@ MapKeyframe KeyframeOf(int64_t id, int64_t parent_id) {
   return keyframe;
 }
 
-MapPoint PointOf(int64_t id, std::vector<Sight> sights) {
+MapPoint PointOf(int64_t id, std::vector<Observation> observations) {
   MapPoint point;
   point.id = id;
-  point.sights = std::move(sights);
+  point.observations = std::move(observations);
   return point;
 }
 
-MapLine LineOf(int64_t id, std::vector<Sight> sights) {
+MapLine LineOf(int64_t id, std::vector<Observation> observations) {
   MapLine line;
   line.id = id;
-  line.sights = std::move(sights);
+  line.observations = std::move(observations);
   return line;
 }
 
@@ -41,33 +41,33 @@ Map Chain() {
 
 using PairCounts = std::map<std::pair<int64_t, int64_t>, int>;
 
-/// Slow twin of the covisibility counts: every pair of sights of every landmark.
+/// Slow twin of the covisibility counts: every pair of observations of every landmark.
 template <class Landmark>
 void Recount(const IdMap<Landmark>& landmarks, PairCounts& counts) {
   for (const auto& [id, landmark] : landmarks) {
-    for (const Sight& a : landmark.sights) {
-      for (const Sight& b : landmark.sights) {
+    for (const Observation& a : landmark.observations) {
+      for (const Observation& b : landmark.observations) {
         if (a.keyframe_id != b.keyframe_id) ++counts[{a.keyframe_id, b.keyframe_id}];
       }
     }
   }
 }
 
-/// Slow twin of the tables from features to landmarks, and of the number of sights.
+/// Slow twin of the tables from features to landmarks, and of the number of observations.
 template <class Landmark>
 void ExpectTables(const Map& map, const IdMap<Landmark>& landmarks, std::vector<int64_t> Map::FeatureLandmarks::*of,
-                  int64_t n_sights) {
-  std::map<Sight, int64_t, decltype([](const Sight& a, const Sight& b) {
+                  int64_t n_observations) {
+  std::map<Observation, int64_t, decltype([](const Observation& a, const Observation& b) {
              return std::pair(a.keyframe_id, a.feature) < std::pair(b.keyframe_id, b.feature);
            })>
       owners;
   for (const auto& [id, landmark] : landmarks) {
-    for (const Sight& sight : landmark.sights) {
-      ASSERT_TRUE(owners.emplace(sight, id).second)
-          << "feature " << sight.feature << " of keyframe " << sight.keyframe_id << " belongs to two";
+    for (const Observation& observation : landmark.observations) {
+      ASSERT_TRUE(owners.emplace(observation, id).second)
+          << "feature " << observation.feature << " of keyframe " << observation.keyframe_id << " belongs to two";
     }
   }
-  ASSERT_EQ(static_cast<int64_t>(owners.size()), n_sights);
+  ASSERT_EQ(static_cast<int64_t>(owners.size()), n_observations);
   size_t found = 0;
   for (const auto& [keyframe_id, keyframe] : map.keyframes()) {
     const std::vector<int64_t>& table = map.LandmarksOf(keyframe_id).*of;
@@ -120,12 +120,12 @@ TEST(Map, TablesAgreeWithASlowRecountWhateverHappens) {
       const Map& map = random.map();
       const MapTotals totals = map.Totals();
       ExpectCounts(map);
-      ExpectTables(map, map.points(), &Map::FeatureLandmarks::points, totals.point_sights);
-      ExpectTables(map, map.lines(), &Map::FeatureLandmarks::lines, totals.line_sights);
+      ExpectTables(map, map.points(), &Map::FeatureLandmarks::points, totals.point_observations);
+      ExpectTables(map, map.lines(), &Map::FeatureLandmarks::lines, totals.line_observations);
       ExpectTree(map);
       if (HasFatalFailure()) return;
     }
-    EXPECT_GT(random.map().Totals().point_sights, 20) << "nothing was tested";
+    EXPECT_GT(random.map().Totals().point_observations, 20) << "nothing was tested";
   }
 }
 
@@ -133,7 +133,7 @@ TEST(Map, AFeatureBelongsToTheLandmarkThatCameLast) {
   Map map = Chain();
   map.Put(PointOf(0, {{0, 5}, {1, 6}}));
   map.Put(PointOf(1, {{1, 6}, {2, 7}}));
-  EXPECT_THAT(map.FindPoint(0)->sights, ElementsAre(Sight{0, 5}));
+  EXPECT_THAT(map.FindPoint(0)->observations, ElementsAre(Observation{0, 5}));
   EXPECT_EQ(map.LandmarksOf(1).points[6], 1);
   EXPECT_EQ(map.Shared(0, 1), 0);
   EXPECT_EQ(map.Shared(1, 2), 1);
@@ -158,7 +158,7 @@ TEST(Map, NeighboursComeByNumberOfSharedLandmarks) {
   EXPECT_THAT(map.Neighbours(9, 1), IsEmpty());
 }
 
-TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
+TEST(Map, AKeyframeGoesWithItsObservationsAndItsChildrenMove) {
   Map map = Chain();
   map.Put(KeyframeOf(3, 1));
   map.Put(PointOf(0, {{1, 0}}));
@@ -167,7 +167,7 @@ TEST(Map, AKeyframeGoesWithItsSightsAndItsChildrenMove) {
   map.TakeChanges();
   map.RemoveKeyframe(1);
   EXPECT_EQ(map.FindPoint(0), nullptr) << "nobody sees it";
-  EXPECT_THAT(map.FindPoint(1)->sights, ElementsAre(Sight{0, 0}));
+  EXPECT_THAT(map.FindPoint(1)->observations, ElementsAre(Observation{0, 0}));
   EXPECT_EQ(map.FindKeyframe(2)->parent_id, 0) << "no older neighbour: the parent of the parent";
   EXPECT_EQ(map.FindKeyframe(3)->parent_id, 2) << "its best neighbour";
   const MapChanges changes = map.TakeChanges();
@@ -201,13 +201,13 @@ TEST(Map, AFalseLandmarkIsNoParent) {
   EXPECT_EQ(map.FindKeyframe(3)->parent_id, 1) << "the parent of the parent";
 }
 
-TEST(Map, SightsOfUnknownKeyframesAreIgnored) {
+TEST(Map, ObservationsOfUnknownKeyframesAreIgnored) {
   Map map = Chain();
   map.Put(PointOf(0, {{1, 0}, {77, 0}}));
-  EXPECT_THAT(map.FindPoint(0)->sights, ElementsAre(Sight{1, 0}));
+  EXPECT_THAT(map.FindPoint(0)->observations, ElementsAre(Observation{1, 0}));
 }
 
-TEST(Map, SightsThatCannotBeAreRefused) {
+TEST(Map, ObservationsThatCannotBeAreRefused) {
   Map map = Chain();
   EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {0, 0}})), std::invalid_argument);
   EXPECT_THROW(map.Put(PointOf(0, {{1, 0}, {1, 1}})), std::invalid_argument);
@@ -220,7 +220,7 @@ TEST(Map, WhatIsPutBackIntoItselfStays) {
   map.Put(PointOf(0, {{0, 5}, {1, 6}}));
   map.Put(*map.FindPoint(0));
   map.Put(*map.FindKeyframe(1));
-  EXPECT_EQ(map.FindPoint(0)->sights.size(), 2U);
+  EXPECT_EQ(map.FindPoint(0)->observations.size(), 2U);
   EXPECT_EQ(map.Shared(0, 1), 1);
   EXPECT_THAT(map.Children(0), ElementsAre(1));
 }

@@ -10,19 +10,19 @@ namespace {
 using Step = MapVersion::Step;
 
 template <class Landmark>
-void ExpectSameSights(const IdMap<Landmark>& a, const IdMap<Landmark>& b) {
+void ExpectSameObservations(const IdMap<Landmark>& a, const IdMap<Landmark>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (auto x = a.begin(), y = b.begin(); x != a.end(); ++x, ++y) {
     ASSERT_EQ(x->first, y->first);
-    ASSERT_EQ(x->second.sights, y->second.sights) << "landmark " << x->first;
+    ASSERT_EQ(x->second.observations, y->second.observations) << "landmark " << x->first;
     ASSERT_EQ(x->second.descriptor, y->second.descriptor) << "landmark " << x->first;
   }
 }
 
 void ExpectSame(const Map& a, const Map& b) {
   ASSERT_EQ(a.Totals(), b.Totals());
-  ExpectSameSights(a.points(), b.points());
-  ExpectSameSights(a.lines(), b.lines());
+  ExpectSameObservations(a.points(), b.points());
+  ExpectSameObservations(a.lines(), b.lines());
   for (const auto& [id, keyframe] : a.keyframes()) {
     const MapKeyframe* other = b.FindKeyframe(id);
     ASSERT_NE(other, nullptr) << id;
@@ -118,33 +118,33 @@ TEST(MapReplica, TheMapOfAnotherStartTakesItsPlace) {
   ExpectSame(after.map(), replica.map());
 }
 
-MapUpdate Newest(int64_t session, int64_t keyframe_id, bool settled) {
+MapUpdate Newest(int64_t session, int64_t keyframe_id, bool committed) {
   MapUpdate update;
   update.session = session;
   update.session_keyframe_id = keyframe_id;
-  update.settled = settled;
+  update.committed = committed;
   return update;
 }
 
-TEST(SettledKeyframes, AnUpdateSettlesWhatAllRobotsHaveInTheMap) {
-  SettledKeyframes settled;
-  EXPECT_FALSE(settled.Has(1, 0));
-  settled.Add(Newest(1, 4, false));
-  EXPECT_FALSE(settled.Has(1, 4));
-  settled.Add(Newest(2, 7, true));
-  EXPECT_TRUE(settled.Has(1, 4));
-  EXPECT_TRUE(settled.Has(2, 7));
-  EXPECT_FALSE(settled.Has(1, 5));
-  settled.Add(Newest(1, 5, false));
-  EXPECT_FALSE(settled.Has(1, 5));
+TEST(CommittedKeyframes, AnUpdateSettlesWhatAllRobotsHaveInTheMap) {
+  CommittedKeyframes committed;
+  EXPECT_FALSE(committed.Has(1, 0));
+  committed.Add(Newest(1, 4, false));
+  EXPECT_FALSE(committed.Has(1, 4));
+  committed.Add(Newest(2, 7, true));
+  EXPECT_TRUE(committed.Has(1, 4));
+  EXPECT_TRUE(committed.Has(2, 7));
+  EXPECT_FALSE(committed.Has(1, 5));
+  committed.Add(Newest(1, 5, false));
+  EXPECT_FALSE(committed.Has(1, 5));
 }
 
-TEST(SettledKeyframes, AMapThatIsBuiltAnewIsNotSettledBeforeItHasAll) {
-  SettledKeyframes settled;
-  settled.Add(Newest(1, 9, true));
-  EXPECT_TRUE(settled.Has(1, 9));
-  settled.Add(Newest(1, 0, true));
-  EXPECT_FALSE(settled.Has(1, 9));
+TEST(CommittedKeyframes, AMapThatIsBuiltAnewIsNotSettledBeforeItHasAll) {
+  CommittedKeyframes committed;
+  committed.Add(Newest(1, 9, true));
+  EXPECT_TRUE(committed.Has(1, 9));
+  committed.Add(Newest(1, 0, true));
+  EXPECT_FALSE(committed.Has(1, 9));
 }
 
 }  // namespace

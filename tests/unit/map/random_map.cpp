@@ -30,15 +30,17 @@ const Value& RandomMap::DrawFrom(const IdMap<Value>& values) {
 }
 
 /// In some of the newest keyframes.
-std::vector<Sight> RandomMap::DrawSights() {
-  std::vector<Sight> sights;
+std::vector<Observation> RandomMap::DrawObservations() {
+  std::vector<Observation> observations;
   auto keyframe = map_.keyframes().rbegin();
   for (uint64_t i = 0; i < kNewest && keyframe != map_.keyframes().rend(); ++i, ++keyframe) {
-    if (Draw(3) == 0) sights.push_back({keyframe->first, static_cast<int32_t>(Draw(kFeatures))});
+    if (Draw(3) == 0) observations.push_back({keyframe->first, static_cast<int32_t>(Draw(kFeatures))});
   }
-  if (sights.empty()) sights.push_back({map_.keyframes().rbegin()->first, static_cast<int32_t>(Draw(kFeatures))});
-  if (sights.front().keyframe_id > sights.back().keyframe_id) std::reverse(sights.begin(), sights.end());
-  return sights;
+  if (observations.empty())
+    observations.push_back({map_.keyframes().rbegin()->first, static_cast<int32_t>(Draw(kFeatures))});
+  if (observations.front().keyframe_id > observations.back().keyframe_id)
+    std::reverse(observations.begin(), observations.end());
+  return observations;
 }
 
 void RandomMap::AddKeyframe() {
@@ -85,23 +87,25 @@ void RandomMap::Change(const IdMap<Landmark>& landmarks, int64_t& next_id) {
   } else {
     landmark = DrawFrom(landmarks);
   }
-  if (landmark.sights.empty() || Draw(2) == 0) landmark.sights = DrawSights();
+  if (landmark.observations.empty() || Draw(2) == 0) landmark.observations = DrawObservations();
   Place(landmark);
   map_.Put(landmark);
 }
 
-/// One of two takes the sights of both; in a keyframe that has both, its own.
+/// One of two takes the observations of both; in a keyframe that has both, its own.
 template <class Landmark>
 void RandomMap::Fuse(const IdMap<Landmark>& landmarks) {
   if (landmarks.size() < 2) return;
   const Landmark gone = DrawFrom(landmarks);
   Landmark stays = DrawFrom(landmarks);
   if (gone.id == stays.id) return;
-  std::map<int64_t, int32_t> sights;
-  for (const Sight& sight : stays.sights) sights.emplace(sight.keyframe_id, sight.feature);
-  for (const Sight& sight : gone.sights) sights.emplace(sight.keyframe_id, sight.feature);
-  stays.sights.clear();
-  for (const auto& [keyframe_id, feature] : sights) stays.sights.push_back({keyframe_id, feature});
+  std::map<int64_t, int32_t> observations;
+  for (const Observation& observation : stays.observations)
+    observations.emplace(observation.keyframe_id, observation.feature);
+  for (const Observation& observation : gone.observations)
+    observations.emplace(observation.keyframe_id, observation.feature);
+  stays.observations.clear();
+  for (const auto& [keyframe_id, feature] : observations) stays.observations.push_back({keyframe_id, feature});
   if (Draw(2) == 0) {
     Remove(gone);
     map_.Put(stays);

@@ -8,8 +8,9 @@
 
 namespace plslam::test {
 
-/// A map to which everything happens that can happen to one: keyframes come, landmarks of both kinds are founded, seen
-/// again, moved, fused, robbed of sights and removed, and keyframes are removed. Everything follows from the seed.
+/// A map to which everything happens that can happen to one: keyframes come, landmarks of both feature types are
+/// created, seen again, moved, fused, robbed of observations and removed, and keyframes are removed. Everything
+/// follows from the seed.
 class RandomMap {
  public:
   explicit RandomMap(uint64_t seed) : random_(seed) {}
@@ -36,7 +37,7 @@ class RandomMap {
   uint64_t Draw(uint64_t n) { return random_() % n; }
   SE3 DrawPose();
   Eigen::Matrix3d DrawCovariance();
-  std::vector<Sight> DrawSights();
+  std::vector<Observation> DrawObservations();
   template <class Value>
   const Value& DrawFrom(const IdMap<Value>& values);
 

@@ -77,7 +77,7 @@ void PutLandmarks(Map& map, int keyframe, int per_keyframe, int features, std::m
     landmark.descriptor = RandomDescriptor(random);
     // Each of the keyframes has its share of features for each of the keyframes before it.
     for (int step = 0; step < kLength && keyframe + step < static_cast<int>(map.keyframes().size()); ++step) {
-      landmark.sights.push_back({keyframe + step, (step * per_keyframe + i) % features});
+      landmark.observations.push_back({keyframe + step, (step * per_keyframe + i) % features});
     }
     map.Put(landmark);
   }

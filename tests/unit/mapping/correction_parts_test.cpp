@@ -6,7 +6,7 @@
 #include "core/map/map_graph.h"
 #include "mapping_process/corrections/correction.h"
 #include "mapping_process/corrections/loop_fusion.h"
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
@@ -86,13 +86,13 @@ TEST_F(MovedLandmarks, GoRigidlyAndTheirCovariancesTurn) {
   EXPECT_LT((m_.map.FindLine(0)->segment_w.q - T_ * segment_.q).norm(), 1e-12);
   EXPECT_LT((m_.map.FindLine(0)->covariance_p - turned).norm(), 1e-15);
   EXPECT_LT((m_.map.FindLine(0)->covariance_q - 2.0 * turned).norm(), 1e-15);
-  EXPECT_EQ(m_.map.FindPoint(0)->sights.size(), 1U);
+  EXPECT_EQ(m_.map.FindPoint(0)->observations.size(), 1U);
 }
 
 // Two keyframes hold it against one that goes elsewhere, whichever is newest.
 TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
-  std::vector<Sight> of_point;
-  std::vector<Sight> of_line;
+  std::vector<Observation> of_point;
+  std::vector<Observation> of_line;
   for (int64_t id = 0; id < 3; ++id) {
     of_point.push_back(m_.SeePoint(id, p_, DescriptorOf(1)));
     of_line.push_back(m_.SeeLine(id, segment_, DescriptorOf(2)));
@@ -109,7 +109,7 @@ TEST_F(MovedLandmarks, GoWithTheSideThatKnowsThemBetter) {
   EXPECT_LT((m_.map.FindLine(0)->segment_w.p - aside * segment_.p).norm(), 1e-12);
 }
 
-TEST_F(MovedLandmarks, SightsThatEndUpBehindTheCameraGo) {
+TEST_F(MovedLandmarks, ObservationsThatEndUpBehindTheCameraGo) {
   m_.PutPoint(0, p_, DescriptorOf(1),
               {m_.SeePoint(0, p_, DescriptorOf(1)), m_.SeePoint(1, p_, DescriptorOf(1)),
                m_.SeePoint(2, p_, DescriptorOf(1))});
@@ -117,8 +117,8 @@ TEST_F(MovedLandmarks, SightsThatEndUpBehindTheCameraGo) {
              {m_.SeeLine(0, segment_, DescriptorOf(2)), m_.SeeLine(1, segment_, DescriptorOf(2)),
               m_.SeeLine(2, segment_, DescriptorOf(2))});
   Move({{2, At(0.2, 3.1)}});
-  EXPECT_EQ(m_.map.FindPoint(0)->sights.size(), 2U);
-  EXPECT_EQ(m_.map.FindLine(0)->sights.size(), 2U);
+  EXPECT_EQ(m_.map.FindPoint(0)->observations.size(), 2U);
+  EXPECT_EQ(m_.map.FindLine(0)->observations.size(), 2U);
 }
 
 TEST_F(MovedLandmarks, WhereNothingMovesNothingIsTold) {
@@ -128,7 +128,7 @@ TEST_F(MovedLandmarks, WhereNothingMovesNothingIsTold) {
   EXPECT_TRUE(m_.map.TakeChanges().empty());
 }
 
-TEST(SightErrors, AgreeWithTheirDefinition) {
+TEST(ObservationErrors, AgreeWithTheirDefinition) {
   const StereoCamera camera = FeatureWorld::Camera();
   MapPoint point;
   point.p_w = {0.3, 0.2, 2.5};
@@ -138,17 +138,17 @@ TEST(SightErrors, AgreeWithTheirDefinition) {
   seen.sigma_px = 0.5;
   seen.disparity_px = uvd.z() + 0.9;
   seen.sigma_disparity_px = 0.3;
-  EXPECT_NEAR(SightError(point, seen, SE3(), camera), 1.0 / 0.25 + 9.0, 1e-9);
+  EXPECT_NEAR(ObservationError(point, seen, SE3(), camera), 1.0 / 0.25 + 9.0, 1e-9);
   seen.disparity_px = -1.0;
-  EXPECT_NEAR(SightError(point, seen, SE3(), camera), 4.0, 1e-9);
+  EXPECT_NEAR(ObservationError(point, seen, SE3(), camera), 4.0, 1e-9);
   point.p_w.z() = -1.0;
-  EXPECT_EQ(SightError(point, seen, SE3(), camera), kMostSightError);
+  EXPECT_EQ(ObservationError(point, seen, SE3(), camera), kMostObservationError);
   point.p_w.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(SightError(point, seen, SE3(), camera), kMostSightError);
+  EXPECT_EQ(ObservationError(point, seen, SE3(), camera), kMostObservationError);
   EXPECT_FALSE(IsNear(point, seen, SE3(), camera));
 }
 
-TEST(SightErrors, OfLinesAreDistancesOfTheEndsFromTheObservedLine) {
+TEST(ObservationErrors, OfLinesAreDistancesOfTheEndsFromTheObservedLine) {
   const StereoCamera camera = FeatureWorld::Camera();
   MapLine line;
   line.segment_w = {{-0.5, -0.5, 2.0}, {-0.5, 0.5, 2.0}};
@@ -156,14 +156,14 @@ TEST(SightErrors, OfLinesAreDistancesOfTheEndsFromTheObservedLine) {
   seen.left.segment = {camera.Project(line.segment_w.p) + Eigen::Vector2d(1.5, 0.0),
                        camera.Project(line.segment_w.q) + Eigen::Vector2d(1.5, 0.0)};
   seen.sigma_px = 0.75;
-  EXPECT_NEAR(SightError(line, seen, SE3(), camera), 8.0, 1e-6);
+  EXPECT_NEAR(ObservationError(line, seen, SE3(), camera), 8.0, 1e-6);
   EXPECT_TRUE(IsNear(line, seen, SE3(), camera));
   seen.left.segment.p.x() += 200.0;
   seen.left.segment.q.x() += 200.0;
-  EXPECT_EQ(SightError(line, seen, SE3(), camera), kMostSightError);
+  EXPECT_EQ(ObservationError(line, seen, SE3(), camera), kMostObservationError);
   EXPECT_FALSE(IsNear(line, seen, SE3(), camera));
   seen.left.segment.q = seen.left.segment.p;
-  EXPECT_LE(SightError(line, seen, SE3(), camera), kMostSightError);
+  EXPECT_LE(ObservationError(line, seen, SE3(), camera), kMostObservationError);
   EXPECT_FALSE(IsNear(line, seen, SE3(), camera));
 }
 
@@ -177,8 +177,8 @@ TEST_F(MovedLandmarks, PairsOfALoopBecomeOneAlsoInAChain) {
   ASSERT_EQ(test::WrongWith(m_.map), "");
   ASSERT_EQ(m_.map.points().size(), 1U);
   ASSERT_EQ(m_.map.lines().size(), 1U);
-  EXPECT_EQ(m_.map.FindPoint(0)->sights.size(), 3U);
-  EXPECT_EQ(m_.map.FindLine(0)->sights.size(), 3U);
+  EXPECT_EQ(m_.map.FindPoint(0)->observations.size(), 3U);
+  EXPECT_EQ(m_.map.FindLine(0)->observations.size(), 3U);
 }
 
 TEST(MapParts, AreTiedByTreeSessionAndLoops) {

@@ -218,9 +218,10 @@ TEST_P(Correction, AnAdjustmentPlacesTheLandmarksAnew) {
   ASSERT_EQ(test::ExactlyKnown(mapper_.map()), 0);
   EXPECT_LT(Error_m(), 1e-9);
   EXPECT_LT(Reprojection_px(), 0.6);
-  // Sights that disagree go; there are few where poses are true.
+  // Observations that disagree go; there are few where poses are true.
   const MapTotals after = mapper_.map().Totals();
-  EXPECT_GT(after.point_sights + after.line_sights, (before.point_sights + before.line_sights) * 95 / 100);
+  EXPECT_GT(after.point_observations + after.line_observations,
+            (before.point_observations + before.line_observations) * 95 / 100);
   const auto check = [](const std::vector<double>& errors_m, double median_m) {
     if (errors_m.empty()) return;
     EXPECT_LT(errors_m[errors_m.size() / 2], median_m);
@@ -303,13 +304,13 @@ TEST_P(Correction, NothingToSayChangesNothing) {
 }
 
 TEST_P(Correction, UpdatesSayWhetherTheNewestKeyframeIsSettled) {
-  EXPECT_FALSE(mapper_.TakeUpdate().settled);
-  mapper_.Settle();
-  EXPECT_TRUE(mapper_.TakeUpdate().settled);
-  EXPECT_TRUE(mapper_.Whole().settled);
+  EXPECT_FALSE(mapper_.TakeUpdate().committed);
+  mapper_.Commit();
+  EXPECT_TRUE(mapper_.TakeUpdate().committed);
+  EXPECT_TRUE(mapper_.Whole().committed);
   MapNext();
-  EXPECT_FALSE(mapper_.TakeUpdate().settled);
-  EXPECT_FALSE(mapper_.Whole().settled);
+  EXPECT_FALSE(mapper_.TakeUpdate().committed);
+  EXPECT_FALSE(mapper_.Whole().committed);
 }
 
 std::string NameOfWorld(const testing::TestParamInfo<DriftedWorld>& situation) { return situation.param.name; }
@@ -319,8 +320,8 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Correction,
                                          DriftedWorld{"Both", 500, 120}),
                          NameOfWorld);
 
-// Live, an adjustment of the whole map that was under way when a loop was found comes after it, or two parts of the map come together
-// while a loop is on its way.
+// Live, an adjustment of the whole map that was under way when a loop was found comes after it, or two parts of the
+// map come together while a loop is on its way.
 TEST_P(Correction, WhatCorrectsTheMapAsItWasBeforeALoopIsRefused) {
   mapper_.TakeUpdate();
   LoopClosure older = test::AdjustByTruth(mapper_.map(), walk_.T_w_c);

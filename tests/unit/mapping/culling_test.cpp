@@ -31,7 +31,7 @@ class Culling : public testing::Test {
   }
 
   const std::vector<Descriptor> descriptors_ = SomeDescriptors(200);
-  // 3 keyframes of trial, 3 sights; share 0.9 of landmarks that 3 others see.
+  // 3 keyframes of trial, 3 observations; share 0.9 of landmarks that 3 others see.
   const CullingOptions options_{3, 3, 0.9, 3};
   HandmadeMap m_;
 };
@@ -41,14 +41,14 @@ TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
   m_.Tie({1, 2, 3}, 1, 1, descriptors_);
   const Segment3 segment_w{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
   m_.PutLine(0, segment_w, descriptors_[0], {m_.SeeLine(1, segment_w, descriptors_[0])});
-  Trial trial;
+  RecentLandmarks trial;
   trial.Begin({{0, 1}, {0}}, kSession);
   for (int i = 0; i < 2; ++i) trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_EQ(m_.map.points().size(), 2U) << "two keyframes after: still on trial";
   EXPECT_EQ(m_.map.lines().size(), 1U);
   trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
   EXPECT_NE(m_.map.FindPoint(1), nullptr);
   EXPECT_TRUE(m_.map.lines().empty());
@@ -56,35 +56,35 @@ TEST_F(Culling, LandmarksThatTooFewHaveSeenGoWhenTheirTrialEnds) {
 
 TEST_F(Culling, TrialsThatAreOverAreNotJudgedAgain) {
   m_.Tie({1, 2, 3}, 1, 0, descriptors_);
-  Trial trial;
+  RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   m_.map.RemoveKeyframe(3);
   for (int i = 0; i < 20; ++i) trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
 }
 
 TEST_F(Culling, LandmarksThatWentDuringTheirTrialDoNoHarm) {
   m_.Tie({1}, 2, 0, descriptors_);
-  Trial trial;
+  RecentLandmarks trial;
   trial.Begin({{0, 1}, {5}}, kSession);
   m_.map.RemovePoint(0);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_TRUE(m_.map.points().empty());
 }
 
 TEST_F(Culling, KeyframesOfOtherSessionsDoNotEndATrial) {
   m_.Tie({1, 2}, 1, 0, descriptors_);
-  Trial trial;
+  RecentLandmarks trial;
   trial.Begin({{0}, {}}, kSession);
   for (int i = 0; i < 20; ++i) trial.Begin({}, kSession + 1);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_NE(m_.map.FindPoint(0), nullptr);
   for (int i = 0; i < 3; ++i) trial.Begin({}, kSession);
-  trial.Judge(options_, m_.map);
+  trial.Cull(options_, m_.map);
   EXPECT_EQ(m_.map.FindPoint(0), nullptr);
 }
 

@@ -46,7 +46,7 @@ TEST_F(Duplicates, TwoPointsOfOnePlaceSeenByNeighboursBecomeOne) {
   PutPointAt(kFirst + 1, 1, kPoint + Eigen::Vector3d(0.002, -0.001, 0.02));
   Merge();
   ASSERT_NE(m_.map.FindPoint(kFirst), nullptr);
-  EXPECT_EQ(m_.map.FindPoint(kFirst)->sights.size(), 2U);
+  EXPECT_EQ(m_.map.FindPoint(kFirst)->observations.size(), 2U);
   EXPECT_EQ(m_.map.FindPoint(kFirst + 1), nullptr);
   EXPECT_EQ(m_.map.points().size(), 31U);
 }
@@ -57,7 +57,7 @@ TEST_F(Duplicates, TwoLinesOfOneEdgeCutDifferentlyBecomeOne) {
   PutLineAt(kFirst + 1, 1, {kSegment.p + 0.3 * along, kSegment.q});
   Merge();
   ASSERT_NE(m_.map.FindLine(kFirst), nullptr);
-  EXPECT_EQ(m_.map.FindLine(kFirst)->sights.size(), 2U);
+  EXPECT_EQ(m_.map.FindLine(kFirst)->observations.size(), 2U);
   EXPECT_EQ(m_.map.FindLine(kFirst + 1), nullptr);
 }
 
@@ -81,20 +81,20 @@ TEST_F(Duplicates, LinesThatCoverEachOtherMetresApartStayTwo) {
   EXPECT_NE(m_.map.FindLine(kFirst + 1), nullptr);
 }
 
-TEST_F(Duplicates, FeaturesThatShowNothingYetBecomeSights) {
+TEST_F(Duplicates, FeaturesThatShowNothingYetBecomeObservations) {
   PutPointAt(kFirst, 0, kPoint);
   m_.SeePoint(1, kPoint, look_);
   PutLineAt(kFirst, 1, kSegment);
   m_.SeeLine(0, kSegment, look_);
   Merge();
-  EXPECT_EQ(m_.map.FindPoint(kFirst)->sights.size(), 2U);
-  EXPECT_EQ(m_.map.FindLine(kFirst)->sights.size(), 2U);
+  EXPECT_EQ(m_.map.FindPoint(kFirst)->observations.size(), 2U);
+  EXPECT_EQ(m_.map.FindLine(kFirst)->observations.size(), 2U);
 }
 
 TEST_F(Duplicates, TwoPointsThatOneKeyframeSeesApartStayTwo) {
   PutPointAt(kFirst, 0, kPoint);
   const Eigen::Vector3d beside = kPoint + Eigen::Vector3d(0.005, 0.0, 0.0);
-  const Sight in_0 = m_.SeePoint(0, beside, look_);
+  const Observation in_0 = m_.SeePoint(0, beside, look_);
   m_.PutPoint(kFirst + 1, beside, look_, {in_0, m_.SeePoint(1, beside, look_)});
   Merge();
   EXPECT_NE(m_.map.FindPoint(kFirst), nullptr);

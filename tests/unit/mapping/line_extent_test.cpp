@@ -19,13 +19,13 @@ class LineExtent : public testing::Test {
  protected:
   /// The landmark as it is, and the part of the edge that each keyframe, a little aside of the one before, sees.
   void Put(const Segment3& landmark, const std::vector<Segment3>& seen) {
-    std::vector<Sight> sights;
+    std::vector<Observation> observations;
     for (const Segment3& part : seen) {
-      const double n = static_cast<double>(sights.size());
+      const double n = static_cast<double>(observations.size());
       const int64_t id = m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.05 * n, -0.1 * n, 0.0)});
-      sights.push_back(m_.SeeLine(id, part, look_));
+      observations.push_back(m_.SeeLine(id, part, look_));
     }
-    m_.PutLine(0, landmark, look_, sights);
+    m_.PutLine(0, landmark, look_, observations);
   }
   // Ends after `ExtendAndTrim`, x in m; the line must not move.
   std::pair<double, double> Ends() {
@@ -102,13 +102,13 @@ TEST_F(LineExtent, ViewsAlongTheLineOrWithoutLengthDoNotCount) {
 
 TEST_F(LineExtent, LineThroughACameraCentre) {
   const Segment3 through{{0.0, 0.0, 2.0}, {0.0, 0.0, 4.0}};
-  std::vector<Sight> sights;
+  std::vector<Observation> observations;
   for (const double x : {0.0, 0.0, 0.5}) {
     m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)});
-    sights.push_back(m_.SeeLine(static_cast<int64_t>(sights.size()), through, look_));
+    observations.push_back(m_.SeeLine(static_cast<int64_t>(observations.size()), through, look_));
   }
   m_.features[0].lines[0].left.segment.q.y() += 30.0;
-  m_.PutLine(0, through, look_, sights);
+  m_.PutLine(0, through, look_, observations);
   ExtendAndTrim({0}, m_.features, FeatureWorld::Camera(), m_.map);
   EXPECT_EQ(test::WrongWith(m_.map), "");
 }

@@ -172,7 +172,7 @@ TEST_F(TriangulateLines, SeenByThreeBecomesALandmarkOfThree) {
   const std::vector<int64_t> created = Triangulate();
   ASSERT_EQ(created.size(), 1U);
   const MapLine& line = *m_.map.FindLine(created[0]);
-  EXPECT_EQ(line.sights.size(), 3U);
+  EXPECT_EQ(line.observations.size(), 3U);
   EXPECT_LT((line.segment_w.p - kHorizontal.p).norm(), 1e-6) << line.segment_w.p.transpose();
   EXPECT_EQ(test::WrongWith(m_.map), "");
   EXPECT_TRUE(Triangulate().empty()) << "the second time they show a landmark";

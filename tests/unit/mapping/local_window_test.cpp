@@ -65,17 +65,17 @@ TEST_F(Window, HasFewerPointsWhereEachIsSeenOften) {
     return MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   };
   const MapBundle all = make();
-  ASSERT_GT(all.problem.point_sights.size(), 100U);
-  options_.max_point_sights = static_cast<int>(all.problem.point_sights.size() / 2);
+  ASSERT_GT(all.problem.point_observations.size(), 100U);
+  options_.max_point_observations = static_cast<int>(all.problem.point_observations.size() / 2);
   const MapBundle half = make();
-  EXPECT_LE(half.problem.point_sights.size(), all.problem.point_sights.size() / 2);
-  EXPECT_GE(half.problem.point_sights.size(), all.problem.point_sights.size() / 3);
+  EXPECT_LE(half.problem.point_observations.size(), all.problem.point_observations.size() / 2);
+  EXPECT_GE(half.problem.point_observations.size(), all.problem.point_observations.size() / 3);
   EXPECT_LT(half.points.size(), all.points.size() / 2) << "of those that most keyframes see";
   EXPECT_EQ(half.lines, all.lines);
 }
 
-// Its poses were on their way, so that nothing told outliers from sights that would have agreed.
-TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
+// Its poses were on their way, so that nothing told outliers from observations that would have agreed.
+TEST_F(Window, TakesNoObservationsAwayWhereTheAdjustmentWasStopped) {
   const int64_t newest = stored_.map.keyframes().rbegin()->first;
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   for (BundlePose& pose : window.problem.poses) {
@@ -89,7 +89,7 @@ TEST_F(Window, TakesNoSightsAwayWhereTheAdjustmentWasStopped) {
     const BundleResult result = AdjustBundle(window.problem, bundle, &stop);
     ASSERT_TRUE(result.ok) << result.reason;
     ASSERT_EQ(result.stopped, stopped);
-    ASSERT_EQ(result.settled, !stopped);
+    ASSERT_EQ(result.converged, !stopped);
     Map map = stored_.map;
     const AdjustmentFigures figures = ApplyAdjustment(window, result, stored_.features, map);
     if (stopped) {
@@ -106,15 +106,17 @@ TEST_F(Window, WhatTookPartByItsMotionAloneKeepsItsCovariance) {
   MapBundle window = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
   ASSERT_EQ(window.keyframes.front(), newest);
   ASSERT_FALSE(window.problem.relative_poses.empty());
-  std::erase_if(window.problem.point_sights, [](const PointSight& sight) { return sight.pose == 0; });
-  std::erase_if(window.problem.line_sights, [](const LineSight& sight) { return sight.pose == 0; });
+  std::erase_if(window.problem.point_observations,
+                [](const PointObservation& observation) { return observation.pose == 0; });
+  std::erase_if(window.problem.line_observations,
+                [](const LineObservation& observation) { return observation.pose == 0; });
   BundleResult result = AdjustBundle(window.problem, {}, nullptr);
   ASSERT_TRUE(result.ok) << result.reason;
   ASSERT_GT(result.pose_covariances[0].trace(), 1e6);
-  // As many as the map's own sights, which `ApplyAdjustment` goes through.
+  // As many as the map's own observations, which `ApplyAdjustment` goes through.
   const MapBundle whole = MakeLocalWindow(newest, stored_.map, stored_.features, FeatureWorld::Camera(), options_);
-  result.point_inliers.assign(whole.problem.point_sights.size(), true);
-  result.line_inliers.assign(whole.problem.line_sights.size(), true);
+  result.point_inliers.assign(whole.problem.point_observations.size(), true);
+  result.line_inliers.assign(whole.problem.line_observations.size(), true);
   Map map = stored_.map;
   ApplyAdjustment(window, result, stored_.features, map);
   EXPECT_EQ(map.FindKeyframe(newest)->covariance, stored_.map.FindKeyframe(newest)->covariance);

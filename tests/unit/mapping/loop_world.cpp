@@ -26,34 +26,35 @@ const SE3& Truth(const MapKeyframe& keyframe, const std::vector<SE3>& T_w_c) {
   return T_w_c.at(static_cast<size_t>(keyframe.session_keyframe_id));
 }
 
-template <class Kind>
+template <class Type>
 std::vector<SameLandmarks> SameSeen(const Map& map, const Revisit& revisit) {
   std::map<Descriptor, int64_t> seen;
-  for (const int64_t id : Kind::Of(map, revisit.old_keyframe_id)) {
-    if (id >= 0) seen[Kind::Find(map, id)->descriptor] = id;
+  for (const int64_t id : Type::Of(map, revisit.old_keyframe_id)) {
+    if (id >= 0) seen[Type::Find(map, id)->descriptor] = id;
   }
   std::vector<SameLandmarks> same;
-  for (const int64_t id : Kind::Of(map, revisit.keyframe_id)) {
+  for (const int64_t id : Type::Of(map, revisit.keyframe_id)) {
     if (id < 0) continue;
-    const auto known = seen.find(Kind::Find(map, id)->descriptor);
+    const auto known = seen.find(Type::Find(map, id)->descriptor);
     if (known != seen.end() && known->second != id) same.push_back({known->second, id});
   }
   return same;
 }
 
-template <class Kind>
+template <class Type>
 int DuplicatesOf(const Map& map) {
   std::set<Descriptor> known;
   int duplicates = 0;
-  for (const auto& [id, landmark] : Kind::Landmarks(map)) duplicates += !known.insert(landmark.descriptor).second;
+  for (const auto& [id, landmark] : Type::Landmarks(map)) duplicates += !known.insert(landmark.descriptor).second;
   return duplicates;
 }
 
 // One metre weighs as much as half a radian.
 const Vector6d kShare = (Vector6d() << 1.0, 1.0, 1.0, 0.25, 0.25, 0.25).finished();
 
-// Steps changed by the least amounts that together close the loop: those are w_i K A_i^T (sum w_j A_j K A_j^T)^-1 x, where A_i
-// takes a change of step i to the end, w_i is how many keyframes it is long, and x is what is missing there.
+// Steps changed by the least amounts that together close the loop: those are w_i K A_i^T (sum w_j A_j K A_j^T)^-1 x,
+// where A_i takes a change of step i to the end, w_i is how many keyframes it is long, and x is what is missing
+// there.
 std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
   std::vector<CorrectedPose> poses;
   for (const auto& [id, keyframe] : map.keyframes()) {
@@ -82,14 +83,15 @@ std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
   return poses;
 }
 
-template <class Kind>
+template <class Type>
 std::vector<int64_t> MapIds(const Map& map, int64_t session, const StereoFeatures& features) {
   std::map<Descriptor, int64_t> known;
-  for (const auto& [id, landmark] : Kind::Landmarks(map)) {
-    if (map.FindKeyframe(landmark.sights.front().keyframe_id)->session == session) known[landmark.descriptor] = id;
+  for (const auto& [id, landmark] : Type::Landmarks(map)) {
+    if (map.FindKeyframe(landmark.observations.front().keyframe_id)->session == session)
+      known[landmark.descriptor] = id;
   }
   std::vector<int64_t> ids;
-  for (const auto& feature : Kind::Features(features)) {
+  for (const auto& feature : Type::Features(features)) {
     const auto found = known.find(feature.left.descriptor);
     ids.push_back(found == known.end() ? -1 : found->second);
   }
@@ -99,8 +101,8 @@ std::vector<int64_t> MapIds(const Map& map, int64_t session, const StereoFeature
 }  // namespace
 
 void GiveMapIds(const Map& map, int64_t session, Keyframe& keyframe) {
-  keyframe.point_map_ids = MapIds<PointKind>(map, session, keyframe.features);
-  keyframe.line_map_ids = MapIds<LineKind>(map, session, keyframe.features);
+  keyframe.point_map_ids = MapIds<PointType>(map, session, keyframe.features);
+  keyframe.line_map_ids = MapIds<LineType>(map, session, keyframe.features);
 }
 
 LoopClosure Drift(const Map& map) {
@@ -176,8 +178,8 @@ LoopClosure CloseByTruth(const Map& map, const Revisit& revisit, const std::vect
   edge.covariance = 1e-4 * Matrix6d::Identity();
   closure.edges.push_back(edge);
   closure.poses = SharedOut(map, edge);
-  closure.points = SameSeen<PointKind>(map, revisit);
-  closure.lines = SameSeen<LineKind>(map, revisit);
+  closure.points = SameSeen<PointType>(map, revisit);
+  closure.lines = SameSeen<LineType>(map, revisit);
   closure.names = NamesIn(map, closure);
   return closure;
 }
@@ -189,20 +191,20 @@ LoopClosure AdjustByTruth(const Map& map, const std::vector<SE3>& T_w_c) {
   return closure;
 }
 
-int Duplicates(const Map& map) { return DuplicatesOf<PointKind>(map) + DuplicatesOf<LineKind>(map); }
+int Duplicates(const Map& map) { return DuplicatesOf<PointType>(map) + DuplicatesOf<LineType>(map); }
 
 double Reprojection_px(const Map& map, const std::vector<Keyframe>& keyframes) {
   const StereoCamera camera = FeatureWorld::Camera();
   double sum = 0.0;
   for (const auto& [id, point] : map.points()) {
-    for (const Sight& sight : point.sights) {
-      const MapKeyframe& keyframe = *map.FindKeyframe(sight.keyframe_id);
+    for (const Observation& observation : point.observations) {
+      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
       const auto& seen = keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features.points;
       const Eigen::Vector2d px = camera.Project(keyframe.T_w_kf.Inverse() * point.p_w);
-      sum += (px - seen.at(static_cast<size_t>(sight.feature)).left.px).squaredNorm();
+      sum += (px - seen.at(static_cast<size_t>(observation.feature)).left.px).squaredNorm();
     }
   }
-  return std::sqrt(sum / static_cast<double>(std::max<int64_t>(1, map.Totals().point_sights)));
+  return std::sqrt(sum / static_cast<double>(std::max<int64_t>(1, map.Totals().point_observations)));
 }
 
 }  // namespace plslam::test

@@ -7,12 +7,13 @@
 
 namespace plslam::test {
 
-/// A closed passage of points and edges around a circle, of which a part is in view; and keyframes on the circle, looking along it.
+/// A closed passage of points and edges around a circle, of which a part is in view; and keyframes on the circle,
+/// looking along it.
 FeatureWorld MakeRing(double radius_m, int points, int lines, uint64_t seed);
 std::vector<SE3> RingPath(double radius_m, double step_m, int n);
 
-/// Names the landmarks of the map that the features show, as a tracker would that was given them: those that the session
-/// founded.
+/// Names the landmarks of the map that the features show, as a tracker would that was given them: those that the
+/// session created.
 void GiveMapIds(const Map& map, int64_t session, Keyframe& keyframe);
 
 /// Newest keyframe of the map, and the first one that is nearest in truth.

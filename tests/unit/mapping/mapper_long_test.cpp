@@ -87,8 +87,8 @@ TEST_P(MapperLong, CorridorIsMappedWithinBounds) {
   const double slope = static_cast<double>(cost.bytes - cost.bytes_after_warm_up) / (n - warm_up);
   const double error_m = test::PositionError_m(mapper.map(), walk.T_w_c);
   std::cout << n << " keyframes, " << in_view << " features each: " << totals.keyframes << " kept, " << totals.points
-            << " points, " << totals.lines << " lines, " << totals.point_sights + totals.line_sights
-            << " sights; an update changes at most " << cost.most_changed_keyframes << " keyframes and "
+            << " points, " << totals.lines << " lines, " << totals.point_observations + totals.line_observations
+            << " observations; an update changes at most " << cost.most_changed_keyframes << " keyframes and "
             << cost.most_changed_landmarks << " landmarks; " << slope / 1024.0 << " KiB a keyframe; error " << error_m
             << " m after " << n * kStep_m << " m, odometry " << test::OdometryError_m(walk) << " m\n";
 

@@ -23,7 +23,8 @@ constexpr int kRound = 75;
 /// Where trackers are found again in a ring.
 class Relocation : public testing::Test {
  protected:
-  /// A session along keyframes `begin` to `end` of the ring. The frame of its odometry is the world's where it is the first.
+  /// A session along keyframes `begin` to `end` of the ring. The frame of its odometry is the world's where it is the
+  /// first.
   Walk Session(int64_t session, int begin, int end) const {
     WalkOptions options;
     options.session = session;

@@ -66,8 +66,8 @@ TEST_F(Sessions, IdsOfTheTrackerMeanNothingInAnotherSession) {
   const Walk second = Second(elsewhere, end_, T_odom_w_, true);
   ASSERT_NO_FATAL_FAILURE(Map(second.keyframes));
   for (const auto& [id, point] : mapper_.map().points()) {
-    const bool of_first = point.sights.front().keyframe_id < 10;
-    EXPECT_EQ(point.sights.back().keyframe_id < 10, of_first) << "point " << id;
+    const bool of_first = point.observations.front().keyframe_id < 10;
+    EXPECT_EQ(point.observations.back().keyframe_id < 10, of_first) << "point " << id;
   }
 }
 
@@ -119,7 +119,8 @@ TEST_F(Sessions, RobotsInDifferentPlacesLeaveEachOthersLandmarksAlone) {
   }
   const auto is_of_first = [this](int64_t id) { return mapper_.map().FindKeyframe(id)->session == 100; };
   size_t points = 0;
-  for (const auto& [id, point] : mapper_.map().points()) points += is_of_first(point.sights.front().keyframe_id);
+  for (const auto& [id, point] : mapper_.map().points())
+    points += is_of_first(point.observations.front().keyframe_id);
   EXPECT_EQ(points, alone.map().points().size());
   size_t keyframes = 0;
   for (const auto& [id, keyframe] : mapper_.map().keyframes()) {

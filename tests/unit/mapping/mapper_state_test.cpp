@@ -36,7 +36,7 @@ Bytes Say(const Word& word, Mapper& mapper) {
     EXPECT_TRUE(test::MapOne(*word.keyframe, mapper, &reason)) << reason;
   } else {
     EXPECT_TRUE(mapper.Correct(word.closure, &reason)) << reason;
-    mapper.Settle();
+    mapper.Commit();
   }
   return test::Encoded(mapper.TakeUpdate());
 }
@@ -45,8 +45,8 @@ Mapper Restored(const Mapper& mapper) {
   return {FeatureWorld::Camera(), MappingOptions(), DecodeState(EncodeState(mapper.State()))};
 }
 
-/// A lockstep stream: a bit more than once round a ring that has drifted, the loop and an adjustment of the whole map, then
-/// another session; and what a mapper that nobody disturbs makes of it.
+/// A lockstep stream: a bit more than once round a ring that has drifted, the loop and an adjustment of the whole
+/// map, then another session; and what a mapper that nobody disturbs makes of it.
 struct Stream {
   Stream() {
     Walk walk = test::MakeWalk(world, path, {.noise_px = 1.0});
@@ -146,7 +146,7 @@ int Differences(void (*lack)(MapperState&)) {
 
 TEST(MapperState, WhatASavedMapLeavesOutMatters) {
   EXPECT_EQ(Differences([](MapperState&) {}), 0);
-  EXPECT_GT(Differences([](MapperState& state) { state.trial = {}; }), 0);
+  EXPECT_GT(Differences([](MapperState& state) { state.recent_landmarks = {}; }), 0);
   EXPECT_GT(Differences([](MapperState& state) { state.tracker = {}; }), 0);
 }
 

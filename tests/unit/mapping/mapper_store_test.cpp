@@ -20,7 +20,7 @@ class Stored : public testing::Test {
   Stored() {
     for (const Keyframe& keyframe : first_.keyframes) test::MapOne(keyframe, mapper_);
     mapper_.TakeUpdate();
-    mapper_.Settle();
+    mapper_.Commit();
   }
   Walk Second() const {
     WalkOptions options;

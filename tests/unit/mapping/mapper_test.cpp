@@ -17,9 +17,9 @@ using test::MapOne;
 using test::Walk;
 using test::WalkOptions;
 
-double MeanSights(const Map& map) {
+double MeanObservations(const Map& map) {
   const MapTotals totals = map.Totals();
-  return static_cast<double>(totals.point_sights + totals.line_sights) /
+  return static_cast<double>(totals.point_observations + totals.line_observations) /
          static_cast<double>(totals.points + totals.lines);
 }
 
@@ -72,13 +72,13 @@ TEST_P(MapperWalk, LandmarksAreNearTheTruth) {
   check(test::LineErrors_m(mapper.map(), world_), GetParam().counts.lines, 0.1, 0.5);
 }
 
-TEST_P(MapperWalk, SightsGrowAndEverythingIsConnected) {
+TEST_P(MapperWalk, ObservationsGrowAndEverythingIsConnected) {
   Mapper mapper(FeatureWorld::Camera(), MappingOptions());
   for (const Keyframe& keyframe : walk_.keyframes) {
     ASSERT_TRUE(MapOne(keyframe, mapper));
     const int64_t id = mapper.map().keyframes().rbegin()->first;
     if (id == 5) {
-      EXPECT_GT(MeanSights(mapper.map()), 2.0);
+      EXPECT_GT(MeanObservations(mapper.map()), 2.0);
     }
     if (id == 0) continue;
     const auto neighbours = mapper.map().Neighbours(id, 1);
@@ -86,7 +86,7 @@ TEST_P(MapperWalk, SightsGrowAndEverythingIsConnected) {
     EXPECT_GE(neighbours.front().shared, 15) << id;
     EXPECT_GE(mapper.map().FindKeyframe(id)->parent_id, 0) << id;
   }
-  EXPECT_GT(MeanSights(mapper.map()), 3.0);
+  EXPECT_GT(MeanObservations(mapper.map()), 3.0);
   for (const auto& [id, keyframe] : mapper.map().keyframes()) {
     EXPECT_EQ(keyframe.parent_id < 0, id == 0) << id << " has parent " << keyframe.parent_id;
   }

@@ -66,23 +66,23 @@ std::string WrongWith(const MapLine& line) {
   return of_p.empty() ? WrongCovariance(line.covariance_q) : of_p;
 }
 
-template <class Kind>
-std::string WrongSights(const typename Kind::Landmark& landmark, const Map& map) {
-  if (landmark.sights.empty()) return "no sights";
-  for (const Sight& sight : landmark.sights) {
-    if (map.FindKeyframe(sight.keyframe_id) == nullptr)
-      return fmt::format("sight of no keyframe {}", sight.keyframe_id);
-    const int64_t shown = LandmarkAt<Kind>(map, sight);
-    if (shown != landmark.id) return fmt::format("its sight in {} shows {}", sight.keyframe_id, shown);
+template <class Type>
+std::string WrongObservations(const typename Type::Landmark& landmark, const Map& map) {
+  if (landmark.observations.empty()) return "no observations";
+  for (const Observation& observation : landmark.observations) {
+    if (map.FindKeyframe(observation.keyframe_id) == nullptr)
+      return fmt::format("observation of no keyframe {}", observation.keyframe_id);
+    const int64_t shown = LandmarkAt<Type>(map, observation);
+    if (shown != landmark.id) return fmt::format("its observation in {} shows {}", observation.keyframe_id, shown);
   }
   return {};
 }
 
-template <class Kind>
+template <class Type>
 std::string WrongLandmarks(const char* name, const Map& map) {
-  for (const auto& [id, landmark] : Kind::Landmarks(map)) {
+  for (const auto& [id, landmark] : Type::Landmarks(map)) {
     std::string wrong = WrongWith(landmark);
-    if (wrong.empty()) wrong = WrongSights<Kind>(landmark, map);
+    if (wrong.empty()) wrong = WrongObservations<Type>(landmark, map);
     if (!wrong.empty()) return fmt::format("{} {}: {}", name, id, wrong);
   }
   return {};
@@ -208,8 +208,8 @@ std::string WrongWith(const Map& map) {
     const std::string wrong = WrongWith(keyframe, map);
     if (!wrong.empty()) return fmt::format("keyframe {}: {}", id, wrong);
   }
-  const std::string points = WrongLandmarks<PointKind>("point", map);
-  return points.empty() ? WrongLandmarks<LineKind>("line", map) : points;
+  const std::string points = WrongLandmarks<PointType>("point", map);
+  return points.empty() ? WrongLandmarks<LineType>("line", map) : points;
 }
 
 int ExactlyKnown(const Map& map) {

@@ -23,7 +23,8 @@ struct WalkOptions {
   uint64_t seed = 1;
 };
 
-/// Keyframes along a path and where they truly are. The first one's odometry is the truth, so the map's frame is the world's.
+/// Keyframes along a path and where they truly are. The first one's odometry is the truth, so the map's frame is the
+/// world's.
 struct Walk {
   std::vector<Keyframe> keyframes;
   std::vector<SE3> T_w_c;
@@ -45,8 +46,8 @@ std::vector<SE3> CorridorPath(int n, double step_m);
 bool MapOne(const Keyframe& keyframe, Mapper& mapper, std::string* reason = nullptr);
 Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& options = {});
 
-/// What is wrong with a map, in words, empty where nothing is: numbers that are not finite, covariances that cannot be, sights of
-/// keyframes or features that do not exist or show another landmark, a tree that is none.
+/// What is wrong with a map, in words, empty where nothing is: numbers that are not finite, covariances that cannot
+/// be, observations of keyframes or features that do not exist or show another landmark, a tree that is none.
 std::string WrongWith(const Map& map);
 
 /// Landmarks whose covariance is zero: nothing that was measured is known exactly.
@@ -62,8 +63,8 @@ double PositionError_m(const Map& map, const std::vector<SE3>& T_w_c);
 /// The same of the tracker's own poses.
 double OdometryError_m(const Walk& walk);
 
-/// Distances of the map's landmarks from those of the world with the same descriptor; of lines the larger of the distances
-/// of its ends to the infinite line. Ascending.
+/// Distances of the map's landmarks from those of the world with the same descriptor; of lines the larger of the
+/// distances of its ends to the infinite line. Ascending.
 std::vector<double> PointErrors_m(const Map& map, const FeatureWorld& world);
 std::vector<double> LineErrors_m(const Map& map, const FeatureWorld& world);
 

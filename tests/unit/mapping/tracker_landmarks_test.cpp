@@ -54,7 +54,7 @@ TEST_F(AssociationTest, ClaimsAreWhatEarlierKeyframesLearntAndWhatIsGiven) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501, 502, -1}, {}), {{10, 11, -1, 13}, {}});
   const Keyframe next = WithPoints(1, 1, {501, 500, 502, 503, -1}, {-1, 20, 21, -1, 22});
-  EXPECT_EQ(tracker.Claims(next, m_.map).points, (Ids{11, 10, 21, -1, 22}))
+  EXPECT_EQ(tracker.Associations(next, m_.map).points, (Ids{11, 10, 21, -1, 22}))
       << "what was learnt goes before what is given";
 }
 
@@ -63,38 +63,38 @@ TEST_F(AssociationTest, ClaimsNameNoLandmarkTwiceAndNoneThatIsGone) {
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});
   m_.map.RemovePoint(11);
   const Keyframe next = WithPoints(1, 1, {-1, 500, 501, -1}, {10, -1, -1, 4711});
-  EXPECT_EQ(tracker.Claims(next, m_.map).points, (Ids{-1, 10, -1, -1}));
+  EXPECT_EQ(tracker.Associations(next, m_.map).points, (Ids{-1, 10, -1, -1}));
 }
 
 TEST_F(AssociationTest, WhatAnotherSessionLearntDoesNotCount) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500}, {}), {{10}, {}});
-  EXPECT_EQ(tracker.Claims(WithPoints(2, 0, {500}, {}), m_.map).points, (Ids{-1}));
-  EXPECT_EQ(tracker.Claims(WithPoints(2, 0, {500}, {12}), m_.map).points, (Ids{12}));
+  EXPECT_EQ(tracker.Associations(WithPoints(2, 0, {500}, {}), m_.map).points, (Ids{-1}));
+  EXPECT_EQ(tracker.Associations(WithPoints(2, 0, {500}, {12}), m_.map).points, (Ids{12}));
 }
 
 TEST_F(AssociationTest, WhatRobotsLearnInTurnStays) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500}, {}), {{10}, {}});
   tracker.Learn(WithPoints(2, 0, {500}, {}), {{20}, {}});
-  EXPECT_EQ(tracker.Claims(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{10}));
-  EXPECT_EQ(tracker.Claims(WithPoints(2, 1, {500}, {}), m_.map).points, (Ids{20}));
+  EXPECT_EQ(tracker.Associations(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{10}));
+  EXPECT_EQ(tracker.Associations(WithPoints(2, 1, {500}, {}), m_.map).points, (Ids{20}));
   for (int64_t session = 3; session < 40; ++session) tracker.Learn(WithPoints(session, 0, {500}, {}), {{30}, {}});
-  EXPECT_EQ(tracker.Claims(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{-1})) << "sessions of long ago";
+  EXPECT_EQ(tracker.Associations(WithPoints(1, 1, {500}, {}), m_.map).points, (Ids{-1})) << "sessions of long ago";
 }
 
 TEST_F(AssociationTest, LandmarksThatNoLongerComeAreForgotten) {
   TrackerLandmarks tracker;
   tracker.Learn(WithPoints(1, 0, {500, 501}, {}), {{10, 11}, {}});
   for (int64_t k = 1; k < 200; ++k) tracker.Learn(WithPoints(1, k, {501}, {}), {{11}, {}});
-  EXPECT_EQ(tracker.Claims(WithPoints(1, 200, {500, 501}, {}), m_.map).points, (Ids{-1, 11}));
+  EXPECT_EQ(tracker.Associations(WithPoints(1, 200, {500, 501}, {}), m_.map).points, (Ids{-1, 11}));
 }
 
 TEST_F(AssociationTest, ShortListsOfIdsAreNoHarm) {
   TrackerLandmarks tracker;
   Keyframe keyframe = WithPoints(1, 0, {-1, -1, -1}, {});
   keyframe.point_landmark_ids.clear();
-  EXPECT_EQ(tracker.Claims(keyframe, m_.map).points, (Ids{-1, -1, -1}));
+  EXPECT_EQ(tracker.Associations(keyframe, m_.map).points, (Ids{-1, -1, -1}));
   tracker.Learn(keyframe, {{3}, {}});
 }
 

@@ -49,7 +49,7 @@ TEST_F(WorkQueueTest, EachKeyframeOfLockstepWaitsForTheSayAboutTheOneBefore) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 1U);
   ExpectNothing();
   queue_.Add(ClosureOf(0));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(Take(Kind::kCorrect).commits);
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
   ExpectNothing();
 }
@@ -59,10 +59,10 @@ TEST_F(WorkQueueTest, ALoopOfLockstepWaitsForTheAdjustmentThatFollows) {
   queue_.Add(KeyframeOf(1, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
-  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  EXPECT_FALSE(Take(Kind::kCorrect).commits);
   ExpectNothing();
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kAdjustment));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(Take(Kind::kCorrect).commits);
   Take(Kind::kInsert);
 }
 
@@ -72,7 +72,7 @@ TEST_F(WorkQueueTest, ALoopThatIsRefusedStopsNobody) {
   queue_.Add(KeyframeOf(1, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
-  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  EXPECT_FALSE(Take(Kind::kCorrect).commits);
   EXPECT_TRUE(queue_.Refused()) << "to be told";
   EXPECT_FALSE(queue_.Refused());
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 1);
@@ -105,12 +105,12 @@ TEST_F(WorkQueueTest, WhereNoLoopProcessIsHeardOfLockstepGoesOn) {
   EXPECT_FALSE(queue_.GiveUp(now_s_ + 4.0));
   ExpectNothing();
   EXPECT_TRUE(queue_.GiveUp(now_s_ + 6.0));
-  Take(Kind::kSettle);
+  Take(Kind::kCommit);
   Take(Kind::kInsert);
-  Take(Kind::kSettle);
+  Take(Kind::kCommit);
   Take(Kind::kInsert);
   queue_.OnSignOfLife(now_s_ + 7.0);
-  Take(Kind::kSettle);
+  Take(Kind::kCommit);
   queue_.Add(KeyframeOf(3, true), 0.0);
   Take(Kind::kInsert);
   ExpectNothing();
@@ -122,7 +122,7 @@ TEST_F(WorkQueueTest, WithoutLoopsNobodyIsWaitedFor) {
   queue.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
   ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kInsert);
   queue.Inserted(KeyframeOf(0, true), 1, now_s_);
-  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kSettle);
+  ASSERT_EQ(queue.Take(now_s_)->kind, Kind::kCommit);
   EXPECT_FALSE(queue.Take(now_s_));
 }
 
@@ -132,11 +132,11 @@ TEST_F(WorkQueueTest, LiveKeyframesAreInsertedTogetherAndNeverWait) {
   queue_.Add(KeyframeOf(3, false), 0.0);
   EXPECT_EQ(Take(Kind::kInsert).keyframes.size(), 1U);
   queue_.Add(ClosureOf(1, LoopClosure::Kind::kLoop));
-  EXPECT_FALSE(Take(Kind::kCorrect).settles) << "late, but right";
+  EXPECT_FALSE(Take(Kind::kCorrect).commits) << "late, but right";
   queue_.Add(ClosureOf(2));
   ExpectNothing();
   queue_.Add(ClosureOf(3));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(Take(Kind::kCorrect).commits);
 }
 
 TEST_F(WorkQueueTest, EachInsertionIsOfOneSessionSoThatItsTrackerHearsOfIt) {
@@ -202,15 +202,15 @@ TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   EXPECT_EQ(queue_.n_keyframes(), 0U);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
-  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  EXPECT_FALSE(Take(Kind::kCorrect).commits);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop, true));
   ExpectNothing();
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kAdjustment));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles) << "another one about the same keyframe";
+  EXPECT_TRUE(Take(Kind::kCorrect).commits) << "another one about the same keyframe";
 }
 
-// The mapper died between a loop and the adjustment that follows: loop_process judges the keyframe again, on the map of the
-// one in its place, which has the loop from the history.
+// The mapper died between a loop and the adjustment that follows: loop_process judges the keyframe again, on the map
+// of the one in its place, which has the loop from the history.
 TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
   const auto found_on = [](int64_t source, LoopClosure::Kind kind, bool more) {
     LoopClosure closure = ClosureOf(0, kind, more);
@@ -220,11 +220,11 @@ TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(found_on(1, LoopClosure::Kind::kLoop, true));
-  EXPECT_FALSE(Take(Kind::kCorrect).settles);
+  EXPECT_FALSE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(2, LoopClosure::Kind::kLoop, true));
   ExpectNothing();
   queue_.Add(found_on(2, LoopClosure::Kind::kAdjustment, false));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(1, LoopClosure::Kind::kAdjustment, false));
   ExpectNothing();
 }
@@ -286,7 +286,7 @@ TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
   EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 5);
   ExpectNothing();
   queue_.Add(ClosureOf(5));
-  EXPECT_TRUE(Take(Kind::kCorrect).settles);
+  EXPECT_TRUE(Take(Kind::kCorrect).commits);
   ExpectNothing();
 }
 
@@ -345,7 +345,7 @@ TEST(WorkQueueState, IsKeptBeforeAnotherPublisherGoesOnWithASession) {
     ASSERT_TRUE(work && work->kind == Kind::kInsert);
     ASSERT_EQ(work->keyframes.front().keyframe.keyframe_id, keyframe.keyframe_id);
     queue.Inserted(keyframe, 1, 0.0);
-    EXPECT_EQ(queue.Take(0.0)->kind, Kind::kSettle);
+    EXPECT_EQ(queue.Take(0.0)->kind, Kind::kCommit);
   };
   queue.Add(of(1, 0), 0.0);
   insert(of(1, 0));

@@ -38,7 +38,7 @@ TEST(EstimateMotion, RecoversExactMotionFromPointsLinesAndBoth) {
 TEST(EstimateMotion, ScaleComesFromTheRightImage) {
   MotionWorldMaker maker(2);
   MotionWorld world = maker.Make(60, 0, {});
-  for (PointObservation& o : world.points) o.uvd.z() = -1.0;
+  for (PointCorrespondence& o : world.points) o.uvd.z() = -1.0;
   ExpectMotion(world, 1e-5);
 }
 
@@ -73,11 +73,11 @@ INSTANTIATE_TEST_SUITE_P(EstimateMotion, Calibration,
                          testing::Values(Case{"points", 100, 0}, Case{"lines", 0, 60}, Case{"both", 60, 30}),
                          [](const auto& test) { return test.param.name; });
 
-// Plain Gauss-Newton with numeric derivatives of the same robust cost, over all observations.
+// Plain Gauss-Newton with numeric derivatives of the same robust cost, over all correspondences.
 SE3 SlowEstimate(const MotionWorld& world, const MotionOptions& options) {
   const auto residuals = [&](const SE3& T, const SE3& T_weights) {
     std::vector<double> all;
-    for (const PointObservation& o : world.points) {
+    for (const PointCorrespondence& o : world.points) {
       const Eigen::Matrix3d J = world.camera.ProjectStereoJacobian(T_weights * o.p_ref) * T_weights.R();
       Eigen::Matrix3d S = J * o.covariance * J.transpose();
       S.diagonal() += Eigen::Vector3d(o.sigma_px, o.sigma_px, o.sigma_disparity_px).cwiseAbs2();
@@ -142,7 +142,7 @@ TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
   ASSERT_TRUE(honest);
   EXPECT_NEAR(honest->point_deviation, 1.0, 0.1);
   EXPECT_NEAR(honest->line_deviation, 1.0, 0.15);
-  for (PointObservation& o : world.points) {
+  for (PointCorrespondence& o : world.points) {
     o.sigma_px *= 0.5;
     o.sigma_disparity_px *= 0.5;
     o.covariance *= 0.25;
@@ -154,8 +154,8 @@ TEST(EstimateMotion, TellsHowFarEachKindDeviatesInItsOwnSigmas) {
   EXPECT_EQ(Estimate(maker.Make(50, 0, {0.5, 0.6, 0.4}))->line_deviation, 0.0);
 }
 
-// A wall's edge whose near end the camera passes: in front of it where the search begins, behind it where the camera is. Its far
-// part is seen all the same, so it agrees with the others until it is gone.
+// A wall's edge whose near end the camera passes: in front of it where the search begins, behind it where the camera
+// is. Its far part is seen all the same, so it agrees with the others until it is gone.
 TEST(EstimateMotion, LineThatTheCameraPassesDoesNotHoldItBack) {
   MotionWorldMaker maker(6);
   MotionWorld world = maker.Make(0, 0, {});
@@ -211,16 +211,16 @@ TEST(EstimateMotion, IdenticalImages) {
   }
 }
 
-std::vector<PointObservation> CollinearPoints(MotionWorldMaker& maker, const MotionWorld& world) {
-  std::vector<PointObservation> points;
+std::vector<PointCorrespondence> CollinearPoints(MotionWorldMaker& maker, const MotionWorld& world) {
+  std::vector<PointCorrespondence> points;
   for (int i = 0; i < 30; ++i) {
     points.push_back(maker.Observe(world, Eigen::Vector3d(-1.0 + 0.07 * i, 0.02 * i, 4.0 + 0.03 * i), {}));
   }
   return points;
 }
 
-std::vector<LineObservation> ParallelLines(MotionWorldMaker& maker, const MotionWorld& world) {
-  std::vector<LineObservation> lines;
+std::vector<LineCorrespondence> ParallelLines(MotionWorldMaker& maker, const MotionWorld& world) {
+  std::vector<LineCorrespondence> lines;
   for (int i = 0; i < 30; ++i) {
     const Eigen::Vector3d p = maker.PointInView(world.camera);
     lines.push_back(maker.Observe(world, Segment3{p, p + Eigen::Vector3d(0.2, 0.9, 0.1)}, {}));
@@ -289,7 +289,7 @@ TEST(EstimateMotion, HugeUncertaintyChangesNothing) {
   MotionWorldMaker maker(13);
   MotionWorld world = maker.Make(60, 0, {0.3, 0.3, 0.2});
   const auto without = Estimate(world);
-  PointObservation vague = world.points[0];
+  PointCorrespondence vague = world.points[0];
   vague.p_ref += Eigen::Vector3d(1.0, 1.0, 2.0);
   vague.covariance = 1e2 * vague.p_ref.squaredNorm() * Eigen::Matrix3d::Identity();
   world.points.push_back(vague);

@@ -32,9 +32,9 @@ SE3 MotionWorldMaker::SmallMotion(double translation_m, double rotation_rad) {
   return SE3::Exp(x);
 }
 
-PointObservation MotionWorldMaker::Observe(const MotionWorld& world, const Eigen::Vector3d& p_ref,
-                                           const MotionNoise& noise) {
-  PointObservation o;
+PointCorrespondence MotionWorldMaker::Observe(const MotionWorld& world, const Eigen::Vector3d& p_ref,
+                                              const MotionNoise& noise) {
+  PointCorrespondence o;
   o.p_ref = p_ref;
   if (noise.landmark_px > 0.0) {
     const Eigen::Vector3d uvd = Measure(world.camera, p_ref, noise.landmark_px, noise.landmark_px);
@@ -47,11 +47,11 @@ PointObservation MotionWorldMaker::Observe(const MotionWorld& world, const Eigen
   return o;
 }
 
-LineObservation MotionWorldMaker::Observe(const MotionWorld& world, const Segment3& segment_ref,
-                                          const MotionNoise& noise) {
-  LineObservation o;
-  const PointObservation p = Observe(world, segment_ref.p, noise);
-  const PointObservation q = Observe(world, segment_ref.q, noise);
+LineCorrespondence MotionWorldMaker::Observe(const MotionWorld& world, const Segment3& segment_ref,
+                                             const MotionNoise& noise) {
+  LineCorrespondence o;
+  const PointCorrespondence p = Observe(world, segment_ref.p, noise);
+  const PointCorrespondence q = Observe(world, segment_ref.q, noise);
   o.segment_ref = {p.p_ref, q.p_ref};
   o.covariance_p = p.covariance;
   o.covariance_q = q.covariance;

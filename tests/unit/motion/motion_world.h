@@ -12,8 +12,8 @@ namespace plslam::test {
 struct MotionWorld {
   StereoCamera camera{400.0, 320.0, 240.0, 0.12, 640, 480};
   SE3 T_cur_ref;
-  std::vector<PointObservation> points;
-  std::vector<LineObservation> lines;
+  std::vector<PointCorrespondence> points;
+  std::vector<LineCorrespondence> lines;
 };
 
 struct MotionNoise {
@@ -37,8 +37,8 @@ class MotionWorldMaker {
   /// In the view of the camera, 2 to 8 m away.
   Eigen::Vector3d PointInView(const StereoCamera& camera);
 
-  PointObservation Observe(const MotionWorld& world, const Eigen::Vector3d& p_ref, const MotionNoise& noise);
-  LineObservation Observe(const MotionWorld& world, const Segment3& segment_ref, const MotionNoise& noise);
+  PointCorrespondence Observe(const MotionWorld& world, const Eigen::Vector3d& p_ref, const MotionNoise& noise);
+  LineCorrespondence Observe(const MotionWorld& world, const Segment3& segment_ref, const MotionNoise& noise);
   SE3 SmallMotion(double translation_m, double rotation_rad);
 
  private:

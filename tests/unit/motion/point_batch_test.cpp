@@ -64,7 +64,7 @@ void ExpectEqual(const Sum& sum, const Sum& expected) {
 std::vector<PreparedPoint> MixedPoints(const test::MotionWorld& world) {
   std::vector<PreparedPoint> points;
   for (size_t i = 0; i < world.points.size(); ++i) {
-    PointObservation o = world.points[i];
+    PointCorrespondence o = world.points[i];
     if (i % 3 == 1) o.uvd.z() = -1.0;
     if (i % 7 == 2) o.p_ref.z() = -o.p_ref.z();
     points.push_back(*Prepare(o, MotionOptions()));
@@ -110,7 +110,7 @@ TEST(PointBatch, WhatOverflowsCostsLikeAHiddenPoint) {
   test::MotionWorldMaker maker(13);
   const test::MotionWorld world = maker.Make(6, 0, {1.0, 0.7, 0.5});
   std::vector<PreparedPoint> points;
-  for (const PointObservation& o : world.points) points.push_back(*Prepare(o, MotionOptions()));
+  for (const PointCorrespondence& o : world.points) points.push_back(*Prepare(o, MotionOptions()));
   points[2].uvd.x() = 1e200;
   points[3].covariance.setConstant(-1e9);
   points[4].covariance.setConstant(1e308);

@@ -87,7 +87,8 @@ TEST(EstimatePoseRansac, GoesOnAfterAHypothesisThatHardlyAnyAgreesWith) {
   }
 }
 
-// A wide lens with a short baseline in a hall: disparities of 1 to 4 pixels, so that places are metres off along their rays.
+// A wide lens with a short baseline in a hall: disparities of 1 to 4 pixels, so that places are metres off along
+// their rays.
 TEST(EstimatePoseRansac, FindsThePoseAmongFarPointsToo) {
   MotionWorldMaker maker(25);
   const test::MotionNoise noise{0.5, 0.2, 0.2};
@@ -126,7 +127,7 @@ TEST(EstimatePoseRansac, NothingToFind) {
   EXPECT_FALSE(EstimatePoseRansac(world.points, {}, world.camera, 41, 3.0, 1));
   EXPECT_FALSE(EstimatePoseRansac(world.points, {}, world.camera, 5, std::nan(""), 1));
   MotionWorld garbage = world;
-  for (PointObservation& o : garbage.points) {
+  for (PointCorrespondence& o : garbage.points) {
     o.uvd = world.camera.ProjectStereo(maker.PointInView(world.camera));
   }
   EXPECT_FALSE(EstimatePoseRansac(garbage.points, {}, world.camera, 15, 3.0, 1));

@@ -37,7 +37,7 @@ void ExpectJacobian(const Prepared& prepared, const SE3& T_cur_ref, const Stereo
 TEST(PointResidual, JacobianMatchesDifferences) {
   test::MotionWorldMaker maker(1);
   const test::MotionWorld world = maker.Make(20, 0, {1.0, 1.0, 1.0});
-  for (PointObservation o : world.points) {
+  for (PointCorrespondence o : world.points) {
     ExpectJacobian<3>(*Prepare(o, MotionOptions()), world.T_cur_ref, world.camera);
     o.uvd.z() = -1.0;
     ExpectJacobian<3>(*Prepare(o, MotionOptions()), world.T_cur_ref, world.camera);
@@ -47,7 +47,7 @@ TEST(PointResidual, JacobianMatchesDifferences) {
 TEST(LineResidual, JacobianMatchesDifferences) {
   test::MotionWorldMaker maker(2);
   const test::MotionWorld world = maker.Make(0, 20, {1.0, 1.0, 1.0});
-  for (LineObservation o : world.lines) {
+  for (LineCorrespondence o : world.lines) {
     ExpectJacobian<4>(*Prepare(o, MotionOptions()), world.T_cur_ref, world.camera);
     o.disparity_q_px = -1.0;
     ExpectJacobian<4>(*Prepare(o, MotionOptions()), world.T_cur_ref, world.camera);
@@ -57,7 +57,7 @@ TEST(LineResidual, JacobianMatchesDifferences) {
 TEST(LineResidual, IsDistanceToBothObservedLines) {
   test::MotionWorldMaker maker(3);
   const test::MotionWorld world = maker.Make(0, 10, {2.0, 2.0, 1.0});
-  for (const LineObservation& o : world.lines) {
+  for (const LineCorrespondence& o : world.lines) {
     Residual<4> residual;
     ASSERT_TRUE(Linearize(*Prepare(o, MotionOptions()), PoseView(world.T_cur_ref, world.camera), 0.0, residual));
     const Eigen::Vector3d p = world.camera.ProjectStereo(world.T_cur_ref * o.segment_ref.p);
@@ -73,7 +73,7 @@ TEST(LineResidual, IsDistanceToBothObservedLines) {
 }
 
 // The stated covariance of the residuals against that of many noisy measurements and landmarks.
-template <int N, class Observation, class Landmark>
+template <int N, class Correspondence, class Landmark>
 void ExpectSampledCovariance(test::MotionWorldMaker& maker, const test::MotionWorld& world, const Landmark& landmark,
                              double tolerance) {
   constexpr int kSamples = 4000;
@@ -81,7 +81,7 @@ void ExpectSampledCovariance(test::MotionWorldMaker& maker, const test::MotionWo
   Eigen::Matrix<double, N, N> sampled = Eigen::Matrix<double, N, N>::Zero();
   Eigen::Matrix<double, N, N> stated = Eigen::Matrix<double, N, N>::Zero();
   for (int i = 0; i < kSamples; ++i) {
-    const Observation o = maker.Observe(world, landmark, noise);
+    const Correspondence o = maker.Observe(world, landmark, noise);
     Residual<N> residual;
     ASSERT_TRUE(Linearize(*Prepare(o, MotionOptions()), PoseView(world.T_cur_ref, world.camera), 0.0, residual));
     sampled += residual.r * residual.r.transpose() / kSamples;
@@ -93,20 +93,20 @@ void ExpectSampledCovariance(test::MotionWorldMaker& maker, const test::MotionWo
 TEST(PointResidual, CovarianceIsThatOfSamples) {
   test::MotionWorldMaker maker(4);
   test::MotionWorld world = maker.Make(0, 0, {});
-  ExpectSampledCovariance<3, PointObservation>(maker, world, Eigen::Vector3d(0.3, -0.2, 3.0), 0.06);
+  ExpectSampledCovariance<3, PointCorrespondence>(maker, world, Eigen::Vector3d(0.3, -0.2, 3.0), 0.06);
 }
 
 TEST(LineResidual, CovarianceIsThatOfSamples) {
   test::MotionWorldMaker maker(5);
   test::MotionWorld world = maker.Make(0, 0, {});
   const Segment3 segment{{0.3, -0.6, 3.0}, {0.6, 0.4, 3.4}};
-  ExpectSampledCovariance<4, LineObservation>(maker, world, segment, 0.08);
+  ExpectSampledCovariance<4, LineCorrespondence>(maker, world, segment, 0.08);
 }
 
 TEST(LineResidual, SlidingEndpointAddsNothing) {
   test::MotionWorldMaker maker(6);
   const test::MotionWorld world = maker.Make(0, 1, {0.5, 0.5, 0.5});
-  LineObservation o = world.lines[0];
+  LineCorrespondence o = world.lines[0];
   Residual<4> before;
   ASSERT_TRUE(Linearize(*Prepare(o, MotionOptions()), PoseView(world.T_cur_ref, world.camera), 0.0, before));
   const Eigen::Vector3d along = (o.segment_ref.q - o.segment_ref.p).normalized();
@@ -119,7 +119,7 @@ TEST(LineResidual, SlidingEndpointAddsNothing) {
 TEST(Whiten, MatchesDenseInverse) {
   test::MotionWorldMaker maker(7);
   const test::MotionWorld world = maker.Make(0, 10, {0.5, 0.7, 0.5});
-  for (const LineObservation& o : world.lines) {
+  for (const LineCorrespondence& o : world.lines) {
     Residual<4> residual;
     ASSERT_TRUE(Linearize(*Prepare(o, MotionOptions()), PoseView(world.T_cur_ref, world.camera), 0.0, residual));
     const Eigen::Matrix4d S = residual.S.selfadjointView<Eigen::Lower>();

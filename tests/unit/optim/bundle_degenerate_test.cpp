@@ -47,8 +47,8 @@ class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const ch
     ASSERT_EQ(result.points.size(), problem.points.size());
     ASSERT_EQ(result.lines.size(), problem.lines.size());
     for (size_t i = 0; i < problem.points.size(); ++i) EXPECT_EQ(result.points[i], problem.points[i].p_w);
-    EXPECT_EQ(result.point_inliers, std::vector<bool>(problem.point_sights.size(), false));
-    EXPECT_EQ(result.line_inliers, std::vector<bool>(problem.line_sights.size(), false));
+    EXPECT_EQ(result.point_inliers, std::vector<bool>(problem.point_observations.size(), false));
+    EXPECT_EQ(result.line_inliers, std::vector<bool>(problem.line_observations.size(), false));
     EXPECT_TRUE(result.pose_covariances.empty());
   }
 
@@ -75,17 +75,17 @@ TEST_P(AdjustBundleDegenerate, AllFixed) {
 
 TEST_P(AdjustBundleDegenerate, NothingSeen) {
   test::BundleWorld world = Make();
-  world.problem.point_sights.clear();
-  world.problem.line_sights.clear();
+  world.problem.point_observations.clear();
+  world.problem.line_observations.clear();
   ExpectAsGiven(world.problem, AdjustBundle(world.problem, options_));
 }
 
-TEST_P(AdjustBundleDegenerate, SightOfNoPose) {
+TEST_P(AdjustBundleDegenerate, ObservationOfNoPose) {
   test::BundleWorld world = Make();
-  world.problem.point_sights[3].pose = 99;
+  world.problem.point_observations[3].pose = 99;
   const BundleResult result = AdjustBundle(world.problem, options_);
   ExpectAsGiven(world.problem, result);
-  EXPECT_EQ(result.reason, "point sight 3 is of pose 99 of 8 and point 0 of 100");
+  EXPECT_EQ(result.reason, "point observation 3 is of pose 99 of 8 and point 0 of 100");
 }
 
 TEST_P(AdjustBundleDegenerate, PoseThatIsNotFinite) {
@@ -96,16 +96,16 @@ TEST_P(AdjustBundleDegenerate, PoseThatIsNotFinite) {
   EXPECT_EQ(result.reason, "pose 4 is not finite");
 }
 
-TEST_P(AdjustBundleDegenerate, LandmarksAndSightsThatAreNotFinite) {
+TEST_P(AdjustBundleDegenerate, LandmarksAndObservationsThatAreNotFinite) {
   test::BundleWorld world = Make();
   world.problem.points[0].p_w.x() = kNan;
   world.problem.points[1].p_w.z() = kInfinity;
   world.problem.lines[0].segment_w.q.y() = kNan;
-  world.problem.point_sights[50].uvd.x() = kInfinity;
-  world.problem.point_sights[51].sigma_px = 0.0;
-  world.problem.point_sights[52].sigma_disparity_px = kNan;
-  world.problem.line_sights[50].observed.p.x() = kNan;
-  world.problem.line_sights[51].disparity_q_px = kNan;
+  world.problem.point_observations[50].uvd.x() = kInfinity;
+  world.problem.point_observations[51].sigma_px = 0.0;
+  world.problem.point_observations[52].sigma_disparity_px = kNan;
+  world.problem.line_observations[50].observed.p.x() = kNan;
+  world.problem.line_observations[51].disparity_q_px = kNan;
   const BundleResult result = Adjust(world);
   for (int i : {0, 4, 5, 9, 50, 51, 52}) EXPECT_FALSE(result.point_inliers[i]) << i;
   for (int i : {0, 4, 50, 51}) EXPECT_FALSE(result.line_inliers[i]) << i;
@@ -134,10 +134,10 @@ TEST_P(AdjustBundleDegenerate, PointsAtInfinity) {
     const double z = std::pow(10.0, 2.0 + 0.4 * i);
     world.problem.points[i].p_w = Eigen::Vector3d(maker.Uniform(-0.5, 0.5), maker.Uniform(-0.4, 0.4), 1.0) * z;
     for (int k = 0; k < 5; ++k) {
-      PointSight& sight = world.problem.point_sights[5 * i + k];
-      const Eigen::Vector3d p_c = world.true_T_w_c[sight.pose].Inverse() * world.problem.points[i].p_w;
-      sight.uvd = world.problem.camera.ProjectStereo(p_c) + 0.5 * maker.GaussVector();
-      sight.uvd.z() = i % 3 == 0 ? 0.0 : i % 3 == 1 ? -1.0 : std::abs(sight.uvd.z());
+      PointObservation& observation = world.problem.point_observations[5 * i + k];
+      const Eigen::Vector3d p_c = world.true_T_w_c[observation.pose].Inverse() * world.problem.points[i].p_w;
+      observation.uvd = world.problem.camera.ProjectStereo(p_c) + 0.5 * maker.GaussVector();
+      observation.uvd.z() = i % 3 == 0 ? 0.0 : i % 3 == 1 ? -1.0 : std::abs(observation.uvd.z());
     }
   }
   const BundleResult result = Adjust(world);
@@ -152,7 +152,7 @@ TEST_P(AdjustBundleDegenerate, SegmentThroughTheCameraCentre) {
   const SE3& T_w_c = world.problem.poses[3].T_w_c;
   Segment3& segment_w = world.problem.lines[4].segment_w;
   segment_w = {T_w_c * Eigen::Vector3d(0.2, 0.1, 2.0), T_w_c * Eigen::Vector3d(0.4, 0.2, 4.0)};
-  for (int i = 20; i < 25; ++i) world.problem.line_sights[i].pose = 3;
+  for (int i = 20; i < 25; ++i) world.problem.line_observations[i].pose = 3;
   const BundleResult result = Adjust(world);
   EXPECT_TRUE(result.lines[4].p.allFinite() && result.lines[4].q.allFinite());
 }
@@ -160,7 +160,7 @@ TEST_P(AdjustBundleDegenerate, SegmentThroughTheCameraCentre) {
 TEST_P(AdjustBundleDegenerate, SegmentsWithoutLength) {
   test::BundleWorld world = Make();
   world.problem.lines[1].segment_w.q = world.problem.lines[1].segment_w.p;
-  world.problem.line_sights[40].observed.q = world.problem.line_sights[40].observed.p;
+  world.problem.line_observations[40].observed.q = world.problem.line_observations[40].observed.p;
   const BundleResult result = Adjust(world);
   for (int i : {5, 6, 7, 8, 9, 40}) EXPECT_FALSE(result.line_inliers[i]) << i;
   EXPECT_EQ(result.lines[1].p, world.problem.lines[1].segment_w.p);
@@ -182,17 +182,18 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOnePoint) {
   const SE3 T_w_c = world.true_T_w_c[3];
   world.problem.poses.push_back({T_w_c, false});
   world.true_T_w_c.push_back(T_w_c);
-  PointSight sight = world.problem.point_sights[0];
-  sight.pose = static_cast<int>(world.problem.poses.size()) - 1;
-  sight.uvd = world.problem.camera.ProjectStereo(T_w_c.Inverse() * world.true_points[0]);
-  world.problem.point_sights.push_back(sight);
+  PointObservation observation = world.problem.point_observations[0];
+  observation.pose = static_cast<int>(world.problem.poses.size()) - 1;
+  observation.uvd = world.problem.camera.ProjectStereo(T_w_c.Inverse() * world.true_points[0]);
+  world.problem.point_observations.push_back(observation);
   const BundleResult result = AdjustBundle(world.problem, options_);
   ASSERT_TRUE(result.ok);
   EXPECT_LT(test::ErrorOf(result.T_w_c.back(), T_w_c).norm(), 0.2);
   EXPECT_GT(result.pose_covariances.back().trace(), 10.0);
 }
 
-// A pose that sees known points, each three times and far from where it is: it goes to their middle, where none agrees.
+// A pose that sees known points, each three times and far from where it is: it goes to their middle, where none
+// agrees.
 TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
   test::BundleWorld world = Make();
   const SE3 T_w_c = world.true_T_w_c[3];
@@ -200,14 +201,14 @@ TEST_P(AdjustBundleDegenerate, PoseThatSeesOutliersOnlyStaysWhereItWas) {
   world.true_T_w_c.push_back(T_w_c);
   for (int i = 0; i < 12; ++i) {
     if (i % 3 == 0) world.problem.points.push_back({world.true_points[i], true});
-    PointSight sight;
-    sight.pose = static_cast<int>(world.problem.poses.size()) - 1;
-    sight.point = static_cast<int>(world.problem.points.size()) - 1;
+    PointObservation observation;
+    observation.pose = static_cast<int>(world.problem.poses.size()) - 1;
+    observation.point = static_cast<int>(world.problem.points.size()) - 1;
     const double turn = 2.0 / 3.0 * std::numbers::pi * i;
     const Eigen::Vector3d wrong_px(30.0 + 15.0 * std::cos(turn), 15.0 * std::sin(turn), 0.0);
     const Eigen::Vector3d& p_w = world.problem.points.back().p_w;
-    sight.uvd = world.problem.camera.ProjectStereo(T_w_c.Inverse() * p_w) + wrong_px;
-    world.problem.point_sights.push_back(sight);
+    observation.uvd = world.problem.camera.ProjectStereo(T_w_c.Inverse() * p_w) + wrong_px;
+    world.problem.point_observations.push_back(observation);
   }
   const BundleResult result = Adjust(world);
   for (size_t i = result.point_inliers.size() - 12; i < result.point_inliers.size(); ++i) {
@@ -228,16 +229,16 @@ TEST_P(AdjustBundleDegenerate, LandmarkSeenByNobody) {
 // Undetermined: the depth stays as given, and so uncertain that it says so.
 TEST_P(AdjustBundleDegenerate, LandmarksSeenOnceWithoutDisparity) {
   test::BundleWorld world = Make();
-  PointSight point = world.problem.point_sights[0];
-  LineSight line = world.problem.line_sights[0];
+  PointObservation point = world.problem.point_observations[0];
+  LineObservation line = world.problem.line_observations[0];
   point.uvd.z() = -1.0;
   point.point = static_cast<int>(world.problem.points.size());
   line.disparity_p_px = -1.0;
   line.line = static_cast<int>(world.problem.lines.size());
   world.problem.points.push_back({world.true_points[0], false});
   world.problem.lines.push_back({world.true_lines[0], false});
-  world.problem.point_sights.push_back(point);
-  world.problem.line_sights.push_back(line);
+  world.problem.point_observations.push_back(point);
+  world.problem.line_observations.push_back(line);
   const BundleResult result = Adjust(world);
   EXPECT_LT((result.points.back() - world.true_points[0]).norm(), 0.2);
   EXPECT_LT(test::DistanceToLine(world.true_lines[0].p, result.lines.back()), 0.2);
@@ -250,11 +251,11 @@ TEST_P(AdjustBundleDegenerate, IdenticalPoses) {
   world.problem.poses.push_back(world.problem.poses[3]);
   world.true_T_w_c.push_back(world.true_T_w_c[3]);
   const int twin = static_cast<int>(world.problem.poses.size()) - 1;
-  const std::vector<PointSight> sights = world.problem.point_sights;
-  for (PointSight sight : sights) {
-    if (sight.pose != 3) continue;
-    sight.pose = twin;
-    world.problem.point_sights.push_back(sight);
+  const std::vector<PointObservation> observations = world.problem.point_observations;
+  for (PointObservation observation : observations) {
+    if (observation.pose != 3) continue;
+    observation.pose = twin;
+    world.problem.point_observations.push_back(observation);
   }
   const BundleResult result = Adjust(world);
   EXPECT_LT(test::ErrorOf(result.T_w_c[twin], result.T_w_c[3]).norm(), 0.02);

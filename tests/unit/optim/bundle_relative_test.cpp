@@ -28,11 +28,11 @@ BundleProblem Strangers(int poses) {
     problem.poses.push_back({TrueAt(k) * SE3::Exp(x), k == 0});
     for (int i = 0; i < 4; ++i) {
       const Eigen::Vector3d p_c(i % 2 - 0.5, (i > 1 ? 1 : 0) - 0.5, 3.0 + 0.3 * i);
-      PointSight sight;
-      sight.pose = k;
-      sight.point = static_cast<int>(problem.points.size());
-      sight.uvd = kCamera.ProjectStereo(p_c);
-      problem.point_sights.push_back(sight);
+      PointObservation observation;
+      observation.pose = k;
+      observation.point = static_cast<int>(problem.points.size());
+      observation.uvd = kCamera.ProjectStereo(p_c);
+      problem.point_observations.push_back(observation);
       problem.points.push_back({problem.poses.back().T_w_c * p_c});
     }
   }
@@ -64,12 +64,12 @@ TEST(AdjustBundleRelative, AChainHoldsPosesThatSeeNothingInCommon) {
     // Their points went with them.
     for (size_t point = 4 * i; point < 4 * i + 4; ++point) {
       const Eigen::Vector3d uvd = kCamera.ProjectStereo(chained.T_w_c[i].Inverse() * chained.points[point]);
-      EXPECT_LT((uvd - problem.point_sights[point].uvd).norm(), 1e-3) << "point " << point;
+      EXPECT_LT((uvd - problem.point_observations[point].uvd).norm(), 1e-3) << "point " << point;
     }
   }
 }
 
-// Each step trades some of what the sights say for what the motions say.
+// Each step trades some of what the observations say for what the motions say.
 TEST(AdjustBundleRelative, StepsThatOnlyMotionsGainFromGoOn) {
   BundleProblem problem = Strangers(6);
   for (int k = 1; k < 6; ++k) problem.relative_poses.push_back(Between(k - 1, k, 0.01));
@@ -124,7 +124,7 @@ TEST(AdjustBundleRelative, DirectionsCountEachByItself) {
 }
 
 // Strong motions hold a world that points alone would leave where noise puts it; weak ones change nothing.
-TEST(AdjustBundleRelative, MotionsWeighAgainstSights) {
+TEST(AdjustBundleRelative, MotionsWeighAgainstObservations) {
   test::BundleWorldSpec spec;
   spec.points = 60;
   spec.lines = 0;
@@ -175,7 +175,7 @@ TEST(AdjustBundleRelative, PosesThatAreNotThereAreNamed) {
   EXPECT_NE(result.reason.find("between poses 0 and 2 of 2"), std::string::npos) << result.reason;
 }
 
-TEST(AdjustBundleRelative, OneWrongMotionDoesNotOverruleTheSights) {
+TEST(AdjustBundleRelative, OneWrongMotionDoesNotOverruleTheObservations) {
   test::BundleWorldSpec spec;
   spec.points = 200;
   spec.lines = 0;

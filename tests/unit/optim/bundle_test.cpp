@@ -215,7 +215,8 @@ TEST_P(AdjustBundleOf, EndpointsDoNotWander) {
   }
 }
 
-// What a fixed pose sees fits from the start, as a new landmark does: it holds the landmark all the same, in the first step.
+// What a fixed pose sees fits from the start, as a new landmark does: it holds the landmark all the same, in the
+// first step.
 TEST_P(AdjustBundleOf, ViewsThatFitExactlyHoldTheirLandmarks) {
   spec_.noise_px = 0.0;
   spec_.noise_disparity_px = 0.0;

@@ -34,7 +34,7 @@ void BundleWorldMaker::MakePoses(BundleWorld& world) {
 }
 
 int BundleWorldMaker::FirstPose(const BundleWorld& world) {
-  const int places = static_cast<int>(world.problem.poses.size()) - spec_.sights + 1;
+  const int places = static_cast<int>(world.problem.poses.size()) - spec_.observations + 1;
   return std::clamp(static_cast<int>(Uniform(0.0, places)), 0, std::max(0, places - 1));
 }
 
@@ -55,20 +55,21 @@ Eigen::Vector3d BundleWorldMaker::Measure(const BundleWorld& world, int pose, co
   return uvd + Eigen::Vector3d(spec_.noise_px, spec_.noise_px, spec_.noise_disparity_px).cwiseProduct(GaussVector());
 }
 
-void BundleWorldMaker::Measure(const BundleWorld& world, const Segment3& seen_w, bool wrong, LineSight& sight) {
-  const SE3 T_c_w = world.true_T_w_c[sight.pose].Inverse();
+void BundleWorldMaker::Measure(const BundleWorld& world, const Segment3& seen_w, bool wrong,
+                               LineObservation& observation) {
+  const SE3 T_c_w = world.true_T_w_c[observation.pose].Inverse();
   Eigen::Vector3d p = world.problem.camera.ProjectStereo(T_c_w * seen_w.p);
   Eigen::Vector3d q = world.problem.camera.ProjectStereo(T_c_w * seen_w.q);
   if (wrong) {
-    p = Measure(world, sight.pose, seen_w.p, true);
-    q = Measure(world, sight.pose, seen_w.q, true);
+    p = Measure(world, observation.pose, seen_w.p, true);
+    q = Measure(world, observation.pose, seen_w.q, true);
   }
   const Eigen::Vector2d direction = (q - p).head<2>().normalized();
   const Eigen::Vector2d normal(-direction.y(), direction.x());
-  sight.observed.p = p.head<2>() + spec_.noise_px * Gauss() * normal;
-  sight.observed.q = q.head<2>() + spec_.noise_px * Gauss() * normal;
-  sight.disparity_p_px = p.z() + spec_.noise_disparity_px * Gauss();
-  sight.disparity_q_px = q.z() + spec_.noise_disparity_px * Gauss();
+  observation.observed.p = p.head<2>() + spec_.noise_px * Gauss() * normal;
+  observation.observed.q = q.head<2>() + spec_.noise_px * Gauss() * normal;
+  observation.disparity_p_px = p.z() + spec_.noise_disparity_px * Gauss();
+  observation.disparity_q_px = q.z() + spec_.noise_disparity_px * Gauss();
 }
 
 void BundleWorldMaker::MakePoint(BundleWorld& world) {
@@ -77,13 +78,13 @@ void BundleWorldMaker::MakePoint(BundleWorld& world) {
   const int index = static_cast<int>(world.true_points.size());
   world.true_points.push_back(p_w);
   world.problem.points.push_back({Start(p_w, world.true_T_w_c[first]), false});
-  for (int i = 0; i < spec_.sights; ++i) {
+  for (int i = 0; i < spec_.observations; ++i) {
     const bool wrong = Uniform(0.0, 1.0) < spec_.outliers;
-    PointSight sight{first + i, index, Measure(world, first + i, p_w, wrong), 0.0, 0.0};
-    if (Uniform(0.0, 1.0) < spec_.without_disparity) sight.uvd.z() = -1.0;
-    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
-    sight.sigma_disparity_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
-    world.problem.point_sights.push_back(sight);
+    PointObservation observation{first + i, index, Measure(world, first + i, p_w, wrong), 0.0, 0.0};
+    if (Uniform(0.0, 1.0) < spec_.without_disparity) observation.uvd.z() = -1.0;
+    observation.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
+    observation.sigma_disparity_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
+    world.problem.point_observations.push_back(observation);
     world.point_outliers.push_back(wrong);
   }
 }
@@ -99,19 +100,19 @@ void BundleWorldMaker::MakeLine(BundleWorld& world) {
   const int index = static_cast<int>(world.true_lines.size());
   world.true_lines.push_back(segment_w);
   world.problem.lines.push_back({{Start(segment_w.p, T_w_c), Start(segment_w.q, T_w_c)}, false});
-  for (int i = 0; i < spec_.sights; ++i) {
+  for (int i = 0; i < spec_.observations; ++i) {
     const bool wrong = Uniform(0.0, 1.0) < spec_.outliers;
     const Eigen::Vector3d along = segment_w.q - segment_w.p;
-    LineSight sight;
-    sight.pose = first + i;
-    sight.line = index;
+    LineObservation observation;
+    observation.pose = first + i;
+    observation.line = index;
     const Segment3 seen_w{segment_w.p + Uniform(0.0, 0.3) * along, segment_w.p + Uniform(0.7, 1.0) * along};
-    Measure(world, seen_w, wrong, sight);
-    if (Uniform(0.0, 1.0) < spec_.without_disparity) sight.disparity_p_px = -1.0;
-    sight.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
-    sight.sigma_disparity_p_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
-    sight.sigma_disparity_q_px = sight.sigma_disparity_p_px;
-    world.problem.line_sights.push_back(sight);
+    Measure(world, seen_w, wrong, observation);
+    if (Uniform(0.0, 1.0) < spec_.without_disparity) observation.disparity_p_px = -1.0;
+    observation.sigma_px = spec_.noise_px > 0.0 ? spec_.noise_px : kExactSigma_px;
+    observation.sigma_disparity_p_px = spec_.noise_disparity_px > 0.0 ? spec_.noise_disparity_px : kExactSigma_px;
+    observation.sigma_disparity_q_px = observation.sigma_disparity_p_px;
+    world.problem.line_observations.push_back(observation);
     world.line_outliers.push_back(wrong);
   }
 }

@@ -13,21 +13,21 @@ struct BundleWorldSpec {
   int points = 200;
   int lines = 60;
   /// Views of each landmark, by neighbouring poses.
-  int sights = 5;
+  int observations = 5;
   double noise_px = 0.5;
   double noise_disparity_px = 0.4;
   /// How far poses start from the truth; landmarks as far, times their distance in metres.
   double start_m = 0.02;
   double start_rad = 0.005;
-  /// Shares of all sights.
+  /// Shares of all observations.
   double without_disparity = 0.0;
   double outliers = 0.0;
   /// Lines that stand upright: along the camera's way they have no depth.
   bool upright = false;
 };
 
-/// A camera that walks sideways past points and segments, with measurements whose noise is as stated. Segments are cut
-/// anew in each view, as detectors do.
+/// A camera that walks sideways past points and segments, with measurements whose noise is as stated. Segments are
+/// cut anew in each view, as detectors do.
 struct BundleWorld {
   BundleProblem problem;
   std::vector<SE3> true_T_w_c;
@@ -60,7 +60,7 @@ class BundleWorldMaker {
   /// (u, v, disparity) with noise; from anywhere in the image where `wrong`.
   Eigen::Vector3d Measure(const BundleWorld& world, int pose, const Eigen::Vector3d& p_w, bool wrong);
   /// The same with noise across the line only: where along it an end lies is chance anyway.
-  void Measure(const BundleWorld& world, const Segment3& seen_w, bool wrong, LineSight& sight);
+  void Measure(const BundleWorld& world, const Segment3& seen_w, bool wrong, LineObservation& observation);
 
   BundleWorldSpec spec_;
   std::mt19937 random_;

@@ -25,9 +25,9 @@ class DenseProblem {
     for (const BundlePose& pose : problem.poses) size_ += pose.fixed ? 0 : 6;
     for (const BundlePoint& point : problem.points) size_ += point.fixed ? 0 : 3;
     for (const BundleLine& line : problem.lines) size_ += line.fixed ? 0 : 4;
-    for (const LineSight& sight : problem.line_sights) {
-      const AdjustedPose pose(state.T_w_c[sight.pose], -1);
-      line_costs_.emplace_back(sight, state.lines[sight.line], pose.view, problem.camera);
+    for (const LineObservation& observation : problem.line_observations) {
+      const AdjustedPose pose(state.T_w_c[observation.pose], -1);
+      line_costs_.emplace_back(observation, state.lines[observation.line], pose.view, problem.camera);
     }
   }
 
@@ -54,21 +54,21 @@ class DenseProblem {
     return moved;
   }
 
-  // Whitened residuals, one vector per sight.
+  // Whitened residuals, one vector per observation.
   std::vector<Eigen::VectorXd> Residuals(const DenseState& s) const {
     std::vector<Eigen::VectorXd> residuals;
-    for (const PointSight& sight : problem_.point_sights) {
-      const AdjustedPose pose(s.T_w_c[sight.pose], -1);
-      const PointCost cost(sight, s.points[sight.point], pose.view, problem_.camera);
+    for (const PointObservation& observation : problem_.point_observations) {
+      const AdjustedPose pose(s.T_w_c[observation.pose], -1);
+      const PointCost cost(observation, s.points[observation.point], pose.view, problem_.camera);
       Eigen::VectorXd r(cost.rows());
-      cost.Evaluate(pose.view, s.points[sight.point].x.data(), r.data(), nullptr, nullptr);
+      cost.Evaluate(pose.view, s.points[observation.point].x.data(), r.data(), nullptr, nullptr);
       residuals.push_back(r);
     }
-    for (size_t i = 0; i < problem_.line_sights.size(); ++i) {
-      const LineSight& sight = problem_.line_sights[i];
-      const AdjustedPose pose(s.T_w_c[sight.pose], -1);
+    for (size_t i = 0; i < problem_.line_observations.size(); ++i) {
+      const LineObservation& observation = problem_.line_observations[i];
+      const AdjustedPose pose(s.T_w_c[observation.pose], -1);
       Eigen::VectorXd r(line_costs_[i].rows());
-      line_costs_[i].Evaluate(pose.view, s.lines[sight.line].x.data(), r.data(), nullptr, nullptr);
+      line_costs_[i].Evaluate(pose.view, s.lines[observation.line].x.data(), r.data(), nullptr, nullptr);
       residuals.push_back(r);
     }
     return residuals;

@@ -19,7 +19,7 @@ test::BundleWorld SmallWorld(const Size& size) {
   spec.free_poses = 3;
   spec.points = size.points;
   spec.lines = size.lines;
-  spec.sights = 4;
+  spec.observations = 4;
   spec.without_disparity = size.without_disparity;
   spec.upright = true;
   test::BundleWorld world = test::MakeBundleWorld(spec, 5);
@@ -58,19 +58,19 @@ TEST(AdjustBundle, AgreesWithDenseReference) {
   }
 }
 
-// With the loss and the gate out of the way and residuals below what the sigmas promise, covariances are the blocks of
-// the inverse of the whole information.
+// With the loss and the gate out of the way and residuals below what the sigmas promise, covariances are the blocks
+// of the inverse of the whole information.
 TEST(AdjustBundle, PoseCovariancesAgreeWithDenseInverse) {
   const Size size{15, 12, 0.0};
   test::BundleWorld world = SmallWorld(size);
-  for (PointSight& sight : world.problem.point_sights) {
-    sight.sigma_px *= 2.0;
-    sight.sigma_disparity_px *= 2.0;
+  for (PointObservation& observation : world.problem.point_observations) {
+    observation.sigma_px *= 2.0;
+    observation.sigma_disparity_px *= 2.0;
   }
-  for (LineSight& sight : world.problem.line_sights) {
-    sight.sigma_px *= 2.0;
-    sight.sigma_disparity_p_px *= 2.0;
-    sight.sigma_disparity_q_px *= 2.0;
+  for (LineObservation& observation : world.problem.line_observations) {
+    observation.sigma_px *= 2.0;
+    observation.sigma_disparity_p_px *= 2.0;
+    observation.sigma_disparity_q_px *= 2.0;
   }
   BundleOptions options = ToTheEnd();
   options.huber_delta = 100.0;

@@ -29,7 +29,7 @@ Map Corridor(int keyframes) {
     for (int k = 0; k < 120; ++k) {
       MapPoint point;
       point.id = next_point++;
-      point.sights = {{10 * i, k}, {10 * (i + 1), 200 + k}};
+      point.observations = {{10 * i, k}, {10 * (i + 1), 200 + k}};
       map.Put(point);
     }
   }
@@ -61,7 +61,7 @@ TEST(MapPoseGraph, KeyframesFarApartThatShareLandmarksAreJoined) {
   for (int k = 0; k < 100; ++k) {
     MapPoint point;
     point.id = 10'000 + k;
-    point.sights = {{0, 400 + k}, {40, 400 + k}};
+    point.observations = {{0, 400 + k}, {40, 400 + k}};
     map.Put(point);
   }
   const MapPoseGraph result = PoseGraphOf(map);

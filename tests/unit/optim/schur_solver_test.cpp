@@ -35,9 +35,10 @@ class SolversOf : public testing::TestWithParam<Setting> {
     if (!problem.points.empty()) problem.points[1] = {world_.true_points[1], true};
     if (!problem.lines.empty()) problem.lines[1] = {world_.true_lines[1], true};
     // Poses that see a landmark twice.
-    for (size_t i = 0; i < problem.point_sights.size(); i += 50)
-      problem.point_sights.push_back(problem.point_sights[i]);
-    for (size_t i = 0; i < problem.line_sights.size(); i += 50) problem.line_sights.push_back(problem.line_sights[i]);
+    for (size_t i = 0; i < problem.point_observations.size(); i += 50)
+      problem.point_observations.push_back(problem.point_observations[i]);
+    for (size_t i = 0; i < problem.line_observations.size(); i += 50)
+      problem.line_observations.push_back(problem.line_observations[i]);
     const auto count = static_cast<int>(problem.poses.size());
     for (int i = 1; i < count; ++i) {
       const SE3 T_a_b = world_.true_T_w_c[i - 1].Inverse() * world_.true_T_w_c[i];
@@ -149,10 +150,10 @@ class Scripted final : public EliminatedLandmarks {
     options.max_iterations = max_iterations;
     options.function_tolerance = 0.0;
     const RelativePoses none({}, poses);
-    SightActions actions{[this] { return LossSum{Bowl(), 1.0}; }, [] { return 0.0; }, [] {}};
-    StepJudge judge(actions, options, &stop);
+    ObservationActions actions{[this] { return LossSum{Bowl(), 1.0}; }, [] { return 0.0; }, [] {}};
+    StepControl control(actions, options, &stop);
     EliminatedLandmarks* const nothing = &still_;
-    return SchurSolver(poses, none, {this, nothing}, options).Run(judge, false);
+    return SchurSolver(poses, none, {this, nothing}, options).Run(control, false);
   }
 
   std::vector<AdjustedPose> poses{AdjustedPose(SE3(), 0)};

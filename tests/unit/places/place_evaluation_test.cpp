@@ -65,14 +65,14 @@ TimedPose At(double t_s, double x_m, double yaw_deg) {
 TEST(Revisits, PartlyOverlappingViewsAreNeitherRightNorWrong) {
   const RevisitOptions options;
   const TimedPose here = At(0.0, 0.0, 0.0);
-  EXPECT_EQ(JudgePair(At(10.0, 0.9, 20.0), here, options), PairTruth::kRevisit);
-  EXPECT_EQ(JudgePair(At(10.0, 2.0, 20.0), here, options), PairTruth::kIgnored);
-  EXPECT_EQ(JudgePair(At(10.0, 0.5, 60.0), here, options), PairTruth::kIgnored);
-  EXPECT_EQ(JudgePair(At(10.0, 6.0, 0.0), here, options), PairTruth::kOtherPlace);
-  EXPECT_EQ(JudgePair(At(10.0, 0.0, 100.0), here, options), PairTruth::kOtherPlace);
-  EXPECT_EQ(JudgePair(At(4.0, 0.0, 0.0), here, options), PairTruth::kIgnored);
-  EXPECT_EQ(JudgePair(At(4.0, 9.0, 0.0), here, options), PairTruth::kIgnored);
-  EXPECT_EQ(JudgePair(here, At(10.0, 0.9, 20.0), options), PairTruth::kRevisit);
+  EXPECT_EQ(ClassifyPair(At(10.0, 0.9, 20.0), here, options), PairTruth::kRevisit);
+  EXPECT_EQ(ClassifyPair(At(10.0, 2.0, 20.0), here, options), PairTruth::kIgnored);
+  EXPECT_EQ(ClassifyPair(At(10.0, 0.5, 60.0), here, options), PairTruth::kIgnored);
+  EXPECT_EQ(ClassifyPair(At(10.0, 6.0, 0.0), here, options), PairTruth::kOtherPlace);
+  EXPECT_EQ(ClassifyPair(At(10.0, 0.0, 100.0), here, options), PairTruth::kOtherPlace);
+  EXPECT_EQ(ClassifyPair(At(4.0, 0.0, 0.0), here, options), PairTruth::kIgnored);
+  EXPECT_EQ(ClassifyPair(At(4.0, 9.0, 0.0), here, options), PairTruth::kIgnored);
+  EXPECT_EQ(ClassifyPair(here, At(10.0, 0.9, 20.0), options), PairTruth::kRevisit);
 }
 
 /// Two laps of ten places, 10 m and 10 s apart.
@@ -89,7 +89,8 @@ std::vector<PlaceFrame> TwoLaps(const PlaceRecogniser& places, int bits) {
 }
 
 TEST(PlaceEvaluation, TwoLapsAreRecognisedWhereTheyLookAlikeOnly) {
-  const PlaceRecogniser places(test::SmallVocabulary(WordKind::kPoints), test::SmallVocabulary(WordKind::kLines), {});
+  const PlaceRecogniser places(test::SmallVocabulary(FeatureType::kPoints),
+                               test::SmallVocabulary(FeatureType::kLines), {});
   const auto evaluate = [&](int bits) {
     return EvaluatePlaces("laps", TwoLaps(places, bits), places.point_vocabulary(), places.line_vocabulary(), {});
   };
@@ -110,7 +111,8 @@ TEST(PlaceEvaluation, TwoLapsAreRecognisedWhereTheyLookAlikeOnly) {
 }
 
 TEST(PlaceEvaluation, NoFramesAndOneFrame) {
-  const PlaceRecogniser places(test::SmallVocabulary(WordKind::kPoints), test::SmallVocabulary(WordKind::kLines), {});
+  const PlaceRecogniser places(test::SmallVocabulary(FeatureType::kPoints),
+                               test::SmallVocabulary(FeatureType::kLines), {});
   for (const size_t count : {0U, 1U}) {
     std::vector<PlaceFrame> frames = TwoLaps(places, 1);
     frames.resize(count);
@@ -124,7 +126,8 @@ TEST(PlaceEvaluation, NoFramesAndOneFrame) {
 }
 
 TEST(PlaceEvaluation, PicturesAndReportsShowTheNumbers) {
-  const PlaceRecogniser places(test::SmallVocabulary(WordKind::kPoints), test::SmallVocabulary(WordKind::kLines), {});
+  const PlaceRecogniser places(test::SmallVocabulary(FeatureType::kPoints),
+                               test::SmallVocabulary(FeatureType::kLines), {});
   const PlaceEvaluation evaluation =
       EvaluatePlaces("laps", TwoLaps(places, 1), places.point_vocabulary(), places.line_vocabulary(), {});
   const cv::Mat picture = DrawSimilarities(evaluation);

@@ -17,7 +17,7 @@ BagOfWords RandomBag(const Vocabulary& vocabulary, int descriptors, std::mt19937
 }
 
 TEST(PlaceIndex, ScoresEqualThoseOfPairsWhileAnyPlacesComeAndGo) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(1);
   PlaceIndex index(vocabulary.words());
   std::map<int, BagOfWords> places;
@@ -41,7 +41,7 @@ TEST(PlaceIndex, ScoresEqualThoseOfPairsWhileAnyPlacesComeAndGo) {
 }
 
 TEST(PlaceIndex, WordsCountTheirWorth) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(3);
   PlaceIndex index(vocabulary.words());
   std::vector<BagOfWords> bags;
@@ -52,13 +52,14 @@ TEST(PlaceIndex, WordsCountTheirWorth) {
   index.Remove(4, bags[4]);
   bags[4] = {};
   const BagOfWords query = RandomBag(vocabulary, 50, random);
-  std::vector<float> worth;
-  for (size_t i = 0; i < query.words.size(); ++i) worth.push_back(static_cast<float>(random() % 1000) / 1000.0F);
+  std::vector<float> word_weights;
+  for (size_t i = 0; i < query.words.size(); ++i)
+    word_weights.push_back(static_cast<float>(random() % 1000) / 1000.0F);
   std::vector<float> scores(30, 0.0F);
-  index.Score(query, worth, scores);
+  index.Score(query, word_weights, scores);
   std::vector<int> expected_places(query.words.size(), 0);
   for (int i = 0; i < 30; ++i) {
-    const double expected = BagSimilarity(query, worth, bags[i]);
+    const double expected = BagSimilarity(query, word_weights, bags[i]);
     EXPECT_NEAR(scores[i], expected, kRelativeError * expected) << "place " << i;
     for (size_t k = 0; k < query.words.size(); ++k) {
       for (const auto& [word, weight] : bags[i].words) expected_places[k] += word == query.words[k].first ? 1 : 0;
@@ -69,7 +70,7 @@ TEST(PlaceIndex, WordsCountTheirWorth) {
 }
 
 TEST(PlaceIndex, ScoresDoNotDependOnTheOrderOfComing) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(2);
   std::vector<BagOfWords> bags;
   for (int i = 0; i < 30; ++i) bags.push_back(RandomBag(vocabulary, 40, random));

@@ -14,7 +14,7 @@ using testing::ElementsAre;
 PlaceRecogniser SmallRecogniser(const std::string& merge = "balanced") {
   PlaceOptions options;
   options.merge = merge;
-  return {test::SmallVocabulary(WordKind::kPoints), test::SmallVocabulary(WordKind::kLines), options};
+  return {test::SmallVocabulary(FeatureType::kPoints), test::SmallVocabulary(FeatureType::kLines), options};
 }
 
 std::vector<int64_t> Ids(const std::vector<PlaceMatch>& matches) {
@@ -134,8 +134,8 @@ TEST(PlaceRecogniser, OneKindAloneIsEnough) {
 }
 
 TEST(PlaceRecogniser, WrongVocabulariesAndMergesAreNamed) {
-  const Vocabulary points = test::SmallVocabulary(WordKind::kPoints);
-  const Vocabulary lines = test::SmallVocabulary(WordKind::kLines);
+  const Vocabulary points = test::SmallVocabulary(FeatureType::kPoints);
+  const Vocabulary lines = test::SmallVocabulary(FeatureType::kLines);
   EXPECT_THROW(PlaceRecogniser(lines, points, {}), std::invalid_argument);
   EXPECT_THROW(PlaceRecogniser(points, points, {}), std::invalid_argument);
   EXPECT_THROW(SmallRecogniser("guess"), std::invalid_argument);
@@ -180,8 +180,8 @@ TEST(PlaceWeights, AreThoseOfThePaper) {
   query.n_lines = 100;
   query.dispersion_points_px = 120.0;
   query.dispersion_lines_px = 180.0;
-  const auto points = [&](const std::string& merge, double line_worth = 0.5) {
-    const PlaceWeights weights = WeightsFor(query, {.merge = merge, .line_worth = line_worth});
+  const auto points = [&](const std::string& merge, double line_weight = 0.5) {
+    const PlaceWeights weights = WeightsFor(query, {.merge = merge, .line_weight = line_weight});
     EXPECT_DOUBLE_EQ(weights.points + weights.lines, 1.0);
     return weights.points;
   };
@@ -204,13 +204,13 @@ TEST(PlaceWeights, AdaptiveTrustsImagesOfFewFeaturesLess) {
   EXPECT_EQ(WeightsFor({}, {.merge = "adaptive"}).points, 0.0);
 }
 
-TEST(WordWorths, FallWithTheShareOfPlacesThatHaveTheWord) {
+TEST(WordWeights, FallWithTheShareOfPlacesThatHaveTheWord) {
   const std::vector<int> places_with{0, 1, 50, 95};
-  const std::vector<float> worths = WordWorths(places_with, 95, {.merge = "adaptive", .rarity = 2.0});
-  EXPECT_THAT(worths, ElementsAre(1.0F, testing::FloatEq(0.9801F), 0.25F, testing::FloatNear(0.0025F, 1e-7F)));
-  EXPECT_THAT(WordWorths(places_with, 95, {.merge = "adaptive", .rarity = 0.0}), testing::Each(1.0F));
-  EXPECT_THAT(WordWorths(places_with, 95, {.merge = "balanced"}), testing::Each(1.0F));
-  EXPECT_THAT(WordWorths({0, 0}, 0, {.merge = "adaptive"}), testing::Each(1.0F));
+  const std::vector<float> word_weights = WordWeights(places_with, 95, {.merge = "adaptive", .idf_exponent = 2.0});
+  EXPECT_THAT(word_weights, ElementsAre(1.0F, testing::FloatEq(0.9801F), 0.25F, testing::FloatNear(0.0025F, 1e-7F)));
+  EXPECT_THAT(WordWeights(places_with, 95, {.merge = "adaptive", .idf_exponent = 0.0}), testing::Each(1.0F));
+  EXPECT_THAT(WordWeights(places_with, 95, {.merge = "balanced"}), testing::Each(1.0F));
+  EXPECT_THAT(WordWeights({0, 0}, 0, {.merge = "adaptive"}), testing::Each(1.0F));
 }
 
 // Two places with the same share of their words in common with the query; what one shares is everywhere.

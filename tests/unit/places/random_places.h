@@ -31,7 +31,7 @@ inline std::vector<std::vector<Descriptor>> RandomImages(int images, int descrip
   return all;
 }
 
-inline Vocabulary SmallVocabulary(WordKind kind) {
+inline Vocabulary SmallVocabulary(FeatureType kind) {
   std::mt19937_64 random(5);
   TrainingOptions options;
   options.branching = 6;

@@ -40,7 +40,7 @@ std::string With(std::string bytes, size_t at, T value) {
 
 TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
   const ScratchFolder folder;
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kLines);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kLines);
   vocabulary.Save(folder.Path("a"));
   const Vocabulary again = Vocabulary::Load(folder.Path("a"));
   again.Save(folder.Path("b"));
@@ -48,7 +48,7 @@ TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
   EXPECT_EQ(ReadText(folder.Path("a")), vocabulary.ToBytes());
   EXPECT_EQ(again.checksum(), vocabulary.checksum());
   EXPECT_EQ(again.checksum().size(), 64U);
-  EXPECT_EQ(again.kind(), WordKind::kLines);
+  EXPECT_EQ(again.kind(), FeatureType::kLines);
   EXPECT_EQ(again.tree().images, 40);
   std::mt19937_64 random(1);
   const auto descriptors = test::RandomDescriptors(100, random);
@@ -56,7 +56,7 @@ TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
 }
 
 TEST(VocabularyFile, WhatIsNoVocabularyIsRefusedInOneSentence) {
-  const std::string good = test::SmallVocabulary(WordKind::kPoints).ToBytes();
+  const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
   EXPECT_THAT(Objection(""), HasSubstr("vocabulary v is no vocabulary of this program"));
   EXPECT_THAT(Objection("%YAML:1.0\n"), HasSubstr("is no vocabulary of this program"));
   EXPECT_THAT(Objection(good.substr(0, 20)), HasSubstr("is truncated"));
@@ -73,7 +73,7 @@ TEST(VocabularyFile, WhatIsNoVocabularyIsRefusedInOneSentence) {
 }
 
 TEST(VocabularyFile, NonsenseWithAFittingChecksumIsRefused) {
-  const std::string good = test::SmallVocabulary(WordKind::kPoints).ToBytes();
+  const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
   EXPECT_THAT(Objection(Signed(With<uint32_t>(good, 12, 2))), HasSubstr("kind"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 1))), HasSubstr("node 0 has 1 children"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 200))), HasSubstr("node 0 has 200 children"));
@@ -95,7 +95,7 @@ TEST(VocabularyFile, MissingFilesAndFoldersAreNamed) {
   };
   EXPECT_THAT(objection(folder.Path("none")), HasSubstr("none cannot be read"));
   EXPECT_THAT(objection(folder.Path("")), HasSubstr("vocabulary " + folder.Path("")));
-  EXPECT_THROW(test::SmallVocabulary(WordKind::kPoints).Save(folder.Path("no/folder")), std::runtime_error);
+  EXPECT_THROW(test::SmallVocabulary(FeatureType::kPoints).Save(folder.Path("no/folder")), std::runtime_error);
 }
 
 TEST(DefaultVocabularies, AreSmallAndLoadFast) {
@@ -109,8 +109,8 @@ TEST(DefaultVocabularies, AreSmallAndLoadFast) {
     const Vocabulary points = Vocabulary::Load(config / "orb.vocabulary");
     const Vocabulary lines = Vocabulary::Load(config / "lbd.vocabulary");
     best_s = std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    EXPECT_EQ(points.kind(), WordKind::kPoints);
-    EXPECT_EQ(lines.kind(), WordKind::kLines);
+    EXPECT_EQ(points.kind(), FeatureType::kPoints);
+    EXPECT_EQ(lines.kind(), FeatureType::kLines);
     EXPECT_GT(points.words(), 50'000);
     EXPECT_GT(lines.words(), 5'000);
   }

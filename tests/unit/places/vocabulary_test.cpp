@@ -40,7 +40,7 @@ std::map<int, double> SlowBag(const VocabularyTree& tree, const std::vector<Desc
 }
 
 TEST(Vocabulary, WordsAndNodesEqualTheSlowWay) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   EXPECT_GT(vocabulary.words(), 100);
   std::mt19937_64 random(7);
   for (int i = 0; i < 20; ++i) {
@@ -64,7 +64,7 @@ TEST(Vocabulary, WordsAndNodesEqualTheSlowWay) {
 }
 
 TEST(Vocabulary, WithoutDescriptorsThereAreNoWords) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   FeatureNodes nodes{{1, 2}};
   EXPECT_TRUE(vocabulary.Transform({}, nodes).words.empty());
   EXPECT_TRUE(nodes.node.empty());
@@ -72,21 +72,21 @@ TEST(Vocabulary, WithoutDescriptorsThereAreNoWords) {
 
 TEST(Vocabulary, OneDescriptorIsOneWordOfWeightOne) {
   std::mt19937_64 random(8);
-  const BagOfWords bag = test::SmallVocabulary(WordKind::kLines).Transform({test::RandomDescriptor(random)});
+  const BagOfWords bag = test::SmallVocabulary(FeatureType::kLines).Transform({test::RandomDescriptor(random)});
   ASSERT_EQ(bag.words.size(), 1U);
   EXPECT_EQ(bag.words[0].second, 1.0F);
 }
 
 TEST(Training, IsTheSameAtEveryRunAndAnotherWithAnotherSeed) {
-  const Vocabulary a = test::SmallVocabulary(WordKind::kPoints);
-  EXPECT_EQ(a.checksum(), test::SmallVocabulary(WordKind::kPoints).checksum());
-  EXPECT_NE(a.checksum(), test::SmallVocabulary(WordKind::kLines).checksum());
+  const Vocabulary a = test::SmallVocabulary(FeatureType::kPoints);
+  EXPECT_EQ(a.checksum(), test::SmallVocabulary(FeatureType::kPoints).checksum());
+  EXPECT_NE(a.checksum(), test::SmallVocabulary(FeatureType::kLines).checksum());
   std::mt19937_64 random(5);
   const auto images = test::RandomImages(40, 60, random);
   TrainingOptions options;
-  const Vocabulary first = TrainVocabulary(images, WordKind::kPoints, options);
+  const Vocabulary first = TrainVocabulary(images, FeatureType::kPoints, options);
   options.seed = 2;
-  EXPECT_NE(first.checksum(), TrainVocabulary(images, WordKind::kPoints, options).checksum());
+  EXPECT_NE(first.checksum(), TrainVocabulary(images, FeatureType::kPoints, options).checksum());
 }
 
 TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
@@ -95,7 +95,7 @@ TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
   TrainingOptions options;
   options.branching = 4;
   options.depth = 2;
-  const Vocabulary vocabulary = TrainVocabulary(images, WordKind::kPoints, options);
+  const Vocabulary vocabulary = TrainVocabulary(images, FeatureType::kPoints, options);
   std::vector<int> with_word(vocabulary.words(), 0);
   for (const auto& image : images) {
     std::map<int, bool> has;
@@ -112,7 +112,7 @@ TEST(Training, WordsThatAllImagesHaveAreLeftOut) {
   const std::vector<Descriptor> two = test::RandomDescriptors(2, random);
   TrainingOptions options;
   options.min_descriptors = 2;
-  const Vocabulary vocabulary = TrainVocabulary({{two[0], two[1]}, {two[0]}}, WordKind::kPoints, options);
+  const Vocabulary vocabulary = TrainVocabulary({{two[0], two[1]}, {two[0]}}, FeatureType::kPoints, options);
   EXPECT_EQ(vocabulary.words(), 2);
   EXPECT_TRUE(vocabulary.Transform({two[0], two[0]}).words.empty());
   EXPECT_EQ(vocabulary.Transform({two[1]}).words.size(), 1U);
@@ -123,7 +123,7 @@ TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
   const Descriptor descriptor = test::RandomDescriptor(random);
   const std::vector<std::vector<Descriptor>> equal(3, std::vector<Descriptor>(100, descriptor));
   for (const auto& images : {std::vector<std::vector<Descriptor>>{}, {{}, {}}, equal}) {
-    const Vocabulary vocabulary = TrainVocabulary(images, WordKind::kLines, TrainingOptions{});
+    const Vocabulary vocabulary = TrainVocabulary(images, FeatureType::kLines, TrainingOptions{});
     EXPECT_EQ(vocabulary.words(), 1);
     EXPECT_TRUE(vocabulary.Transform({descriptor}).words.empty());
   }
@@ -132,7 +132,7 @@ TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
 TEST(Training, ProgressRisesToTheEnd) {
   std::mt19937_64 random(12);
   double last = 0.0;
-  TrainVocabulary(test::RandomImages(20, 50, random), WordKind::kPoints, TrainingOptions{}, [&](double share) {
+  TrainVocabulary(test::RandomImages(20, 50, random), FeatureType::kPoints, TrainingOptions{}, [&](double share) {
     EXPECT_GE(share, last);
     EXPECT_LE(share, 1.0);
     last = share;
@@ -141,7 +141,7 @@ TEST(Training, ProgressRisesToTheEnd) {
 }
 
 TEST(BagOfWords, SimilarityIsOneMinusHalfTheDistance) {
-  const Vocabulary vocabulary = test::SmallVocabulary(WordKind::kPoints);
+  const Vocabulary vocabulary = test::SmallVocabulary(FeatureType::kPoints);
   std::mt19937_64 random(13);
   for (int i = 0; i < 20; ++i) {
     const BagOfWords a = vocabulary.Transform(test::RandomDescriptors(80, random));

@@ -20,8 +20,8 @@ constexpr double kDeg = std::numbers::pi / 180.0;
 
 StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.1, 640, 480}; }
 
-/// Points all over the image whose right counterparts lie lower by `offset_px`, are turned and grown about the principal
-/// point, and have noise; some are matched by chance.
+/// Points all over the image whose right counterparts lie lower by `offset_px`, are turned and grown about the
+/// principal point, and have noise; some are matched by chance.
 std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent, double outliers = 0.0) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 640.0), v(0.0, 480.0), disparity(2.0, 60.0), share(0.0, 1.0),
@@ -40,8 +40,8 @@ std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double s
 TEST(RowErrors, GoodRectification) {
   const RowErrors e = MeasureRows(Matches(500, 0.0, 0.0, 0.0, 0.1), Camera());
   EXPECT_LT(e.median_abs_px, 0.25);
-  EXPECT_TRUE(JudgeRows(e).usable) << JudgeRows(e).sentence;
-  EXPECT_THAT(JudgeRows(e).sentence, HasSubstr("well rectified"));
+  EXPECT_TRUE(CheckRows(e).usable) << CheckRows(e).sentence;
+  EXPECT_THAT(CheckRows(e).sentence, HasSubstr("well rectified"));
 }
 
 TEST(RowErrors, OffsetRollAndScaleAreToldApart) {
@@ -50,18 +50,18 @@ TEST(RowErrors, OffsetRollAndScaleAreToldApart) {
   EXPECT_NEAR(e.roll_deg, 0.4, 0.02);
   EXPECT_NEAR(e.scale_percent, 1.2, 0.04);
   const auto sentence = [](double offset_px, double roll_deg, double scale_percent) {
-    return JudgeRows(MeasureRows(Matches(500, offset_px, roll_deg, scale_percent), Camera())).sentence;
+    return CheckRows(MeasureRows(Matches(500, offset_px, roll_deg, scale_percent), Camera())).sentence;
   };
   EXPECT_THAT(sentence(4.0, 0.1, 0.1), HasSubstr("+4.0 px lower"));
   EXPECT_THAT(sentence(0.2, -1.5, 0.2), HasSubstr("rolled by -1.50 deg"));
   EXPECT_THAT(sentence(0.2, 0.1, 3.0), HasSubstr("+3.00 % larger"));
-  EXPECT_FALSE(JudgeRows(MeasureRows(Matches(500, 4.0, 0.0, 0.0), Camera())).usable);
+  EXPECT_FALSE(CheckRows(MeasureRows(Matches(500, 4.0, 0.0, 0.0), Camera())).usable);
 }
 
 TEST(RowErrors, ExchangedImages) {
   std::vector<RowMatch> matches = Matches(200, 0.0, 0.0, 0.0);
   for (RowMatch& match : matches) std::swap(match.left_px, match.right_px);
-  const RowVerdict verdict = JudgeRows(MeasureRows(matches, Camera()));
+  const RowVerdict verdict = CheckRows(MeasureRows(matches, Camera()));
   EXPECT_FALSE(verdict.usable);
   EXPECT_THAT(verdict.sentence, HasSubstr("left and right are exchanged"));
 }
@@ -71,7 +71,7 @@ TEST(RowErrors, NothingOrHardlyAnythingMatched) {
     const RowErrors e = MeasureRows(Matches(n, 0.0, 0.0, 0.0), Camera());
     EXPECT_EQ(e.matches, n);
     EXPECT_TRUE(std::isfinite(e.offset_px) && std::isfinite(e.roll_deg) && std::isfinite(e.scale_percent)) << n;
-    EXPECT_FALSE(JudgeRows(e).usable) << n;
+    EXPECT_FALSE(CheckRows(e).usable) << n;
   }
 }
 

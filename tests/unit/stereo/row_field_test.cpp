@@ -32,7 +32,8 @@ TEST(RowField, WithoutCoefficientsNothingDiffers) {
   EXPECT_EQ(RowField().Disparity_px({17.0, 3.0}), 0.0);
 }
 
-// A right camera that rolls and pitches moves pixels by what the camera model says; the field that has its rows knows its columns.
+// A right camera that rolls and pitches moves pixels by what the camera model says; the field that has its rows knows
+// its columns.
 TEST(RowField, DisparitiesAreThoseOfTheTurnThatTheRowsShow) {
   const double f = kRowCamera.f_px;
   for (const Eigen::Vector2d& pitch_roll : {Eigen::Vector2d(-4e-3, 3e-3), {0.02, 0.0}, {0.0, -0.02}}) {

@@ -11,8 +11,8 @@ namespace {
 
 using test::SourceFile;
 
-/// Who may include whom: `folder` itself and what starts with one of `may_include`. The longest folder that fits a file
-/// decides. Configuration's field lists and the sentences of errors (core/errors) are for everyone.
+/// Who may include whom: `folder` itself and what starts with one of `may_include`. The longest folder that fits a
+/// file decides. Configuration's field lists and the sentences of errors (core/errors) are for everyone.
 struct Arrow {
   std::string folder;
   std::vector<std::string> may_include;
@@ -81,8 +81,8 @@ const std::vector<Arrow> kArrows = {
 const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",         "player",          "vo_process",
                                                   "mapping_process", "loop_process", "viewer_headless", "tools"};
 
-/// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others know
-/// neither LCM nor its types.
+/// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others
+/// know neither LCM nor its types.
 bool KnowsMessages(const std::string& path) {
   static const std::regex kNode(R"(core/(bus|process)/.*|core/datasets/log_dataset\.cpp|.*/node/.*)");
   return std::regex_match(path, kNode);

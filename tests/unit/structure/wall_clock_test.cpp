@@ -1,4 +1,5 @@
-// A wall clock that is stepped must change nothing: only steady clocks are looked at, but for the time stamps of logs.
+// A wall clock that is stepped must change nothing: only steady clocks are looked at, but for the time stamps of
+// logs.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -53,7 +53,8 @@ TEST(Synthetic, ReadingIsRandomAccess) {
   EXPECT_EQ(a->Read(20).frame_id, 20);
 }
 
-// The left image of the frame after is what the right camera would see a frame late if it sat in the place of the left one.
+// The left image of the frame after is what the right camera would see a frame late if it sat in the place of the
+// left one.
 TEST(Synthetic, LateRightImageIsTakenFromThePlaceOfThen) {
   const std::string world = "room?size=160x120&noise=0&exposure=0&rate=20";
   const auto on_time = OpenSyntheticDataset(world);
@@ -137,7 +138,8 @@ TEST(Synthetic, RigSaysWhatIsRendered) {
   EXPECT_EQ(image.rows, 48);
 }
 
-// The middles of the thirds are columns 7.5, 23.5 and 39.5; everything lies in a plane 2 m away, at a disparity of 4 px.
+// The middles of the thirds are columns 7.5, 23.5 and 39.5; everything lies in a plane 2 m away, at a disparity of 4
+// px.
 TEST(Synthetic, DisparityBiasMovesTheRightImage) {
   constexpr int kWidth = 48;
   const synthetic::DisparityBias parabola({0.25, -0.5, 1.0}, kWidth);

@@ -41,10 +41,10 @@ TEST(Worlds, CameraKeepsClearOfEverything) {
     for (int i = 0; i < 60; ++i) {
       const int index = i * (simulator.size() - 1) / 60;
       const std::vector<float> depth = simulator.RenderDepth(index);
-      const auto in_sight = [](float z) { return z > 0.0F ? z : 1e9F; };
+      const auto in_view = [](float z) { return z > 0.0F ? z : 1e9F; };
       float nearest = 1e9F;
       for (const float z : depth) {
-        nearest = std::min(nearest, in_sight(z));
+        nearest = std::min(nearest, in_view(z));
       }
       EXPECT_GE(nearest, 0.5F) << kind.name << " frame " << index;
     }

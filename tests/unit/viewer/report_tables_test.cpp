@@ -127,13 +127,13 @@ Map SmallMap(int n_points) {
     MapPoint point;
     point.id = i;
     point.p_w = {1.0 * i, 2, 3};
-    for (int64_t id = 0; id <= i % 3; ++id) point.sights.push_back({id, i});
+    for (int64_t id = 0; id <= i % 3; ++id) point.observations.push_back({id, i});
     map.Put(point);
   }
   MapLine line;
   line.id = 0;
   line.segment_w = {{1, 2, 3}, {4, 5, 6}};
-  line.sights = {{1, 0}, {2, 0}};
+  line.observations = {{1, 0}, {2, 0}};
   map.Put(line);
   map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 2, .T_old_kf = SE3()});
   map.Add(LoopEdge{.old_keyframe_id = 0, .keyframe_id = 77, .T_old_kf = SE3()});
@@ -146,7 +146,7 @@ TEST(MapTables, SayWhatIsInTheMap) {
   EXPECT_EQ(Rows(tables.points), 60U);
   EXPECT_THAT(Numbers<float>(tables.segments, "pq"), ElementsAre(1, 2, 3, 4, 5, 6));
   EXPECT_THAT(Numbers<int32_t>(tables.segments, "seen"), ElementsAre(10));
-  EXPECT_THAT(Numbers<uint8_t>(tables.segments, "sights"), ElementsAre(2));
+  EXPECT_THAT(Numbers<uint8_t>(tables.segments, "observations"), ElementsAre(2));
   EXPECT_THAT(Numbers<int32_t>(tables.keyframes, "parent"), ElementsAre(-1, 0, 1));
   // 0 and 1 share two of three points, 0 and 2 (as 1 and 2, with the line) a third.
   EXPECT_THAT(Numbers<int32_t>(tables.edges, "ab"), ElementsAre(0, 1, 1, 2, 0, 2));
@@ -159,7 +159,8 @@ TEST(MapTables, WhatIsLeftOutIsSaid) {
   std::vector<std::string> notes;
   const ReportMap tables = MapTables(SmallMap(60), {.points = 25, .segments = 0, .edges = 1}, &notes);
   EXPECT_EQ(Rows(tables.points), 25U);
-  EXPECT_THAT(Numbers<uint8_t>(tables.points, "sights"), testing::Each(testing::Ge(2))) << "those seen most often";
+  EXPECT_THAT(Numbers<uint8_t>(tables.points, "observations"), testing::Each(testing::Ge(2)))
+      << "those seen most often";
   EXPECT_EQ(Rows(tables.segments), 0U);
   EXPECT_THAT(Numbers<int32_t>(tables.edges, "shared"), ElementsAre(40));
   ASSERT_EQ(notes.size(), 3U);
@@ -186,16 +187,16 @@ std::vector<uint64_t> Unpack(const std::string& bytes) {
 TEST(PackObservers, IdsCountsAndRows) {
   MapPoint a, b, c;
   a.id = 3;
-  a.sights = {{100, 0}, {101, 0}, {400, 0}};
+  a.observations = {{100, 0}, {101, 0}, {400, 0}};
   b.id = 300;
-  b.sights = {{99, 5}, {100, 7}};  // keyframe 99 is gone
+  b.observations = {{99, 5}, {100, 7}};  // keyframe 99 is gone
   c.id = 301;
   RowOfKeyframe rows{{100, 5}, {101, 6}, {400, 305}};
   EXPECT_THAT(Unpack(PackObservers(std::vector<const MapPoint*>{&a, &b, &c}, rows)),
               ElementsAre(4, 3, 10, 1, 299, 297, 1, 0, 1, 0));
   rows[100] = 2;
-  b.sights = {{100, 0}};
-  a.sights = {{101, 0}};
+  b.observations = {{100, 0}};
+  a.observations = {{101, 0}};
   EXPECT_THAT(Unpack(PackObservers(std::vector<const MapPoint*>{&a, &b}, rows)), ElementsAre(4, 1, 12, 297, 1, 7))
       << "back from row 6 to row 2";
 }

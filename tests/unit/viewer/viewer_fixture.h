@@ -115,7 +115,7 @@ class ViewerFixture : public testing::Test {
     MapUpdate update = WholeMap(map);
     update.version = last + 1;
     update.session_keyframe_id = last;
-    update.settled = true;
+    update.committed = true;
     return update;
   }
 

@@ -20,8 +20,8 @@ constexpr double kElsewhere_m = 1.6;
 
 SE3 Sideways(double x_m) { return {Eigen::Quaterniond::Identity(), {x_m, 0.0, 0.0}}; }
 
-/// Landmarks as seen from the origin, and a frame in which some of them look as from one pose and others as from another:
-/// structure that repeats, and fits a period away.
+/// Landmarks as seen from the origin, and a frame in which some of them look as from one pose and others as from
+/// another: structure that repeats, and fits a period away.
 class SeenFromTwoPlaces {
  public:
   SeenFromTwoPlaces(int n_expected, int n_elsewhere) : world_({600, 0}, 11), landmarks_(FeatureWorld::Camera(), {}) {

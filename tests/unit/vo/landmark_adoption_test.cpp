@@ -22,7 +22,7 @@ constexpr int64_t kFirstMapId = 500;
 struct AdoptedPatch {
   std::deque<MapPoint> map_points;
   std::deque<MapLine> map_lines;
-  MapPatch patch{kT_w_odom, {}, {}};
+  TrackerLocalMap patch{kT_w_odom, {}, {}};
 
   void Add(const Eigen::Vector3d& p_odom, std::vector<int64_t> tracker_ids) {
     MapPoint& point = map_points.emplace_back();
@@ -32,7 +32,7 @@ struct AdoptedPatch {
     point.descriptor = {1, 2, 3, 4};
     point.octave = 2;
     point.depth_m = 3.5;
-    point.sights = {{0, 1}, {1, 1}, {4, 1}};
+    point.observations = {{0, 1}, {1, 1}, {4, 1}};
     patch.points.push_back({&point, std::move(tracker_ids)});
   }
   void Add(const Segment3& segment_odom, std::vector<int64_t> tracker_ids) {
@@ -42,12 +42,12 @@ struct AdoptedPatch {
     line.covariance_p = kCovariance_w;
     line.covariance_q = 4.0 * kCovariance_w;
     line.descriptor = {1, 2, 3, 4};
-    line.sights = {{0, 1}, {1, 1}, {4, 1}};
+    line.observations = {{0, 1}, {1, 1}, {4, 1}};
     patch.lines.push_back({&line, std::move(tracker_ids)});
   }
 };
 
-// What both kinds have, so that one test serves both.
+// What both feature types have, so that one test serves both.
 struct Points {
   using Landmark = PointLandmark;
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.points.landmarks(); }
@@ -65,22 +65,22 @@ struct Lines {
   static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance_p; }
 };
 
-template <class Kind>
+template <class Type>
 class LandmarkAdoption : public testing::Test {
  protected:
   const Scene scene_ = MakeScene();
   LocalLandmarks landmarks_ = LandmarksOf(scene_);
   AdoptedPatch map_;
 
-  const std::vector<typename Kind::Landmark>& Now() const { return Kind::Of(landmarks_); }
-  const typename Kind::Landmark* Find(int64_t id) const {
+  const std::vector<typename Type::Landmark>& Now() const { return Type::Of(landmarks_); }
+  const typename Type::Landmark* Find(int64_t id) const {
     for (const auto& landmark : Now()) {
       if (landmark.id == id) return &landmark;
     }
     return nullptr;
   }
-  const typename Kind::Landmark* FindByMapId(int64_t map_id) const {
-    const typename Kind::Landmark* found = nullptr;
+  const typename Type::Landmark* FindByMapId(int64_t map_id) const {
+    const typename Type::Landmark* found = nullptr;
     for (const auto& landmark : Now()) {
       if (landmark.map_id != map_id) continue;
       EXPECT_EQ(found, nullptr) << "two landmarks of map id " << map_id;
@@ -103,7 +103,7 @@ TYPED_TEST(LandmarkAdoption, OwnLandmarksTakeThePlaceOfTheMap) {
     const Eigen::Vector3d moved = TypeParam::Place(now) - TypeParam::Place(before[i]);
     EXPECT_LT((moved - (i == 4 ? kOffset : Eigen::Vector3d(0.0, 0.0, 0.0))).norm(), 1e-9) << i;
     EXPECT_EQ(now.map_id, i == 4 ? kFirstMapId : -1);
-    EXPECT_EQ(now.map_sights, i == 4 ? 3 : 0);
+    EXPECT_EQ(now.map_observations, i == 4 ? 3 : 0);
     EXPECT_EQ(now.id, before[i].id);
     EXPECT_EQ(now.seen, before[i].seen);
     EXPECT_EQ(now.unseen_frames, before[i].unseen_frames);
@@ -182,7 +182,8 @@ TYPED_TEST(LandmarkAdoption, OneFoundAnewIsJoinedWithTheOneFromTheMap) {
   EXPECT_EQ(this->FindByMapId(kFirstMapId), this->Find(5));
 }
 
-// Keyframes may show one of the tracker's as two of the map (a wrong match, mended since): each has one of its own then.
+// Keyframes may show one of the tracker's as two of the map (a wrong match, mended since): each has one of its own
+// then.
 TYPED_TEST(LandmarkAdoption, WhatTwoOfTheMapClaimGoesToTheFirst) {
   const auto& places = TypeParam::In(this->scene_);
   this->map_.Add(places[1], {1, 2});

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/kind_balance.h"
+#include "vo_process/tracking/noise_scale.h"
 
 #include <gtest/gtest.h>
 

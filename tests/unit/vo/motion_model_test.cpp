@@ -87,7 +87,8 @@ TEST(MotionModel, IsNoSurerThanTheMotionThatItGoesOnWith) {
   EXPECT_GT(model.Predict(0.010).covariance(0, 0), 4e-6);
 }
 
-// What a lost camera may have done does not depend on how many frames did not find it, and holds the way that it is left behind.
+// What a lost camera may have done does not depend on how many frames did not find it, and holds the way that it is
+// left behind.
 TEST(MotionModel, UncertaintiesOfLostFramesAddUpToThatOfTheGap) {
   for (const int n : {1, 10, 100}) {
     MotionModel model{TrackingOptions()};

@@ -77,7 +77,8 @@ TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {
 INSTANTIATE_TEST_SUITE_P(Landmarks, OdometryAndMapBy, testing::Values("all", "unknown"),
                          [](const auto& landmarks) { return std::string(landmarks.param); });
 
-// A map that is 3 cm off: tracking goes there with all of its landmarks, and not with those alone that it does not know.
+// A map that is 3 cm off: tracking goes there with all of its landmarks, and not with those alone that it does not
+// know.
 TEST(OdometryAndMap, OwnLandmarksStayWhereOnlyUnknownOnesAreTaken) {
   const FeatureWorld world({300, 60}, 4);
   const Eigen::Vector3d shift_w(0.03, 0.0, 0.0);
@@ -131,7 +132,7 @@ TEST(OdometryAndMap, WhatOnlyTheMapKnowsIsFoundByTracking) {
     const SE3 T_w_c = odometry.T_w_odom() * result.T_odom_c;
     EXPECT_LT(DistanceTo(T_w_c, kT_w_world * PoseAt(40 - i)), 0.01) << "frame " << i;
   }
-  EXPECT_GT(from_map, 30) << "points that session 2 never founded";
+  EXPECT_GT(from_map, 30) << "points that session 2 never created";
 }
 
 void ExpectNamesAreUnique(const OdometryResult& result, int frame) {
@@ -210,7 +211,7 @@ TEST(OdometryAndMap, TheMapIsTakenOverWhileLost) {
   }
 }
 
-// Names given to landmarks founded while lost and to those of the map come from one source.
+// Names given to landmarks created while lost and to those of the map come from one source.
 TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
   const FeatureWorld world({300, 60}, 4);
   const FeatureWorld strange({300, 60}, 5);

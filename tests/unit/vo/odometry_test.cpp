@@ -28,9 +28,9 @@ bool IsSane(const OdometryResult& result) {
   return result.T_odom_c.IsFinite() && result.covariance.allFinite() && result.motion_covariance.allFinite();
 }
 
-class OdometryByKind : public testing::TestWithParam<FeatureWorld::Counts> {};
+class OdometryByFeatureType : public testing::TestWithParam<FeatureWorld::Counts> {};
 
-TEST_P(OdometryByKind, FollowsAPathWithSmallDrift) {
+TEST_P(OdometryByFeatureType, FollowsAPathWithSmallDrift) {
   const FeatureWorld world(GetParam(), 7);
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   OdometryResult result;
@@ -46,7 +46,7 @@ std::string KindName(const testing::TestParamInfo<FeatureWorld::Counts>& info) {
   return std::to_string(info.param.points) + "Points" + std::to_string(info.param.lines) + "Lines";
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByKind,
+INSTANTIATE_TEST_SUITE_P(Kinds, OdometryByFeatureType,
                          testing::Values(FeatureWorld::Counts{300, 0}, FeatureWorld::Counts{0, 100},
                                          FeatureWorld::Counts{300, 100}),
                          KindName);

@@ -41,12 +41,12 @@ class PerfectMap {
     const StereoFeatures& features = result.keyframe->content.features;
     for (size_t i = 0; i < features.points.size(); ++i) {
       for (const StereoPoint& exact : truth.points) {
-        if (exact.left.descriptor == features.points[i].left.descriptor) Sighted(keyframe, i, exact);
+        if (exact.left.descriptor == features.points[i].left.descriptor) Observationed(keyframe, i, exact);
       }
     }
     for (size_t i = 0; i < features.lines.size(); ++i) {
       for (const StereoLine& exact : truth.lines) {
-        if (exact.left.descriptor == features.lines[i].left.descriptor) Sighted(keyframe, i, exact);
+        if (exact.left.descriptor == features.lines[i].left.descriptor) Observationed(keyframe, i, exact);
       }
     }
   }
@@ -54,7 +54,7 @@ class PerfectMap {
   const Map& map() const { return map_; }
 
  private:
-  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoPoint& exact) {
+  void Observationed(const MapKeyframe& keyframe, size_t feature, const StereoPoint& exact) {
     const auto [known, is_new] = points_.try_emplace(exact.left.descriptor);
     MapPoint& point = known->second;
     if (is_new) {
@@ -64,11 +64,11 @@ class PerfectMap {
       point.descriptor = exact.left.descriptor;
       point.depth_m = FeatureWorld::Camera().Depth(exact.disparity_px);
     }
-    if (!point.sights.empty() && point.sights.back().keyframe_id == keyframe.id) return;
-    point.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    if (!point.observations.empty() && point.observations.back().keyframe_id == keyframe.id) return;
+    point.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(point);
   }
-  void Sighted(const MapKeyframe& keyframe, size_t feature, const StereoLine& exact) {
+  void Observationed(const MapKeyframe& keyframe, size_t feature, const StereoLine& exact) {
     if (!exact.HasDepth()) return;
     const auto [known, is_new] = lines_.try_emplace(exact.left.descriptor);
     MapLine& line = known->second;
@@ -79,8 +79,8 @@ class PerfectMap {
       line.covariance_p = line.covariance_q = 1e-6 * Eigen::Matrix3d::Identity();
       line.descriptor = exact.left.descriptor;
     }
-    if (!line.sights.empty() && line.sights.back().keyframe_id == keyframe.id) return;
-    line.sights.push_back({keyframe.id, static_cast<int32_t>(feature)});
+    if (!line.observations.empty() && line.observations.back().keyframe_id == keyframe.id) return;
+    line.observations.push_back({keyframe.id, static_cast<int32_t>(feature)});
     map_.Put(line);
   }
   static Eigen::Vector3d Backproject(const Eigen::Vector2d& px, double disparity_px) {

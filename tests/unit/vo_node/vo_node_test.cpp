@@ -45,7 +45,7 @@ class VoNodeTest : public testing::Test {
       if (status.process == "vo") Keep([&] { status_ = status; });
     });
     questions_ = std::make_unique<bus::KeyframeSubscriber>(
-        **others_, [this](const Keyframe& frame) { Keep([&] { asked_ = frame; }); }, bus::kWhereAmI);
+        **others_, [this](const Keyframe& frame) { Keep([&] { asked_ = frame; }); }, bus::kRelocalisationRequest);
     (*others_)->Every(std::chrono::milliseconds(100),
                       [this] { (*others_)->Publish(bus::kCamera, bus::ToMessage(dataset_->rig())); });
     others_->Start();

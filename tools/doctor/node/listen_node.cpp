@@ -11,8 +11,8 @@
 namespace plslam {
 namespace {
 
-/// The row of a channel with any prefix; nullptr where it is none of ours. The longest name counts: STEREO_FRAME is no
-/// FRAME with a prefix.
+/// The row of a channel with any prefix; nullptr where it is none of ours. The longest name counts: STEREO_FRAME is
+/// no FRAME with a prefix.
 const bus::Channel* ChannelOf(std::string_view wire_name) {
   const bus::Channel* best = nullptr;
   for (const bus::Channel& channel : bus::Channels()) {

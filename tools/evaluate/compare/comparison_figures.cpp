@@ -24,7 +24,8 @@ std::optional<Trajectory> TryRead(const std::string& path) {
   }
 }
 
-/// The typical run of the group, if it played that (empty: anything), else the first completed one that did; or nullptr.
+/// The typical run of the group, if it played that (empty: anything), else the first completed one that did; or
+/// nullptr.
 const RunRecord* RunThatPlayed(const RunGroup& group, const std::string& played) {
   const RunRecord* typical = group.Typical();
   if (typical == nullptr || played.empty() || typical->played == played) return typical;

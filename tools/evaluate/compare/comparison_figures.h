@@ -13,9 +13,10 @@ struct NamedDrawing {
   Drawing drawing;
 };
 
-/// Of groups of one dataset: the typical trajectory of the first from above with the truth, and those of the others' runs
-/// of the same (the same seed of a built-in world, whose ways differ); dots for the errors, the time of odometry, CPU and memory. What no run tells is left out. Reads the trajectories of the runs; those that are missing or
-/// cannot be read are left out too.
+/// Of groups of one dataset: the typical trajectory of the first from above with the truth, and those of the others'
+/// runs of the same (the same seed of a built-in world, whose ways differ); dots for the errors, the time of
+/// odometry, CPU and memory. What no run tells is left out. Reads the trajectories of the runs; those that are
+/// missing or cannot be read are left out too.
 std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups);
 
 }  // namespace plslam

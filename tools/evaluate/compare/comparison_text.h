@@ -11,8 +11,8 @@ namespace plslam {
 /// "1 failed, 2 without ATE" of a group's runs; empty where none lacks anything.
 std::string LackingText(const RunGroup& group);
 
-/// A row of cells for each group, under the names of the columns; columns that no group has anything for are left out. Cells
-/// of more than one run are "median (worst)"; "-" where nothing is known.
+/// A row of cells for each group, under the names of the columns; columns that no group has anything for are left
+/// out. Cells of more than one run are "median (worst)"; "-" where nothing is known.
 struct ComparisonTable {
   std::vector<std::string> columns;
   std::vector<std::vector<std::string>> rows;

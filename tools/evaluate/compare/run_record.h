@@ -33,12 +33,13 @@ struct RunRecord {
   std::string played;
   std::string dataset;
   bool completed = false;
-  /// There is a truth, and not one pose to compare with it: no errors are told, which must not be taken for a good run.
+  /// There is a truth, and not one pose to compare with it: no errors are told, which must not be taken for a good
+  /// run.
   bool untracked = false;
   /// Why it is not completed.
   std::string reason;
-  /// Options by their full name ("vo.features.features"), and under `processes` and `version` what ran. Left out is what
-  /// differs between runs that mean the same: bus, folders, map files, seeds.
+  /// Options by their full name ("vo.features.features"), and under `processes` and `version` what ran. Left out is
+  /// what differs between runs that mean the same: bus, folders, map files, seeds.
   std::map<std::string, std::string> options;
   /// As Metrics() has them; nullopt: the run does not tell.
   std::vector<std::optional<double>> values;

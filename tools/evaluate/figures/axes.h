@@ -63,8 +63,8 @@ void AddText(Drawing& drawing, const Place& at, const std::string& text, double 
 /// The title of a figure at column width, in its first line: smaller, and cut short, where it is too long.
 void AddTitle(Drawing& drawing, const std::string& title);
 
-/// Rows of entries from `at` (left end of the first base line), as many in a row as fit into `width_pt`. Returns the base
-/// line of the row after.
+/// Rows of entries from `at` (left end of the first base line), as many in a row as fit into `width_pt`. Returns the
+/// base line of the row after.
 double AddLegend(Drawing& drawing, const Place& at, double width_pt, const std::vector<LegendEntry>& entries);
 
 }  // namespace plslam

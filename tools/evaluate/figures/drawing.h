@@ -44,7 +44,8 @@ struct DrawnDots {
   Ink ink{};
 };
 
-/// One line of text, printable ASCII; `anchor` is the share of its width that lies left of `at`, which is on the base line.
+/// One line of text, printable ASCII; `anchor` is the share of its width that lies left of `at`, which is on the base
+/// line.
 struct DrawnText {
   Place at = Place::Zero();
   std::string text;

@@ -7,9 +7,9 @@
 
 namespace plslam {
 
-/// Directions of the drawing in w, so that nothing is mirrored. From above, in the levelled frame (LevelRotation): x to the
-/// right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the side, with -y up,
-/// where a path climbs as far as it leads away.
+/// Directions of the drawing in w, so that nothing is mirrored. From above, in the levelled frame (LevelRotation): x
+/// to the right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the
+/// side, with -y up, where a path climbs as far as it leads away.
 struct ViewDirections {
   Eigen::Vector3d right = Eigen::Vector3d::UnitX();
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();

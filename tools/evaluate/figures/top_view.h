@@ -19,13 +19,13 @@ struct NamedPath {
 /// Where the poses of a trajectory are in w, its positions being in another frame.
 std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3& T_w_trajectory = SE3());
 
-/// Trajectories from above, at column width and equal scale, the last on top; with the landmarks of `map` (may be null)
-/// below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.
+/// Trajectories from above, at column width and equal scale, the last on top; with the landmarks of `map` (may be
+/// null) below them in grey, at most 20,000 points. The start of the last one has a ring. The title stands above.
 /// Without a map, up is -y of w.
 Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, const Map* map);
 
-/// The covisibility graph (PL-SLAM fig. 3): keyframes, edges between those that share 20 landmarks in light green, 100
-/// (essential graph) in dark green, the spanning tree, and closed loops in red.
+/// The covisibility graph (PL-SLAM fig. 3): keyframes, edges between those that share 20 landmarks in light green,
+/// 100 (essential graph) in dark green, the spanning tree, and closed loops in red.
 Drawing CovisibilityFigure(const std::string& title, const Map& map);
 
 }  // namespace plslam

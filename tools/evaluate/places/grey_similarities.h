@@ -6,7 +6,8 @@
 
 namespace plslam {
 
-/// The similarity that is drawn as white: the largest but the highest half per cent of all off-diagonal ones; 1 without any.
+/// The similarity that is drawn as white: the largest but the highest half per cent of all off-diagonal ones; 1
+/// without any.
 float FullScale(const SimilarityMatrix& matrix);
 
 /// A pixel for each pair, 8 bits, `scale` and above white.

@@ -13,7 +13,7 @@ class TruthTable {
   TruthTable(const std::vector<PlaceFrame>& frames, const RevisitOptions& options) : size_(frames.size()) {
     truth_.resize(size_ * size_, PairTruth::kIgnored);
     for (size_t i = 0; i < size_; ++i) {
-      for (size_t j = 0; j < i; ++j) truth_[i * size_ + j] = JudgePair(frames[i].pose, frames[j].pose, options);
+      for (size_t j = 0; j < i; ++j) truth_[i * size_ + j] = ClassifyPair(frames[i].pose, frames[j].pose, options);
     }
   }
 

@@ -20,8 +20,8 @@ struct MergeEvaluation {
   std::string merge;
   /// One proposal for each frame: the best of the earlier ones, as loop closing asks. Positives: frames that revisit.
   PrecisionRecall best_match;
-  /// Every pair is a proposal, as the paper's similarity matrices show them, scored when the later frame has been seen and
-  /// only what came before it is known. Positives: pairs that are revisits.
+  /// Every pair is a proposal, as the paper's similarity matrices show them, scored when the later frame has been
+  /// seen and only what came before it is known. Positives: pairs that are revisits.
   PrecisionRecall all_pairs;
 };
 

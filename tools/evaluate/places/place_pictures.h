@@ -6,8 +6,9 @@
 
 namespace plslam {
 
-/// The similarity matrices of points, lines and both side by side (PL-SLAM fig. 5), 8-bit BGR: blue 0, red the largest but the
-/// highest half per cent of all off-diagonal similarities, which the title of each names. Large matrices are shrunk.
+/// The similarity matrices of points, lines and both side by side (PL-SLAM fig. 5), 8-bit BGR: blue 0, red the
+/// largest but the highest half per cent of all off-diagonal similarities, which the title of each names. Large
+/// matrices are shrunk.
 cv::Mat DrawSimilarities(const PlaceEvaluation& evaluation);
 
 /// Precision over recall of the best matches (left) and of all pairs (right), a line for each merge.

@@ -5,7 +5,7 @@
 
 namespace plslam {
 
-PairTruth JudgePair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options) {
+PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options) {
   const double gap_s = 1e-9 * std::abs(static_cast<double>(a.t_ns - b.t_ns));
   if (gap_s < options.min_gap_s) return PairTruth::kIgnored;
   const double distance_m = (a.T_w_c.translation() - b.T_w_c.translation()).norm();

@@ -6,8 +6,8 @@
 
 namespace plslam {
 
-/// What counts as the same place. Between a revisit and another place lie pairs whose views overlap in part: neither right
-/// nor wrong.
+/// What counts as the same place. Between a revisit and another place lie pairs whose views overlap in part: neither
+/// right nor wrong.
 struct RevisitOptions {
   /// A revisit is at most this far away, in position and in direction of view.
   double distance_m = 1.0;
@@ -27,6 +27,6 @@ struct TimedPose {
   SE3 T_w_c;
 };
 
-PairTruth JudgePair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options);
+PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options);
 
 }  // namespace plslam

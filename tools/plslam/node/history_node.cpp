@@ -101,7 +101,7 @@ struct HistoryKeeper::Store {
   Store& operator=(const Store&) = delete;
 
   void Keep(size_t channel, std::span<const uint8_t> message);
-  void Bury(int64_t source);
+  void RemovePublisher(int64_t source);
   bool SpeaksFor(int64_t source) const;
   void Fail(const std::string& why);
 
@@ -141,7 +141,7 @@ void HistoryKeeper::Store::Keep(size_t channel, std::span<const uint8_t> message
   changed.notify_all();
 }
 
-void HistoryKeeper::Store::Bury(int64_t source) {
+void HistoryKeeper::Store::RemovePublisher(int64_t source) {
   const std::scoped_lock lock(mutex);
   gone.insert(source);
   due.push_back(source);
@@ -198,7 +198,7 @@ void HistoryKeeper::Stop() {
 void HistoryKeeper::OnExit(pid_t pid) {
   const auto found = sources_.find(pid);
   if (found == sources_.end()) return;
-  store_->Bury(found->second);
+  store_->RemovePublisher(found->second);
   SayCamera();
   // What its own bus had put on disk, and can remove no more.
   std::error_code ignored;
@@ -230,14 +230,14 @@ void HistoryKeeper::Work() {
     store.due.pop_front();
     for (const Entry& entry : entries) {
       lock.unlock();
-      if (SayAgain(entry)) ++said_again_;
+      if (Republish(entry)) ++republished_;
       lock.lock();
       if (store.stopping) return;
     }
   }
 }
 
-bool HistoryKeeper::SayAgain(const Entry& entry) {
+bool HistoryKeeper::Republish(const Entry& entry) {
   std::vector<uint8_t> bytes(entry.bytes);
   const KeptChannel& kept = kKept[entry.channel];
   return ReadAll(store_->file, bytes, entry.offset) && kept.publish(bus_, kept.channel, bytes);

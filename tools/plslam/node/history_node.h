@@ -15,14 +15,14 @@
 namespace plslam {
 class camera_t;
 
-/// Keeps what the other processes have said on the channels whose publishers keep everything (poses, keyframes, loops, true
-/// poses, begin and end of streams), and says it in their place when one of them has died: its history has gone with it, and a
-/// process that starts later could not have it any more. Sessions, times and the order stay; the publisher is then this one, so
-/// whoever has heard it before hears it twice, and passes it over by session and number. The camera, which its publisher
-/// repeats every second, is repeated in its place.
+/// Keeps what the other processes have said on the channels whose publishers keep everything (poses, keyframes,
+/// loops, true poses, begin and end of streams), and says it in their place when one of them has died: its history
+/// has gone with it, and a process that starts later could not have it any more. Sessions, times and the order stay;
+/// the publisher is then this one, so whoever has heard it before hears it twice, and passes it over by session and
+/// number. The camera, which its publisher repeats every second, is repeated in its place.
 ///
-/// Lies in a file without a name, which goes with this process. Where the disk takes no more, nothing is kept from there
-/// on, and `problem` says why: the run goes on.
+/// Lies in a file without a name, which goes with this process. Where the disk takes no more, nothing is kept from
+/// there on, and `problem` says why: the run goes on.
 class HistoryKeeper {
  public:
   /// Before `Bus::Run`. The file is made in `folder`.
@@ -38,7 +38,7 @@ class HistoryKeeper {
 
   /// Messages kept, and said again for others.
   int64_t kept() const;
-  int64_t said_again() const { return said_again_; }
+  int64_t said_again() const { return republished_; }
   /// Why nothing is kept any more; empty where all is well.
   std::string problem() const;
 
@@ -52,14 +52,14 @@ class HistoryKeeper {
   struct Store;
 
   void Work();
-  bool SayAgain(const Entry& entry);
+  bool Republish(const Entry& entry);
   void SayCamera();
 
   bus::Bus& bus_;
   std::map<int64_t, int64_t> sources_;  // by process id; on the thread of the bus
   std::unique_ptr<camera_t> camera_;    // newest of another; on the thread of the bus
   std::shared_ptr<Store> store_;
-  std::atomic<int64_t> said_again_{0};
+  std::atomic<int64_t> republished_{0};
   std::thread worker_;
 };
 

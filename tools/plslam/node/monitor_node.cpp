@@ -126,7 +126,7 @@ FrameTally MonitorNode::frames() const {
 bool MonitorNode::has_all() const {
   const bool has_frames = sent_.ended() && frames().unanswered == 0;
   const auto [session, keyframe_id] = statistics_.last_keyframe();
-  const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.settled().Has(session, keyframe_id);
+  const bool has_map = map_.version() == 0 || keyframe_id < 0 || map_.committed().Has(session, keyframe_id);
   return has_frames && has_map;
 }
 

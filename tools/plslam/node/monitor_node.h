@@ -44,7 +44,7 @@ class MonitorNode {
   const RunStatistics& statistics() const { return statistics_; }
   const MapStatistics& map() const { return map_; }
   const LoopStatistics& loops() const { return loops_; }
-  /// Every frame that was sent is counted, and where there is a map it has the last keyframe, settled.
+  /// Every frame that was sent is counted, and where there is a map it has the last keyframe, committed.
   bool has_all() const;
   /// By host and process id there; those of processes that have ended stay.
   const std::map<std::pair<std::string, int64_t>, ProcessStatus>& processes() const { return processes_; }
@@ -64,8 +64,8 @@ class MonitorNode {
   FrameTally frames() const;
   /// What the processes say of the data.
   const RunCounters& counters() const { return counters_; }
-  /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it has
-  /// sent has a pose. `now_s`: steady time.
+  /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it
+  /// has sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;
   /// `viewer`: process id on this host.
   SignsOfLife Signs(int64_t viewer, double now_s) const;

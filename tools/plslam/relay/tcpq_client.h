@@ -64,8 +64,8 @@ class TcpqClient {
 
   /// Full, and still worth waiting for.
   bool Congests() const { return !stalled_ && queued_bytes_ > high_; }
-  /// Looks at the clock: a client whose queue has been full for long, and has not been half empty since, is stalled. Taking a
-  /// little now and then does not help it.
+  /// Looks at the clock: a client whose queue has been full for long, and has not been half empty since, is stalled.
+  /// Taking a little now and then does not help it.
   void CheckPatience(Clock::time_point now);
 
  private:

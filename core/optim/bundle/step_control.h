@@ -13,10 +13,10 @@ struct LossSum {
   double rows = 0.0;
 };
 
-/// What is asked of the sights after a step, as they were evaluated last.
-struct SightActions {
+/// What is asked of the observations after a step, as they were evaluated last.
+struct ObservationActions {
   std::function<LossSum()> loss;
-  /// Loss of all that is no sight: weak priors and relative poses, at the state as it is.
+  /// Loss of all that is no observation: weak priors and relative poses, at the state as it is.
   std::function<double()> other_loss;
   /// Takes outliers away.
   std::function<void()> trim;
@@ -31,13 +31,13 @@ struct BundlePass {
 
 /// Ends a pass when a step has gained little of the whole loss.
 ///
-/// Outliers are trimmed once within a pass, as soon as the sights are near enough to tell them and before the next
-/// derivatives are evaluated: a pass of its own would cost as much as a step. Sights can only be taken away there: the next
-/// cost is compared with the one before.
-class StepJudge {
+/// Outliers are trimmed once within a pass, as soon as the observations are near enough to tell them and before the
+/// next derivatives are evaluated: a pass of its own would cost as much as a step. Observations can only be taken
+/// away there: the next cost is compared with the one before.
+class StepControl {
  public:
-  StepJudge(SightActions sights, const BundleOptions& options, const std::atomic<bool>* stop)
-      : sights_(std::move(sights)), options_(options), stop_(stop) {}
+  StepControl(ObservationActions observations, const BundleOptions& options, const std::atomic<bool>* stop)
+      : observations_(std::move(observations)), options_(options), stop_(stop) {}
 
   /// At the state that a pass starts from.
   void Start(bool trim);
@@ -48,7 +48,7 @@ class StepJudge {
   bool IsStopped() const { return stop_ && *stop_; }
 
  private:
-  SightActions sights_;
+  ObservationActions observations_;
   const BundleOptions& options_;
   const std::atomic<bool>* stop_;
   double loss_ = 0.0;

@@ -1,4 +1,4 @@
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 #include <algorithm>
 

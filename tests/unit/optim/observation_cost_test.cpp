@@ -3,14 +3,14 @@
 #include "core/optim/bundle/ceres_solver.h"
 #include "core/optim/bundle/line_cost.h"
 #include "core/optim/bundle/line_endpoint_cost.h"
+#include "core/optim/bundle/observation_group.h"
 #include "core/optim/bundle/point_cost.h"
-#include "core/optim/bundle/sight_group.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {
 namespace {
 
-// A sight of each kind in one world, with or without disparity.
+// An observation of each kind in one world, with or without disparity.
 template <class Cost>
 struct Sample {
   explicit Sample(bool disparity, uint32_t seed);
@@ -49,12 +49,12 @@ AdjustedEndpoints Sample<LineEndpointCost>::LandmarkOf(const BundleProblem& prob
 template <class Cost>
 Cost Sample<Cost>::CostOf(const BundleProblem& problem, const typename Cost::Landmark& landmark,
                           const AdjustedPose& pose) {
-  return Cost(problem.line_sights[0], landmark, pose.view, problem.camera);
+  return Cost(problem.line_observations[0], landmark, pose.view, problem.camera);
 }
 template <>
 PointCost Sample<PointCost>::CostOf(const BundleProblem& problem, const AdjustedPoint& landmark,
                                     const AdjustedPose& pose) {
-  return PointCost(problem.point_sights[0], landmark, pose.view, problem.camera);
+  return PointCost(problem.point_observations[0], landmark, pose.view, problem.camera);
 }
 
 template <class Cost>
@@ -70,12 +70,12 @@ Sample<Cost>::Sample(bool disparity, uint32_t seed)
 }
 
 template <class Cost>
-class SightCost : public testing::Test {};
+class ObservationCost : public testing::Test {};
 
 using Costs = testing::Types<PointCost, LineCost, LineEndpointCost>;
-TYPED_TEST_SUITE(SightCost, Costs);
+TYPED_TEST_SUITE(ObservationCost, Costs);
 
-TYPED_TEST(SightCost, JacobiansAgreeWithNumericOnes) {
+TYPED_TEST(ObservationCost, JacobiansAgreeWithNumericOnes) {
   constexpr int kSize = TypeParam::Landmark::kSize;
   constexpr int kRows = TypeParam::kMaxRows;
   int checked = 0;
@@ -115,7 +115,7 @@ TYPED_TEST(SightCost, JacobiansAgreeWithNumericOnes) {
 }
 
 // What is fixed has no block, and the blocks of what is free are the same.
-TYPED_TEST(SightCost, FixedPosesAndLandmarksHaveNoBlock) {
+TYPED_TEST(ObservationCost, FixedPosesAndLandmarksHaveNoBlock) {
   constexpr int kSize = TypeParam::Landmark::kSize;
   constexpr int kRows = TypeParam::kMaxRows;
   using ByPose = Eigen::Matrix<double, kRows, 6, Eigen::RowMajor>;
@@ -131,9 +131,9 @@ TYPED_TEST(SightCost, FixedPosesAndLandmarksHaveNoBlock) {
     for (const bool free_landmark : {true, false}) {
       s.pose.column = free_pose ? 0 : -1;
       s.landmark.free = free_landmark;
-      AdjustedSight<TypeParam> sight;
-      sight.Bind(s.cost, s.pose, s.landmark, 0);
-      const CeresSight<TypeParam> function(sight, finished);
+      AdjustedObservation<TypeParam> observation;
+      observation.Bind(s.cost, s.pose, s.landmark, 0);
+      const CeresObservation<TypeParam> function(observation, finished);
       std::vector<int> sizes;
       std::vector<const double*> parameters;
       std::vector<double*> jacobians;
@@ -160,7 +160,7 @@ TYPED_TEST(SightCost, FixedPosesAndLandmarksHaveNoBlock) {
 }
 
 // Noise as stated gives residuals of unit variance, correlated or not.
-TYPED_TEST(SightCost, ResidualsAreWhite) {
+TYPED_TEST(ObservationCost, ResidualsAreWhite) {
   constexpr int kRows = TypeParam::kMaxRows;
   Eigen::Matrix<double, kRows, kRows> sum = Eigen::Matrix<double, kRows, kRows>::Zero();
   int count = 0;
@@ -173,19 +173,21 @@ TYPED_TEST(SightCost, ResidualsAreWhite) {
   spec.noise_px = 0.05;
   spec.noise_disparity_px = 0.05;
   const test::BundleWorld world = test::MakeBundleWorld(spec, 3);
-  const auto add = [&](const auto& given, const auto& sight) {
-    const AdjustedPose pose(world.true_T_w_c[sight.pose], -1);
+  const auto add = [&](const auto& given, const auto& observation) {
+    const AdjustedPose pose(world.true_T_w_c[observation.pose], -1);
     const typename TypeParam::Landmark landmark(given);
-    const TypeParam cost(sight, landmark, pose.view, world.problem.camera);
+    const TypeParam cost(observation, landmark, pose.view, world.problem.camera);
     Eigen::Matrix<double, kRows, 1> r;
     if (!cost.Evaluate(pose.view, landmark.x.data(), r.data(), nullptr, nullptr)) return;
     sum += r * r.transpose();
     ++count;
   };
   if constexpr (std::is_same_v<TypeParam, PointCost>) {
-    for (const PointSight& sight : world.problem.point_sights) add(world.problem.points[sight.point], sight);
+    for (const PointObservation& observation : world.problem.point_observations)
+      add(world.problem.points[observation.point], observation);
   } else {
-    for (const LineSight& sight : world.problem.line_sights) add(world.problem.lines[sight.line], sight);
+    for (const LineObservation& observation : world.problem.line_observations)
+      add(world.problem.lines[observation.line], observation);
   }
   ASSERT_GT(count, 9000);
   const Eigen::Matrix<double, kRows, kRows> covariance = sum / count;

@@ -1,4 +1,4 @@
-#include "core/optim/bundle/step_judge.h"
+#include "core/optim/bundle/step_control.h"
 
 #include <utility>
 
@@ -12,22 +12,22 @@ constexpr double kNearLoss = 1.5;
 
 }  // namespace
 
-void StepJudge::Start(bool trim) {
+void StepControl::Start(bool trim) {
   trim_ = trim;
-  loss_ = sights_.loss().loss;
-  other_loss_ = sights_.other_loss();
+  loss_ = observations_.loss().loss;
+  other_loss_ = observations_.other_loss();
 }
 
-bool StepJudge::GoesOn() {
-  const LossSum now = sights_.loss();
+bool StepControl::GoesOn() {
+  const LossSum now = observations_.loss();
   const double before = std::exchange(loss_, now.loss);
   const double gain = before - now.loss;
-  const double other = sights_.other_loss();
+  const double other = observations_.other_loss();
   const double other_before = std::exchange(other_loss_, other);
   if (trim_ && (gain <= kNearGain * before || now.loss <= kNearLoss * now.rows)) {
     trim_ = false;
-    sights_.trim();
-    loss_ = sights_.loss().loss;
+    observations_.trim();
+    loss_ = observations_.loss().loss;
     return true;
   }
   return gain + other_before - other > options_.function_tolerance * (before + other_before);

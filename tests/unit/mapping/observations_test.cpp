@@ -1,4 +1,4 @@
-#include "mapping_process/insertion/sights.h"
+#include "mapping_process/insertion/observations.h"
 
 #include <random>
 
@@ -21,39 +21,40 @@ const Segment3 kSeenSegment{{-0.5, -0.5, 4.0}, {-0.5, 0.5, 4.0}};
 
 /// The kinds side by side.
 struct Points {
-  using Kind = PointKind;
-  static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+  using Kind = PointType;
+  static Observation See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
     return m.SeePoint(keyframe_id, kSeenPoint, d);
   }
-  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
-    m.PutPoint(id, kSeenPoint, d, std::move(sights));
+  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Observation> observations) {
+    m.PutPoint(id, kSeenPoint, d, std::move(observations));
   }
 };
 struct Lines {
-  using Kind = LineKind;
-  static Sight See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
+  using Kind = LineType;
+  static Observation See(HandmadeMap& m, int64_t keyframe_id, const Descriptor& d) {
     return m.SeeLine(keyframe_id, kSeenSegment, d);
   }
-  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Sight> sights) {
-    m.PutLine(id, kSeenSegment, d, std::move(sights));
+  static void Put(HandmadeMap& m, int64_t id, const Descriptor& d, std::vector<Observation> observations) {
+    m.PutLine(id, kSeenSegment, d, std::move(observations));
   }
 };
 
 template <class Of>
-class Sights : public testing::Test {
+class Observations : public testing::Test {
  protected:
-  Sights() {
+  Observations() {
     for (int i = 0; i < 6; ++i) m_.AddKeyframe(StandingAt(0.1 * i));
   }
   // A landmark seen by these keyframes with descriptors of their own.
   void Put(int64_t id, const std::vector<int64_t>& keyframes) {
-    std::vector<Sight> sights;
-    for (const int64_t k : keyframes) sights.push_back(Of::See(m_, k, DescriptorOf(100 * k + id)));
-    Of::Put(m_, id, DescriptorOf(100 * keyframes.front() + id), sights);
+    std::vector<Observation> observations;
+    for (const int64_t k : keyframes) observations.push_back(Of::See(m_, k, DescriptorOf(100 * k + id)));
+    Of::Put(m_, id, DescriptorOf(100 * keyframes.front() + id), observations);
   }
   std::vector<int64_t> SeenBy(int64_t id) const {
     std::vector<int64_t> keyframes;
-    for (const Sight& sight : Of::Kind::Find(m_.map, id)->sights) keyframes.push_back(sight.keyframe_id);
+    for (const Observation& observation : Of::Kind::Find(m_.map, id)->observations)
+      keyframes.push_back(observation.keyframe_id);
     return keyframes;
   }
 
@@ -61,42 +62,45 @@ class Sights : public testing::Test {
 };
 
 using Kinds = testing::Types<Points, Lines>;
-TYPED_TEST_SUITE(Sights, Kinds);
+TYPED_TEST_SUITE(Observations, Kinds);
 
-TYPED_TEST(Sights, AddedInOrderOfKeyframes) {
+TYPED_TEST(Observations, AddedInOrderOfKeyframes) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 4});
-  EXPECT_TRUE(AddSight<Kind>(0, TypeParam::See(this->m_, 2, DescriptorOf(1)), this->m_.features, this->m_.map));
-  EXPECT_TRUE(AddSight<Kind>(0, TypeParam::See(this->m_, 5, DescriptorOf(2)), this->m_.features, this->m_.map));
+  EXPECT_TRUE(AddObservation<Kind>(0, TypeParam::See(this->m_, 2, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_TRUE(AddObservation<Kind>(0, TypeParam::See(this->m_, 5, DescriptorOf(2)), this->m_.features, this->m_.map));
   EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 2, 4, 5}));
 }
 
-TYPED_TEST(Sights, RefusedWhereTheKeyframeSeesItOrTheFeatureShowsAnother) {
+TYPED_TEST(Observations, RefusedWhereTheKeyframeSeesItOrTheFeatureShowsAnother) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1});
   this->Put(1, {2});
-  EXPECT_FALSE(AddSight<Kind>(0, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
-  EXPECT_FALSE(AddSight<Kind>(0, Kind::Find(this->m_.map, 1)->sights[0], this->m_.features, this->m_.map));
-  EXPECT_FALSE(AddSight<Kind>(77, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_FALSE(
+      AddObservation<Kind>(0, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
+  EXPECT_FALSE(
+      AddObservation<Kind>(0, Kind::Find(this->m_.map, 1)->observations[0], this->m_.features, this->m_.map));
+  EXPECT_FALSE(
+      AddObservation<Kind>(77, TypeParam::See(this->m_, 1, DescriptorOf(1)), this->m_.features, this->m_.map));
   EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 1}));
   EXPECT_EQ(this->SeenBy(1), (std::vector<int64_t>{2}));
 }
 
-TYPED_TEST(Sights, DroppedOneAfterTheOtherAndTheLandmarkGoesWithTheLast) {
+TYPED_TEST(Observations, DroppedOneAfterTheOtherAndTheLandmarkGoesWithTheLast) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1, 3});
-  DropSight<Kind>(0, 1, this->m_.features, this->m_.map);
+  DropObservation<Kind>(0, 1, this->m_.features, this->m_.map);
   EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3}));
-  DropSight<Kind>(0, 1, this->m_.features, this->m_.map);
-  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3})) << "a sight that is not there";
-  DropSight<Kind>(0, 0, this->m_.features, this->m_.map);
-  EXPECT_EQ(Kind::Find(this->m_.map, 0)->descriptor, DescriptorOf(300)) << "of the sight that is left";
-  DropSight<Kind>(0, 3, this->m_.features, this->m_.map);
+  DropObservation<Kind>(0, 1, this->m_.features, this->m_.map);
+  EXPECT_EQ(this->SeenBy(0), (std::vector<int64_t>{0, 3})) << "an observation that is not there";
+  DropObservation<Kind>(0, 0, this->m_.features, this->m_.map);
+  EXPECT_EQ(Kind::Find(this->m_.map, 0)->descriptor, DescriptorOf(300)) << "of the observation that is left";
+  DropObservation<Kind>(0, 3, this->m_.features, this->m_.map);
   EXPECT_EQ(Kind::Find(this->m_.map, 0), nullptr);
-  DropSight<Kind>(0, 3, this->m_.features, this->m_.map);
+  DropObservation<Kind>(0, 3, this->m_.features, this->m_.map);
 }
 
-TYPED_TEST(Sights, FusedUnderTheSmallerId) {
+TYPED_TEST(Observations, FusedUnderTheSmallerId) {
   using Kind = typename TypeParam::Kind;
   for (const bool swapped : {false, true}) {
     this->Put(10, {0, 3});
@@ -108,7 +112,7 @@ TYPED_TEST(Sights, FusedUnderTheSmallerId) {
   }
 }
 
-TYPED_TEST(Sights, NotFusedWhereAKeyframeSeesBoth) {
+TYPED_TEST(Observations, NotFusedWhereAKeyframeSeesBoth) {
   using Kind = typename TypeParam::Kind;
   this->Put(0, {0, 1});
   this->Put(1, {1, 2});
@@ -120,7 +124,7 @@ TYPED_TEST(Sights, NotFusedWhereAKeyframeSeesBoth) {
 }
 
 // All sums of distances, the smallest, and of equal ones the newest.
-TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
+TYPED_TEST(Observations, DescriptorIsTheOneNearestToAllOthers) {
   using Kind = typename TypeParam::Kind;
   std::mt19937_64 generator(5);
   for (int round = 0; round < 50; ++round) {
@@ -133,11 +137,11 @@ TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
       Descriptor d = base;
       const int flips = static_cast<int>(generator() % 40);
       for (int f = 0; f < flips; ++f) d[generator() % 4] ^= 1ULL << (generator() % 64);
-      const Sight sight = TypeParam::See(m, k, d);
+      const Observation observation = TypeParam::See(m, k, d);
       if (k == 0) {
-        TypeParam::Put(m, 0, d, {sight});
+        TypeParam::Put(m, 0, d, {observation});
       } else {
-        ASSERT_TRUE(AddSight<Kind>(0, sight, m.features, m.map));
+        ASSERT_TRUE(AddObservation<Kind>(0, observation, m.features, m.map));
       }
       seen.push_back(d);
       std::vector<int> sums;
@@ -149,21 +153,21 @@ TYPED_TEST(Sights, DescriptorIsTheOneNearestToAllOthers) {
       size_t best = 0;
       for (size_t i = 0; i < sums.size(); ++i) best = sums[i] <= sums[best] ? i : best;
       ASSERT_EQ(Kind::Find(m.map, 0)->descriptor, seen[best])
-          << "round " << round << ", " << seen.size() << " sights";
+          << "round " << round << ", " << seen.size() << " observations";
     }
   }
 }
 
-TEST(SightsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
+TEST(ObservationsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
   HandmadeMap m;
   m.AddKeyframe(StandingAt(0.0));
   m.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.0, 0.0, 1.0)});
   const Descriptor d = DescriptorOf(1);
   m.PutPoint(0, kSeenPoint, d, {m.SeePoint(0, kSeenPoint, d)});
-  const Sight nearer = m.SeePoint(1, kSeenPoint, d);
+  const Observation nearer = m.SeePoint(1, kSeenPoint, d);
   m.features[1].points[0].left.octave = 2;
   m.features[1].points[0].left.angle_rad = 0.5F;
-  ASSERT_TRUE(AddSight<PointKind>(0, nearer, m.features, m.map));
+  ASSERT_TRUE(AddObservation<PointType>(0, nearer, m.features, m.map));
   const MapPoint& point = *m.map.FindPoint(0);
   EXPECT_EQ(point.octave, 2) << "the newer of two equals";
   EXPECT_EQ(point.angle_rad, 0.5F);

@@ -1,10 +1,10 @@
-#include "vo_process/tracking/map_patch.h"
+#include "vo_process/tracking/tracker_local_map.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "core/localisation/local_map.h"
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 namespace plslam {
 namespace {
@@ -33,19 +33,19 @@ const KeyframeLog::Entry* KeyframeLog::Find(int64_t keyframe_id) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
-template <class Kind>
-std::vector<Adopted<typename Kind::Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
+template <class Type>
+std::vector<Adopted<typename Type::Landmark>> KeyframeLog::Adopt(const Map& map, int64_t session,
                                                                  const std::vector<int64_t>& keyframes,
                                                                  std::vector<int64_t> Entry::*ids) const {
-  std::vector<Adopted<typename Kind::Landmark>> adopted;
-  for (const int64_t landmark_id : SeenBy<Kind>(keyframes, map)) {
+  std::vector<Adopted<typename Type::Landmark>> adopted;
+  for (const int64_t landmark_id : SeenBy<Type>(keyframes, map)) {
     auto& entry = adopted.emplace_back();
-    entry.landmark = Kind::Find(map, landmark_id);
-    for (const Sight& sight : entry.landmark->sights) {
-      const MapKeyframe& keyframe = *map.FindKeyframe(sight.keyframe_id);
+    entry.landmark = Type::Find(map, landmark_id);
+    for (const Observation& observation : entry.landmark->observations) {
+      const MapKeyframe& keyframe = *map.FindKeyframe(observation.keyframe_id);
       if (keyframe.session != session) continue;
       const Entry* shown = Find(keyframe.session_keyframe_id);
-      const auto place = static_cast<size_t>(sight.feature);
+      const auto place = static_cast<size_t>(observation.feature);
       if (shown == nullptr || place >= (shown->*ids).size()) continue;
       const int64_t id = (shown->*ids)[place];
       const bool known = std::find(entry.tracker_ids.begin(), entry.tracker_ids.end(), id) != entry.tracker_ids.end();
@@ -55,26 +55,27 @@ std::vector<Adopted<typename Kind::Landmark>> KeyframeLog::Adopt(const Map& map,
   return adopted;
 }
 
-std::optional<MapPatch> KeyframeLog::PatchAround(const Map& map, int64_t session, int64_t keyframe_id,
-                                                 int max_keyframes) const {
+std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+                                                           int max_keyframes) const {
   const MapKeyframe* center = FindKeyframe(map, session, keyframe_id);
   if (center == nullptr) return std::nullopt;
   const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
-  MapPatch patch;
-  patch.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
-  patch.points = Adopt<PointKind>(map, session, keyframes, &Entry::point_ids);
-  patch.lines = Adopt<LineKind>(map, session, keyframes, &Entry::line_ids);
-  return patch;
+  TrackerLocalMap local_map;
+  local_map.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
+  local_map.points = Adopt<PointType>(map, session, keyframes, &Entry::point_ids);
+  local_map.lines = Adopt<LineType>(map, session, keyframes, &Entry::line_ids);
+  return local_map;
 }
 
-std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes) {
+std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
+                                          int max_keyframes) {
   if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
   const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
-  MapPatch patch;
-  patch.T_w_odom = T_w_odom;
-  for (const int64_t id : SeenBy<PointKind>(keyframes, map)) patch.points.push_back({map.FindPoint(id), {}});
-  for (const int64_t id : SeenBy<LineKind>(keyframes, map)) patch.lines.push_back({map.FindLine(id), {}});
-  return patch;
+  TrackerLocalMap local_map;
+  local_map.T_w_odom = T_w_odom;
+  for (const int64_t id : SeenBy<PointType>(keyframes, map)) local_map.points.push_back({map.FindPoint(id), {}});
+  for (const int64_t id : SeenBy<LineType>(keyframes, map)) local_map.lines.push_back({map.FindLine(id), {}});
+  return local_map;
 }
 
 }  // namespace plslam

@@ -17,24 +17,27 @@ struct Adopted {
 };
 
 /// The part of the map around a keyframe; points into that map.
-struct MapPatch {
+struct TrackerLocalMap {
   SE3 T_w_odom;
   std::vector<Adopted<MapPoint>> points;
   std::vector<Adopted<MapLine>> lines;
 };
 
-/// What a keyframe of the map and its best neighbours see; `T_w_odom` is handed on. nullopt where the map does not have the
-/// keyframe.
-std::optional<MapPatch> PatchAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom, int max_keyframes);
+/// What a keyframe of the map and its best neighbours see; `T_w_odom` is handed on. nullopt where the map does not
+/// have the keyframe.
+std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, const SE3& T_w_odom,
+                                          int max_keyframes);
 
-/// Which landmarks the tracker's last keyframes showed, by feature: the link between its landmarks and those of the map.
+/// Which landmarks the tracker's last keyframes showed, by feature: the link between its landmarks and those of the
+/// map.
 class KeyframeLog {
  public:
   void Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids);
 
-  /// What the keyframe of the session and its best neighbours see, as the map knows it. nullopt where the map does not
-  /// have the keyframe.
-  std::optional<MapPatch> PatchAround(const Map& map, int64_t session, int64_t keyframe_id, int max_keyframes) const;
+  /// What the keyframe of the session and its best neighbours see, as the map knows it. nullopt where the map does
+  /// not have the keyframe.
+  std::optional<TrackerLocalMap> LocalMapAround(const Map& map, int64_t session, int64_t keyframe_id,
+                                                int max_keyframes) const;
 
   /// All that it goes on with, for `core/io/files/archive.h`.
   template <class Archive, class Self>
@@ -54,8 +57,8 @@ class KeyframeLog {
     }
   };
   const Entry* Find(int64_t keyframe_id) const;
-  template <class Kind>
-  std::vector<Adopted<typename Kind::Landmark>> Adopt(const Map& map, int64_t session,
+  template <class Type>
+  std::vector<Adopted<typename Type::Landmark>> Adopt(const Map& map, int64_t session,
                                                       const std::vector<int64_t>& keyframes,
                                                       std::vector<int64_t> Entry::*ids) const;
 

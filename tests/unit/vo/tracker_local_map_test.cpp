@@ -1,4 +1,4 @@
-#include "vo_process/tracking/map_patch.h"
+#include "vo_process/tracking/tracker_local_map.h"
 
 #include <utility>
 #include <vector>
@@ -26,21 +26,21 @@ MapKeyframe KeyframeOf(int64_t id, int64_t session, int64_t session_keyframe_id)
   return keyframe;
 }
 
-void PutPoint(int64_t id, std::vector<Sight> sights, Map& map) {
+void PutPoint(int64_t id, std::vector<Observation> observations, Map& map) {
   MapPoint point;
   point.id = id;
-  point.sights = std::move(sights);
+  point.observations = std::move(observations);
   map.Put(point);
 }
 
-void PutLine(int64_t id, std::vector<Sight> sights, Map& map) {
+void PutLine(int64_t id, std::vector<Observation> observations, Map& map) {
   MapLine line;
   line.id = id;
-  line.sights = std::move(sights);
+  line.observations = std::move(observations);
   map.Put(line);
 }
 
-std::vector<int64_t> PointIds(const MapPatch& patch) {
+std::vector<int64_t> PointIds(const TrackerLocalMap& patch) {
   std::vector<int64_t> ids;
   for (const auto& adopted : patch.points) ids.push_back(adopted.landmark->id);
   return ids;
@@ -49,17 +49,17 @@ std::vector<int64_t> PointIds(const MapPatch& patch) {
 TEST(KeyframeLog, KeyframesTheMapDoesNotHaveGiveNoPatch) {
   KeyframeLog log;
   Map map;
-  EXPECT_FALSE(log.PatchAround(map, kSession, 0, 20));
+  EXPECT_FALSE(log.LocalMapAround(map, kSession, 0, 20));
   map.Put(KeyframeOf(0, kOtherSession, 5));
   log.Add(5, {1}, {});
-  EXPECT_FALSE(log.PatchAround(map, kSession, 5, 20)) << "the same number in another session";
-  EXPECT_TRUE(log.PatchAround(map, kOtherSession, 5, 20));
+  EXPECT_FALSE(log.LocalMapAround(map, kSession, 5, 20)) << "the same number in another session";
+  EXPECT_TRUE(log.LocalMapAround(map, kOtherSession, 5, 20));
 }
 
 TEST(KeyframeLog, MapFromOdometryAsTheKeyframeHasIt) {
   Map map;
   map.Put(KeyframeOf(4, kSession, 2));
-  const auto patch = KeyframeLog().PatchAround(map, kSession, 2, 20);
+  const auto patch = KeyframeLog().LocalMapAround(map, kSession, 2, 20);
   ASSERT_TRUE(patch);
   const MapKeyframe expected = KeyframeOf(4, kSession, 2);
   EXPECT_LT((patch->T_w_odom * expected.T_odom_kf * expected.T_w_kf.Inverse()).Log().norm(), 1e-12);
@@ -74,13 +74,13 @@ TEST(KeyframeLog, LandmarksCarryTheNamesThatTheTrackersKeyframesGaveThem) {
   map.Put(KeyframeOf(1, kOtherSession, 1));
   map.Put(KeyframeOf(2, kSession, 1));
   PutPoint(100, {{0, 0}, {2, 1}}, map);  // the tracker took it for two
-  PutPoint(101, {{0, 2}, {1, 1}}, map);  // its other sight is of another camera
+  PutPoint(101, {{0, 2}, {1, 1}}, map);  // its other observation is of another camera
   PutPoint(102, {{0, 1}, {2, 0}}, map);  // features without a landmark
   PutPoint(103, {{2, 2}}, map);          // the same name as the first: the map took them for two
   PutPoint(104, {{2, 50}}, map);         // no such feature
   PutLine(200, {{0, 0}, {2, 1}}, map);
   PutLine(201, {{2, 0}}, map);
-  const auto patch = log.PatchAround(map, kSession, 1, 20);
+  const auto patch = log.LocalMapAround(map, kSession, 1, 20);
   ASSERT_TRUE(patch);
   EXPECT_THAT(PointIds(*patch), ElementsAre(100, 102, 103, 104)) << "101 is not seen by keyframe 1";
   EXPECT_THAT(patch->points[0].tracker_ids, ElementsAre(7, 9));
@@ -90,7 +90,7 @@ TEST(KeyframeLog, LandmarksCarryTheNamesThatTheTrackersKeyframesGaveThem) {
   ASSERT_EQ(patch->lines.size(), 2u);
   EXPECT_THAT(patch->lines[0].tracker_ids, ElementsAre(70)) << "once, though seen twice";
   EXPECT_THAT(patch->lines[1].tracker_ids, ElementsAre(71));
-  const auto before = log.PatchAround(map, kSession, 0, 20);
+  const auto before = log.LocalMapAround(map, kSession, 0, 20);
   ASSERT_TRUE(before);
   EXPECT_THAT(PointIds(*before), ElementsAre(100, 101, 102));
   EXPECT_THAT(before->points[1].tracker_ids, ElementsAre(8));
@@ -111,7 +111,7 @@ Map StarOfKeyframes(int neighbours) {
 TEST(KeyframeLog, NeighboursBringWhatTheySeeBestFirst) {
   const Map map = StarOfKeyframes(4);
   const auto own_points_of = [&](int max_keyframes) {
-    const auto patch = KeyframeLog().PatchAround(map, kSession, 0, max_keyframes);
+    const auto patch = KeyframeLog().LocalMapAround(map, kSession, 0, max_keyframes);
     std::vector<int64_t> own;
     for (const int64_t id : PointIds(*patch)) {
       if (id % 1000 == 999) own.push_back(id / 1000);
@@ -130,9 +130,9 @@ TEST(KeyframeLog, KeyframesLongPastAreForgotten) {
   map.Put(KeyframeOf(0, kSession, 0));
   PutPoint(1, {{0, 0}}, map);
   log.Add(0, {7}, {});
-  EXPECT_THAT(log.PatchAround(map, kSession, 0, 20)->points[0].tracker_ids, ElementsAre(7));
+  EXPECT_THAT(log.LocalMapAround(map, kSession, 0, 20)->points[0].tracker_ids, ElementsAre(7));
   for (int64_t k = 1; k <= 60; ++k) log.Add(k, {}, {});
-  EXPECT_THAT(log.PatchAround(map, kSession, 0, 20)->points[0].tracker_ids, IsEmpty());
+  EXPECT_THAT(log.LocalMapAround(map, kSession, 0, 20)->points[0].tracker_ids, IsEmpty());
 }
 
 }  // namespace

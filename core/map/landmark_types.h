@@ -13,9 +13,9 @@ namespace plslam {
 /// Features of the keyframes in the map, by their ids there.
 using KeyframeFeatures = std::map<int64_t, StereoFeatures>;
 
-/// Points as a template argument; sibling of `LineKind`. What differs by kind stands here, so that what does not is
-/// written once.
-struct PointKind {
+/// Points as a template argument; sibling of `LineType`. What differs by feature type stands here, so that what does
+/// not is written once.
+struct PointType {
   using Landmark = MapPoint;
   using Feature = StereoPoint;
   static const std::vector<StereoPoint>& Features(const StereoFeatures& features) { return features.points; }
@@ -27,8 +27,8 @@ struct PointKind {
   static void Remove(int64_t id, Map& map) { map.RemovePoint(id); }
 };
 
-/// Lines as a template argument; sibling of `PointKind`.
-struct LineKind {
+/// Lines as a template argument; sibling of `PointType`.
+struct LineType {
   using Landmark = MapLine;
   using Feature = StereoLine;
   static const std::vector<StereoLine>& Features(const StereoFeatures& features) { return features.lines; }
@@ -41,19 +41,19 @@ struct LineKind {
 };
 
 /// Landmark of a feature, -1 for none.
-template <class Kind>
-int64_t LandmarkAt(const Map& map, const Sight& sight) {
-  const std::vector<int64_t>& of = Kind::Of(map, sight.keyframe_id);
-  const auto place = static_cast<size_t>(sight.feature);
+template <class Type>
+int64_t LandmarkAt(const Map& map, const Observation& observation) {
+  const std::vector<int64_t>& of = Type::Of(map, observation.keyframe_id);
+  const auto place = static_cast<size_t>(observation.feature);
   return place < of.size() ? of[place] : -1;
 }
 
 /// What any of the keyframes sees, each once, ascending.
-template <class Kind>
+template <class Type>
 std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& map) {
   std::vector<int64_t> ids;
   for (const int64_t keyframe_id : keyframes) {
-    for (const int64_t id : Kind::Of(map, keyframe_id)) {
+    for (const int64_t id : Type::Of(map, keyframe_id)) {
       if (id >= 0) ids.push_back(id);
     }
   }
@@ -63,18 +63,18 @@ std::vector<int64_t> SeenBy(const std::vector<int64_t>& keyframes, const Map& ma
 }
 
 /// Leaves those that the keyframe does not see; ids below zero are none.
-template <class Kind>
+template <class Type>
 void LeaveOutSeen(int64_t keyframe_id, const Map& map, std::vector<int64_t>& ids) {
-  const std::vector<int64_t> seen = SeenBy<Kind>({keyframe_id}, map);
+  const std::vector<int64_t> seen = SeenBy<Type>({keyframe_id}, map);
   std::erase_if(ids, [&seen](int64_t id) { return id < 0 || std::binary_search(seen.begin(), seen.end(), id); });
 }
 
 /// Adds to `counts`, by keyframe, how many of the landmarks it sees; ids below zero do not count.
-template <class Kind>
+template <class Type>
 void CountKeyframes(const std::vector<int64_t>& landmarks, const Map& map, std::map<int64_t, int>& counts) {
   for (const int64_t id : landmarks) {
     if (id < 0) continue;
-    for (const Sight& sight : Kind::Find(map, id)->sights) ++counts[sight.keyframe_id];
+    for (const Observation& observation : Type::Find(map, id)->observations) ++counts[observation.keyframe_id];
   }
 }
 
@@ -83,8 +83,8 @@ std::vector<int64_t> MostCounted(const std::map<int64_t, int>& counts, int max_c
 
 template <class Landmark>
 bool IsSeenBy(const Landmark& landmark, int64_t keyframe_id) {
-  for (const Sight& sight : landmark.sights) {
-    if (sight.keyframe_id == keyframe_id) return true;
+  for (const Observation& observation : landmark.observations) {
+    if (observation.keyframe_id == keyframe_id) return true;
   }
   return false;
 }

@@ -1,4 +1,4 @@
-#include "loop_process/map_way.h"
+#include "loop_process/map_path.h"
 
 #include <algorithm>
 #include <utility>
@@ -22,7 +22,7 @@ double Length(const MapKeyframe& a, const MapKeyframe& b) {
 
 }  // namespace
 
-int MapWays::PlaceOf(int64_t id) const {
+int MapPaths::PlaceOf(int64_t id) const {
   // As long as none is missing it stands as far from the first as the ids say; otherwise before.
   if (ids_.empty() || id < ids_.front() || id > ids_.back()) return -1;
   const uint64_t guess = static_cast<uint64_t>(id) - static_cast<uint64_t>(ids_.front());
@@ -31,7 +31,7 @@ int MapWays::PlaceOf(int64_t id) const {
   return *found == id ? static_cast<int>(found - ids_.begin()) : -1;
 }
 
-void MapWays::MakeGraph() {
+void MapPaths::MakeGraph() {
   nodes_.reserve(map_.keyframes().size());
   ids_.reserve(map_.keyframes().size());
   for (const auto& [id, keyframe] : map_.keyframes()) {
@@ -58,21 +58,21 @@ void MapWays::MakeGraph() {
   open_.emplace(0.0, to_);
 }
 
-void MapWays::Connect(int64_t a, int64_t b, int loop) {
+void MapPaths::Connect(int64_t a, int64_t b, int loop) {
   const int at_a = PlaceOf(a);
   const int at_b = PlaceOf(b);
   if (at_a < 0 || at_b < 0 || at_a == at_b) return;
   edges_.push_back({at_a, at_b, loop, Length(*nodes_[at_a].keyframe, *nodes_[at_b].keyframe)});
 }
 
-void MapWays::SortEdgesByNode() {
+void MapPaths::SortEdgesByNode() {
   ends_of_ = PlacesByBucket(2 * edges_.size(), nodes_.size(), [this](int end) {
     const Edge& edge = edges_[end / 2];
     return end % 2 == 0 ? edge.a : edge.b;
   });
 }
 
-void MapWays::SearchUntil(int place) {
+void MapPaths::SearchUntil(int place) {
   while (!open_.empty() && !nodes_[place].settled) {
     const int at = open_.top().second;
     open_.pop();
@@ -82,7 +82,7 @@ void MapWays::SearchUntil(int place) {
   }
 }
 
-void MapWays::Leave(int place) {
+void MapPaths::Leave(int place) {
   const Eigen::Vector3d end = nodes_[to_].keyframe->T_w_kf.translation();
   for (const int edge_end : ends_of_[static_cast<size_t>(place)]) {
     const Edge& edge = edges_[edge_end / 2];
@@ -97,12 +97,12 @@ void MapWays::Leave(int place) {
   }
 }
 
-int MapWays::Next(int place) const {
+int MapPaths::Next(int place) const {
   const Edge& edge = edges_[nodes_[place].towards];
   return edge.a == place ? edge.b : edge.a;
 }
 
-Matrix6d MapWays::StepCovariance(int from) const {
+Matrix6d MapPaths::StepCovariance(int from) const {
   const Edge& edge = edges_[nodes_[from].towards];
   const MapKeyframe& a = *nodes_[from].keyframe;
   const MapKeyframe& b = *nodes_[Next(from)].keyframe;
@@ -124,7 +124,7 @@ Matrix6d MapWays::StepCovariance(int from) const {
   return covariance;
 }
 
-int MapWays::Reached(int64_t id) {
+int MapPaths::Reached(int64_t id) {
   if (nodes_.empty()) MakeGraph();
   const int place = PlaceOf(id);
   if (place < 0) return -1;
@@ -132,21 +132,21 @@ int MapWays::Reached(int64_t id) {
   return nodes_[place].settled ? place : -1;
 }
 
-std::optional<MapWay> MapWays::From(int64_t keyframe_id) {
+std::optional<MapPath> MapPaths::From(int64_t keyframe_id) {
   const int from = Reached(keyframe_id);
   if (from < 0) return std::nullopt;
-  return MapWay{nodes_[from].distance_m, nodes_[from].reach_m};
+  return MapPath{nodes_[from].distance_m, nodes_[from].reach_m};
 }
 
-Matrix6d MapWays::CovarianceFrom(int64_t keyframe_id) {
+Matrix6d MapPaths::CovarianceFrom(int64_t keyframe_id) {
   int place = Reached(keyframe_id);
   if (place < 0) return Matrix6d::Zero();
-  std::vector<int> way;
-  for (; nodes_[place].covariance < 0 && nodes_[place].towards >= 0; place = Next(place)) way.push_back(place);
-  // What a step errs by, seen from the end, comes on top of what the rest of the way errs by.
+  std::vector<int> path;
+  for (; nodes_[place].covariance < 0 && nodes_[place].towards >= 0; place = Next(place)) path.push_back(place);
+  // What a step errs by, seen from the end, comes on top of what the rest of the path errs by.
   Matrix6d covariance = nodes_[place].covariance < 0 ? Matrix6d::Zero() : covariances_[nodes_[place].covariance];
   const SE3 T_to_w = nodes_[to_].keyframe->T_w_kf.Inverse();
-  for (auto step = way.rbegin(); step != way.rend(); ++step) {
+  for (auto step = path.rbegin(); step != path.rend(); ++step) {
     covariance += InverseCovariance(T_to_w * nodes_[Next(*step)].keyframe->T_w_kf, StepCovariance(*step));
     nodes_[*step].covariance = static_cast<int>(covariances_.size());
     covariances_.push_back(covariance);

@@ -7,14 +7,14 @@ namespace plslam {
 
 /// How much surer points claim to be than they are, by what lines say.
 ///
-/// Corners that slide along edges, as where a bar crosses a stripe behind it, leave small residuals, since the pose follows
-/// them; those of the lines tell. So the residuals of the two kinds are compared, each in its own deviations (variance
-/// components, after Helmert), and deviations of points grow with the ratio of the two. Lines are never told to count
-/// less: on real images their residuals are large for reasons that cancel between lines.
-class KindBalance {
+/// Corners that slide along edges, as where a bar crosses a stripe behind it, leave small residuals, since the pose
+/// follows them; those of the lines tell. So the residuals of the two kinds are compared, each in its own deviations
+/// (variance components, after Helmert), and deviations of points grow with the ratio of the two. Lines are never
+/// told to count less: on real images their residuals are large for reasons that cancel between lines.
+class NoiseScale {
  public:
   /// `max_scale`: as large as the factor may get; 1 leaves everything as it is.
-  explicit KindBalance(double max_scale) : max_scale_(max_scale) {}
+  explicit NoiseScale(double max_scale) : max_scale_(max_scale) {}
 
   /// Factor of the deviations of points, 1 to `max_scale`.
   double scale() const { return scale_; }
@@ -36,8 +36,8 @@ class KindBalance {
   double scale_ = 1.0;
 };
 
-/// Adds to the deviations of lines what their fit cannot know: edges that are not straight, that lie on round objects,
-/// or that two detections cut from neighbouring edges. `sigma_px` is across the segment, in either image.
+/// Adds to the deviations of lines what their fit cannot know: edges that are not straight, that lie on round
+/// objects, or that two detections cut from neighbouring edges. `sigma_px` is across the segment, in either image.
 void AddLineModelError(double sigma_px, StereoFeatures& features);
 
 }  // namespace plslam

@@ -13,26 +13,28 @@
 
 namespace plslam {
 
-/// A way through a map from one keyframe to another.
-struct MapWay {
+/// A path through a map from one keyframe to another.
+struct MapPath {
   /// A turn of a radian counts as a metre: it makes errors too.
   double length_m = 0.0;
-  /// Farthest that a keyframe of the way lies from its end: the lever of an error of rotation.
+  /// Farthest that a keyframe of the path lies from its end: the lever of an error of rotation.
   double reach_m = 0.0;
 };
 
-/// Shortest ways to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra): how far the map may be wrong
-/// about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are looked for when they
-/// are asked for, and no farther: in a large map that takes milliseconds, and most keyframes ask for none.
-class MapWays {
+/// Shortest paths to one keyframe of a map along odometry, the spanning tree and loops (Dijkstra): how far the map
+/// may be wrong about where two keyframes lie to each other. The map must stay as it is, and outlive this. They are
+/// looked for when they are asked for, and no farther: in a large map that takes milliseconds, and most keyframes ask
+/// for none.
+class MapPaths {
  public:
-  MapWays(const Map& map, int64_t to) : map_(map), to_id_(to) {}
+  MapPaths(const Map& map, int64_t to) : map_(map), to_id_(to) {}
 
-  /// nullopt where nothing that is known (`IsKnownStep`) connects the two: the map does not know how they lie to each other.
-  std::optional<MapWay> From(int64_t keyframe_id);
+  /// nullopt where nothing that is known (`IsKnownStep`) connects the two: the map does not know how they lie to each
+  /// other.
+  std::optional<MapPath> From(int64_t keyframe_id);
 
-  /// Of T_from_to, right perturbation, from the motions between keyframes as first measured. Zero where there is no way. Ways
-  /// have much in common, and what was asked for before is remembered.
+  /// Of T_from_to, right perturbation, from the motions between keyframes as first measured. Zero where there is no
+  /// path. Paths have much in common, and what was asked for before is remembered.
   Matrix6d CovarianceFrom(int64_t keyframe_id);
 
  private:
@@ -47,8 +49,8 @@ class MapWays {
     const MapKeyframe* keyframe = nullptr;
     double distance_m = -1.0;
     double reach_m = 0.0;
-    bool settled = false;  ///< no shorter way can be found
-    int towards = -1;      ///< edge of the way; -1: the end, or no way
+    bool settled = false;  ///< no shorter path can be found
+    int towards = -1;      ///< edge of the path; -1: the end, or no path
     int covariance = -1;
   };
 

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/kind_balance.h"
+#include "vo_process/tracking/noise_scale.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,25 +7,27 @@ namespace plslam {
 namespace {
 
 constexpr size_t kMinOfEach = 20;
-// Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as much.
+// Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as
+// much.
 constexpr double kAllowedRatio = 1.1;
-// What points err in common moves the pose with it and is not in their residuals, so deviations grow by more than these show.
+// What points err in common moves the pose with it and is not in their residuals, so deviations grow by more than
+// these show.
 constexpr double kCommonPower = 1.5;
 // Share of the way, in logarithms, that one frame goes.
 constexpr double kGain = 0.2;
-// The same of frames in which too few of one kind say anything: what was learned elsewhere may not hold here.
+// The same of frames in which too few of one feature type say anything: what was learned elsewhere may not hold here.
 constexpr double kForgottenShare = 0.05;
 
 }  // namespace
 
-void KindBalance::Apply(StereoFeatures& features) const {
+void NoiseScale::Apply(StereoFeatures& features) const {
   for (StereoPoint& point : features.points) {
     point.sigma_px *= scale_;
     point.sigma_disparity_px *= scale_;
   }
 }
 
-void KindBalance::Observe(const Alignment& alignment) {
+void NoiseScale::Observe(const Alignment& alignment) {
   if (alignment.matches.points.size() < kMinOfEach || alignment.matches.lines.size() < kMinOfEach) {
     scale_ = std::pow(scale_, 1.0 - kForgottenShare);
     return;

@@ -1,4 +1,4 @@
-#include "core/map/landmark_kinds.h"
+#include "core/map/landmark_types.h"
 
 #include <gtest/gtest.h>
 
@@ -28,19 +28,19 @@ class SeenByKeyframes : public testing::Test {
 
 TEST_F(SeenByKeyframes, EachOnceAscendingInWhateverOrderTheyAreAsked) {
   for (const Ids& keyframes : {Ids{0, 1}, Ids{1, 0}, Ids{1, 0, 1}}) {
-    EXPECT_EQ(SeenBy<PointKind>(keyframes, world_.map), (Ids{2, 5, 7})) << testing::PrintToString(keyframes);
-    EXPECT_EQ(SeenBy<LineKind>(keyframes, world_.map), Ids{3}) << testing::PrintToString(keyframes);
+    EXPECT_EQ(SeenBy<PointType>(keyframes, world_.map), (Ids{2, 5, 7})) << testing::PrintToString(keyframes);
+    EXPECT_EQ(SeenBy<LineType>(keyframes, world_.map), Ids{3}) << testing::PrintToString(keyframes);
   }
 }
 
 TEST_F(SeenByKeyframes, OneKeyframe) {
-  EXPECT_EQ(SeenBy<PointKind>({2}, world_.map), Ids{2});
-  EXPECT_EQ(SeenBy<LineKind>({0}, world_.map), Ids{});
+  EXPECT_EQ(SeenBy<PointType>({2}, world_.map), Ids{2});
+  EXPECT_EQ(SeenBy<LineType>({0}, world_.map), Ids{});
 }
 
 TEST_F(SeenByKeyframes, NoKeyframe) {
-  EXPECT_EQ(SeenBy<PointKind>({}, world_.map), Ids{});
-  EXPECT_EQ(SeenBy<LineKind>({}, world_.map), Ids{});
+  EXPECT_EQ(SeenBy<PointType>({}, world_.map), Ids{});
+  EXPECT_EQ(SeenBy<LineType>({}, world_.map), Ids{});
 }
 
 }  // namespace

@@ -11,26 +11,26 @@ namespace plslam {
 /// Largest squared norm of an inlier's whitened residuals; index: rows.
 using Gates = std::array<double, 5>;
 
-/// How a sight fits: squared norms of its residuals, whitened and in pixels.
+/// How an observation fits: squared norms of its residuals, whitened and in pixels.
 struct Fit {
   double squared = 0.0;
   double squared_px = 0.0;
   bool in_front = false;
 };
 
-/// A sight with the pose and the landmark that it ties together; it is evaluated at their state as it is, and remembers how
-/// it fitted. One that a step brings behind the camera costs a constant, so that one bad landmark does not
-/// forbid the step, and no less than at the start, so that nothing is gained by it.
+/// An observation with the pose and the landmark that it ties together; it is evaluated at their state as it is, and
+/// remembers how it fitted. One that a step brings behind the camera costs a constant, so that one bad landmark does
+/// not forbid the step, and no less than at the start, so that nothing is gained by it.
 template <class Cost>
-class AdjustedSight {
+class AdjustedObservation {
  public:
   using Landmark = typename Cost::Landmark;
 
-  void Bind(const Cost& cost_in, AdjustedPose& pose_in, const Landmark& landmark_in, int sight_in) {
+  void Bind(const Cost& cost_in, AdjustedPose& pose_in, const Landmark& landmark_in, int observation_in) {
     cost = cost_in;
     pose = &pose_in;
     landmark = &landmark_in;
-    sight = sight_in;
+    observation = observation_in;
     Refit();
     at_start = now;
     active = now.in_front;
@@ -67,7 +67,7 @@ class AdjustedSight {
   AdjustedPose* pose = nullptr;
   const Landmark* landmark = nullptr;
   /// Place in the list given.
-  int sight = -1;
+  int observation = -1;
   /// Takes part.
   bool active = false;
   Fit at_start;

@@ -1,4 +1,4 @@
-#include "loop_process/map_way.h"
+#include "loop_process/map_path.h"
 
 #include <gtest/gtest.h>
 
@@ -65,21 +65,21 @@ std::vector<std::vector<double>> AllLengths(const Map& map) {
   return d;
 }
 
-TEST(MapWays, AreTheShortest) {
+TEST(MapPaths, AreTheShortest) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   const auto lengths = AllLengths(map);
   for (const int64_t to : {0, 13, 29}) {
-    MapWays ways(map, to);
+    MapPaths paths(map, to);
     for (int64_t from = 0; from < 30; ++from) {
-      const auto way = ways.From(from);
-      ASSERT_TRUE(way.has_value());
-      EXPECT_NEAR(way->length_m, lengths[from][to], 1e-9) << from << " to " << to;
+      const auto path = paths.From(from);
+      ASSERT_TRUE(path.has_value());
+      EXPECT_NEAR(path->length_m, lengths[from][to], 1e-9) << from << " to " << to;
     }
   }
 }
 
-TEST(MapWays, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
+TEST(MapPaths, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
   std::mt19937_64 generator(5);
   Map map;
   for (int64_t i = 0; i < 12; ++i) map.Put(After(map, i, RandomStep(generator)));
@@ -88,64 +88,64 @@ TEST(MapWays, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
     const MapKeyframe& keyframe = *map.FindKeyframe(i);
     forwards = ComposeCovariance(forwards, keyframe.T_prevkf_kf, keyframe.relative_covariance);
   }
-  EXPECT_LT((MapWays(map, 11).CovarianceFrom(0) - forwards).norm(), 1e-9 * forwards.norm());
-  // The way back is the same motion turned round.
+  EXPECT_LT((MapPaths(map, 11).CovarianceFrom(0) - forwards).norm(), 1e-9 * forwards.norm());
+  // The path back is the same motion turned round.
   const SE3 T_0_11 = map.FindKeyframe(0)->T_w_kf.Inverse() * map.FindKeyframe(11)->T_w_kf;
   const Matrix6d backwards = InverseCovariance(T_0_11, forwards);
-  EXPECT_LT((MapWays(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
+  EXPECT_LT((MapPaths(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
 }
 
-// Also where ways have been asked for before that share their ends.
-TEST(MapWays, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
+// Also where paths have been asked for before that share their ends.
+TEST(MapPaths, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
-  MapWays ways(map, 13);
+  MapPaths paths(map, 13);
   for (const int64_t from : {0, 29, 5, 13, 28, 1}) {
-    const Matrix6d alone = MapWays(map, 13).CovarianceFrom(from);
-    EXPECT_EQ(alone, ways.CovarianceFrom(from)) << from;
+    const Matrix6d alone = MapPaths(map, 13).CovarianceFrom(from);
+    EXPECT_EQ(alone, paths.CovarianceFrom(from)) << from;
     EXPECT_EQ(alone.isZero(), from == 13);
   }
 }
 
-TEST(MapWays, ReachIsTheFarthestPointOfTheWay) {
+TEST(MapPaths, ReachIsTheFarthestPointOfTheWay) {
   Map map;
   for (int64_t i = 0; i < 5; ++i) {
     map.Put(After(map, i, SE3(Eigen::Quaterniond::Identity(), {i < 3 ? 1.0 : -1.0, 0.0, 0.0})));
   }
   // Out two metres and back: 0, 1, 2, 1, 0.
-  const auto way = MapWays(map, 4).From(0);
-  ASSERT_TRUE(way.has_value());
-  EXPECT_NEAR(way->length_m, 4.0, 1e-12);
-  EXPECT_NEAR(way->reach_m, 2.0, 1e-12);
+  const auto path = MapPaths(map, 4).From(0);
+  ASSERT_TRUE(path.has_value());
+  EXPECT_NEAR(path->length_m, 4.0, 1e-12);
+  EXPECT_NEAR(path->reach_m, 2.0, 1e-12);
 }
 
-TEST(MapWays, NoWayBetweenPartsThatNothingConnects) {
+TEST(MapPaths, NoWayBetweenPartsThatNothingConnects) {
   Map map = RandomMap(4, 1);
   MapKeyframe stranger;
   stranger.id = 4;
   stranger.session = 2;
   map.Put(stranger);
-  EXPECT_FALSE(MapWays(map, 4).From(0).has_value());
-  EXPECT_FALSE(MapWays(map, 0).From(99).has_value());
-  EXPECT_FALSE(MapWays(map, 99).From(0).has_value());
-  EXPECT_TRUE(MapWays(map, 4).CovarianceFrom(0).isZero());
-  EXPECT_EQ(MapWays(map, 4).From(4)->length_m, 0.0);
+  EXPECT_FALSE(MapPaths(map, 4).From(0).has_value());
+  EXPECT_FALSE(MapPaths(map, 0).From(99).has_value());
+  EXPECT_FALSE(MapPaths(map, 99).From(0).has_value());
+  EXPECT_TRUE(MapPaths(map, 4).CovarianceFrom(0).isZero());
+  EXPECT_EQ(MapPaths(map, 4).From(4)->length_m, 0.0);
 }
 
 // Of an id that was forged, say.
-TEST(MapWays, IdsFarApartAndMissingOnes) {
+TEST(MapPaths, IdsFarApartAndMissingOnes) {
   Map map = RandomMap(30, 3);
   for (const int64_t id : {0, 7, 8, 20}) map.RemoveKeyframe(id);
   MapKeyframe far = *map.FindKeyframe(29);
   far.id = int64_t{1} << 61;
   far.previous_id = far.parent_id = 29;
   map.Put(far);
-  MapWays ways(map, far.id);
+  MapPaths paths(map, far.id);
   for (int64_t id = 0; id < 40; ++id) {
-    EXPECT_EQ(ways.From(id).has_value(), map.FindKeyframe(id) != nullptr && id > 0) << id;
+    EXPECT_EQ(paths.From(id).has_value(), map.FindKeyframe(id) != nullptr && id > 0) << id;
   }
-  EXPECT_NEAR(ways.From(29)->length_m, 0.0, 1e-12);
-  EXPECT_FALSE(ways.From(far.id - 1).has_value());
+  EXPECT_NEAR(paths.From(29)->length_m, 0.0, 1e-12);
+  EXPECT_FALSE(paths.From(far.id - 1).has_value());
 }
 
 // Straight on, a metre each; what odometry knows of one step is not much.
@@ -165,43 +165,43 @@ void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
   for (int32_t i = 0; i < n; ++i) {
     MapPoint point;
     point.id = i;
-    point.sights = {{a, i}, {b, i}};
+    point.observations = {{a, i}, {b, i}};
     map.Put(point);
   }
 }
 
 // The tracker was lost there and went on: it says ten metres and a radian, or what its prediction says.
-TEST(MapWays, AStepThatIsNotKnownIsNoWay) {
+TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
   for (const auto& [sigma_m, sigma_rad] : {std::pair(10.0, 1.0), std::pair(1.5, 0.01), std::pair(0.01, 0.4)}) {
     const Map map = ChainWithStep(3, sigma_m, sigma_rad);
-    EXPECT_FALSE(MapWays(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
-    EXPECT_FALSE(MapWays(map, 0).From(3).has_value());
-    EXPECT_TRUE(MapWays(map, 5).CovarianceFrom(2).isZero());
-    EXPECT_TRUE(MapWays(map, 5).From(3).has_value());
-    EXPECT_TRUE(MapWays(map, 2).From(0).has_value());
+    EXPECT_FALSE(MapPaths(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
+    EXPECT_FALSE(MapPaths(map, 0).From(3).has_value());
+    EXPECT_TRUE(MapPaths(map, 5).CovarianceFrom(2).isZero());
+    EXPECT_TRUE(MapPaths(map, 5).From(3).has_value());
+    EXPECT_TRUE(MapPaths(map, 2).From(0).has_value());
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(MapWays(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
+  EXPECT_FALSE(MapPaths(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
 }
 
 // A fast car's, or of a session of which many keyframes never came.
-TEST(MapWays, AStepThatIsLongMayErrByMore) {
-  EXPECT_TRUE(MapWays(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
-  EXPECT_TRUE(MapWays(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
+TEST(MapPaths, AStepThatIsLongMayErrByMore) {
+  EXPECT_TRUE(MapPaths(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
+  EXPECT_TRUE(MapPaths(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
 }
 
-TEST(MapWays, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
+TEST(MapPaths, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
   for (const int64_t parent_id : {2, 1}) {
     Map map = ChainWithStep(3, 10.0, 1.0);
     MapKeyframe keyframe = *map.FindKeyframe(3);
     keyframe.parent_id = parent_id;
     map.Put(keyframe);
     ShareLandmarks(map, parent_id, 3, Map::kParent - 1);
-    EXPECT_FALSE(MapWays(map, 5).From(0).has_value()) << "a false landmark or two";
+    EXPECT_FALSE(MapPaths(map, 5).From(0).has_value()) << "a false landmark or two";
     ShareLandmarks(map, parent_id, 3, Map::kParent);
-    ASSERT_TRUE(MapWays(map, 5).From(0).has_value());
-    EXPECT_NEAR(MapWays(map, 5).From(0)->length_m, 5.0, 1e-12);
-    EXPECT_LT(MapWays(map, 5).CovarianceFrom(0).norm(), 0.1);
+    ASSERT_TRUE(MapPaths(map, 5).From(0).has_value());
+    EXPECT_NEAR(MapPaths(map, 5).From(0)->length_m, 5.0, 1e-12);
+    EXPECT_LT(MapPaths(map, 5).CovarianceFrom(0).norm(), 0.1);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "vo_process/tracking/kind_balance.h"
+#include "vo_process/tracking/noise_scale.h"
 
 #include <gtest/gtest.h>
 
@@ -20,13 +20,13 @@ Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
 }
 
 // Deviations of points shrink as their sigmas grow.
-double ScaleAfter(KindBalance& balance, double ratio, int n_frames) {
+double ScaleAfter(NoiseScale& balance, double ratio, int n_frames) {
   for (int i = 0; i < n_frames; ++i) balance.Observe(Frame(ratio / balance.scale()));
   return balance.scale();
 }
 
-TEST(KindBalance, GrowsByMoreThanTheResidualsShow) {
-  KindBalance balance(4.0);
+TEST(NoiseScale, GrowsByMoreThanTheResidualsShow) {
+  NoiseScale balance(4.0);
   const double early = ScaleAfter(balance, 2.0, 3);
   EXPECT_GT(early, 1.2);
   EXPECT_LT(early, 1.8);
@@ -34,21 +34,21 @@ TEST(KindBalance, GrowsByMoreThanTheResidualsShow) {
   EXPECT_NEAR(ScaleAfter(balance, 2.0, kManyFrames), 2.45, 0.02);
 }
 
-TEST(KindBalance, LeavesWhatChanceExplains) {
-  KindBalance balance(4.0);
+TEST(NoiseScale, LeavesWhatChanceExplains) {
+  NoiseScale balance(4.0);
   EXPECT_EQ(ScaleAfter(balance, 1.09, kManyFrames), 1.0);
 }
 
-TEST(KindBalance, StaysWithinItsBounds) {
-  KindBalance balance(2.0);
+TEST(NoiseScale, StaysWithinItsBounds) {
+  NoiseScale balance(2.0);
   EXPECT_EQ(ScaleAfter(balance, 9.0, kManyFrames), 2.0);
   EXPECT_EQ(ScaleAfter(balance, 0.4, kManyFrames), 1.0);
-  KindBalance off(1.0);
+  NoiseScale off(1.0);
   EXPECT_EQ(ScaleAfter(off, 9.0, kManyFrames), 1.0);
 }
 
-TEST(KindBalance, ForgetsWhereNothingTells) {
-  KindBalance balance(16.0);
+TEST(NoiseScale, ForgetsWhereNothingTells) {
+  NoiseScale balance(16.0);
   const double learned = ScaleAfter(balance, 9.0, kManyFrames);
   ASSERT_GT(learned, 8.0);
   balance.Observe(Frame(1.0, 100, 5));
@@ -57,8 +57,8 @@ TEST(KindBalance, ForgetsWhereNothingTells) {
   EXPECT_NEAR(balance.scale(), 1.0, 1e-3);
 }
 
-TEST(KindBalance, LearnsNothingFromTooFewOrFromNonsense) {
-  KindBalance balance(4.0);
+TEST(NoiseScale, LearnsNothingFromTooFewOrFromNonsense) {
+  NoiseScale balance(4.0);
   Alignment frame = Frame(3.0, 5, 50);
   balance.Observe(frame);
   balance.Observe(Frame(3.0, 100, 5));
@@ -71,8 +71,8 @@ TEST(KindBalance, LearnsNothingFromTooFewOrFromNonsense) {
   EXPECT_EQ(balance.scale(), 1.0);
 }
 
-TEST(KindBalance, MultipliesAllDeviationsOfPointsOnly) {
-  KindBalance balance(4.0);
+TEST(NoiseScale, MultipliesAllDeviationsOfPointsOnly) {
+  NoiseScale balance(4.0);
   ScaleAfter(balance, 2.0, kManyFrames);
   StereoFeatures features;
   features.points.resize(2);

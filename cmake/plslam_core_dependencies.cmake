@@ -2,7 +2,7 @@
 # package. All of it is a Debian 12 package (scripts/setup installs them).
 find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d ximgproc)
+find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d)
 find_package(Ceres 2.1 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)

@@ -21,7 +21,7 @@ struct OrbOptions {
 
 /// Line segments and their descriptors (PL-SLAM §IV.B).
 struct LineOptions {
-  /// "edgechain" (this tree's, fast), "edlines" (OpenCV's), or "lsd" (the paper's).
+  /// "edgechain" (this tree's, fast) or "lsd" (the paper's).
   std::string detector = "edgechain";
   int max_lines = 200;
   double min_length_px = 20.0;
@@ -124,7 +124,7 @@ void VisitFields(Visitor& visit, OrbOptions& o) {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, LineOptions& o) {
-  visit("detector", o.detector, OneOf{"edgechain", "edlines", "lsd"}, "line segment detector");
+  visit("detector", o.detector, OneOf{"edgechain", "lsd"}, "line segment detector");
   visit("max_lines", o.max_lines, Bounds{0, 5000}, "segments kept in an image, the longest, spread");
   visit("min_length_px", o.min_length_px, Bounds{8, 1000}, "shortest segment kept");
   visit("min_contrast", o.min_contrast, Bounds{2, 100}, "contrast across a segment, grey levels (edgechain)");

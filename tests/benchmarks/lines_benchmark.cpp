@@ -122,7 +122,7 @@ void Median(benchmark::internal::Benchmark* b) {
 
 void RegisterScene(const Scene& scene) {
   const std::string suffix = std::string("/") + scene.name;
-  for (const std::string detector : {"edgechain", "edlines", "lsd"}) {
+  for (const std::string detector : {"edgechain", "lsd"}) {
     Median(benchmark::RegisterBenchmark(("LineDetect/" + detector + suffix).c_str(),
                                         [&scene, detector](auto& state) { Detect(state, scene, detector); }));
     Median(benchmark::RegisterBenchmark(("LineExtract/" + detector + suffix).c_str(),

@@ -1,7 +1,6 @@
 #include "core/features/lines/line_detector.h"
 
 #include <opencv2/imgproc.hpp>
-#include <opencv2/ximgproc/edge_drawing.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -17,9 +16,8 @@ namespace plslam {
 
 std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options) {
   if (options.detector == "edgechain") return MakeEdgeChainDetector(options);
-  if (options.detector == "edlines") return MakeEdLinesDetector(options);
   if (options.detector == "lsd") return MakeLsdDetector(options);
-  throw std::invalid_argument("unknown line detector '" + options.detector + "': edgechain, edlines or lsd");
+  throw std::invalid_argument("unknown line detector '" + options.detector + "': edgechain or lsd");
 }
 
 DetectedSegment Direct(const Segment2& segment, const Gradients& gradients) {
@@ -76,50 +74,10 @@ class LsdDetector : public LineDetector {
   cv::Ptr<cv::LineSegmentDetector> lsd_;
 };
 
-class EdLinesDetector : public LineDetector {
- public:
-  explicit EdLinesDetector(const LineOptions& options) : drawing_(cv::ximgproc::createEdgeDrawing()) {
-    cv::ximgproc::EdgeDrawing::Params params;
-    params.EdgeDetectionOperator = cv::ximgproc::EdgeDrawing::SOBEL;
-    params.GradientThresholdValue = 36;
-    params.AnchorThresholdValue = 8;
-    params.MinPathLength = 15;
-    params.MinLineLength = static_cast<int>(std::lround(std::clamp(options.min_length_px, 10.0, 40.0)));
-    drawing_->setParams(params);
-  }
-
-  std::vector<DetectedSegment> Detect(const cv::Mat& image, const Gradients& gradients) override {
-    if (std::min(image.rows, image.cols) < kMinSide_px || !HasStructure(gradients)) return {};
-    drawing_->detectEdges(image);
-    // Without edges, detectLines reads the front of an empty vector.
-    if (drawing_->getSegments().empty()) return {};
-    std::vector<cv::Vec4f> raw;
-    drawing_->detectLines(raw);
-    return DirectAll(raw, 0.0, gradients);
-  }
-
- private:
-  static bool HasStructure(const Gradients& gradients) {
-    double low = 0.0;
-    double high = 0.0;
-    cv::minMaxIdx(gradients.dx, &low, &high);
-    double extreme = std::max(-low, high);
-    cv::minMaxIdx(gradients.dy, &low, &high);
-    extreme = std::max({extreme, -low, high});
-    return extreme >= 2.0 * Gradients::kStepGain;
-  }
-
-  cv::Ptr<cv::ximgproc::EdgeDrawing> drawing_;
-};
-
 }  // namespace
 
 std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options) {
   return std::make_unique<LsdDetector>(options);
-}
-
-std::unique_ptr<LineDetector> MakeEdLinesDetector(const LineOptions& options) {
-  return std::make_unique<EdLinesDetector>(options);
 }
 
 namespace {

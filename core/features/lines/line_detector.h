@@ -36,7 +36,6 @@ std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options);
 
 /// The three detectors by themselves.
 std::unique_ptr<LineDetector> MakeEdgeChainDetector(const LineOptions& options);
-std::unique_ptr<LineDetector> MakeEdLinesDetector(const LineOptions& options);
 std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options);
 
 /// The segment turned so that its brighter side is on the right, with the contrast that the gradients show across it.

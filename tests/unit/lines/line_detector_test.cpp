@@ -13,7 +13,7 @@
 namespace plslam {
 namespace {
 
-const char* const kDetectors[] = {"edgechain", "edlines", "lsd"};
+const char* const kDetectors[] = {"edgechain", "lsd"};
 
 LineOptions WithDetector(const std::string& name) {
   LineOptions options;

@@ -33,7 +33,7 @@ cv::Mat ManyBars() {
 
 TEST(LineExtractor, EqualImagesGiveEqualLinesWhateverCameBefore) {
   const cv::Mat image = ManyBars();
-  for (const char* name : {"edgechain", "edlines", "lsd"}) {
+  for (const char* name : {"edgechain", "lsd"}) {
     LineOptions options;
     options.detector = name;
     LineExtractor fresh(options);

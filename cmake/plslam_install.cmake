@@ -5,6 +5,17 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 get_property(programs GLOBAL PROPERTY PLSLAM_INSTALLED_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY PLSLAM_CORE_LIBRARIES)
 
+# --- licence, in the words and the place that Debian has for it: one file for each package
+file(READ ${CMAKE_SOURCE_DIR}/LICENSE LICENSE_TEXT)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/LICENSE)
+string(STRIP "${LICENSE_TEXT}" LICENSE_TEXT)
+string(REGEX REPLACE "\n" "\n " LICENSE_TEXT " ${LICENSE_TEXT}")
+string(REGEX REPLACE "\n \n" "\n .\n" LICENSE_TEXT "${LICENSE_TEXT}")
+configure_file(${CMAKE_SOURCE_DIR}/cmake/copyright.in ${CMAKE_BINARY_DIR}/copyright @ONLY)
+install(FILES ${CMAKE_BINARY_DIR}/copyright DESTINATION share/doc/plslam COMPONENT runtime)
+install(FILES ${CMAKE_BINARY_DIR}/copyright ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/libplslam-dev
+        COMPONENT dev)
+
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/plslam/ DESTINATION share/plslam COMPONENT runtime)
@@ -15,8 +26,9 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/lcmtypes/ DESTINATION share/plslam/lcmtype
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion DESTINATION share
         COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/java DESTINATION share COMPONENT runtime OPTIONAL)
-install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md DESTINATION share/doc/plslam
-        COMPONENT runtime)
+install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md ${CMAKE_SOURCE_DIR}/LICENSE
+              ${CMAKE_SOURCE_DIR}/NOTICE ${CMAKE_SOURCE_DIR}/CITATION.cff
+        DESTINATION share/doc/plslam COMPONENT runtime)
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/docs DESTINATION share/doc/plslam COMPONENT runtime)
 # The units name the programs by the prefix, which is known only now.
 install(CODE "set(PLSLAM_UNITS ${CMAKE_SOURCE_DIR}/scripts/systemd)" COMPONENT runtime)

@@ -15,6 +15,7 @@ configure_file(${CMAKE_SOURCE_DIR}/cmake/copyright.in ${CMAKE_BINARY_DIR}/copyri
 install(FILES ${CMAKE_BINARY_DIR}/copyright DESTINATION share/doc/plslam COMPONENT runtime)
 install(FILES ${CMAKE_BINARY_DIR}/copyright ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/libplslam-dev
         COMPONENT dev)
+install(FILES ${CMAKE_BINARY_DIR}/copyright DESTINATION share/doc/python3-plslam COMPONENT python)
 
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)
@@ -59,5 +60,13 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/plslam-config-version.cmake
 install(FILES ${CMAKE_SOURCE_DIR}/cmake/plslam-config.cmake ${CMAKE_SOURCE_DIR}/cmake/plslam_core_dependencies.cmake
               ${CMAKE_BINARY_DIR}/plslam-config-version.cmake
         DESTINATION lib/cmake/plslam COMPONENT dev)
+
+# --- component python: `import plslam`, where Debian's Python looks for packages
+install(DIRECTORY ${CMAKE_BINARY_DIR}/python/plslam DESTINATION lib/python3/dist-packages COMPONENT python
+        PATTERN __pycache__ EXCLUDE)
+install(PROGRAMS ${CMAKE_SOURCE_DIR}/tools/python/examples/live_plot.py
+                 ${CMAKE_SOURCE_DIR}/tools/python/examples/map_to_arrays.py
+                 ${CMAKE_SOURCE_DIR}/tools/python/examples/to_ros2.py
+        DESTINATION share/doc/python3-plslam/examples COMPONENT python)
 
 include(plslam_package)

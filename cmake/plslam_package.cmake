@@ -1,5 +1,5 @@
 # Debian packages by `cpack` (in the build folder): plslam, the programs and what they need, with dependencies found by
-# dpkg-shlibdeps; and libplslam-dev, the CMake package of core.
+# dpkg-shlibdeps; libplslam-dev, the CMake package of core; and python3-plslam.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME plslam)
 set(CPACK_PACKAGE_VENDOR "plslam")
@@ -9,7 +9,7 @@ set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
     WORLD_READ WORLD_EXECUTE)
-set(CPACK_COMPONENTS_ALL runtime dev)
+set(CPACK_COMPONENTS_ALL runtime dev python)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
@@ -26,4 +26,9 @@ set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
     "libeigen3-dev, libopencv-dev, libceres-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libpng-dev, libjpeg-dev, libsodium-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of plslam.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-plslam)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.9), python3-numpy")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Maps, runs, logs and live messages of plslam in Python, as arrays of numpy.")
 include(CPack)

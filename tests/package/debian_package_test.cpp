@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/package/installed_tree.h"
+#include "tests/support/python.h"
 
 namespace plslam::test {
 namespace {
@@ -25,8 +26,33 @@ TEST_F(DebianPackage, KnowsWhatItNeedsAndRunsFromAnUnpackedRoot) {
   }
   ASSERT_EQ(Shell("dpkg-deb --extract packages/plslam_*.deb root"), 0) << output();
   ExpectThatItRuns(folder() / "root" / "usr" / "bin");
+  // lintian's first question to a package.
+  EXPECT_EQ(Shell("grep -q '^License: BSD-3-Clause' root/usr/share/doc/plslam/copyright"), 0);
   ASSERT_EQ(Shell("grep -h ^ExecStart=/usr/bin/vo_process root/usr/share/plslam/systemd/plslam-vo@.service"), 0)
       << output();
+}
+
+TEST_F(DebianPackage, PythonIsAPackageOfItsOwn) {
+  if (!Has("dpkg-deb")) GTEST_SKIP() << "no dpkg-deb here";
+  ASSERT_EQ(Shell(fmt::format("'{}' --config '{}/CPackConfig.cmake' -B packages -D CPACK_COMPONENTS_ALL=python "
+                              "-D CPACK_DEBIAN_COMPRESSION_TYPE=none",
+                              CPACK_PROGRAM, PLSLAM_BUILD_DIR)),
+            0)
+      << output();
+  ASSERT_EQ(Shell("dpkg-deb --field packages/python3-plslam_*_all.deb"), 0) << output();
+  EXPECT_THAT(output(), testing::AllOf(HasSubstr("Architecture: all\n"), HasSubstr("python3-numpy")));
+  ASSERT_EQ(Shell("dpkg-deb --extract packages/python3-plslam_*.deb root"), 0) << output();
+  ASSERT_EQ(
+      Shell("ls root/usr/share/doc/python3-plslam/copyright root/usr/share/doc/python3-plslam/examples/to_ros2.py"),
+      0)
+      << output();
+  const std::string python = PythonWithNumpy();
+  if (python.empty()) GTEST_SKIP() << "no Python with numpy here";
+  EXPECT_EQ(Shell("PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=root/usr/lib/python3/dist-packages " + python +
+                  " -c 'import plslam; print(plslam.pose_t().frame_id, plslam.load_map.__module__)'"),
+            0)
+      << output();
+  EXPECT_EQ(output(), "0 plslam.map_file\n");
 }
 
 }  // namespace

@@ -1,0 +1,18 @@
+"""Maps, runs, logs and live messages of plslam, with numpy alone.
+
+    for message in plslam.listen():            # what the processes say, now
+    for message in plslam.read_log("run.lcm"): # what they said
+    run = plslam.load_run("out/room")          # trajectories and figures of a run
+    map = plslam.load_map("room.plmap")        # keyframes, landmarks and observations as arrays
+
+Message types are generated from the .lcm files: plslam.pose_t, plslam.status_t, ... Everything is metres, radians and
+pixels; T_w_c takes points of c to w. See docs/python.md.
+"""
+
+# The generated types refer to each other as plslam.NAME: they come first.
+from .messages import *  # noqa: F401,F403
+from .errors import FileError
+from .log import read_log
+from .map_file import Camera, Features, Keyframes, Lines, Map, Points, load_map
+from .run import Run, Trajectory, load_run, read_covariances, read_trajectory
+from .wire import DEFAULT_URL, Message, listen, transform

@@ -1,0 +1,235 @@
+"""Map files (.plmap) as arrays. docs/map_files.md tells the format."""
+
+import hashlib
+import struct
+from dataclasses import dataclass
+from typing import Dict, List, Tuple
+
+import numpy as np
+
+from .errors import FileError
+from .wire import rotation
+
+_MAGIC = b"PLSLAMAP"
+_FORMAT = 1
+_SEAL = struct.Struct("<8sQQ32s")
+_SUMMED = 24
+
+_POSE = [("position", "<f8", 3), ("q_xyzw", "<f8", 4)]
+_KEYFRAME = np.dtype(
+    [("id", "<i8"), ("session", "<i8"), ("session_keyframe_id", "<i8"), ("frame_id", "<i8"), ("t_ns", "<i8")]
+    + [("T_w_kf", _POSE), ("covariance", "<f8", (6, 6)), ("T_odom_kf", _POSE), ("previous_id", "<i8")]
+    + [("T_prevkf_kf", _POSE), ("relative_covariance", "<f8", (6, 6)), ("parent_id", "<i8")]
+)
+_POINT_FEATURE = np.dtype(
+    [("px", "<f8", 2), ("response", "<f4"), ("angle_rad", "<f4"), ("octave", "<i4"), ("descriptor", "u1", 32)]
+    + [("scale", "<f8"), ("disparity_px", "<f8"), ("sigma_px", "<f8"), ("sigma_disparity_px", "<f8")]
+)
+_LINE_FEATURE = np.dtype(
+    [("p_px", "<f8", 2), ("q_px", "<f8", 2), ("response", "<f4"), ("octave", "<i4"), ("descriptor", "u1", 32)]
+    + [("disparity_p_px", "<f8"), ("disparity_q_px", "<f8"), ("sigma_px", "<f8")]
+    + [("sigma_disparity_p_px", "<f8"), ("sigma_disparity_q_px", "<f8")]
+)
+_POINT = np.dtype(
+    [("id", "<i8"), ("p_w", "<f8", 3), ("covariance", "<f8", (3, 3)), ("descriptor", "u1", 32)]
+    + [("angle_rad", "<f4"), ("octave", "<i4"), ("depth_m", "<f8")]
+)
+_LINE = np.dtype(
+    [("id", "<i8"), ("p_w", "<f8", 3), ("q_w", "<f8", 3), ("covariance_p", "<f8", (3, 3))]
+    + [("covariance_q", "<f8", (3, 3)), ("descriptor", "u1", 32)]
+)
+_OBSERVATION = np.dtype([("keyframe_id", "<i8"), ("feature", "<i4")])
+_LOOP = np.dtype(
+    [("old_keyframe_id", "<i8"), ("keyframe_id", "<i8"), ("T_old_kf", _POSE), ("covariance", "<f8", (6, 6))]
+    + [("n_points", "<i4"), ("n_lines", "<i4")]
+)
+
+
+@dataclass
+class Camera:
+    """The rectified pair: f in pixels, principal point, baseline, image size."""
+
+    f_px: float
+    cx_px: float
+    cy_px: float
+    baseline_m: float
+    width_px: int
+    height_px: int
+
+
+@dataclass
+class Keyframes:
+    """Row i of each array is one keyframe; ids ascend. Covariances are of right perturbations [translation; rotation]."""
+
+    id: np.ndarray
+    session: np.ndarray
+    session_keyframe_id: np.ndarray
+    frame_id: np.ndarray
+    t_ns: np.ndarray
+    T_w_kf: np.ndarray  # (n, 4, 4)
+    covariance: np.ndarray  # (n, 6, 6)
+    T_odom_kf: np.ndarray  # (n, 4, 4)
+    previous_id: np.ndarray  # -1: none
+    T_prevkf_kf: np.ndarray  # (n, 4, 4)
+    relative_covariance: np.ndarray  # (n, 6, 6)
+    parent_id: np.ndarray  # in the spanning tree; -1: none
+
+
+@dataclass
+class Points:
+    """Points of the map. `observations` has a row for each keyframe that observes one: row, keyframe_id, feature.
+
+    `row` is the row of the point in the other arrays, `feature` that of Features.points of the keyframe.
+    """
+
+    id: np.ndarray
+    p_w: np.ndarray  # (n, 3)
+    covariance: np.ndarray  # (n, 3, 3)
+    descriptor: np.ndarray  # (n, 32), bytes
+    octave: np.ndarray
+    depth_m: np.ndarray
+    observations: np.ndarray
+
+
+@dataclass
+class Lines:
+    """Line segments of the map, by their two ends. `observations` as those of points."""
+
+    id: np.ndarray
+    p_w: np.ndarray  # (n, 3)
+    q_w: np.ndarray  # (n, 3)
+    covariance_p: np.ndarray  # (n, 3, 3)
+    covariance_q: np.ndarray  # (n, 3, 3)
+    descriptor: np.ndarray  # (n, 32), bytes
+    observations: np.ndarray
+
+
+@dataclass
+class Features:
+    """What a keyframe saw, as structured arrays: px, disparity_px (below 0: no depth), sigma_px, descriptor, ..."""
+
+    points: np.ndarray
+    lines: np.ndarray
+
+
+@dataclass
+class Map:
+    version: int
+    camera: Camera
+    keyframes: Keyframes
+    points: Points
+    lines: Lines
+    features: Dict[int, Features]  # by id of the keyframe
+    loops: np.ndarray  # old_keyframe_id, keyframe_id, T_old_kf (position, q_xyzw), covariance, n_points, n_lines
+
+
+def load_map(path: str) -> Map:
+    """Reads a map file. Raises FileError, which names the file, for one that is damaged, cut off or of another format."""
+    with open(path, "rb") as file:
+        data = file.read()
+    try:
+        return _read_map(_Content(_check(data)))
+    except FileError as error:
+        raise FileError(f"{path}: {error}") from None
+
+
+def _check(data: bytes) -> memoryview:
+    """The content of a file that is whole."""
+    if len(data) < _SEAL.size or data[:8] != _MAGIC:
+        raise FileError("is no map file")
+    _, version, length, checksum = _SEAL.unpack_from(data)
+    if version != _FORMAT:
+        raise FileError(f"is a map file of format {version}, and this package knows format {_FORMAT}")
+    if length != len(data) - _SEAL.size:
+        raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was cut off or damaged")
+    content = memoryview(data)[_SEAL.size :]
+    digest = hashlib.blake2b(data[:_SUMMED], digest_size=32)
+    digest.update(content)
+    if digest.digest() != checksum:
+        raise FileError("is damaged: its checksum is wrong")
+    return content
+
+
+class _Content:
+    """Takes values from bytes, one after the other."""
+
+    def __init__(self, data: memoryview) -> None:
+        self._data = data
+        self._offset = 0
+
+    def int64(self) -> int:
+        return int(self.array(np.dtype("<i8"), 1)[0])
+
+    def array(self, dtype: np.dtype, n: int) -> np.ndarray:
+        end = self._offset + n * dtype.itemsize
+        if n < 0 or end > len(self._data):
+            raise FileError("the content promises more than it has")
+        values = np.frombuffer(self._data, dtype, n, self._offset)
+        self._offset = end
+        return values
+
+    def list(self, dtype: np.dtype) -> np.ndarray:
+        return self.array(dtype, self.int64())
+
+    def landmarks(self, dtype: np.dtype) -> Tuple[np.ndarray, np.ndarray]:
+        """Landmarks, and their observations with the row of the landmark: each landmark stands before its own."""
+        n = self.int64()
+        if n < 0 or n * dtype.itemsize > len(self._data):
+            raise FileError("the content promises more than it has")
+        rows = np.empty(n, dtype)
+        observations: List[np.ndarray] = []
+        for i in range(n):
+            rows[i] = self.array(dtype, 1)[0]
+            observations.append(self.list(_OBSERVATION))
+        counts = [len(part) for part in observations]
+        flat = np.concatenate(observations) if observations else np.empty(0, _OBSERVATION)
+        out = np.empty(len(flat), [("row", "<i8"), ("keyframe_id", "<i8"), ("feature", "<i4")])
+        out["row"] = np.repeat(np.arange(n), counts)
+        out["keyframe_id"] = flat["keyframe_id"]
+        out["feature"] = flat["feature"]
+        return rows, out
+
+    def end(self) -> None:
+        if self._offset != len(self._data):
+            raise FileError("the content has more than it promises")
+
+
+def _matrices(poses: np.ndarray) -> np.ndarray:
+    matrices = np.zeros((len(poses), 4, 4))
+    matrices[:, :3, :3] = rotation(poses["q_xyzw"][:, [3, 0, 1, 2]])
+    matrices[:, :3, 3] = poses["position"]
+    matrices[:, 3, 3] = 1.0
+    return matrices
+
+
+def _read_camera(content: _Content) -> Camera:
+    rig = content.list(np.dtype("u1"))
+    if len(rig) != 48:
+        raise FileError("says nothing of the camera it was made with")
+    f, cx, cy, baseline, width, height = np.frombuffer(rig.tobytes(), "<f8")
+    return Camera(float(f), float(cx), float(cy), float(baseline), int(width), int(height))
+
+
+def _read_keyframes(content: _Content) -> Keyframes:
+    rows = content.list(_KEYFRAME)
+    poses = ("T_w_kf", "T_odom_kf", "T_prevkf_kf")
+    return Keyframes(**{name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names})
+
+
+def _read_map(content: _Content) -> Map:
+    version = content.int64()
+    camera = _read_camera(content)
+    content.array(np.dtype("<i8"), 5)  # Next ids, newest session and its time: for those who go on in the map.
+    content.list(np.dtype("<i8, <i8, <i8"))  # The newest keyframe of each session: the same.
+    keyframes = _read_keyframes(content)
+    features = {}
+    for _ in range(content.int64()):
+        keyframe_id = content.int64()
+        features[keyframe_id] = Features(content.list(_POINT_FEATURE), content.list(_LINE_FEATURE))
+    p, of_points = content.landmarks(_POINT)
+    points = Points(p["id"], p["p_w"], p["covariance"], p["descriptor"], p["octave"], p["depth_m"], of_points)
+    s, of_lines = content.landmarks(_LINE)
+    lines = Lines(s["id"], s["p_w"], s["q_w"], s["covariance_p"], s["covariance_q"], s["descriptor"], of_lines)
+    loops = content.list(_LOOP)
+    content.end()
+    return Map(version, camera, keyframes, points, lines, features, loops)

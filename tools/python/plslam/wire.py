@@ -1,0 +1,180 @@
+"""Messages from the bus: datagrams of LCM, without LCM.
+
+Each message of plslam is one datagram: the magic number of LCM's short messages, a number, the name of the channel,
+and the encoded struct. So a socket that has joined the multicast group is all that a listener needs.
+"""
+
+import collections
+import socket
+import struct
+import time
+import urllib.parse
+from typing import Any, Collection, Dict, Iterator, NamedTuple, Optional, Tuple
+
+import numpy as np
+
+from . import messages
+
+DEFAULT_URL = "udpm://239.255.76.67:7667?ttl=0"
+
+_SHORT_MESSAGE = b"LC02"
+_HEAD_BYTES = 8
+_MAX_DATAGRAM = 65536
+# Ordered messages are sent again where somebody has lost one. So many numbers of a publisher are remembered.
+_REMEMBERED = 10000
+
+
+class Message(NamedTuple):
+    """A decoded message: `value` is a struct of plslam (pose_t, status_t, ...)."""
+
+    channel: str  # without the prefix
+    time_s: float  # when it was received or recorded, seconds since 1970; the time of its data is value.header.t_ns
+    value: Any
+
+
+def _types() -> Dict[bytes, Any]:
+    found = {}
+    for name in dir(messages):
+        kind = getattr(messages, name)
+        if hasattr(kind, "_get_packed_fingerprint") and hasattr(kind(), "header"):
+            found[kind._get_packed_fingerprint()] = kind
+    return found
+
+
+_TYPE_OF_FINGERPRINT = _types()
+
+
+def decode(data: bytes) -> Optional[Any]:
+    """The struct that the bytes encode; None where they are of no message type of this version.
+
+    What follows the message, as a MAC does, is passed over. Raises ValueError for bytes that begin like one of our
+    messages and are none.
+    """
+    kind = _TYPE_OF_FINGERPRINT.get(bytes(data[:8]))
+    if kind is None:
+        return None
+    try:
+        return kind.decode(data)
+    except (struct.error, ValueError, IndexError, UnicodeDecodeError, MemoryError, OverflowError) as error:
+        raise ValueError(f"no {kind.__name__}: {error}") from error
+
+
+def without_prefix(channel: str, prefix: str, channels: Optional[Collection[str]]) -> Optional[str]:
+    """The name of the channel without the prefix; None where it is another robot's, or not among `channels`."""
+    if not channel.startswith(prefix):
+        return None
+    name = channel[len(prefix) :]
+    # Names of ours are upper case: what is left of another robot's longer prefix is not.
+    if not name.replace("_", "").isupper() or (channels is not None and name not in channels):
+        return None
+    return name
+
+
+def parse_datagram(datagram: bytes) -> Optional[Tuple[str, bytes]]:
+    """Channel and content of a short message of LCM; None for everything else."""
+    if datagram[:4] != _SHORT_MESSAGE:
+        return None
+    end = datagram.find(b"\0", _HEAD_BYTES)
+    if end < 0:
+        return None
+    try:
+        return datagram[_HEAD_BYTES:end].decode("ascii"), datagram[end + 1 :]
+    except UnicodeDecodeError:
+        return None
+
+
+def _open(url: str) -> socket.socket:
+    parts = urllib.parse.urlsplit(url)
+    if parts.scheme != "udpm":
+        raise ValueError(f"{url}: only udpm:// can be listened to; read_log reads logs")
+    group = parts.hostname or "239.255.76.67"
+    port = parts.port or 7667
+    receiver = socket.socket(socket.AF_INET, socket.SOCK_DGRAM, socket.IPPROTO_UDP)
+    try:
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        receiver.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 2 << 20)
+        receiver.bind((group, port))
+        wanted = struct.pack("=4sl", socket.inet_aton(group), socket.INADDR_ANY)
+        receiver.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, wanted)
+    except OSError as error:
+        receiver.close()
+        raise OSError(error.errno, f"{url}: cannot be listened to: {error.strerror} (`plslam doctor` says more)") from error
+    return receiver
+
+
+class _Repeats:
+    """Whether a message with that header came before."""
+
+    def __init__(self) -> None:
+        self._seen: Dict[Tuple[str, int], "collections.OrderedDict[int, None]"] = {}
+
+    def has(self, channel: str, source: int, seq: int) -> bool:
+        seen = self._seen.setdefault((channel, source), collections.OrderedDict())
+        if seq in seen:
+            return True
+        seen[seq] = None
+        if len(seen) > _REMEMBERED:
+            seen.popitem(last=False)
+        return False
+
+
+def listen(
+    url: str = DEFAULT_URL,
+    prefix: str = "",
+    channels: Optional[Collection[str]] = None,
+    timeout_s: Optional[float] = None,
+) -> Iterator[Message]:
+    """Messages as they come, each once, from the moment of the call on; without end.
+
+    `prefix` is the robot's (`bus.prefix`), `channels` the names that are wanted (all). With `timeout_s` it ends when
+    nothing has come for so long. A listener takes no part in the repair of lost messages: it never holds a process
+    back, and has gaps (value.header.seq) where the network or this program is too slow. MACs are not checked.
+    """
+    receiver = _open(url)
+    return _receive(receiver, prefix, channels, timeout_s)
+
+
+def _receive(receiver, prefix, channels, timeout_s) -> Iterator[Message]:
+    repeats = _Repeats()
+    with receiver:
+        last = time.monotonic()
+        while True:
+            if timeout_s is not None:
+                receiver.settimeout(max(1e-3, last + timeout_s - time.monotonic()))
+            try:
+                datagram = receiver.recv(_MAX_DATAGRAM)
+            except socket.timeout:
+                return
+            parsed = parse_datagram(datagram)
+            name = parsed and without_prefix(parsed[0], prefix, channels)
+            if not name:
+                if timeout_s is not None and time.monotonic() > last + timeout_s:
+                    return
+                continue
+            try:
+                value = decode(parsed[1])
+            except ValueError:
+                continue  # Anybody can send anything.
+            if value is None or repeats.has(name, value.header.source, value.header.seq):
+                continue
+            last = time.monotonic()
+            yield Message(name, time.time(), value)
+
+
+def transform(pose: Any) -> np.ndarray:
+    """A pose3_t as a 4 x 4 matrix that takes points of its second frame to the first."""
+    matrix = np.eye(4)
+    matrix[:3, :3] = rotation(np.array(pose.q_wxyz))
+    matrix[:3, 3] = pose.position_m
+    return matrix
+
+
+def rotation(q_wxyz: np.ndarray) -> np.ndarray:
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(q_wxyz, dtype=float), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

@@ -48,7 +48,10 @@ class ViewerNode {
   void OnMap(const MapUpdate& update);
   void OnTick();
 
+  void BeginStream();
   void BeginAgain();
+  /// Whether the pose is one that a tracker only repeats.
+  bool IsRecorded(const FramePose& pose) const;
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
   bool RunIsOver() const;
@@ -74,6 +77,8 @@ class ViewerNode {
   int64_t announced_frames_ = -1;
   /// Of the player that began it, and whether every frame is waited for.
   int64_t stream_ = 0;
+  /// A stream that was announced after the files were written: it begins with its first pose.
+  std::optional<stream_t> next_stream_;
   bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;

@@ -91,8 +91,8 @@ print(json.dumps({
   "version": m.version, "camera": vars(m.camera), "ids": k.id.tolist(), "t_ns": k.t_ns.tolist(), "parents": k.parent_id.tolist(),
   "T_w_kf": k.T_w_kf.reshape(len(k.id), 16).tolist(), "covariance": k.covariance.reshape(len(k.id), 36).tolist(),
   "points": [{"id": int(p.id[i]), "p_w": p.p_w[i].tolist(), "descriptor": p.descriptor[i].tobytes().hex(),
-              "sights": observations(p, i)} for i in range(len(p.id))],
-  "lines": [{"id": int(l.id[i]), "p_w": l.p_w[i].tolist(), "q_w": l.q_w[i].tolist(), "sights": observations(l, i)}
+              "observations": observations(p, i)} for i in range(len(p.id))],
+  "lines": [{"id": int(l.id[i]), "p_w": l.p_w[i].tolist(), "q_w": l.q_w[i].tolist(), "observations": observations(l, i)}
             for i in range(len(l.id))],
   "features": {str(i): [f.points["px"].tolist(), f.lines["q_px"].tolist(), f.points["disparity_px"].tolist()]
                for i, f in m.features.items()},
@@ -121,10 +121,10 @@ print(json.dumps({
     ExpectNear(read["p_w"], Numbers(point.p_w), 0.0);
     const auto* bytes = reinterpret_cast<const uint8_t*>(point.descriptor.data());
     EXPECT_EQ(read["descriptor"], fmt::format("{:02x}", fmt::join(bytes, bytes + 32, "")));
-    ASSERT_EQ(read["sights"].size(), point.sights.size());
-    for (size_t k = 0; k < point.sights.size(); ++k) {
-      EXPECT_EQ(read["sights"][k][0], point.sights[k].keyframe_id);
-      EXPECT_EQ(read["sights"][k][1], point.sights[k].feature);
+    ASSERT_EQ(read["observations"].size(), point.observations.size());
+    for (size_t k = 0; k < point.observations.size(); ++k) {
+      EXPECT_EQ(read["observations"][k][0], point.observations[k].keyframe_id);
+      EXPECT_EQ(read["observations"][k][1], point.observations[k].feature);
     }
   }
   ASSERT_EQ(map["lines"].size(), stored.map.lines().size());
@@ -133,7 +133,7 @@ print(json.dumps({
     const json& read = map["lines"][i++];
     ExpectNear(read["p_w"], Numbers(line.segment_w.p), 0.0);
     ExpectNear(read["q_w"], Numbers(line.segment_w.q), 0.0);
-    EXPECT_EQ(read["sights"].size(), line.sights.size());
+    EXPECT_EQ(read["observations"].size(), line.observations.size());
   }
   for (const auto& [id, features] : stored.features) {
     const json& read = map["features"][std::to_string(id)];

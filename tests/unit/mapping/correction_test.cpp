@@ -332,10 +332,10 @@ TEST_P(Correction, WhatCorrectsTheMapAsItWasBeforeALoopIsRefused) {
   mapper_.TakeUpdate();
   const auto closed = Encoded(mapper_.map());
   EXPECT_FALSE(mapper_.Correct(older, &reason_));
-  EXPECT_NE(reason_.find("bent"), std::string::npos) << reason_;
+  EXPECT_NE(reason_.find("structure"), std::string::npos) << reason_;
   EXPECT_EQ(Encoded(mapper_.map()), closed);
   EXPECT_FALSE(mapper_.Correct(loop, &reason_)) << "another loop found on that map would undo the first one";
-  EXPECT_NE(reason_.find("bent"), std::string::npos) << reason_;
+  EXPECT_NE(reason_.find("structure"), std::string::npos) << reason_;
   EXPECT_EQ(Encoded(mapper_.map()), closed);
   Mapper restored(FeatureWorld::Camera(), WithoutCulling(), DecodeState(EncodeState(mapper_.State())));
   EXPECT_FALSE(restored.Correct(older, &reason_));

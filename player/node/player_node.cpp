@@ -183,7 +183,7 @@ void PlayerNode::SendAll() {
   const std::optional<ResumePoint> resume = WhereToResume();
   if (resume) turn_.Resume();
   if (!MakeLoader(resume)) return;
-  PublishStream("begin", order_.size());
+  PublishStream(resume ? "resume" : "begin", order_.size());
   do {
     if (!SendRest()) return;
     PublishStream("end", n_sent_);

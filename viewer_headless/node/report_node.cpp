@@ -42,7 +42,6 @@ ReportNode::~ReportNode() {
 }
 
 void ReportNode::OnStream(const stream_t& message) {
-  if (message.event != "begin") return;
   // That of an earlier run must not be taken for one of this.
   std::error_code ignored;
   std::filesystem::remove(options_.out + "/report.html", ignored);

@@ -101,34 +101,22 @@ void ViewerNode::OnCamera(const RigCalibration& rig) {
 }
 
 void ViewerNode::OnStream(const stream_t& message) {
-  if (message.event == "begin") {
-    // Who speaks for a player that has ended says again what that had said.
-    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
-    if (stream == stream_) return;
-    next_stream_ = message;
-    // A player that was killed at the very end is started again and has nothing left to play: what is written stays.
-    if (!written_) BeginStream();
-  } else if (message.event == "end") {
+  if (message.event == "end") {
     recorder_.SetEnd(message.n_frames, message.n_bad);
     quiet_ticks_ = 0;
+  } else if (message.event == "begin" || message.event == "resume") {
+    // Who speaks for a player that has ended says again what that had said, even after another has gone on.
+    const int64_t stream = message.header.session != 0 ? message.header.session : message.header.source;
+    if (!streams_.insert(stream).second) return;
+    // What has been written stays: of the stream that goes on nothing may be left, and else all is written again.
+    if (written_ && message.event == "resume") return;
+    if (written_) BeginAgain();
+    lockstep_ = message.pace == "lockstep";
+    announced_frames_ = message.n_frames;
+    report_->OnStream(message);
   } else {
     Reject();
   }
-}
-
-void ViewerNode::BeginStream() {
-  if (written_) BeginAgain();
-  stream_ = next_stream_->header.session != 0 ? next_stream_->header.session : next_stream_->header.source;
-  lockstep_ = next_stream_->pace == "lockstep";
-  announced_frames_ = next_stream_->n_frames;
-  report_->OnStream(*next_stream_);
-  next_stream_.reset();
-}
-
-bool ViewerNode::IsRecorded(const FramePose& pose) const {
-  const auto found = recorder_.frames().find(pose.frame_id);
-  return found != recorder_.frames().end() && found->second.t_ns == pose.t_ns &&
-         found->second.session == pose.session;
 }
 
 void ViewerNode::BeginAgain() {
@@ -143,7 +131,6 @@ void ViewerNode::BeginAgain() {
 
 void ViewerNode::OnPose(const pose_t& message) {
   const std::optional<FramePose> pose = ToFramePose(message);
-  if (pose && next_stream_ && !IsRecorded(*pose)) BeginStream();
   const size_t frames = recorder_.frames().size();
   if (!pose || !recorder_.AddPose(*pose)) return Reject();
   if (recorder_.frames().size() == 1) process_.SetState("running");

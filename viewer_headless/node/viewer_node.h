@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,10 +49,7 @@ class ViewerNode {
   void OnMap(const MapUpdate& update);
   void OnTick();
 
-  void BeginStream();
   void BeginAgain();
-  /// Whether the pose is one that a tracker only repeats.
-  bool IsRecorded(const FramePose& pose) const;
   Eigen::Quaterniond q_l_c() const;
   bool HasPlayed() const;
   bool RunIsOver() const;
@@ -75,10 +73,8 @@ class ViewerNode {
   std::unique_ptr<PictureNode> pictures_;
   std::optional<bus::CameraSubscriber> camera_;
   int64_t announced_frames_ = -1;
-  /// Of the player that began it, and whether every frame is waited for.
-  int64_t stream_ = 0;
-  /// A stream that was announced after the files were written: it begins with its first pose.
-  std::optional<stream_t> next_stream_;
+  /// Players that have begun or gone on with a stream, and whether every frame of the newest is waited for.
+  std::set<int64_t> streams_;
   bool lockstep_ = false;
   bool vo_finished_ = false;
   bool mapping_heard_ = false;

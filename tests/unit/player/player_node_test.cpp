@@ -254,6 +254,8 @@ TEST_F(PlayerNodeTest, OneThatIsStartedAgainGoesOnWhereAcknowledgementsEnded) {
   ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 4; }));
   EXPECT_THAT(reader.frame_ids_, ElementsAre(0, 1, 2));
   EXPECT_THAT(reader.first_pixels_, ElementsAre(0, 31, 62));
+  EXPECT_EQ(reader.streams_[0].event, "begin");
+  EXPECT_EQ(reader.streams_[2].event, "resume");
   EXPECT_EQ(reader.streams_[3].n_frames, 3);
 }
 

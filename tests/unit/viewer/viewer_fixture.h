@@ -76,8 +76,10 @@ class ViewerFixture : public testing::Test {
 
   void PublishCamera() { bus().Publish(bus::kCamera, bus::ToMessage(SomeRig())); }
 
-  void PublishStream(const std::string& event, int64_t n_frames, const std::string& pace = "realtime") {
+  void PublishStream(const std::string& event, int64_t n_frames, const std::string& pace = "realtime",
+                     int64_t session = 0) {
     stream_t m{};
+    m.header.session = session;
     m.event = event;
     m.pace = pace;
     m.n_frames = n_frames;

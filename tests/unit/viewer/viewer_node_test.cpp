@@ -184,6 +184,37 @@ TEST_F(ViewerNodeTest, WritesAReportAndServesIt) {
   EXPECT_THAT(report, testing::HasSubstr("\"finished\":true"));
 }
 
+TEST_F(ViewerNodeTest, WhatIsWrittenStaysWhereAPlayerGoesOnUntilTheRestIsThere) {
+  if (!ReadReportTemplate()) GTEST_SKIP() << "built without node and npm: there are no reports";
+  const ViewerNode node(*process_, Options());
+  stop_at_ = "";
+  std::string first, then;
+  bus().Subscribe<stream_t>(bus::kStream, [&](const stream_t& m) {
+    if (m.event != "resume") return;
+    then = ReadText(Out("report.html"));
+    // What the first player said is said again for it.
+    PublishStream("begin", kFrames, "realtime", 1);
+    PublishPose(kFrames);
+    PublishStream("end", kFrames + 1, "realtime", 2);
+  });
+  bus().Every(std::chrono::milliseconds(20), [&] {
+    const std::string report = ReadText(Out("report.html"));
+    if (first.empty() && !report.empty()) {
+      first = report;
+      PublishStream("resume", kFrames, "realtime", 2);
+    } else if (!then.empty() && report != first) {
+      bus().Stop();
+    }
+  });
+  PublishCamera();
+  PublishStream("begin", kFrames, "realtime", 1);
+  for (int64_t frame = 0; frame < kFrames; ++frame) PublishPose(frame);
+  PublishStream("end", kFrames, "realtime", 1);
+  bus().Run();
+  EXPECT_TRUE(!first.empty() && then == first);
+  EXPECT_EQ(ReadTrajectory(Out("trajectory.tum")).size(), static_cast<size_t>(kFrames + 1));
+}
+
 TEST_F(ViewerNodeTest, WithoutReportThereIsNone) {
   ViewerOptions options = Options();
   options.report = false;

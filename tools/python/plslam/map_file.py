@@ -8,7 +8,7 @@ from typing import Dict, List, Tuple
 import numpy as np
 
 from .errors import FileError
-from .wire import rotation
+from .wire import matrices
 
 _MAGIC = b"PLSLAMAP"
 _FORMAT = 1
@@ -195,11 +195,7 @@ class _Content:
 
 
 def _matrices(poses: np.ndarray) -> np.ndarray:
-    matrices = np.zeros((len(poses), 4, 4))
-    matrices[:, :3, :3] = rotation(poses["q_xyzw"][:, [3, 0, 1, 2]])
-    matrices[:, :3, 3] = poses["position"]
-    matrices[:, 3, 3] = 1.0
-    return matrices
+    return matrices(poses["position"], poses["q_xyzw"][:, [3, 0, 1, 2]])
 
 
 def _read_camera(content: _Content) -> Camera:

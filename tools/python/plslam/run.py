@@ -11,7 +11,7 @@ import numpy as np
 
 from .errors import FileError
 from .map_file import Map, load_map
-from .wire import rotation
+from .wire import matrices
 
 
 @dataclass
@@ -27,11 +27,7 @@ class Trajectory:
 
     def matrices(self) -> np.ndarray:
         """(n, 4, 4)"""
-        matrices = np.zeros((len(self), 4, 4))
-        matrices[:, :3, :3] = rotation(self.q_wxyz)
-        matrices[:, :3, 3] = self.position_m
-        matrices[:, 3, 3] = 1.0
-        return matrices
+        return matrices(self.position_m, self.q_wxyz)
 
 
 @dataclass

@@ -163,13 +163,20 @@ def _receive(receiver, prefix, channels, timeout_s) -> Iterator[Message]:
 
 def transform(pose: Any) -> np.ndarray:
     """A pose3_t as a 4 x 4 matrix that takes points of its second frame to the first."""
-    matrix = np.eye(4)
-    matrix[:3, :3] = rotation(np.array(pose.q_wxyz))
-    matrix[:3, 3] = pose.position_m
-    return matrix
+    return matrices(pose.position_m, pose.q_wxyz)
 
 
-def rotation(q_wxyz: np.ndarray) -> np.ndarray:
+def matrices(position: np.ndarray, q_wxyz: np.ndarray) -> np.ndarray:
+    """Poses (..., 4, 4) of positions (..., 3) and unit quaternions (..., 4)."""
+    position = np.asarray(position, dtype=float)
+    out = np.zeros(position.shape[:-1] + (4, 4))
+    out[..., :3, :3] = _rotations(q_wxyz)
+    out[..., :3, 3] = position
+    out[..., 3, 3] = 1.0
+    return out
+
+
+def _rotations(q_wxyz: np.ndarray) -> np.ndarray:
     """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
     w, x, y, z = np.moveaxis(np.asarray(q_wxyz, dtype=float), -1, 0)
     rows = [

@@ -34,7 +34,7 @@ class LineDetector {
 /// The detector named by `options.detector`. Throws std::invalid_argument for an unknown name.
 std::unique_ptr<LineDetector> MakeLineDetector(const LineOptions& options);
 
-/// The three detectors by themselves.
+/// The two detectors by themselves.
 std::unique_ptr<LineDetector> MakeEdgeChainDetector(const LineOptions& options);
 std::unique_ptr<LineDetector> MakeLsdDetector(const LineOptions& options);
 

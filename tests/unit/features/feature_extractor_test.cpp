@@ -11,7 +11,7 @@ namespace {
 const StereoCamera kExtractorCamera{
     .f_px = 300.0, .cx_px = 160.0, .cy_px = 120.0, .baseline_m = 0.1, .width_px = 320, .height_px = 240};
 
-/// Texture with a few bright bars, so that it has both feature types of features.
+/// Texture with a few bright bars, so that it has features of both types.
 cv::Mat Scene(double disparity_px) {
   cv::Mat image = test::RenderTexture(320, 240, {.shift_x_px = disparity_px, .gain = 0.4}, 9, 2.0);
   // Unequal in width, brightness and height: equal bars would be a repeated texture.

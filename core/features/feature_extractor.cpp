@@ -28,16 +28,23 @@ FeatureExtractor& FeatureExtractor::operator=(FeatureExtractor&&) noexcept = def
 ImageFeatures FeatureExtractor::Extract(const cv::Mat& image, const RunBoth& run_both, const cv::Mat& allowed,
                                         std::optional<int> max_points) {
   ImageFeatures features;
-  const auto find_points = [&] { features.points = impl_->orb.Extract(image, allowed, max_points); };
-  const auto find_lines = [&] { features.lines = impl_->lines.Extract(image); };
+  const auto find_points = [&] { features.points = ExtractPoints(image, allowed, max_points); };
+  const auto find_lines = [&] { features.lines = ExtractLines(image); };
   if (impl_->with_points && impl_->with_lines) {
     run_both(find_points, find_lines);
-  } else if (impl_->with_points) {
-    find_points();
   } else {
-    find_lines();
+    RunInTurn(find_points, find_lines);
   }
   return features;
+}
+
+std::vector<PointFeature> FeatureExtractor::ExtractPoints(const cv::Mat& image, const cv::Mat& allowed,
+                                                          std::optional<int> max_points) {
+  return impl_->with_points ? impl_->orb.Extract(image, allowed, max_points) : std::vector<PointFeature>();
+}
+
+std::vector<LineFeature> FeatureExtractor::ExtractLines(const cv::Mat& image) {
+  return impl_->with_lines ? impl_->lines.Extract(image) : std::vector<LineFeature>();
 }
 
 }  // namespace plslam

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include <opencv2/core/mat.hpp>
 
@@ -28,6 +29,11 @@ class FeatureExtractor {
   /// of the options.
   ImageFeatures Extract(const cv::Mat& image, const RunBoth& run_both = RunInTurn, const cv::Mat& allowed = cv::Mat(),
                         std::optional<int> max_points = std::nullopt);
+
+  /// One of the two alone; none where the options leave it out. Points and lines may be extracted at the same time.
+  std::vector<PointFeature> ExtractPoints(const cv::Mat& image, const cv::Mat& allowed = cv::Mat(),
+                                          std::optional<int> max_points = std::nullopt);
+  std::vector<LineFeature> ExtractLines(const cv::Mat& image);
 
  private:
   struct Impl;

@@ -1,5 +1,6 @@
 // Extraction and matching of features on real pairs where they are, else on a generated texture. One thread. EuRoC's
 // pair is not rectified: good for timing all stages, not for counting its stereo matches.
+#include <atomic>
 #include <random>
 #include <string>
 #include <vector>
@@ -93,8 +94,9 @@ void MatchPointsInStereo(benchmark::State& state) {
   double matched = 0.0;
   for (auto _ : state) {
     std::vector<StereoPoint> points = left;
+    std::atomic<size_t> begun = 0;
     MatchPointsStereo(points, right, FindPointCandidates(points, right, PairSkew(), options),
-                      HalvedPair(pair.left, pair.right), RowField(), options);
+                      HalvedPair(pair.left, pair.right), RowField(), options, begun);
     matched = 0.0;
     for (const StereoPoint& p : points) matched += p.HasDepth() ? 1.0 : 0.0;
   }

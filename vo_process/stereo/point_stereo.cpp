@@ -19,6 +19,8 @@ constexpr int kMaxOctavesApart = 1;
 constexpr double kTieMargin = 0.005;
 constexpr double kMinGain = 0.25;
 constexpr double kMaxGain = 4.0;
+/// Points that a thread takes at once: some microseconds each.
+constexpr size_t kPointsAtATime = 8;
 
 /// Indices of the right points by integer row.
 class RowIndex {
@@ -87,26 +89,20 @@ std::optional<PatchAlignment> FindDirectly(const PointFeature& feature, RowSearc
   return found;
 }
 
-void MatchEverySecond(size_t first, std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
-                      const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
-                      const StereoOptions& options) {
-  const PatchAligner aligner(pair, options.row_sigma_px, rows);
-  RowSearch search(pair, rows);
-  for (size_t i = first; i < left.size(); i += 2) {
-    const PointFeature& feature = left[i].left;
-    std::optional<PatchAlignment> found;
-    if (candidates[i].index >= 0) {
-      const double start_px = feature.px.x() - right[candidates[i].index].px.x();
-      found = aligner.Align(feature.px, feature.scale, start_px);
-      if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
-    }
-    if (!found && options.point_direct) found = FindDirectly(feature, search, aligner, options);
-    if (!found) continue;
-    left[i].disparity_px = found->disparity_px;
-    left[i].sigma_disparity_px = found->sigma_disparity_px;
-    left[i].row_offset_px = found->row_offset_px;
-    left[i].sigma_row_px = found->sigma_row_px;
+void MatchPoint(StereoPoint& point, const PointFeature* candidate, RowSearch& search, const PatchAligner& aligner,
+                const StereoOptions& options) {
+  const PointFeature& feature = point.left;
+  std::optional<PatchAlignment> found;
+  if (candidate != nullptr) {
+    found = aligner.Align(feature.px, feature.scale, feature.px.x() - candidate->px.x());
+    if (found && !Accepted(*found, feature.scale, options.point_min_correlation, options)) found.reset();
   }
+  if (!found && options.point_direct) found = FindDirectly(feature, search, aligner, options);
+  if (!found) return;
+  point.disparity_px = found->disparity_px;
+  point.sigma_disparity_px = found->sigma_disparity_px;
+  point.row_offset_px = found->row_offset_px;
+  point.sigma_row_px = found->sigma_row_px;
 }
 
 }  // namespace
@@ -158,10 +154,15 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
 
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
                        const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
-                       const StereoOptions& options, const RunBoth& run_both) {
-  // Points are matched independently of each other; odd and even ones share near and far, easy and hard alike.
-  run_both([&] { MatchEverySecond(0, left, right, candidates, pair, rows, options); },
-           [&] { MatchEverySecond(1, left, right, candidates, pair, rows, options); });
+                       const StereoOptions& options, std::atomic<size_t>& begun) {
+  const PatchAligner aligner(pair, options.row_sigma_px, rows);
+  RowSearch search(pair, rows);
+  for (size_t first = begun.fetch_add(kPointsAtATime); first < left.size(); first = begun.fetch_add(kPointsAtATime)) {
+    for (size_t i = first; i < std::min(first + kPointsAtATime, left.size()); ++i) {
+      const int index = candidates[i].index;
+      MatchPoint(left[i], index >= 0 ? &right[static_cast<size_t>(index)] : nullptr, search, aligner, options);
+    }
+  }
 }
 
 }  // namespace plslam

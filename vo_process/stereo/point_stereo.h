@@ -1,9 +1,10 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
 #include <vector>
 
 #include "core/features/features.h"
-#include "core/features/image/run_both.h"
 #include "core/features/options.h"
 #include "vo_process/stereo/halved_pair.h"
 #include "vo_process/stereo/row_field.h"
@@ -31,8 +32,12 @@ std::vector<PointCandidate> FindPointCandidates(const std::vector<StereoPoint>& 
 /// Sets the disparities of left points and their standard deviations by aligning patches of the two images
 /// (`PatchAligner`) at the candidates, or where a search along the row finds the patch. Points whose patches do not
 /// correlate keep a negative disparity. `rows` tells where in the right image their rows are.
+///
+/// Points are matched independently of each other, a few at a time from `begun` on, which counts those that somebody
+/// has begun: threads that call this with one `begun`, at 0 before the first of them, share the points, and each
+/// returns when none is left to begin.
 void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFeature>& right,
                        const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
-                       const StereoOptions& options, const RunBoth& run_both = RunInTurn);
+                       const StereoOptions& options, std::atomic<size_t>& begun);
 
 }  // namespace plslam

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "vo_process/stereo/stereo_matcher.h"
 
@@ -14,13 +15,26 @@ constexpr double kUnknownRowSigma_px = 2.0;
 
 /// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost
 /// nothing.
-ImageFeatures ExtractInside(FeatureExtractor& extractor, const cv::Mat& image, const CameraCalibration& camera,
-                            const FeatureMask& mask, std::optional<int> max_points,
-                            const RunBoth& run_both = RunInTurn) {
-  ImageFeatures features =
-      extractor.Extract(image, run_both, camera.mask.empty() ? cv::Mat() : mask.inside(), max_points);
+std::vector<PointFeature> PointsInside(FeatureExtractor& extractor, const cv::Mat& image,
+                                       const CameraCalibration& camera, const FeatureMask& mask,
+                                       std::optional<int> max_points) {
+  ImageFeatures features;
+  features.points = extractor.ExtractPoints(image, camera.mask.empty() ? cv::Mat() : mask.inside(), max_points);
   mask.RemoveOutside(features);
-  return features;
+  return std::move(features.points);
+}
+
+std::vector<LineFeature> LinesInside(FeatureExtractor& extractor, const cv::Mat& image, const FeatureMask& mask) {
+  ImageFeatures features;
+  features.lines = extractor.ExtractLines(image);
+  mask.RemoveOutside(features);
+  return std::move(features.lines);
+}
+
+/// Corners of the right image are needed where nobody searches along the rows, and where the row of a match depends
+/// on its depth. A search along one row finds neither.
+bool NeedsRightPoints(const RowField& rows, const StereoOptions& options) {
+  return !options.point_direct || !rows.skew().is_zero();
 }
 
 /// A point without a matching corner is searched by its patch along the row of the right image, also where that is
@@ -49,8 +63,7 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
 StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                        std::optional<int> max_points) {
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
-  return rgbd ? ProcessRgbd(images, timer, max_points)
-              : ProcessStereo(images, timer, rows, max_points, options_.stereo);
+  return rgbd ? ProcessRgbd(images, timer, max_points) : ProcessStereo(images, timer, rows, max_points);
 }
 
 StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const PairSkew& skew) {
@@ -58,8 +71,23 @@ StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const Pai
   StereoOptions options = options_.stereo;
   options.row_sigma_px = std::max(options.row_sigma_px, kUnknownRowSigma_px);
   options.point_row_tolerance_px = std::max(options.point_row_tolerance_px, kUnknownRowTolerance_px);
-  StageTimer untimed([] { return 0.0; });
-  return ProcessStereo(images, untimed, RowField().With(skew), std::nullopt, options);
+  cv::Mat left;
+  cv::Mat right;
+  ImageFeatures left_features;
+  ImageFeatures right_features;
+  worker_.RunBoth(
+      [&] {
+        left = rectifier_.RectifyLeft(images.left);
+        left_features.points = PointsInside(left_extractor_, left, rig_.left, left_mask_, std::nullopt);
+      },
+      [&] {
+        right = rectifier_.RectifyRight(images.right);
+        right_features.points = PointsInside(right_extractor_, right, rig_.right, right_mask_, std::nullopt);
+      });
+  StereoFeatures features = MatchStereo(std::move(left_features), std::move(right_features), left, right,
+                                        RowField().With(skew), options, OnBothThreads());
+  if (!rig_.right.mask.empty()) ForgetPartnersOutside(right_mask_, features);
+  return features;
 }
 
 RunBoth StereoFrontEnd::OnBothThreads() {
@@ -67,26 +95,42 @@ RunBoth StereoFrontEnd::OnBothThreads() {
       [this](const std::function<void()>& here, const std::function<void()>& there) { worker_.RunBoth(here, there); };
 }
 
+/// Left points take as long as right lines, and points need no lines: so left points beside right lines, then the
+/// depths of points beside left lines and theirs; who has done with the lines helps with the points. Without points,
+/// lines of both images are found side by side.
 StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                                             std::optional<int> max_points, const StereoOptions& options) {
-  cv::Mat left;
-  cv::Mat right;
+                                             std::optional<int> max_points) {
+  std::vector<cv::Mat> left;
+  std::vector<cv::Mat> right;
   ImageFeatures left_features;
   ImageFeatures right_features;
+  const bool lines_alone = options_.features.features == "lines";
+  const auto find_left_lines = [&] { left_features.lines = LinesInside(left_extractor_, left.front(), left_mask_); };
   timer.Time("features", [&] {
     worker_.RunBoth(
         [&] {
-          left = rectifier_.RectifyLeft(images.left);
-          left_features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, max_points);
+          left = HalvedImages(rectifier_.RectifyLeft(images.left));
+          left_features.points = PointsInside(left_extractor_, left.front(), rig_.left, left_mask_, max_points);
+          if (lines_alone) find_left_lines();
         },
         [&] {
-          right = rectifier_.RectifyRight(images.right);
-          right_features = ExtractInside(right_extractor_, right, rig_.right, right_mask_, max_points);
+          right = HalvedImages(rectifier_.RectifyRight(images.right));
+          right_features.lines = LinesInside(right_extractor_, right.front(), right_mask_);
+          if (!NeedsRightPoints(rows, options_.stereo)) return;
+          right_features.points = PointsInside(right_extractor_, right.front(), rig_.right, right_mask_, max_points);
         });
   });
   return timer.Time("stereo", [&] {
-    StereoFeatures features =
-        MatchStereo(std::move(left_features), std::move(right_features), left, right, rows, options, OnBothThreads());
+    const HalvedPair pair(left, right);
+    PairMatcher matcher(pair, rows, options_.stereo);
+    matcher.SetPoints(std::move(left_features.points), std::move(right_features.points));
+    worker_.RunBoth([&] { matcher.MatchPoints(); },
+                    [&] {
+                      if (!lines_alone) find_left_lines();
+                      matcher.MatchLines(std::move(left_features.lines), std::move(right_features.lines));
+                      matcher.MatchPoints();
+                    });
+    StereoFeatures features = matcher.Finish();
     if (!rig_.right.mask.empty()) ForgetPartnersOutside(right_mask_, features);
     return features;
   });
@@ -100,7 +144,8 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
   timer.Time("features", [&] {
     worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
                     [&] { depth = rectifier_.RectifyDepth(images.right); });
-    features = ExtractInside(left_extractor_, left, rig_.left, left_mask_, max_points, OnBothThreads());
+    worker_.RunBoth([&] { features.points = PointsInside(left_extractor_, left, rig_.left, left_mask_, max_points); },
+                    [&] { features.lines = LinesInside(left_extractor_, left, left_mask_); });
   });
   return timer.Time("stereo", [&] {
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);

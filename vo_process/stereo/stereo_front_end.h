@@ -16,8 +16,9 @@
 
 namespace plslam {
 
-/// From a recorded stereo pair to stereo features: rectification, points and lines of both images side by side on two
-/// threads, stereo matching (PL-SLAM §IV.A-B). For RGB-D rigs the depth map takes the right image's place.
+/// From a recorded stereo pair to stereo features: rectification, points of the left image and lines of both, stereo
+/// matching (PL-SLAM §IV.A-B), shared between two threads. For RGB-D rigs the depth map takes the right image's
+/// place.
 class StereoFrontEnd {
  public:
   /// Throws std::runtime_error where the rig cannot be rectified.
@@ -26,19 +27,19 @@ class StereoFrontEnd {
   const StereoCamera& camera() const { return rectifier_.camera(); }
 
   /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images,
-  /// `max_points` how many corners are wanted of each, where not as many as the options say. Throws
-  /// std::runtime_error where the images do not fit the rig.
+  /// `max_points` how many corners are wanted, where not as many as the options say. Throws std::runtime_error where
+  /// the images do not fit the rig.
   StereoFeatures Process(const StereoImages& images, StageTimer& timer, const RowField& rows = {},
                          std::optional<int> max_points = std::nullopt);
 
-  /// The same of a pair whose rows may differ by several pixels, to learn them from: tolerant of such rows, and less
-  /// sure of disparities for it.
+  /// Points of a pair whose rows may differ by several pixels, to learn them from: corners of both images are
+  /// compared, tolerant of such rows, and disparities are less sure for it.
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
 
  private:
   RunBoth OnBothThreads();
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
-                               std::optional<int> max_points, const StereoOptions& options);
+                               std::optional<int> max_points);
   StereoFeatures ProcessRgbd(const StereoImages& images, StageTimer& timer, std::optional<int> max_points);
 
   RigCalibration rig_;

@@ -1,6 +1,5 @@
 #include "vo_process/stereo/stereo_matcher.h"
 
-#include <optional>
 #include <utility>
 
 #include "vo_process/stereo/correct_disparities.h"
@@ -11,16 +10,8 @@
 namespace plslam {
 namespace {
 
-/// Brings right features to the rows that they have in the left image.
-void ToLeftRows(const RowField& rows, ImageFeatures& right) {
-  if (rows.is_zero()) return;
-  const auto bring = [&rows](Eigen::Vector2d& px) { px.y() = rows.LeftRow_px(px); };
-  for (PointFeature& point : right.points) bring(point.px);
-  for (LineFeature& line : right.lines) {
-    bring(line.segment.p);
-    bring(line.segment.q);
-  }
-}
+/// To the row that a right feature has in the left image.
+void ToLeftRow(const RowField& rows, Eigen::Vector2d& px) { px.y() = rows.LeftRow_px(px); }
 
 /// From disparities, what the rotation that shows in the rows has added to them.
 void TakeRotationAway(const RowField& rows, StereoFeatures& features) {
@@ -32,24 +23,51 @@ void TakeRotationAway(const RowField& rows, StereoFeatures& features) {
 
 }  // namespace
 
+PairMatcher::PairMatcher(const HalvedPair& pair, const RowField& rows, const StereoOptions& options)
+    : pair_(pair), rows_(rows), options_(options) {}
+
+void PairMatcher::SetPoints(std::vector<PointFeature> left, std::vector<PointFeature> right) {
+  right_points_ = std::move(right);
+  if (!rows_.is_zero()) {
+    for (PointFeature& point : right_points_) ToLeftRow(rows_, point.px);
+  }
+  features_.points = WithoutDepth(std::move(left), options_);
+  candidates_ = FindPointCandidates(features_.points, right_points_, rows_.skew(), options_);
+}
+
+void PairMatcher::MatchPoints() {
+  MatchPointsStereo(features_.points, right_points_, candidates_, pair_, rows_, options_, begun_points_);
+}
+
+void PairMatcher::MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right) {
+  if (!rows_.is_zero()) {
+    for (LineFeature& line : right) {
+      ToLeftRow(rows_, line.segment.p);
+      ToLeftRow(rows_, line.segment.q);
+    }
+  }
+  features_.lines = WithoutDepth(std::move(left));
+  MatchLinesStereo(features_.lines, right, pair_.full().left, pair_.full().right, rows_, options_);
+}
+
+StereoFeatures PairMatcher::Finish() {
+  TakeRotationAway(rows_, features_);
+  TakeSkewAway(rows_.skew(), features_);
+  return std::move(features_);
+}
+
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
                            const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                            const RunBoth& run_both) {
-  ToLeftRows(rows, right);
-  StereoFeatures features;
-  features.points = WithoutDepth(std::move(left.points), options);
-  features.lines = WithoutDepth(std::move(left.lines));
-  std::vector<PointCandidate> candidates;
-  std::optional<HalvedPair> pair;
-  run_both([&] { candidates = FindPointCandidates(features.points, right.points, rows.skew(), options); },
+  const HalvedPair pair(left_image, right_image);
+  PairMatcher matcher(pair, rows, options);
+  matcher.SetPoints(std::move(left.points), std::move(right.points));
+  run_both([&] { matcher.MatchPoints(); },
            [&] {
-             if (!features.points.empty()) pair.emplace(left_image, right_image);
-             MatchLinesStereo(features.lines, right.lines, left_image, right_image, rows, options);
+             matcher.MatchLines(std::move(left.lines), std::move(right.lines));
+             matcher.MatchPoints();
            });
-  if (pair) MatchPointsStereo(features.points, right.points, candidates, *pair, rows, options, run_both);
-  TakeRotationAway(rows, features);
-  TakeSkewAway(rows.skew(), features);
-  return features;
+  return matcher.Finish();
 }
 
 StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double depth_units_per_m,

@@ -1,24 +1,58 @@
 #pragma once
 
+#include <atomic>
+#include <cstddef>
+#include <vector>
+
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/features.h"
 #include "core/features/image/run_both.h"
 #include "core/features/options.h"
 #include "core/geometry/stereo_camera.h"
+#include "vo_process/stereo/halved_pair.h"
+#include "vo_process/stereo/point_stereo.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam {
 
-/// Stereo matches of both feature types (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, then sub-pixel
-/// disparity by comparing the images, with its standard deviation. All left features are kept; those without a match,
-/// and segments nearly parallel to the baseline, have no depth. `rows` tells how rows of the two differ. `run_both`
-/// shares the work between two threads.
+/// Stereo matches of both feature types of one pair (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, or a
+/// search along the row, then sub-pixel disparity by comparing the images, with its standard deviation. All left
+/// features are kept; those without a match, and segments nearly parallel to the baseline, have no depth.
+///
+/// In steps, so that two threads can share the work: what comes out does not depend on who does what.
+class PairMatcher {
+ public:
+  /// `rows` tells how rows of the two differ. All of it must outlive the matcher.
+  PairMatcher(const HalvedPair& pair, const RowField& rows, const StereoOptions& options);
+
+  /// Once, before `MatchPoints`. Without right points all are searched along their rows.
+  void SetPoints(std::vector<PointFeature> left, std::vector<PointFeature> right);
+
+  /// Any number of threads may do it at the same time, beside `MatchLines`; returns when no point is left to begin.
+  void MatchPoints();
+
+  void MatchLines(std::vector<LineFeature> left, std::vector<LineFeature> right);
+
+  /// When all of that has returned.
+  StereoFeatures Finish();
+
+ private:
+  const HalvedPair& pair_;
+  const RowField& rows_;
+  const StereoOptions& options_;
+  std::vector<PointFeature> right_points_;
+  std::vector<PointCandidate> candidates_;
+  std::atomic<size_t> begun_points_ = 0;
+  StereoFeatures features_;
+};
+
+/// All of it for features that have been extracted. `run_both` shares the work between two threads.
 StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Mat& left_image,
                            const cv::Mat& right_image, const RowField& rows, const StereoOptions& options,
                            const RunBoth& run_both = RunInTurn);
 
-/// The same for a depth map aligned with the left image (16 bits, 0 = unknown): virtual right measurements
+/// Depths from a depth map aligned with the left image (16 bits, 0 = unknown), as virtual right measurements
 /// d = b f / Z, the lines' from depths sampled robustly along the segment.
 StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double depth_units_per_m,
                            const StereoCamera& camera, const StereoOptions& options);

@@ -1,6 +1,7 @@
 #include "tests/unit/stereo/stereo_points.h"
 
 #include <algorithm>
+#include <atomic>
 
 #include "core/features/points/orb_extractor.h"
 
@@ -8,8 +9,9 @@ namespace plslam::test {
 
 void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
            const cv::Mat& right, const StereoOptions& options) {
+  std::atomic<size_t> begun = 0;
   MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, PairSkew(), options),
-                    HalvedPair(left, right), RowField(), options);
+                    HalvedPair(left, right), RowField(), options, begun);
 }
 
 std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options) {

@@ -26,6 +26,8 @@ inline constexpr const char* kPicturesMissing = "pictures.missing";
 inline constexpr const char* kRightLate = "sync.right_late_ms";
 inline constexpr const char* kLeftLate = "sync.left_late_ms";
 inline constexpr const char* kLateFrames = "sync.late_frames";
+/// Of that, what is made up for; beyond, frames are at most weak.
+inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
 inline constexpr std::array<const char*, 12> kRunCounters{
     kPointsSeen,   kPointsMatched,   kFramesDark, kCornerRows, kDisparityError, kTruthFrames,

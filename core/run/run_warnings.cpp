@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/run/run_counters.h"
+
 namespace plslam {
 namespace {
 
@@ -64,14 +66,17 @@ bool LacksMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
-/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time.
+/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time; from
+/// `SyncCheck::is_far_off` on, what is made up for does not make such frames sure.
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));
-  const std::string remedy =
-      offset == 0
-          ? std::string("this is made up for, but trigger the cameras together")
-          : fmt::format("pair them anew (player.right_offset_frames={}), or trigger the cameras together", offset);
+  std::string remedy = "this is made up for, but trigger the cameras together";
+  if (f.late_frames > kMostLateMadeUpFor_frames) remedy = "too much to be made up for: trigger the cameras together";
+  if (offset != 0) {
+    remedy = fmt::format("pair them anew with `--set player.right_offset_frames={}`, or trigger the cameras together",
+                         offset);
+  }
   return fmt::format("the {} images are taken {:.3g} ms after the {} ones: {}", right ? "right" : "left",
                      std::max(f.right_late_ms, f.left_late_ms), right ? "left" : "right", remedy);
 }

@@ -63,10 +63,11 @@ double Mean(const std::vector<OdometryFrame>& frames, Member member) {
 }
 
 void PrintFrame(int index, const OdometryFrame& f) {
-  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d late %.1f ms  t %.4f %.4f %.4f\n", index,
-              static_cast<int>(f.state), f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines,
+  std::printf("  %4d state %d points %d/%d lines %d/%d kf %d late %.1f ms  t %.4f %.4f %.4f  d %.2f %.2f %.2f\n",
+              index, static_cast<int>(f.state), f.n_tracked_points, f.n_points, f.n_tracked_lines, f.n_lines,
               f.keyframe ? 1 : 0, 1e3 * f.late_s, f.T_odom_l.translation().x(), f.T_odom_l.translation().y(),
-              f.T_odom_l.translation().z());
+              f.T_odom_l.translation().z(), f.disparity_offset_px(0), f.disparity_offset_px(1),
+              f.disparity_offset_px(2));
 }
 
 double Quantile(std::vector<double> values, double q) {
@@ -160,6 +161,7 @@ struct Arguments {
   bool mapping = false;
   bool loops = false;
   int pieces = 0;
+  int first = 0;
   plslam::test::Worsening worsening;
 };
 
@@ -169,6 +171,7 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--config", a.config, "configuration file");
   app.add_option("--stride", run.stride, "every so many frames");
   app.add_option("--frames", run.max_frames, "at most so many");
+  app.add_option("--first", a.first, "odometry alone: from this frame on");
   app.add_flag("--verbose", a.verbose, "a line for each frame");
   app.add_flag("--mapping", a.mapping, "tracking against the map instead of odometry alone");
   app.add_flag("--loops", a.loops, "mapping and loop closing");
@@ -203,7 +206,8 @@ void RunMapping(const std::string& location, const plslam::Dataset& dataset, con
 
 void RunOdometry(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                  const plslam::test::LoopRunOptions& options) {
-  const auto frames = plslam::test::RunOdometry(dataset, options.vo, options.stride, options.max_frames);
+  const auto frames =
+      plslam::test::RunOdometry(dataset, options.vo, options.stride, options.max_frames, nullptr, a.first);
   const auto keyframes = std::count_if(frames.begin(), frames.end(), [](const auto& f) { return f.keyframe; });
   for (int i = 0; a.verbose && i < static_cast<int>(frames.size()); ++i) PrintFrame(i, frames[i]);
   std::printf("%-40s frames %zu lost %d keyframes %td ate %.5f nees %.2f points %.0f/%.0f lines %.0f/%.0f ms%s\n",

@@ -49,6 +49,10 @@ std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& 
     frame.t_ns = images.t_ns;
     frame.T_w_l = dataset.GroundTruth(i);
     frame.late_s = odometry.sync_check().late_s();
+    for (int third = 0; third < 3; ++third) {
+      const double u_px = (2 * third + 1) / 6.0 * front_end.camera().width_px;
+      frame.disparity_offset_px(third) = odometry.disparity_calibration().Offset_px(u_px);
+    }
     frame.stages = timer.stages();
     frames.push_back(frame);
     if (visit) visit(images, result);

@@ -29,6 +29,8 @@ struct OdometryFrame {
   int n_tracked_lines = 0;
   /// By how much the right images are believed to be taken later than the left ones.
   double late_s = 0.0;
+  /// What is taken from disparities at the centres of the thirds of the image.
+  Eigen::Vector3d disparity_offset_px = Eigen::Vector3d::Zero();
   std::vector<StageTime> stages;
 };
 

@@ -14,6 +14,8 @@ constexpr double kFewOfUse = 0.4;
 constexpr double kMostOfUse = 0.6;
 // Times the usual number: more corners take more time than they are worth.
 constexpr double kMaxFactor = 4.0;
+// Where moving bodies have taken the corners, which are good ones there, twice as many leave enough of the world.
+constexpr double kMaxBodyFactor = 2.0;
 // Of the usual number: where there are fewer corners than that, a larger budget finds no more.
 constexpr double kBudgetUsedUp = 0.9;
 
@@ -42,13 +44,20 @@ void CornerBudget::Observe(const TrackedFrame& frame) {
     return;
   }
   const std::vector<size_t> strongest = Strongest(points, static_cast<size_t>(usual_));
+  const auto is_on_body = [&](size_t i) { return !frame.point_tracks[i].IsOfWorld(); };
   const auto is_of_use = [&](size_t i) {
     return points[i].HasDepth() || (frame.point_tracks[i].landmark_id >= 0 && frame.point_tracks[i].age > 0);
   };
-  const double share = static_cast<double>(std::count_if(strongest.begin(), strongest.end(), is_of_use)) /
-                       static_cast<double>(strongest.size());
-  const bool few = share < (factor_ > 1.0 ? kMostOfUse : kFewOfUse);
-  factor_ = few ? std::min(1.0 / std::max(share, 1e-3), kMaxFactor) : 1.0;
+  const auto share_of = [&](const auto& is_such) {
+    return static_cast<double>(std::count_if(strongest.begin(), strongest.end(), is_such)) /
+           static_cast<double>(strongest.size());
+  };
+  const double of_use = share_of(is_of_use);
+  const double of_world = share_of([&](size_t i) { return is_of_use(i) && !is_on_body(i); });
+  const double enough = factor_ > 1.0 ? kMostOfUse : kFewOfUse;
+  factor_ = 1.0;
+  if (of_world < enough) factor_ = std::min(1.0 / std::max(of_world, 1e-3), kMaxBodyFactor);
+  if (of_use < enough) factor_ = std::min(1.0 / std::max(of_use, 1e-3), kMaxFactor);
 }
 
 }  // namespace plslam

@@ -13,9 +13,10 @@
 namespace plslam {
 namespace {
 
-// A stretch ends when this share of its points is left: the longer, the more parallax.
+// A stretch ends when this share of its points is left: the longer, the more parallax. Halves of the fewest points
+// still have three times as many equations as unknowns; a vehicle that hides most of the view leaves no more.
 constexpr double kShareLeft = 0.5;
-constexpr size_t kMinPoints = 40;
+constexpr size_t kMinPoints = 20;
 // Most new landmarks are not seen again: they say nothing of how long a stretch is.
 constexpr int kMinAge = 1;
 constexpr int kIterations = 3;

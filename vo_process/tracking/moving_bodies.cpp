@@ -1,6 +1,7 @@
 #include "vo_process/tracking/moving_bodies.h"
 
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "core/features/matching/segment_projection.h"
@@ -19,6 +20,8 @@ constexpr int kMinFollowedWeight = 15;
 constexpr double kMinInlierRatio = 0.5;
 // Of two groups of features the share that must agree on one motion for them to be one body.
 constexpr double kMinJoinedRatio = 0.7;
+// Two bodies whose motions differ by less than this, where the smaller one is, may be parts of one.
+constexpr double kAlike_px = 2.0;
 // A match speaks against a pose where it is off by more than this, or by so many deviations of its disparity.
 constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
@@ -32,8 +35,8 @@ constexpr int kSurroundedTimes = 3;
 // forgotten.
 constexpr int kGuardedFrames = 5;
 constexpr int kMaxUnseenFrames = 10;
-// In how many frames a body must be found to be told of.
-constexpr int kMetFrames = 3;
+// In how many frames a body must be found to be told of: parts of one that are found one by one have joined by then.
+constexpr int kMetFrames = 5;
 constexpr int kStandingFrames = 10;
 // What would move less than this in the image, had it moved with the camera, does not show whether it stands.
 constexpr double kShownMotion_px = 2.0;
@@ -103,6 +106,21 @@ bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPredict
   return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
 }
 
+/// By how much two motions of the camera from the frame before, as seen from two bodies, differ in the image: the
+/// median over what was matched of the second.
+double MotionDifference_px(const SE3& T_c_prev, const SE3& T_c_prev_of_second, const SE3& T_prev_b,
+                           const Body& second, const FrameMatches& matches, const StereoCamera& camera) {
+  std::vector<double> differences;
+  for (const LandmarkMatch& match : matches.points) {
+    const Eigen::Vector3d p_prev = T_prev_b * second.landmarks.points.landmarks()[match.landmark].p_odom;
+    const Eigen::Vector3d p_c = T_c_prev * p_prev;
+    const Eigen::Vector3d p_c_of_second = T_c_prev_of_second * p_prev;
+    if (std::min(p_c.z(), p_c_of_second.z()) < camera.MinDepth()) continue;
+    differences.push_back((camera.ProjectStereo(p_c) - camera.ProjectStereo(p_c_of_second)).norm());
+  }
+  return differences.empty() ? std::numeric_limits<double>::infinity() : Median(differences);
+}
+
 }  // namespace
 
 struct MovingBodies::Rest {
@@ -153,6 +171,12 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
   if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); })) return rival;
   const FeaturePlaces places = AllPlaces(found, frame);
   GiveToBodies(world, frame, places, found);
+  // What bodies leave of the world may be too little to tell its motion: the motion so far then takes part.
+  if (!found.weak && found.matches.Weight() < kMinWeight) {
+    const MotionPrior prior{(T_odom_prev * prediction.T_prev_c).Inverse(), prediction.covariance};
+    if (auto held = aligner_.Estimate(world, frame, found.matches, found.T_odom_c, prior)) found = std::move(*held);
+    found.weak = true;
+  }
   NameFeatures(places, found, frame);
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
@@ -187,6 +211,30 @@ void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims
     } else {
       body.T_b_c = body.T_b_c * prediction.T_prev_c;
       if (++body.unseen_frames > kMaxUnseenFrames) body.id = -1;
+    }
+  }
+  // The front of a lorry and its side are often found one after the other: the smaller one of two that move alike
+  // goes to the other.
+  const auto is_seen = [&](size_t k) { return bodies_[k].IsThere() && bodies_[k].unseen_frames == 0; };
+  const auto T_c_prev = [&](size_t k) { return bodies_[k].T_b_c.Inverse() * T_b_prev_[k]; };
+  for (size_t i = 0; i < kMaxBodies; ++i) {
+    for (size_t j = i + 1; j < kMaxBodies; ++j) {
+      if (!is_seen(i) || !is_seen(j)) continue;
+      const bool first_is_larger = matches_[i].Weight() >= matches_[j].Weight();
+      const size_t large = first_is_larger ? i : j;
+      const size_t small = first_is_larger ? j : i;
+      Body& part = bodies_[small];
+      const double apart_px = MotionDifference_px(T_c_prev(large), T_c_prev(small), T_b_prev_[small].Inverse(), part,
+                                                  matches_[small], camera_);
+      const bool joins = apart_px < kAlike_px &&
+                         Join(static_cast<int>(large), T_b_prev_[small], part.landmarks, matches_[small], frame);
+      if (!joins) continue;
+      Body& whole = bodies_[large];
+      // Of two that have been told of, one was too many.
+      if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
+      whole.found_frames = std::max(whole.found_frames, part.found_frames);
+      part.id = -1;
+      matches_[small] = {};
     }
   }
 }

@@ -185,6 +185,7 @@ void Odometry::CheckSync(TrackedFrame& frame, const SE3& T_prev_c, double dt_s) 
   row_calibration_ = RowCalibration(camera_, options_.row_calibration);
   calibration_ = DisparityCalibration(camera_, options_.disparity_calibration);
   TakeSkewAway(sync_check_.SkewOf(T_prev_c, dt_s), frame.features);
+  bodies_.Forget();
   landmarks_.Initialise(T_odom_c_, frame);
 }
 
@@ -249,7 +250,7 @@ void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& predict
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   const Alignment& alignment = tracked.alignment;
   result.state = TrackingState::kTracking;
-  if (alignment.weak || tracked.T_odom_rival) result.state = TrackingState::kWeak;
+  if (alignment.weak || tracked.T_odom_rival || sync_check_.is_far_off()) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     // Found again where it was lost, it knows no more of the map than it did there.

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/geometry/stereo_camera.h"
+#include "core/run/run_counters.h"
 #include "vo_process/stereo/pair_skew.h"
 #include "vo_process/tracking/tracked_frame.h"
 
@@ -31,6 +33,10 @@ class SyncCheck {
 
   /// The same as a share of the time between the last frames.
   double late_frames() const { return interval_s_ > 0.0 ? late_s() / interval_s_ : 0.0; }
+
+  /// Late by so much of a frame that where the camera was at the time of the right image is a guess: what is found
+  /// with such a pair is not sure.
+  bool is_far_off() const { return std::abs(late_frames()) > kMostLateMadeUpFor_frames; }
 
   /// By how much longer the right camera takes to read its image than the left one (rolling shutters that are not
   /// alike); 0 until it is significant.

@@ -58,7 +58,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
          f.late_frames = 0.9;
          f.corner_rows_px = 12.0;
        },
-       "the right images are taken 93 ms after the left ones: pair them anew (player.right_offset_frames=-1)"},
+       "the right images are taken 93 ms after the left ones: pair them anew with `--set "
+       "player.right_offset_frames=-1`"},
       {"readout_differs", [](RunFindings& f) { f.unequal_readout_ms = 12.5; }, "takes 12.5 ms longer"},
       {"rows_corrected_far", [](RunFindings& f) { f.corner_rows_px = 12.34; }, "by up to 12.3 px in the corners"},
       {"disparities_off", [](RunFindings& f) { f.disparity_error_px = 3.44; },
@@ -103,6 +104,10 @@ TEST(RunWarnings, CamerasThatAreLateByLessThanAFrameAreNotPairedAnew) {
   ASSERT_THAT(CodesOf(findings), ElementsAre("cameras_out_of_step"));
   EXPECT_THAT(WarningsOf(findings)[0].sentence,
               HasSubstr("the left images are taken 5 ms after the right ones: this is made up for"));
+  findings.left_late_ms = 20.0;
+  findings.late_frames = 0.4;
+  EXPECT_THAT(WarningsOf(findings)[0].sentence,
+              HasSubstr("too much to be made up for: trigger the cameras together"));
 }
 
 TEST(RunWarnings, WhatIsJustAboutGoodEnoughIsNone) {

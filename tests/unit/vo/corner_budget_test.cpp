@@ -54,6 +54,23 @@ TEST(CornerBudget, WhatWasSeenBeforeIsOfUse) {
   EXPECT_EQ(budget.max_points(), 1000);
 }
 
+TEST(CornerBudget, WhatIsOnABodyIsNotOfUse) {
+  CornerBudget budget(1000);
+  TrackedFrame frame = FrameWith(1000, 0);
+  const auto on_body = [&frame](size_t n) {
+    for (size_t i = 0; i < frame.point_tracks.size(); ++i) frame.point_tracks[i].body = i < n ? 0 : -1;
+  };
+  on_body(500);
+  budget.Observe(frame);
+  EXPECT_EQ(budget.max_points(), 1000) << "enough is left of the world";
+  on_body(700);
+  budget.Observe(frame);
+  EXPECT_EQ(budget.max_points(), 2000) << "not as many as in snow";
+  on_body(300);
+  budget.Observe(frame);
+  EXPECT_EQ(budget.max_points(), 1000);
+}
+
 TEST(CornerBudget, IsKeptForARestart) {
   CornerBudget budget(1000);
   budget.Observe(FrameWith(1000, 700));

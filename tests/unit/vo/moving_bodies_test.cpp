@@ -20,14 +20,14 @@ using test::PathAt;
 
 constexpr double kNoise_px = 0.3;
 
-/// A box full of points, 1.6 x 1.2 x 0.5 m around its origin.
-FeatureWorld Box(int points, uint64_t seed) {
+/// A box full of points, 1.6 x 1.2 x 0.5 m around a place.
+FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eigen::Vector3d::Zero()) {
   std::mt19937_64 generator(seed);
   std::uniform_real_distribution<double> unit(-0.5, 0.5);
   std::vector<FeatureWorld::Point> all;
   for (int i = 0; i < points; ++i) {
     const Eigen::Vector3d p(1.6 * unit(generator), 1.2 * unit(generator), 0.5 * unit(generator));
-    all.push_back({p, {generator(), generator(), generator(), generator()}});
+    all.push_back({middle + p, {generator(), generator(), generator(), generator()}});
   }
   return {std::move(all), {}, 100.0};
 }
@@ -100,6 +100,46 @@ TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
     EXPECT_EQ(result.n_bodies, 1);
     EXPECT_GT(result.n_moving, 100);
   }
+}
+
+// A rear and a front with nothing between, too far apart to be found as one.
+TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
+  Scene scene;
+  const FeatureWorld front = Box(150, 5, {2.2, 0.0, 1.0});
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 60; ++i) {
+    const SE3 T_w_b = AheadBy(-4.5 + 0.1 * i);
+    StereoFeatures features = scene.See(PathAt(i), &T_w_b, i);
+    const StereoFeatures more =
+        front.Observe(T_w_b.Inverse() * PathAt(i), kNoise_px, 2000 + static_cast<uint64_t>(i));
+    features.points.insert(features.points.end(), more.points.begin(), more.points.end());
+    const OdometryResult result = odometry.Track(i * kFrame_ns, std::move(features));
+    EXPECT_LE(result.n_bodies, 1) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.02) << "frame " << i;
+  }
+}
+
+// A box takes nearly all of the view: what is left of the world agrees with the motion so far and is not enough to
+// tell it.
+TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
+  Scene scene{{{120, 20}, 3}, Box(200, 4)};
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  int weak = 0;
+  for (int i = 0; i < 40; ++i) {
+    const SE3 T_w_b = AheadBy(-2.0 + 0.1 * i);
+    StereoFeatures features = scene.See(PathAt(i), &T_w_b, i);
+    if (i >= 30) {
+      // All but 15 points of the world.
+      features.points.erase(features.points.begin() + 15,
+                            features.points.begin() + static_cast<std::ptrdiff_t>(scene.n_world_points));
+      features.lines.clear();
+    }
+    const OdometryResult result = odometry.Track(i * kFrame_ns, std::move(features));
+    EXPECT_NE(result.state, TrackingState::kLost) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.05) << "frame " << i;
+    if (i >= 31 && result.state == TrackingState::kWeak) ++weak;
+  }
+  EXPECT_EQ(weak, 9);
 }
 
 TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {

@@ -18,6 +18,7 @@ function(plslam_report_template page program)
     COMMAND ${CMAKE_COMMAND} -DPAGE=${page} -DWORK=${CMAKE_BINARY_DIR}/report_page -DTEMPLATE=${template}
             -DNODE=${NODE_PROGRAM} -DNPM=${NPM_PROGRAM} -P ${CMAKE_SOURCE_DIR}/cmake/bundle_report.cmake
     DEPENDS ${sources} ${CMAKE_SOURCE_DIR}/cmake/bundle_report.cmake
+            ${CMAKE_SOURCE_DIR}/cmake/npm_packages.cmake
     COMMENT "Bundling the page of reports"
     VERBATIM)
   add_custom_target(report_template DEPENDS ${template})

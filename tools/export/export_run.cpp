@@ -15,6 +15,7 @@
 #include "tools/export/colmap_model.h"
 #include "tools/export/keyframe_images.h"
 #include "tools/export/map_obj.h"
+#include "tools/export/mcap/export_mcap.h"
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
 
@@ -26,6 +27,7 @@ struct OngoingExport {
   RunSource source;
   std::unique_ptr<KeyframeImages> images;
   std::string out;
+  std::string dataset;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
 
@@ -117,6 +119,14 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
   }
 }
 
+void ExportAsMcap(OngoingExport& e) {
+  const McapContent content = ExportMcap(e.source, e.dataset, e.Path("run.mcap"));
+  e.Told("run.mcap",
+         fmt::format("{} frames, {} images{}", content.frames, content.images, content.has_map ? ", the map" : ""));
+  WriteFileAtomically(e.Path("foxglove_layout.json"), FoxgloveLayout());
+  e.Told("foxglove_layout.json", "what Foxglove and Lichtblick show of it: Layouts, Import from file");
+}
+
 struct Writer {
   ExportFormat format;
   void (*write)(OngoingExport&);
@@ -134,7 +144,8 @@ const std::vector<Writer>& Writers() {
       {{"kitti", "poses: rows of [R t], and their times", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kKitti, e); }},
       {{"euroc", "poses: t_ns,px,py,pz,qw,qx,qy,qz", false},
-       [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }}};
+       [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kEuroc, e); }},
+      {{"mcap", "messages of ROS 2 (Foxglove, Lichtblick, Rerun, ros2 bag), and a layout", false}, ExportAsMcap}};
   return kWriters;
 }
 
@@ -164,7 +175,7 @@ const std::vector<ExportFormat>& ExportFormats() {
 
 std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   CheckNames(request.formats);
-  OngoingExport e{ReadRunSource(request.source), nullptr, request.out, {}, std::nullopt};
+  OngoingExport e{ReadRunSource(request.source), nullptr, request.out, request.dataset, {}, std::nullopt};
   if (!request.dataset.empty() && e.source.map) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
     e.images = std::make_unique<KeyframeImages>(request.dataset, camera);

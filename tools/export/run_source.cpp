@@ -33,6 +33,7 @@ RunSource ReadRunSource(const std::string& path, const std::string& map) {
   if (!fs::is_directory(path)) {
     source.map_path = path;
   } else {
+    source.folder = path;
     source.map_path = map.empty() ? FindMap(path) : map;
     const std::string frames = (fs::path(path) / "trajectory.tum").string();
     if (fs::exists(frames)) source.frames = ReadTrajectory(frames, TrajectoryFormat::kTum);

@@ -10,6 +10,8 @@ namespace plslam {
 
 /// What a map file, or the folder of a run, has in it.
 struct RunSource {
+  /// Empty where the source is a map file.
+  std::string folder;
   /// Empty where there is no map.
   std::string map_path;
   std::optional<StoredMap> map;

@@ -34,9 +34,9 @@ TEST(ExportRun, AMapGivesAllFormats) {
   const ScratchFolder folder;
   WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
   const auto files = ExportRun({folder.Path("a.plmap"), folder.Path("out"), {}, ""});
-  EXPECT_THAT(NamesOf(files),
-              testing::ElementsAre("map.ply", "map.obj", "sparse", "text", "pose_graph.g2o", "keyframes.tum",
-                                   "keyframes.kitti", "keyframes_times.txt", "keyframes.euroc"));
+  EXPECT_THAT(NamesOf(files), testing::ElementsAre("map.ply", "map.obj", "sparse", "text", "pose_graph.g2o",
+                                                   "keyframes.tum", "keyframes.kitti", "keyframes_times.txt",
+                                                   "keyframes.euroc", "run.mcap", "foxglove_layout.json"));
   for (const ExportedFile& file : files) EXPECT_TRUE(std::filesystem::exists(file.path)) << file.path;
   const G2oFile graph = ReadG2o(folder.Path("out/pose_graph.g2o"));
   EXPECT_EQ(std::get<G2oGraph<SE3>>(graph.content).ids.size(), 3U);
@@ -52,7 +52,8 @@ TEST(ExportRun, AFolderWithoutMapGivesItsTrajectoryOnly) {
   WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{7, SE3()}, {8, SE3()}});
   const std::string out = folder.Path("to");
   EXPECT_THAT(NamesOf(ExportRun({folder.Path(""), out, {}, ""})),
-              testing::ElementsAre("trajectory.tum", "trajectory.kitti", "trajectory_times.txt", "trajectory.euroc"));
+              testing::ElementsAre("trajectory.tum", "trajectory.kitti", "trajectory_times.txt", "trajectory.euroc",
+                                   "run.mcap", "foxglove_layout.json"));
   EXPECT_THAT(ErrorOf({folder.Path(""), out, {"ply"}, ""}), HasSubstr("ply needs a map: plslam run --save-map"));
 }
 
@@ -87,6 +88,27 @@ TEST(ExportRun, ImagesOfAnotherCameraAreRefused) {
   WriteMapFile(folder.Path("a.plmap"), test::SmallStoredMap());
   EXPECT_THAT(ErrorOf({folder.Path("a.plmap"), folder.Path("out"), {}, "synthetic:room?size=160x120&frames=3"}),
               HasSubstr("is not that of the map: f_px "));
+}
+
+TEST(ExportRun, ImagesOfAnotherTimeAreRefused) {
+  const ScratchFolder folder;
+  WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{5'000'000'000'000, SE3()}});
+  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, "synthetic:room?size=160x120&frames=3"}),
+              HasSubstr("has no image of the time of the run"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.Path("out"))) << "nothing half written stays";
+}
+
+TEST(ExportRun, ADamagedTableOfFramesIsNamed) {
+  const ScratchFolder folder;
+  WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{1'000'000'000, SE3()}});
+  folder.Write("poses.csv", "frame_id,t_s,state\n0,1.0,tracking\n1,x,tracking\n");
+  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("poses.csv:3: "));
+  folder.Write("poses.csv", "frame_id,t_s,state\n0,1.0\n");
+  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}),
+              HasSubstr("poses.csv:2: has not the columns of its first line"));
+  WriteTrajectory(folder.Path("trajectory.tum"), TrajectoryFormat::kTum, {{-1'000'000'000, SE3()}});
+  std::filesystem::remove(folder.Path("poses.csv"));
+  EXPECT_THAT(ErrorOf({folder.Path(""), folder.Path("out"), {"mcap"}, ""}), HasSubstr("no time before 1970"));
 }
 
 TEST(ExportProgram, TellsItsFilesAndItsErrors) {

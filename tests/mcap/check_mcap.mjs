@@ -1,0 +1,173 @@
+// node check_mcap.mjs NODE_MODULES FILE.mcap FOLDER: reads the file with the format's own libraries, decodes every message by its schema, and
+// compares it with trajectory.tum and map.ply of FOLDER where they are there. Prints what it found as JSON, with `failures`.
+import { closeSync, existsSync, openSync, readFileSync, readSync, statSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join, resolve } from "node:path";
+import * as zlib from "node:zlib";
+
+const [modules, file, folder] = process.argv.slice(2);
+const require = createRequire(join(resolve(modules), "x.js"));
+const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
+const { parse } = require("@foxglove/rosmsg");
+const { MessageReader } = require("@foxglove/rosmsg2-serialization");
+const { decompress } = require("fzstd");
+
+const failures = [];
+const fail = (text) => failures.push(text);
+const zstd = { zstd: (bytes, size) => decompress(new Uint8Array(bytes), new Uint8Array(Number(size))) };
+const bytes = readFileSync(file);
+const time_ns = (stamp) => BigInt(stamp.sec) * 1_000_000_000n + BigInt(stamp.nanosec);
+
+/** All records in the order of the file; throws where a checksum is wrong. */
+function stream(content) {
+  const reader = new McapStreamReader({ decompressHandlers: zstd, validateCrcs: true });
+  reader.append(content);
+  const records = [];
+  for (let record; (record = reader.nextRecord()); ) records.push(record);
+  if (!reader.done()) throw new Error("the file does not end as one should");
+  return records;
+}
+
+/** Messages by topic, decoded, through the index. */
+async function decoded() {
+  const fd = openSync(file, "r");
+  const readable = {
+    size: async () => BigInt(statSync(file).size),
+    read: async (offset, length) => {
+      const part = new Uint8Array(Number(length));
+      readSync(fd, part, 0, part.length, Number(offset));
+      return part;
+    },
+  };
+  const reader = await McapIndexedReader.Initialize({ readable, decompressHandlers: zstd });
+  const readers = new Map();
+  const topics = {};
+  let last = 0n;
+  for await (const message of reader.readMessages({ validateCrcs: true })) {
+    const channel = reader.channelsById.get(message.channelId);
+    const schema = reader.schemasById.get(channel.schemaId);
+    if (channel.messageEncoding !== "cdr" || schema.encoding !== "ros2msg") fail(`${channel.topic}: another encoding`);
+    if (!readers.has(schema.id)) {
+      readers.set(schema.id, new MessageReader(parse(new TextDecoder().decode(schema.data), { ros2: true })));
+    }
+    if (message.logTime < last) fail(`${channel.topic}: time goes back`);
+    last = message.logTime;
+    const value = readers.get(schema.id).readMessage(message.data);
+    if (readers.get(schema.id).lastReadHadTrailingBytes()) fail(`${channel.topic}: more bytes than its type has`);
+    (topics[channel.topic] ??= []).push({ type: schema.name, t_ns: message.logTime, value });
+  }
+  closeSync(fd);
+  const counts = {};
+  for (const [id, n] of reader.statistics.channelMessageCounts) counts[reader.channelsById.get(id).topic] = Number(n);
+  for (const topic of Object.keys(topics)) {
+    if (counts[topic] !== topics[topic].length) fail(`${topic}: statistics have ${counts[topic]} messages`);
+  }
+  if (reader.header.profile !== "ros2") fail(`profile ${reader.header.profile}`);
+  return { topics, dataSectionCrc: reader.dataSectionCrc, chunks: reader.chunkIndexes };
+}
+
+function comparePoses(topics) {
+  const rows = readFileSync(join(folder, "trajectory.tum"), "utf8").split("\n").filter((row) => row && !row.startsWith("#"));
+  const poses = {
+    "/tf": topics["/tf"].map(({ t_ns, value }) => {
+      const { header, transform } = value.transforms[0];
+      return [t_ns, time_ns(header.stamp), transform.translation, transform.rotation];
+    }),
+    "/odom": topics["/odom"].map(({ t_ns, value }) => [t_ns, time_ns(value.header.stamp), value.pose.pose.position, value.pose.pose.orientation]),
+    "/path": topics["/path"][0].value.poses.map((p) => [time_ns(p.header.stamp), time_ns(p.header.stamp), p.pose.position, p.pose.orientation]),
+  };
+  for (const [topic, list] of Object.entries(poses)) {
+    if (list.length !== rows.length) fail(`${topic}: ${list.length} poses instead of ${rows.length}`);
+    list.forEach(([logged, stamp, p, q], i) => {
+      const [t, ...numbers] = rows[i].split(" ");
+      const [seconds, decimals] = t.split(".");
+      const t_ns = BigInt(seconds) * 1_000_000_000n + BigInt(decimals.padEnd(9, "0"));
+      if (t_ns !== stamp || t_ns !== logged) fail(`${topic}[${i}]: time ${stamp} instead of ${t_ns}`);
+      const read = [p.x, p.y, p.z, q.x, q.y, q.z, q.w];
+      // The file has nine decimals of a position; half of the last one is no difference.
+      read.forEach((x, k) => Math.abs(x - Number(numbers[k])) > 1e-9 && fail(`${topic}[${i}]: ${x} instead of ${numbers[k]}`));
+    });
+  }
+}
+
+/** Vertices and edges of map.ply, as their bytes. */
+function readPly() {
+  const ply = readFileSync(join(folder, "map.ply"));
+  const head = ply.indexOf("end_header\n") + "end_header\n".length;
+  const count = (name) => Number(new RegExp(`element ${name} (\\d+)`).exec(ply.subarray(0, head).toString())[1]);
+  const vertices = [];
+  for (let i = 0; i < count("vertex"); ++i) {
+    const at = head + 19 * i;
+    vertices.push({ p: [0, 4, 8].map((k) => ply.readFloatLE(at + k)), rgb: [12, 13, 14].map((k) => ply[at + k]), n: ply.readInt32LE(at + 15) });
+  }
+  return { vertices, lines: count("edge") };
+}
+
+function compareMap(topics) {
+  const { vertices, lines } = readPly();
+  const cloud = topics["/map/points"][0].value;
+  const data = new DataView(cloud.data.buffer, cloud.data.byteOffset, cloud.data.byteLength);
+  const at = Object.fromEntries(cloud.fields.map((field) => [field.name, field.offset]));
+  const n = vertices.length - 2 * lines;
+  if (cloud.width !== n || cloud.data.length !== n * cloud.point_step) fail(`/map/points: ${cloud.width} points instead of ${n}`);
+  for (let i = 0; i < n; ++i) {
+    const from = i * cloud.point_step;
+    const same = ["x", "y", "z"].every((name, k) => data.getFloat32(from + at[name], true) === vertices[i].p[k]) &&
+      [2, 1, 0].every((k, j) => data.getUint8(from + at.rgb + k) === vertices[i].rgb[j]) &&
+      data.getUint32(from + at.observations, true) === vertices[i].n;
+    if (!same) fail(`/map/points: point ${i} is another one`);
+  }
+  const marker = topics["/map/lines"][0].value;
+  if (marker.points.length !== 2 * lines || marker.colors.length !== 2 * lines) fail(`/map/lines: not ${lines} lines`);
+  marker.points.forEach((p, i) => {
+    const vertex = vertices[n + i];
+    if (![p.x, p.y, p.z].every((x, k) => Math.fround(x) === vertex.p[k])) fail(`/map/lines: end ${i} is another one`);
+    const c = marker.colors[i];
+    if (![c.r, c.g, c.b].every((x, k) => Math.round(255 * x) === vertex.rgb[k])) fail(`/map/lines: colour ${i} is another one`);
+  });
+  return { points: n, lines };
+}
+
+/** The reader must see what the writer's checksums are for: a flipped byte in the middle of a chunk. */
+function flippedByteIsSeen(chunks) {
+  for (const chunk of [chunks[0], chunks.at(-1)]) {
+    const damaged = new Uint8Array(bytes);
+    const at = Number(chunk.chunkStartOffset) + Math.floor(Number(chunk.chunkLength) / 2);
+    damaged[at] ^= 1;
+    try {
+      stream(damaged);
+      fail(`a flipped byte at ${at} is not noticed`);
+    } catch {
+      // as it should be
+    }
+  }
+}
+
+const records = stream(bytes);
+const { topics, dataSectionCrc, chunks } = await decoded();
+// DataEnd: its kind, eight bytes of length, and the checksum of all before.
+const end = records.find((record) => record.type === "DataEnd");
+const footer = records.find((record) => record.type === "Footer");
+const data = bytes.subarray(0, Number(footer.summaryStart) - 13);
+const crc = zlib.crc32?.(data); // from Node 20.15 on
+if (crc !== undefined && crc !== end.dataSectionCrc) fail(`checksum of the data is ${crc}, not ${end.dataSectionCrc}`);
+if (dataSectionCrc === undefined || footer.summaryCrc === 0) fail("there is no checksum of the data or of the summary");
+flippedByteIsSeen(chunks);
+if (existsSync(join(folder, "trajectory.tum")) && topics["/odom"]) comparePoses(topics);
+const map = existsSync(join(folder, "map.ply")) && topics["/map/points"] ? compareMap(topics) : {};
+const camera = topics["/camera/left/camera_info"]?.[0].value;
+const jpeg = topics["/camera/left/compressed"]?.[0].value;
+const odometry = topics["/odom"]?.at(-1).value;
+console.log(JSON.stringify({
+  topics: Object.fromEntries(Object.entries(topics).map(([topic, list]) => [topic, { type: list[0].type, n: list.length }])),
+  chunks: chunks.length,
+  ...map,
+  camera: camera && { k: [...camera.k], d: [...camera.d], model: camera.distortion_model, size: [camera.width, camera.height] },
+  jpeg: jpeg && [jpeg.format, ...jpeg.data.slice(0, 3)],
+  covariance: odometry && [...odometry.pose.covariance],
+  orientation: odometry && odometry.pose.pose.orientation,
+  speed: odometry && odometry.twist.twist.linear,
+  state: topics["/diagnostics"]?.at(-1).value.status[0],
+  world: topics["/tf_static"]?.[0].value.transforms[0],
+  failures: failures.slice(0, 20),
+}));

@@ -1,0 +1,187 @@
+#include "tools/export/mcap/export_mcap.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "core/datasets/open_dataset.h"
+#include "core/io/images/jpeg_codec.h"
+#include "core/map/vertical.h"
+#include "tools/export/mcap/mcap_writer.h"
+#include "tools/export/mcap/ros_definitions.h"
+#include "tools/export/mcap/ros_messages.h"
+#include "tools/export/mcap/run_tables.h"
+#include "tools/pose_graph/export.h"
+
+namespace plslam {
+namespace {
+
+constexpr int kJpegQuality = 80;
+
+/// The writer, and its channels by topic: a topic is one where it has a message.
+class Topics {
+ public:
+  explicit Topics(const std::string& path) : writer_(path) {}
+
+  void Write(const std::string& topic, const std::string& type, int64_t t_ns, const std::string& cdr) {
+    const auto [place, is_new] = channels_.try_emplace(topic, uint16_t{0});
+    if (is_new) place->second = writer_.AddChannel(topic, type, RosDefinition(type));
+    writer_.Write(place->second, t_ns, cdr);
+  }
+  void Close() { writer_.Close(); }
+
+ private:
+  McapWriter writer_;
+  std::map<std::string, uint16_t> channels_;
+};
+
+/// What is written at a time. Messages are made when it is their turn: memory is that of one.
+struct Event {
+  int64_t t_ns;
+  std::function<void()> write;
+};
+
+/// Level, z up: p_world = T_world_map p_w.
+SE3 WorldFromMap(const std::optional<StoredMap>& map) {
+  const Eigen::Quaterniond level = map ? LevelRotation(VerticalOf(map->map).up_w) : Eigen::Quaterniond::Identity();
+  // From x right, y down, z forward to x forward, y left, z up.
+  const Eigen::Quaterniond turn(0.5, -0.5, 0.5, -0.5);
+  return {turn * level, Eigen::Vector3d::Zero()};
+}
+
+/// Velocity in l from the pose before, and the covariance of the motion as one of the velocity.
+void SetVelocity(const TrajectoryPose& before, const Matrix6d& motion_covariance, RosOdometry& odometry) {
+  const double seconds = 1e-9 * static_cast<double>(odometry.t_ns - before.t_ns);
+  odometry.velocity = (before.T_a_b.Inverse() * odometry.T_w_l).Log() / seconds;
+  odometry.velocity_covariance = motion_covariance / (seconds * seconds);
+}
+
+class Exporter {
+ public:
+  Exporter(const RunSource& source, const std::string& dataset, const std::string& path)
+      : source_(source), topics_(path) {
+    if (!source.folder.empty()) tables_ = ReadRunTables(source.folder);
+    if (!dataset.empty()) dataset_ = OpenDataset(dataset, "");
+  }
+
+  McapContent Write() {
+    AddWhole();
+    AddFrames();
+    AddImages();
+    for (const RosDiagnostic& frame : tables_.frames) {
+      At(frame.t_ns, [&] {
+        topics_.Write("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", frame.t_ns, RosDiagnosticMessage(frame));
+      });
+    }
+    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t_ns < b.t_ns; });
+    for (const Event& event : events_) event.write();
+    topics_.Close();
+    return content_;
+  }
+
+ private:
+  void At(int64_t t_ns, std::function<void()> write) { events_.push_back({t_ns, std::move(write)}); }
+
+  /// Of the first message: what is true of the whole run is there from the begin on.
+  int64_t Begin() const {
+    int64_t begin = source_.frames.empty() ? INT64_MAX : source_.frames.front().t_ns;
+    if (!tables_.frames.empty()) begin = std::min(begin, tables_.frames.front().t_ns);
+    if (begin == INT64_MAX && source_.map && !source_.map->map.keyframes().empty()) {
+      begin = source_.map->map.keyframes().begin()->second.t_ns;
+    }
+    return begin == INT64_MAX ? 0 : begin;
+  }
+
+  void AddPath(const std::string& topic, const Trajectory& trajectory, int64_t t_ns) {
+    if (trajectory.empty()) return;
+    At(t_ns, [=, this] { topics_.Write(topic, "nav_msgs/msg/Path", t_ns, RosPath(t_ns, trajectory)); });
+  }
+
+  void AddWhole() {
+    const int64_t t = Begin();
+    At(t, [=, this] {
+      topics_.Write("/tf_static", "tf2_msgs/msg/TFMessage", t,
+                    RosTransform(t, kRosWorld, kRosMap, WorldFromMap(source_.map)));
+    });
+    AddPath("/path", source_.frames, t);
+    AddPath("/path_live", tables_.live, t);
+    AddPath("/path_truth", tables_.truth, t);
+    if (!source_.map) return;
+    content_.has_map = true;
+    At(t, [=, this] { WriteMap(t, source_.map->map); });
+  }
+
+  void WriteMap(int64_t t, const Map& map) {
+    topics_.Write("/map/points", "sensor_msgs/msg/PointCloud2", t, RosPoints(t, map));
+    topics_.Write("/map/lines", "visualization_msgs/msg/Marker", t, RosLines(t, map));
+    topics_.Write("/loops", "visualization_msgs/msg/Marker", t, RosLoops(t, map));
+    Trajectory keyframes;
+    for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back({keyframe.t_ns, keyframe.T_w_kf});
+    topics_.Write("/keyframes", "geometry_msgs/msg/PoseArray", t, RosPoseArray(t, keyframes));
+  }
+
+  void AddFrames() {
+    for (size_t i = 0; i < source_.frames.size(); ++i) At(source_.frames[i].t_ns, [=, this] { WriteFrame(i); });
+    content_.frames = static_cast<int64_t>(source_.frames.size());
+  }
+
+  void WriteFrame(size_t i) {
+    const TrajectoryPose& pose = source_.frames[i];
+    topics_.Write("/tf", "tf2_msgs/msg/TFMessage", pose.t_ns,
+                  RosTransform(pose.t_ns, kRosMap, kRosCamera, pose.T_a_b));
+    RosOdometry odometry{pose.t_ns, pose.T_a_b};
+    const auto covariance = tables_.covariances.find(pose.t_ns);
+    if (covariance != tables_.covariances.end()) odometry.covariance = covariance->second;
+    // Of a frame behind a lost one there is no motion from the frame before.
+    const auto motion = tables_.motion_covariances.find(pose.t_ns);
+    if (i > 0 && motion != tables_.motion_covariances.end()) {
+      SetVelocity(source_.frames[i - 1], motion->second, odometry);
+    }
+    topics_.Write("/odom", "nav_msgs/msg/Odometry", pose.t_ns, RosOdometryMessage(odometry));
+  }
+
+  /// Those taken while the run went on.
+  void AddImages() {
+    if (!dataset_ || source_.frames.empty()) return;
+    const int64_t first = Begin();
+    const int64_t last =
+        std::max(source_.frames.back().t_ns, tables_.frames.empty() ? 0 : tables_.frames.back().t_ns);
+    for (int i = 0; i < dataset_->size(); ++i) {
+      const int64_t t = dataset_->t_ns(i);
+      if (t < first || t > last || !dataset_->Missing(i).empty()) continue;
+      At(t, [=, this] { WriteImage(i); });
+      ++content_.images;
+    }
+    if (content_.images > 0) return;
+    throw std::runtime_error(
+        fmt::format("{}: has no image of the time of the run: is it another one?", dataset_->name()));
+  }
+
+  void WriteImage(int i) {
+    const int64_t t = dataset_->t_ns(i);
+    topics_.Write("/camera/left/compressed", "sensor_msgs/msg/CompressedImage", t,
+                  RosJpeg(t, EncodeJpeg(dataset_->Read(i).left, kJpegQuality)));
+    topics_.Write("/camera/left/camera_info", "sensor_msgs/msg/CameraInfo", t,
+                  RosCameraInfo(t, dataset_->rig().left));
+  }
+
+  const RunSource& source_;
+  RunTables tables_;
+  std::unique_ptr<Dataset> dataset_;
+  Topics topics_;
+  std::vector<Event> events_;
+  McapContent content_;
+};
+
+}  // namespace
+
+McapContent ExportMcap(const RunSource& source, const std::string& dataset, const std::string& path) {
+  return Exporter(source, dataset, path).Write();
+}
+
+}  // namespace plslam

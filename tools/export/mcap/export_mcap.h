@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "tools/export/run_source.h"
+
+namespace plslam {
+
+/// What an MCAP file has got.
+struct McapContent {
+  int64_t frames = 0;
+  int64_t images = 0;
+  bool has_map = false;
+};
+
+/// Writes what a run and its map have, as messages of ROS 2 (docs/exports.md has the table of topics). Images, as recorded, come from
+/// `dataset`, where it is named: a folder, a recording or a built-in world. Throws std::runtime_error where files of the run are damaged or
+/// the file cannot be written.
+McapContent ExportMcap(const RunSource& source, const std::string& dataset, const std::string& path);
+
+/// A layout for Foxglove and Lichtblick that shows these topics.
+std::string FoxgloveLayout();
+
+}  // namespace plslam

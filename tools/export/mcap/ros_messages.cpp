@@ -1,0 +1,231 @@
+#include "tools/export/mcap/ros_messages.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/io/files/little_endian.h"
+#include "core/io/maps/map_colours.h"
+#include "tools/export/mcap/cdr_writer.h"
+
+namespace plslam {
+namespace {
+
+constexpr int32_t kLineList = 5;
+constexpr double kLineWidth_m = 0.01;
+constexpr double kLoopWidth_m = 0.03;
+constexpr Colour kLoopColour{220, 40, 40};
+
+void PutHeader(CdrWriter& cdr, int64_t t_ns, std::string_view frame) {
+  constexpr int64_t kSecond_ns = 1'000'000'000;
+  cdr.Put(static_cast<int32_t>(t_ns / kSecond_ns));
+  cdr.Put(static_cast<uint32_t>(t_ns % kSecond_ns));
+  cdr.Put(frame);
+}
+
+void Put(CdrWriter& cdr, const Eigen::Vector3d& v) {
+  for (const double x : v) cdr.Put(x);
+}
+
+void Put(CdrWriter& cdr, const SE3& pose) {
+  Put(cdr, pose.translation());
+  const Eigen::Quaterniond& q = pose.rotation();
+  for (const double x : {q.x(), q.y(), q.z(), q.w()}) cdr.Put(x);
+}
+
+void Put(CdrWriter& cdr, const Matrix6d& covariance) {
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) cdr.Put(covariance(row, column));
+  }
+}
+
+void Put(CdrWriter& cdr, const Colour& colour) {
+  for (const uint8_t channel : colour) cdr.Put(static_cast<float>(channel) / 255.0F);
+  cdr.Put(1.0F);
+}
+
+struct ColouredLine {
+  Eigen::Vector3d from, to;
+  Colour colour;
+};
+
+std::string LineMarker(int64_t t_ns, std::string_view name, double width_m, const std::vector<ColouredLine>& lines) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosMap);
+  cdr.Put(name);
+  for (const int32_t value : {0, kLineList, 0}) cdr.Put(value);  // id, type, action: add
+  Put(cdr, SE3());
+  Put(cdr, Eigen::Vector3d(width_m, 0.0, 0.0));
+  Put(cdr, Colour{255, 255, 255});
+  cdr.Put(int32_t{0});  // it stays
+  cdr.Put(uint32_t{0});
+  cdr.Put(false);
+  cdr.PutCount(2 * lines.size());
+  for (const ColouredLine& line : lines) {
+    Put(cdr, line.from);
+    Put(cdr, line.to);
+  }
+  cdr.PutCount(2 * lines.size());
+  for (const ColouredLine& line : lines) {
+    Put(cdr, line.colour);
+    Put(cdr, line.colour);
+  }
+  cdr.Put("");  // texture: resource, and an image with header, format and bytes
+  PutHeader(cdr, 0, "");
+  cdr.Put("");
+  cdr.PutBytes("");
+  cdr.PutCount(0);
+  cdr.Put("");  // text
+  cdr.Put("");  // mesh: resource, and a file with name and bytes
+  cdr.Put("");
+  cdr.PutBytes("");
+  cdr.Put(false);
+  return std::move(cdr).Take();
+}
+
+void PutField(CdrWriter& cdr, const char* name, uint32_t offset, uint8_t type) {
+  cdr.Put(name);
+  cdr.Put(offset);
+  cdr.Put(type);
+  cdr.Put(uint32_t{1});
+}
+
+}  // namespace
+
+std::string RosTransform(int64_t t_ns, std::string_view parent, std::string_view child, const SE3& T_parent_child) {
+  CdrWriter cdr;
+  cdr.PutCount(1);
+  PutHeader(cdr, t_ns, parent);
+  cdr.Put(child);
+  Put(cdr, T_parent_child);
+  return std::move(cdr).Take();
+}
+
+std::string RosOdometryMessage(const RosOdometry& odometry) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = odometry.T_w_l.rotation().toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  const Matrix6d covariance = turn * odometry.covariance * turn.transpose();
+  CdrWriter cdr;
+  PutHeader(cdr, odometry.t_ns, kRosMap);
+  cdr.Put(kRosCamera);
+  Put(cdr, odometry.T_w_l);
+  Put(cdr, covariance);
+  for (const double x : odometry.velocity) cdr.Put(x);
+  Put(cdr, odometry.velocity_covariance);
+  return std::move(cdr).Take();
+}
+
+std::string RosPath(int64_t t_ns, const Trajectory& trajectory) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosMap);
+  cdr.PutCount(trajectory.size());
+  for (const TrajectoryPose& pose : trajectory) {
+    PutHeader(cdr, pose.t_ns, kRosMap);
+    Put(cdr, pose.T_a_b);
+  }
+  return std::move(cdr).Take();
+}
+
+std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosMap);
+  cdr.PutCount(trajectory.size());
+  for (const TrajectoryPose& pose : trajectory) Put(cdr, pose.T_a_b);
+  return std::move(cdr).Take();
+}
+
+std::string RosJpeg(int64_t t_ns, std::string_view jpeg) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosCamera);
+  cdr.Put("jpeg");
+  cdr.PutBytes(jpeg);
+  return std::move(cdr).Take();
+}
+
+std::string RosCameraInfo(int64_t t_ns, const CameraCalibration& camera) {
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosCamera);
+  cdr.Put(static_cast<uint32_t>(camera.height_px));
+  cdr.Put(static_cast<uint32_t>(camera.width_px));
+  const bool is_fisheye = camera.model == "equidistant";
+  std::vector<double> distortion = camera.distortion;
+  distortion.resize(std::max<size_t>(distortion.size(), is_fisheye ? 4 : 5));
+  cdr.Put(is_fisheye ? "equidistant" : "plumb_bob");
+  cdr.PutCount(distortion.size());
+  for (const double value : distortion) cdr.Put(value);
+  const double fx = camera.fx_px, fy = camera.fy_px, cx = camera.cx_px, cy = camera.cy_px;
+  for (const double value : {fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0}) cdr.Put(value);
+  for (const double value : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) cdr.Put(value);
+  for (const double value : {fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0}) cdr.Put(value);
+  for (int i = 0; i < 6; ++i) cdr.Put(uint32_t{0});  // no binning, the whole image
+  cdr.Put(false);
+  return std::move(cdr).Take();
+}
+
+std::string RosPoints(int64_t t_ns, const Map& map) {
+  constexpr uint8_t kUint32 = 6, kFloat32 = 7;
+  constexpr uint32_t kPointBytes = 20;
+  const auto n = static_cast<uint32_t>(map.points().size());
+  CdrWriter cdr;
+  PutHeader(cdr, t_ns, kRosMap);
+  cdr.Put(uint32_t{1});
+  cdr.Put(n);
+  cdr.PutCount(5);
+  PutField(cdr, "x", 0, kFloat32);
+  PutField(cdr, "y", 4, kFloat32);
+  PutField(cdr, "z", 8, kFloat32);
+  PutField(cdr, "rgb", 12, kFloat32);
+  PutField(cdr, "observations", 16, kUint32);
+  cdr.Put(false);
+  cdr.Put(kPointBytes);
+  cdr.Put(kPointBytes * n);
+  std::string data;
+  const HeightColours colour_of(map);
+  for (const auto& [id, point] : map.points()) {
+    for (const double value : point.p_w) AppendLittleEndian(static_cast<float>(value), data);
+    // Bytes of a float that nobody takes for a number: blue, green, red.
+    const Colour colour = colour_of(point.p_w);
+    for (const uint8_t channel : {colour[2], colour[1], colour[0], uint8_t{0}}) AppendLittleEndian(channel, data);
+    AppendLittleEndian(static_cast<uint32_t>(point.observations.size()), data);
+  }
+  cdr.PutBytes(data);
+  cdr.Put(true);
+  return std::move(cdr).Take();
+}
+
+std::string RosLines(int64_t t_ns, const Map& map) {
+  std::vector<ColouredLine> lines;
+  for (const auto& [id, line] : map.lines()) {
+    lines.push_back({line.segment_w.p, line.segment_w.q, ObservationsColour(line.observations.size())});
+  }
+  return LineMarker(t_ns, "lines", kLineWidth_m, lines);
+}
+
+std::string RosLoops(int64_t t_ns, const Map& map) {
+  std::vector<ColouredLine> lines;
+  for (const LoopEdge& loop : map.loops()) {
+    const MapKeyframe* const from = map.FindKeyframe(loop.old_keyframe_id);
+    const MapKeyframe* const to = map.FindKeyframe(loop.keyframe_id);
+    if (from == nullptr || to == nullptr) continue;  // culled since
+    lines.push_back({from->T_w_kf.translation(), to->T_w_kf.translation(), kLoopColour});
+  }
+  return LineMarker(t_ns, "loops", kLoopWidth_m, lines);
+}
+
+std::string RosDiagnosticMessage(const RosDiagnostic& diagnostic) {
+  CdrWriter cdr;
+  PutHeader(cdr, diagnostic.t_ns, "");
+  cdr.PutCount(1);
+  cdr.Put(static_cast<uint8_t>(diagnostic.level));
+  for (const std::string& text : {diagnostic.name, diagnostic.message, std::string()})
+    cdr.Put(std::string_view(text));
+  cdr.PutCount(diagnostic.values.size());
+  for (const auto& [key, value] : diagnostic.values) {
+    cdr.Put(std::string_view(key));
+    cdr.Put(std::string_view(value));
+  }
+  return std::move(cdr).Take();
+}
+
+}  // namespace plslam

@@ -24,8 +24,9 @@ install(DIRECTORY ${CMAKE_SOURCE_DIR}/config/ DESTINATION share/plslam/config CO
         FILES_MATCHING PATTERN "*.yaml")
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/lcmtypes/ DESTINATION share/plslam/lcmtypes COMPONENT runtime
         FILES_MATCHING PATTERN "*.lcm")
-install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion DESTINATION share
-        COMPONENT runtime)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/man ${CMAKE_BINARY_DIR}/share/bash-completion ${CMAKE_BINARY_DIR}/share/zsh
+                  ${CMAKE_BINARY_DIR}/share/fish
+        DESTINATION share COMPONENT runtime)
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/java DESTINATION share COMPONENT runtime OPTIONAL)
 install(FILES ${CMAKE_SOURCE_DIR}/README.md ${CMAKE_SOURCE_DIR}/CHANGELOG.md ${CMAKE_SOURCE_DIR}/LICENSE
               ${CMAKE_SOURCE_DIR}/NOTICE ${CMAKE_SOURCE_DIR}/CITATION.cff

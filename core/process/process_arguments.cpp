@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 
 #include "core/config/sections.h"
@@ -46,7 +47,11 @@ void ProcessArguments::EndWithParent() const {
 }
 
 void SetUpLogging(const std::string& process) {
-  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
+  // Colours on a terminal alone, and on none where the user does not want any (no-color.org).
+  const char* const no_colour = std::getenv("NO_COLOR");
+  const bool never = no_colour != nullptr && *no_colour != '\0';
+  auto sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>(never ? spdlog::color_mode::never
+                                                                          : spdlog::color_mode::automatic);
   spdlog::set_default_logger(std::make_shared<spdlog::logger>(process, std::move(sink)));
   spdlog::set_pattern("%H:%M:%S.%e %n %^%l%$: %v");
   spdlog::flush_on(spdlog::level::trace);

@@ -1,5 +1,5 @@
 // plslam_manual FOLDER VERSION PROGRAM...: runs each program with --help, and each of its commands, and writes
-// FOLDER/man/man1/NAME.1 and FOLDER/bash-completion/completions/NAME.
+// FOLDER/man/man1/NAME.1 and its completion for bash, zsh and fish where Debian's shells look for it.
 
 #include <cstdio>
 #include <exception>
@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include "tools/manual/bash_completion.h"
+#include "tools/manual/fish_completion.h"
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
+#include "tools/manual/zsh_completion.h"
 
 namespace plslam {
 namespace {
@@ -54,6 +56,8 @@ void WriteAll(const fs::path& folder, const std::string& version, const std::vec
     const std::string name = program.filename();
     Write(folder / "man" / "man1" / (name + ".1"), ManualPage(pages, version, names));
     Write(folder / "bash-completion" / "completions" / name, BashCompletion(pages));
+    Write(folder / "zsh" / "vendor-completions" / ("_" + name), ZshCompletion(pages));
+    Write(folder / "fish" / "vendor_completions.d" / (name + ".fish"), FishCompletion(pages));
   }
 }
 

@@ -19,5 +19,6 @@ void AddRecordCommand(CLI::App* app, Command* command);
 void AddSaveCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
+void AddConfigCommand(CLI::App* app, Command* command);
 
 }  // namespace plslam

@@ -25,9 +25,10 @@ int main(int argc, char** argv) {
       "plslam COMMAND --help tells the options of each. Exit code 0: done; 1: not done, and one sentence on standard "
       "error says why; 2, with --strict: a run that is done, with warnings.");
   plslam::Command command;
-  for (const auto add : {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand,
-                         plslam::AddSaveCommand, plslam::AddExportCommand, plslam::AddRelayCommand,
-                         plslam::AddProcessesCommand, plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand}) {
+  for (const auto add :
+       {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
+        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddConfigCommand,
+        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand}) {
     add(&app, &command);
   }
   // What is logged does not mix with what a command prints.

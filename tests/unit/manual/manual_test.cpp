@@ -7,8 +7,10 @@
 
 #include "tests/support/data_folder.h"
 #include "tools/manual/bash_completion.h"
+#include "tools/manual/fish_completion.h"
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
+#include "tools/manual/zsh_completion.h"
 
 namespace plslam {
 namespace {
@@ -126,6 +128,50 @@ TEST_F(Shell, CompletesOptionsCommandsValuesAndFiles) {
   EXPECT_EQ(Completed(completion, "some --folder map"), "map_folder ");
 }
 
+bool Has(const std::string& program) {
+  return std::system(("command -v " + program + " >/dev/null").c_str()) == 0;  // NOLINT
+}
+
+TEST_F(Shell, FishOffersTheSame) {
+  if (!Has("fish")) GTEST_SKIP() << "no fish here";
+  SomeProgram program;
+  HelpPage go = ParseHelp("some go", program.app.get_subcommand("go")->help("some"));
+  const std::string path = Write("some.fish", FishCompletion({ParseHelp("some", program.app.help()), go}));
+  Write("map.ply", "");
+  fs::create_directory(folder_ / "map_folder");
+  const auto completed = [&](const std::string& words) {
+    return Output("cd '" + folder_.string() + "' && HOME=$PWD fish --no-config -c 'source \"" + path +
+                  "\"; complete -C \"" + words + "\"'");
+  };
+  EXPECT_EQ(completed("some --kin"), "--kind\twhich\n");
+  EXPECT_EQ(completed("some --kind t"), "two\twhich\n");
+  EXPECT_THAT(completed("some g"), HasSubstr("go\tstarts - quickly\n"));
+  EXPECT_THAT(completed("some go --"), testing::AllOf(HasSubstr("--help\t"), testing::Not(HasSubstr("--kind"))));
+  EXPECT_THAT(completed("some --out map"), HasSubstr("map.ply"));
+  EXPECT_THAT(completed("some --folder map"),
+              testing::AllOf(HasSubstr("map_folder/"), testing::Not(HasSubstr("map.ply"))));
+}
+
+/// zsh completes in its line editor alone: what its `_arguments` and `_describe` are told is looked at instead.
+TEST_F(Shell, ZshIsToldTheSame) {
+  if (!Has("zsh")) GTEST_SKIP() << "no zsh here";
+  SomeProgram program;
+  HelpPage go = ParseHelp("some go", program.app.get_subcommand("go")->help("some"));
+  const std::string path = Write("_some", ZshCompletion({ParseHelp("some", program.app.help()), go}));
+  const auto told = [&](const std::string& state, const std::string& words) {
+    return Output("zsh -f -c 'words=(" + words + ")\n_arguments() { print -rl -- \"$@\"; state=" + state +
+                  "; }\n_files() { print -r -- files; }\n_describe() { print -rl -- \"${(P@)4}\"; }\nsource \"" +
+                  path + "\"'");
+  };
+  const std::string own = told("command", "go");
+  EXPECT_THAT(own, HasSubstr("\n*--kind[which]:value:(one two)\n"));
+  EXPECT_THAT(own, HasSubstr("\n*--folder[where]:value:_files -/\n"));
+  EXPECT_THAT(own, HasSubstr("\n*--quiet[say nothing]\n"));
+  EXPECT_THAT(own, HasSubstr("\ngo:starts - quickly\n"));
+  EXPECT_THAT(told("arguments", "go"), testing::AllOf(HasSubstr("*--help[Print this help message and exit]\n"),
+                                                      HasSubstr("\n*:file:_files\n")));
+}
+
 TEST_F(Shell, TroffTakesThePageWithoutWarning) {
   if (std::system("command -v groff >/dev/null") != 0) GTEST_SKIP() << "no groff here";  // NOLINT
   SomeProgram program;
@@ -150,6 +196,15 @@ TEST_F(Shell, EveryProgramHasAManualAndCompletion) {
     ASSERT_TRUE(fs::exists(page)) << page;
     ASSERT_TRUE(fs::exists(completion)) << completion;
     EXPECT_EQ(Output("bash -n '" + completion.string() + "'"), "");
+    const fs::path zsh = share / "zsh/vendor-completions" / (std::string("_") + program);
+    const fs::path fish = share / "fish/vendor_completions.d" / (std::string(program) + ".fish");
+    ASSERT_TRUE(fs::exists(zsh) && fs::exists(fish));
+    if (Has("zsh")) {
+      EXPECT_EQ(Output("zsh -n '" + zsh.string() + "'"), "");
+    }
+    if (Has("fish")) {
+      EXPECT_EQ(Output("fish -n '" + fish.string() + "'"), "");
+    }
     if (std::system("command -v groff >/dev/null") == 0) {  // NOLINT
       EXPECT_EQ(Output("groff -man -Tutf8 -Kutf8 -ww -z '" + page.string() + "'"), "") << program;
     }

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/bus/options.h"
+#include "core/config/config.h"
+#include "loop_process/options.h"
+#include "mapping_process/options.h"
+#include "player/options.h"
+#include "viewer_headless/options.h"
+#include "vo_process/options.h"
+
+namespace plslam {
+
+/// Option structs of all processes, one for each section of a configuration.
+struct AllOptions {
+  bus::BusOptions bus;
+  PlayerOptions player;
+  VoOptions vo;
+  MappingOptions mapping;
+  LoopOptions loop;
+  ViewerOptions viewer;
+};
+
+struct OptionSection {
+  std::string name;
+  std::string meaning;
+  /// They refer to the options that they were made of.
+  std::vector<Field> fields;
+};
+
+inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
+  return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
+          {"player", "What is played, and how.", ListFields(all.player)},
+          {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
+          {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
+          {"loop", "Places seen before (PL-SLAM §VI).", ListFields(all.loop)},
+          {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
+}
+
+}  // namespace plslam

@@ -6,6 +6,7 @@ find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d)
 find_package(Ceres 2.1 REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
+find_package(ZLIB REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
@@ -28,6 +29,18 @@ if(NOT TARGET sodium::sodium)
   set_target_properties(sodium::sodium PROPERTIES IMPORTED_LOCATION ${SODIUM_LIBRARY}
                         INTERFACE_INCLUDE_DIRECTORIES ${SODIUM_INCLUDE_DIR})
 endif()
+
+# Debian's zstd and lz4 have no CMake packages.
+foreach(codec zstd lz4)
+  if(NOT TARGET ${codec}::${codec})
+    string(TOUPPER ${codec} CODEC)
+    find_path(${CODEC}_INCLUDE_DIR ${codec}.h REQUIRED)
+    find_library(${CODEC}_LIBRARY ${codec} REQUIRED)
+    add_library(${codec}::${codec} UNKNOWN IMPORTED)
+    set_target_properties(${codec}::${codec} PROPERTIES IMPORTED_LOCATION ${${CODEC}_LIBRARY}
+                          INTERFACE_INCLUDE_DIRECTORIES ${${CODEC}_INCLUDE_DIR})
+  endif()
+endforeach()
 
 # One include directory for all of OpenCV, as SYSTEM (imported) so that our warnings stay ours.
 if(NOT TARGET plslam_opencv)

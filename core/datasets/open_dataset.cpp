@@ -10,6 +10,7 @@
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
 #include "core/datasets/log_dataset.h"
+#include "core/datasets/mcap/mcap_dataset.h"
 #include "core/datasets/synthetic/synthetic_dataset.h"
 #include "core/datasets/tum_dataset.h"
 #include "core/errors/error_text.h"
@@ -38,6 +39,7 @@ struct Kind {
 // In this order: a folder with the lists of a format is taken for that format even if it has a camera.yaml too.
 constexpr auto kKinds = std::to_array<Kind>({
     {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
+    {"mcap", "FILE.mcap", LooksLikeMcap, OpenMcapDataset},
     {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},

@@ -18,10 +18,12 @@
 #include "core/datasets/euroc_dataset.h"
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
+#include "core/datasets/mcap/mcap_dataset.h"
 #include "core/datasets/tum_dataset.h"
 #include "tests/fuzz/dataset_mutator.h"
 #include "tests/support/fuzzing.h"
 #include "tests/unit/datasets/dataset_folders.h"
+#include "tests/unit/datasets/mcap_file.h"
 
 namespace plslam {
 namespace {
@@ -95,10 +97,24 @@ void MakeAssociated(const fs::path& folder) {
                   "1305031102.275304 rgb/1305031102.275304.png 1305031102.280000 depth/1.png\n");
 }
 
-constexpr Reader kReaders[] = {
-    {"kitti", test::MakeKittiFolder, OpenKittiDataset},    {"euroc, png", MakeEurocPng, OpenEurocDataset},
-    {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},       {"tum", MakeTum, OpenTumDataset},
-    {"tum, associations", MakeAssociated, OpenTumDataset}, {"images", test::MakeImagesFolder, OpenImagesDataset}};
+void MakeMcap(const fs::path& folder) {
+  test::MakeMcapFile(folder / "a.mcap", {.compression = "zstd", .checksums = false});
+}
+void MakePlainMcap(const fs::path& folder) { test::MakeMcapFile(folder / "a.mcap", {.checksums = false}); }
+void MakeLz4Mcap(const fs::path& folder) {
+  test::MakeMcapFile(folder / "a.mcap", {.compression = "lz4", .checksums = false});
+}
+std::unique_ptr<Dataset> OpenMcap(const std::string& folder) { return OpenMcapDataset(folder + "/a.mcap"); }
+
+constexpr Reader kReaders[] = {{"mcap, zstd", MakeMcap, OpenMcap},
+                               {"mcap", MakePlainMcap, OpenMcap},
+                               {"mcap, lz4", MakeLz4Mcap, OpenMcap},
+                               {"kitti", test::MakeKittiFolder, OpenKittiDataset},
+                               {"euroc, png", MakeEurocPng, OpenEurocDataset},
+                               {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},
+                               {"tum", MakeTum, OpenTumDataset},
+                               {"tum, associations", MakeAssociated, OpenTumDataset},
+                               {"images", test::MakeImagesFolder, OpenImagesDataset}};
 
 // What holds for every dataset that opens.
 void ReadEverything(const Dataset& dataset, int* n_read) {

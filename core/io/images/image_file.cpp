@@ -141,8 +141,7 @@ struct DecodedImage {
   cv::Mat pixels;
 };
 
-DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
-  const std::vector<uint8_t> bytes = ReadBytes(path, kMaxFileBytes);
+DecodedImage DecodeWhole(const std::string& path, std::span<const uint8_t> bytes, const ImageSize& expected) {
   const ImageHeader header = CheckedHeader(path, bytes);
   if (header.width_px != expected.width_px || header.height_px != expected.height_px) {
     Fail(path, fmt::format("has {} x {} pixels where {} x {} are expected", header.width_px, header.height_px,
@@ -150,6 +149,10 @@ DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
   }
   if (!IsComplete(header, bytes)) Fail(path, fmt::format("the image is truncated after {} bytes", bytes.size()));
   return {header, DecodeImage(path, header, bytes)};
+}
+
+DecodedImage ReadImage(const std::string& path, const ImageSize& expected) {
+  return DecodeWhole(path, ReadBytes(path, kMaxFileBytes), expected);
 }
 
 // round(v / 257) in integers: 65535 / 255 = 257.
@@ -163,6 +166,16 @@ cv::Mat To8Bit(const cv::Mat& wide) {
   return narrow;
 }
 
+cv::Mat GreyOf(const std::string& path, const DecodedImage& decoded) {
+  cv::Mat image = decoded.pixels;
+  if (decoded.header.format == ImageFormat::kPgm) StretchToWhite(decoded.header.max_value, image);
+  if (image.depth() != CV_8U && image.depth() != CV_16U) Fail(path, "has neither 8-bit nor 16-bit pixels");
+  if (image.channels() != 1 && image.channels() != 3 && image.channels() != 4) {
+    Fail(path, fmt::format("has {} channels", image.channels()));
+  }
+  return GreyPixels(image);
+}
+
 }  // namespace
 
 ImageSize ReadImageSize(const std::string& path) {
@@ -170,15 +183,19 @@ ImageSize ReadImageSize(const std::string& path) {
   return {static_cast<int>(header.width_px), static_cast<int>(header.height_px)};
 }
 
-cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
-  auto [header, image] = ReadImage(path, expected);
-  if (header.format == ImageFormat::kPgm) StretchToWhite(header.max_value, image);
-  if (image.depth() != CV_8U && image.depth() != CV_16U) Fail(path, "has neither 8-bit nor 16-bit pixels");
+cv::Mat GreyPixels(const cv::Mat& image) {
   cv::Mat grey = image;
   if (image.channels() == 3) cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
   if (image.channels() == 4) cv::cvtColor(image, grey, cv::COLOR_BGRA2GRAY);
-  if (grey.channels() != 1) Fail(path, fmt::format("has {} channels", image.channels()));
   return grey.depth() == CV_16U ? To8Bit(grey) : grey;
+}
+
+cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected) {
+  return GreyOf(path, ReadImage(path, expected));
+}
+
+cv::Mat DecodeGreyImage(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected) {
+  return GreyOf(name, DecodeWhole(name, file, expected));
 }
 
 cv::Mat ReadGreyImage(const std::string& path) { return ReadGreyImage(path, ReadImageSize(path)); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -25,6 +27,12 @@ ImageSize ReadImageSize(const std::string& path);
 cv::Mat ReadGreyImage(const std::string& path, const ImageSize& expected);
 /// The same of whatever size.
 cv::Mat ReadGreyImage(const std::string& path);
+
+/// The same of the content of a file that is called `name` in errors: an image within another file.
+cv::Mat DecodeGreyImage(const std::string& name, std::span<const uint8_t> file, const ImageSize& expected);
+
+/// Pixels of 8 or 16 bits, grey, BGR or BGRA, as `ReadGreyImage` makes them grey.
+cv::Mat GreyPixels(const cv::Mat& image);
 
 /// A 16-bit single-channel image (depth map). Throws DatasetError like `ReadGreyImage`, and where it has other
 /// pixels.

@@ -30,6 +30,7 @@ constexpr std::array kNotRun = {
     NotRun{"lcm-logger|lcm-logplayer", "LCM's own programs, which tests/unit/bus runs with logs of ours"},
     NotRun{"lcm-spy|java", "needs a display; tests/package asks its classes to decode our messages"},
     NotRun{"colmap", "takes minutes; tests/integration has COLMAP read the model"},
+    NotRun{"plslam run '?recording", "a recording of ROS 2: tests/integration/mcap_input_test.cpp plays one"},
     NotRun{".*(--prefix team/|--map-prefix)", "several robots: tests/integration/fleet_test.cpp runs them"},
 };
 

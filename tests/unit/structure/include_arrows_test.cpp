@@ -50,6 +50,7 @@ const std::vector<Arrow> kArrows = {
     {"core/bus/transport/", {"lcmtypes/", "core/config/", "core/bus/options.h"}},
     {"core/process/", {"core/bus/", "core/config/", "lcmtypes/"}},
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},
+    {"core/datasets/mcap/", {"core/geometry/", "core/io/", "core/datasets/"}},
     {"core/datasets/synthetic/", {"core/geometry/", "core/io/", "core/datasets/dataset.h"}},
     {"player/", {"core/"}},
     {"vo_process/", {"core/"}},

@@ -1,0 +1,305 @@
+#include "core/datasets/mcap/mcap_dataset.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "core/datasets/associate_times.h"
+#include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
+#include "core/datasets/mcap/mcap_reader.h"
+#include "core/datasets/mcap/ros_messages.h"
+#include "core/errors/error_text.h"
+#include "core/io/trajectories/interpolate_pose.h"
+
+namespace plslam {
+namespace {
+
+/// Where images of one moment were logged further apart than half of a frame, they are of two.
+constexpr int64_t kMaxPairing_ns = 500'000'000;
+
+constexpr auto kSides = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"left", "right"}, {"cam0", "cam1"}, {"infra1", "infra2"}, {"image_0", "image_1"}});
+constexpr auto kTruthNames = std::to_array<std::string_view>({"truth", "/gt", "mocap", "vicon"});
+
+/// A location taken apart: "FILE?key=value&...".
+struct Location {
+  std::string file;
+  std::map<std::string, std::string> options;
+};
+
+Location TakeApart(const std::string& location) {
+  const size_t mark = location.rfind('?');
+  if (mark == std::string::npos || std::filesystem::exists(location)) return {location, {}};
+  Location parts{location.substr(0, mark), {}};
+  for (std::string rest = location.substr(mark + 1); !rest.empty();) {
+    const std::string option = rest.substr(0, rest.find('&'));
+    rest.erase(0, option.size() + 1);
+    const std::string key = option.substr(0, option.find('='));
+    static const std::set<std::string> kKnown{"left", "right", "truth", "camera"};
+    if (!kKnown.contains(key) || key.size() == option.size()) {
+      throw DatasetError(fmt::format("{}: '{}' is none of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE",
+                                     parts.file, Shown(option)));
+    }
+    parts.options[key] = option.substr(key.size() + 1);
+  }
+  return parts;
+}
+
+bool IsImage(const McapChannel& channel) {
+  return channel.encoding == "cdr" && (channel.type == kRosImage || channel.type == kRosCompressedImage);
+}
+
+bool IsPose(const McapChannel& channel) {
+  return channel.encoding == "cdr" && (channel.type == kRosOdometry || channel.type == kRosPose);
+}
+
+/// Those whose times increase: of several of one time the first.
+std::vector<McapMessage> Increasing(std::vector<McapMessage> messages) {
+  const auto end = std::unique(messages.begin(), messages.end(),
+                               [](const McapMessage& a, const McapMessage& b) { return a.t_ns == b.t_ns; });
+  messages.erase(end, messages.end());
+  return messages;
+}
+
+std::vector<int64_t> TimesOf(const std::vector<McapMessage>& messages) {
+  std::vector<int64_t> times_ns;
+  times_ns.reserve(messages.size());
+  for (const McapMessage& message : messages) times_ns.push_back(message.t_ns);
+  return times_ns;
+}
+
+int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
+  std::vector<int64_t> steps_ns;
+  for (size_t i = 1; i < times_ns.size(); ++i) steps_ns.push_back(times_ns[i] - times_ns[i - 1]);
+  if (steps_ns.empty()) return kMaxPairing_ns;
+  const auto middle = steps_ns.begin() + std::ssize(steps_ns) / 2;
+  std::nth_element(steps_ns.begin(), middle, steps_ns.end());
+  return *middle;
+}
+
+class McapDataset : public Dataset {
+ public:
+  explicit McapDataset(const std::string& location)
+      : name_(location), options_(TakeApart(location).options), reader_(TakeApart(location).file) {
+    ChooseTopics();
+    PairImages();
+    ReadRig();
+    ChooseTruth();
+  }
+
+  std::string name() const override { return name_; }
+  const RigCalibration& rig() const override { return rig_; }
+  int size() const override { return static_cast<int>(pairs_.size()); }
+  int64_t t_ns(int index) const override { return Pair(index).first.t_ns; }
+  std::vector<std::string> Notes() const override { return notes_; }
+  bool HasRecordedTruth() const override { return !truth_.empty(); }
+
+  StereoImages Read(int index) const override {
+    try {
+      const auto& [left, right] = Pair(index);
+      return {index, left.t_ns, ReadImage(left_, left, rig_.left), ReadImage(right_, right, rig_.right)};
+    } catch (const std::runtime_error& error) {
+      throw DatasetError(fmt::format("{}: frame {}: {}", name_, index, error.what()));
+    }
+  }
+
+  std::optional<SE3> GroundTruth(int index) const override {
+    const int64_t t = t_ns(index);
+    auto after = std::lower_bound(truth_.begin(), truth_.end(), t,
+                                  [](const McapMessage& message, int64_t time) { return message.t_ns < time; });
+    Trajectory neighbours;
+    for (auto at = after == truth_.begin() ? after : after - 1; at != truth_.end() && at <= after; ++at) {
+      try {
+        neighbours.push_back({at->t_ns, ParsePose(truth_type_, reader_.Read(*at))});
+      } catch (const std::runtime_error&) {
+        return std::nullopt;  // a damaged pose is no truth
+      }
+    }
+    return neighbours.empty() ? std::nullopt : InterpolatePose(neighbours, t, kMaxTruthGap_ns);
+  }
+
+ private:
+  const std::pair<McapMessage, McapMessage>& Pair(int index) const { return pairs_.at(static_cast<size_t>(index)); }
+
+  cv::Mat ReadImage(const McapChannel& channel, const McapMessage& message, const CameraCalibration& camera) const {
+    try {
+      return ParseImage(channel.type, reader_.Read(message), {camera.width_px, camera.height_px}).grey;
+    } catch (const std::runtime_error& error) {
+      throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
+    }
+  }
+
+  const McapChannel* Find(const std::string& topic, bool (*fits)(const McapChannel&)) const {
+    for (const McapChannel& channel : reader_.channels()) {
+      if (channel.topic == topic && fits(channel)) return &channel;
+    }
+    return nullptr;
+  }
+
+  std::string ImageTopics() const {
+    std::set<std::string> topics, others;
+    for (const McapChannel& channel : reader_.channels()) {
+      if (IsImage(channel)) topics.insert(channel.topic);
+      if (!IsImage(channel) && channel.type.find("Image") != std::string::npos) {
+        others.insert(fmt::format("{} ({} in {})", channel.topic, channel.type, channel.encoding));
+      }
+    }
+    if (!topics.empty())
+      return fmt::format("its image topics are {}", Shown(fmt::format("{}", fmt::join(topics, ", "))));
+    if (others.empty()) return "it has no image topics";
+    return fmt::format("it has no images of ROS 2 (sensor_msgs/msg/Image in cdr), but {}",
+                       Shown(fmt::format("{}", fmt::join(others, ", "))));
+  }
+
+  McapChannel Given(const std::string& key, bool (*fits)(const McapChannel&), const char* what) const {
+    const McapChannel* const found = Find(options_.at(key), fits);
+    if (found != nullptr) return *found;
+    throw DatasetError(
+        fmt::format("has no {} on the topic {}={}; {}", what, key, Shown(options_.at(key)), ImageTopics()));
+  }
+
+  void ChooseTopics() {
+    if (options_.contains("left") != options_.contains("right")) {
+      throw DatasetError("left=TOPIC and right=TOPIC are given together");
+    }
+    if (options_.contains("left")) {
+      left_ = Given("left", IsImage, "images");
+      right_ = Given("right", IsImage, "images");
+      return;
+    }
+    std::vector<std::pair<McapChannel, McapChannel>> found;
+    for (const McapChannel& channel : reader_.channels()) {
+      for (const auto& [left, right] : kSides) {
+        const size_t at = channel.topic.find(left);
+        if (!IsImage(channel) || at == std::string::npos) continue;
+        std::string partner = channel.topic;
+        if (const McapChannel* other = Find(partner.replace(at, left.size(), right), IsImage)) {
+          found.emplace_back(channel, *other);
+        }
+      }
+    }
+    if (found.empty()) {
+      throw DatasetError(fmt::format(
+          "no two image topics are called left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1; "
+          "{}: give FILE?left=TOPIC&right=TOPIC",
+          ImageTopics()));
+    }
+    // Without the loss of compression where there is a choice.
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+      return std::pair(a.first.type != kRosImage, a.first.topic) <
+             std::pair(b.first.type != kRosImage, b.first.topic);
+    });
+    std::tie(left_, right_) = found.front();
+    if (found.back().first.topic != left_.topic) {
+      notes_.push_back(
+          fmt::format("of several pairs of image topics {} and {} are played", left_.topic, right_.topic));
+    }
+  }
+
+  void PairImages() {
+    const std::vector<McapMessage> all = reader_.Messages(left_.topic);
+    const std::vector<McapMessage> left = Increasing(all), right = Increasing(reader_.Messages(right_.topic));
+    const std::vector<int64_t> times_ns = TimesOf(left);
+    step_ns_ = MedianStep_ns(times_ns);
+    const int64_t max_ns = std::min(kMaxPairing_ns, step_ns_ / 2);
+    for (const auto& [l, r] : AssociateTimes(times_ns, TimesOf(right), max_ns))
+      pairs_.emplace_back(left[l], right[r]);
+    if (pairs_.empty()) {
+      throw DatasetError(fmt::format("{} has {} images and {} has {}, but no two of one moment", left_.topic,
+                                     left.size(), right_.topic, right.size()));
+    }
+    if (pairs_.size() < all.size()) {
+      notes_.push_back(fmt::format("{} images of {} have no partner in time and are passed over",
+                                   all.size() - pairs_.size(), left_.topic));
+    }
+  }
+
+  /// That of the nearest namespace: "/a/left/image_raw" has "/a/left/camera_info".
+  RosCameraInfo CameraInfoOf(const std::string& image_topic) const {
+    std::string space = image_topic;
+    for (size_t slash = space.rfind('/'); slash != std::string::npos; slash = space.rfind('/')) {
+      space.resize(slash);
+      const auto fits = [](const McapChannel& c) { return c.encoding == "cdr" && c.type == kRosCameraInfo; };
+      const McapChannel* const channel = Find(space + "/camera_info", fits);
+      if (channel == nullptr) continue;
+      const std::vector<McapMessage> messages = reader_.Messages(channel->topic);
+      if (!messages.empty()) return ParseCameraInfo(reader_.Read(messages.front()));
+    }
+    throw DatasetError(fmt::format("has no camera_info for {}: give camera=FILE.yaml", image_topic));
+  }
+
+  void ReadRig() {
+    if (const auto given = options_.find("camera"); given != options_.end()) {
+      // A camera without resolution has that of the recorded ones.
+      ImageSize size;
+      try {
+        const RosCameraInfo info = CameraInfoOf(left_.topic);
+        size = {info.width_px, info.height_px};
+      } catch (const DatasetError&) {
+        size = {0, 0};
+      }
+      rig_ = ReadCameraFile(given->second, size);
+    } else {
+      const bool rectified = left_.topic.find("rect") != std::string::npos;
+      rig_ = RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
+    }
+    rig_.name = "mcap";
+    rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);
+    const std::string complaint = RigComplaint(rig_);
+    if (!complaint.empty()) throw DatasetError(fmt::format("camera of {}: {}", left_.topic, complaint));
+  }
+
+  void ChooseTruth() {
+    McapChannel chosen;
+    if (options_.contains("truth")) {
+      chosen = Given("truth", IsPose, "Odometry or PoseStamped");
+    } else {
+      for (const McapChannel& channel : reader_.channels()) {
+        const bool is_named = std::any_of(kTruthNames.begin(), kTruthNames.end(), [&](std::string_view name) {
+          return channel.topic.find(name) != std::string::npos;
+        });
+        if (is_named && IsPose(channel) && chosen.topic.empty()) chosen = channel;
+      }
+    }
+    if (chosen.topic.empty()) return;
+    truth_type_ = chosen.type;
+    truth_ = Increasing(reader_.Messages(chosen.topic));
+  }
+
+  std::string name_;
+  std::map<std::string, std::string> options_;
+  McapReader reader_;
+  McapChannel left_, right_;
+  std::vector<std::pair<McapMessage, McapMessage>> pairs_;
+  int64_t step_ns_ = 0;
+  RigCalibration rig_;
+  std::string truth_type_;
+  std::vector<McapMessage> truth_;
+  std::vector<std::string> notes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) {
+  try {
+    return std::make_unique<McapDataset>(location);
+  } catch (const std::runtime_error& error) {
+    const std::string what = error.what();
+    const std::string file = TakeApart(location).file;
+    throw DatasetError(what.starts_with(file) ? what : fmt::format("{}: {}", file, what));
+  }
+}
+
+bool LooksLikeMcap(const std::string& location) {
+  const size_t mark = location.rfind('?');
+  return LooksLikeMcapFile(location) || (mark != std::string::npos && LooksLikeMcapFile(location.substr(0, mark)));
+}
+
+}  // namespace plslam

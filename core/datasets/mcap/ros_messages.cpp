@@ -1,0 +1,193 @@
+#include "core/datasets/mcap/ros_messages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/datasets/mcap/cdr_reader.h"
+#include "core/errors/error_text.h"
+#include "core/io/images/image_file.h"
+
+namespace plslam {
+namespace {
+
+int64_t SkipHeader(CdrReader& cdr) {
+  const auto seconds = cdr.Get<int32_t>();
+  const auto nanoseconds = cdr.Get<uint32_t>();
+  cdr.Text();
+  return int64_t{seconds} * 1'000'000'000 + nanoseconds;
+}
+
+/// An encoding of raw images, as sensor_msgs names them.
+struct Encoding {
+  std::string_view name;
+  int type;
+  bool is_rgb;
+};
+constexpr auto kEncodings = std::to_array<Encoding>({{"mono8", CV_8UC1, false},
+                                                     {"8UC1", CV_8UC1, false},
+                                                     {"mono16", CV_16UC1, false},
+                                                     {"16UC1", CV_16UC1, false},
+                                                     {"bgr8", CV_8UC3, false},
+                                                     {"8UC3", CV_8UC3, false},
+                                                     {"rgb8", CV_8UC3, true},
+                                                     {"bgra8", CV_8UC4, false},
+                                                     {"rgba8", CV_8UC4, true}});
+
+const Encoding& EncodingOf(const std::string& name) {
+  for (const Encoding& encoding : kEncodings) {
+    if (encoding.name == name) return encoding;
+  }
+  throw DatasetError(
+      fmt::format("its images are encoded as '{}', not as mono8, mono16, bgr8, rgb8, bgra8 or rgba8", Shown(name)));
+}
+
+cv::Mat RawPixels(CdrReader& cdr, const cv::Size& expected) {
+  const auto height = cdr.Get<uint32_t>(), width = cdr.Get<uint32_t>();
+  const Encoding& encoding = EncodingOf(cdr.Text());
+  const bool is_big_endian = cdr.Get<uint8_t>() != 0;
+  const auto step = cdr.Get<uint32_t>();
+  const std::span<const uint8_t> data = cdr.Bytes();
+  if (width != static_cast<uint32_t>(expected.width) || height != static_cast<uint32_t>(expected.height)) {
+    throw DatasetError(
+        fmt::format("has {} x {} pixels where {} x {} are expected", width, height, expected.width, expected.height));
+  }
+  const auto row_bytes = static_cast<uint64_t>(expected.width) * static_cast<uint64_t>(CV_ELEM_SIZE(encoding.type));
+  if (step < row_bytes || data.size() < uint64_t{step} * (height - 1) + row_bytes) {
+    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", data.size(), step, width,
+                                   height, encoding.name));
+  }
+  if (is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
+    throw DatasetError("its pixels of 16 bits are in the order of big-endian machines");
+  }
+  cv::Mat pixels(expected, encoding.type);
+  for (int y = 0; y < expected.height; ++y) {
+    std::copy_n(data.data() + uint64_t{step} * static_cast<uint64_t>(y), row_bytes, pixels.ptr(y));
+  }
+  if (encoding.is_rgb) {
+    cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
+  }
+  return GreyPixels(pixels);
+}
+
+template <class Matrix>
+Matrix GetRows(CdrReader& cdr) {
+  Matrix m;
+  for (int row = 0; row < m.rows(); ++row) {
+    for (int column = 0; column < m.cols(); ++column) m(row, column) = cdr.Get<double>();
+  }
+  return m;
+}
+
+/// Model and coefficients in our names.
+void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
+  const std::vector<double>& d = info.distortion;
+  if (std::all_of(d.begin(), d.end(), [](double x) { return x == 0.0; })) return;  // a pinhole
+  const bool is_fisheye = info.model == "equidistant" || info.model == "fisheye";
+  const bool is_radtan = info.model == "plumb_bob" && (d.size() == 4 || d.size() == 5);
+  const bool is_plain_rational = info.model == "rational_polynomial" && d.size() >= 5 &&
+                                 std::all_of(d.begin() + 5, d.end(), [](double x) { return x == 0.0; });
+  if (is_fisheye && d.size() == 4) {
+    camera.model = "equidistant";
+    camera.distortion = d;
+  } else if (is_radtan || is_plain_rational) {
+    camera.model = "radtan";
+    camera.distortion.assign(d.begin(), d.begin() + std::min<std::ptrdiff_t>(5, std::ssize(d)));
+  } else {
+    throw DatasetError(
+        fmt::format("distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5) and "
+                    "equidistant (4): rectify the images, or give camera=FILE.yaml",
+                    Shown(info.model), d.size()));
+  }
+}
+
+CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
+  CameraCalibration camera;
+  camera.width_px = info.width_px;
+  camera.height_px = info.height_px;
+  const Eigen::Matrix3d K = rectified ? Eigen::Matrix3d(info.P.leftCols<3>()) : info.K;
+  camera.fx_px = K(0, 0);
+  camera.fy_px = K(1, 1);
+  camera.cx_px = K(0, 2);
+  camera.cy_px = K(1, 2);
+  if (!rectified) SetLens(info, camera);
+  return camera;
+}
+
+bool IsRotation(const Eigen::Matrix3d& R) {
+  return R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
+}
+
+}  // namespace
+
+RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message) {
+  CdrReader cdr(message);
+  SkipHeader(cdr);
+  RosCameraInfo info;
+  const auto height = cdr.Get<uint32_t>(), width = cdr.Get<uint32_t>();
+  // What is larger is refused with all other numbers of the rig.
+  info.height_px = static_cast<int>(std::min<uint32_t>(height, 1U << 30));
+  info.width_px = static_cast<int>(std::min<uint32_t>(width, 1U << 30));
+  info.model = cdr.Text();
+  const auto n = cdr.Get<uint32_t>();
+  constexpr uint32_t kMostCoefficients = 64;
+  if (n > kMostCoefficients) throw DatasetError(fmt::format("has {} coefficients of distortion", n));
+  for (uint32_t i = 0; i < n; ++i) info.distortion.push_back(cdr.Get<double>());
+  info.K = GetRows<Eigen::Matrix3d>(cdr);
+  info.R = GetRows<Eigen::Matrix3d>(cdr);
+  info.P = GetRows<Eigen::Matrix<double, 3, 4>>(cdr);
+  return info;
+}
+
+RosImage ParseImage(std::string_view type, std::span<const uint8_t> message, const cv::Size& expected) {
+  CdrReader cdr(message);
+  RosImage image;
+  image.stamp_ns = SkipHeader(cdr);
+  if (type == kRosImage) {
+    image.grey = RawPixels(cdr, expected);
+  } else {
+    const std::string format = cdr.Text();
+    image.grey = DecodeGreyImage(fmt::format("'{}'", Shown(format)), cdr.Bytes(), {expected.width, expected.height});
+  }
+  return image;
+}
+
+SE3 ParsePose(std::string_view type, std::span<const uint8_t> message) {
+  CdrReader cdr(message);
+  SkipHeader(cdr);
+  if (type == kRosOdometry) cdr.Text();  // child_frame_id
+  std::array<double, 7> v{};
+  for (double& x : v) x = cdr.Get<double>();
+  const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+  const SE3 pose = SE3::FromUnit(q, {v[0], v[1], v[2]});
+  if (!pose.IsFinite() || std::abs(q.norm() - 1.0) > 1e-2)
+    throw DatasetError("a pose is none: not finite, or not unit");
+  return {q, pose.translation()};
+}
+
+RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified) {
+  RigCalibration rig;
+  rig.left = CameraFromRos(left, rectified);
+  rig.right = CameraFromRos(right, rectified);
+  const double b = (left.P(0, 3) - right.P(0, 3)) / right.P(0, 0);
+  if (!std::isfinite(b) || b == 0.0) {
+    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b): give camera=FILE.yaml");
+  }
+  SE3 T_l_r(Eigen::Quaterniond::Identity(), Eigen::Vector3d(b, 0.0, 0.0));
+  const bool is_turned = !left.R.isIdentity(0.0) || !right.R.isIdentity(0.0);
+  if (!rectified && is_turned) {
+    if (!IsRotation(left.R) || !IsRotation(right.R)) throw DatasetError("R of camera_info is no rotation");
+    // R takes points of a camera to the rectified one.
+    const SE3 T_rect_l(left.R, Eigen::Vector3d::Zero()), T_rect_r(right.R, Eigen::Vector3d::Zero());
+    T_l_r = T_rect_l.Inverse() * T_l_r * T_rect_r;
+  }
+  rig.right.T_b_cam = T_l_r;
+  rig.baseline_m = T_l_r.translation().norm();
+  return rig;
+}
+
+}  // namespace plslam

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/lens_model.h"
+
 namespace plslam {
 namespace {
 
@@ -55,17 +57,28 @@ std::string CentreComplaint(const CameraCalibration& camera) {
 }
 
 std::string ModelComplaint(const CameraCalibration& camera) {
-  const bool known = camera.model == "pinhole" || camera.model == "radtan" || camera.model == "equidistant";
-  if (!known) return fmt::format("model '{}' is none of pinhole, radtan, equidistant", camera.model);
-  return "";
+  if (FindLensModel(camera.model) != nullptr) return "";
+  return fmt::format("model '{}' is none of {}", camera.model, LensModelNames());
 }
 
 std::string DistortionComplaint(const CameraCalibration& camera) {
   const size_t n = camera.distortion.size();
+  const LensModel* model = FindLensModel(camera.model);
+  if (model == nullptr) return ModelComplaint(camera);
   if (camera.model == "pinhole" && n != 0) return fmt::format("model pinhole has no distortion, {} are given", n);
-  if (camera.model == "radtan" && n != 4 && n != 5)
-    return fmt::format("model radtan has 4 or 5 distortions, not {}", n);
-  if (camera.model == "equidistant" && n != 4) return fmt::format("model equidistant has 4 distortions, not {}", n);
+  if (!LensModelTakes(camera.model, n)) {
+    const std::string bound = model->min_coefficients == model->max_coefficients
+                                  ? fmt::format("{}", model->min_coefficients)
+                                  : fmt::format("{} or {}", model->min_coefficients, model->max_coefficients);
+    return fmt::format("model {} has {} distortions ({}), not {}", camera.model, bound, model->coefficients, n);
+  }
+  if (camera.model == "double_sphere") {
+    if (!Inside(camera.distortion[0], -0.99, 10.0)) {
+      return fmt::format("xi {} is not within -0.99 to 10", camera.distortion[0]);
+    }
+    if (!Inside(camera.distortion[1], 0.0, 1.0))
+      return fmt::format("alpha {} is not within 0 to 1", camera.distortion[1]);
+  }
   for (const double k : camera.distortion) {
     if (!Inside(k, -kMaxDistortion, kMaxDistortion)) {
       return fmt::format("distortion {} is not within -{} to {}", k, kMaxDistortion, kMaxDistortion);

@@ -20,8 +20,8 @@ struct MaskPolygon {
 /// Corners of all polygons of a camera, at most: the masks of both cameras travel in one datagram.
 inline constexpr size_t kMaxMaskCorners = 2000;
 
-/// One camera as calibrated. `model` is "pinhole" (no distortion), "radtan" (k1 k2 p1 p2 [k3]) or "equidistant"
-/// (k1 k2 k3 k4).
+/// One camera as calibrated. `model` is a name of core/geometry/lens_model.h: "pinhole" (no distortion), "radtan",
+/// "rational", "equidistant" or "double_sphere".
 struct CameraCalibration {
   int width_px = 0;
   int height_px = 0;

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/geometry/lens_model.h"
 
 namespace plslam {
 namespace {
@@ -12,9 +16,20 @@ namespace {
 constexpr double kLargestRadius = 10.0;
 constexpr int kScanSteps = 2000;
 
-std::runtime_error WrongCount(const CameraCalibration& c, const char* expected) {
-  return std::runtime_error("distortion model \"" + c.model + "\" takes " + expected + " coefficients, not " +
-                            std::to_string(c.distortion.size()));
+void RequireKnown(const CameraCalibration& c) {
+  const LensModel* model = FindLensModel(c.model);
+  if (model == nullptr) {
+    throw std::runtime_error("unknown distortion model \"" + c.model + "\" (" + LensModelNames() + ")");
+  }
+  // A pinhole may carry the zeros of the model that it was before.
+  const bool zeros = std::all_of(c.distortion.begin(), c.distortion.end(), [](double k) { return k == 0.0; });
+  if (c.model == "pinhole" && !zeros) {
+    throw std::runtime_error("distortion model \"pinhole\" has coefficients that are not zero");
+  }
+  if (c.model != "pinhole" && !LensModelTakes(c.model, c.distortion.size())) {
+    throw std::runtime_error("distortion model \"" + c.model + "\" takes the coefficients " +
+                             std::string(model->coefficients) + ", not " + std::to_string(c.distortion.size()));
+  }
 }
 
 void RequireFinite(const CameraCalibration& c) {
@@ -29,56 +44,94 @@ void RequireFinite(const CameraCalibration& c) {
 
 Distortion::Distortion(const CameraCalibration& c) {
   RequireFinite(c);
-  const size_t n = c.distortion.size();
+  RequireKnown(c);
+  const std::vector<double>& d = c.distortion;
   double end = kLargestRadius;
-  if (c.model == "radtan") {
-    if (n != 4 && n != 5) throw WrongCount(c, "4 or 5");
-    model_ = Model::kRadtan;
-    k_[0] = c.distortion[0];
-    k_[1] = c.distortion[1];
-    p_[0] = c.distortion[2];
-    p_[1] = c.distortion[3];
-    if (n == 5) k_[2] = c.distortion[4];
+  if (c.model == "radtan" || c.model == "rational") {
+    model_ = c.model == "radtan" ? Model::kRadtan : Model::kRational;
+    k_[0] = d[0];
+    k_[1] = d[1];
+    p_[0] = d[2];
+    p_[1] = d[3];
+    if (d.size() > 4) k_[2] = d[4];
+    if (model_ == Model::kRational) std::copy(d.begin() + 5, d.end(), divisor_);
   } else if (c.model == "equidistant") {
-    if (n != 4) throw WrongCount(c, "4");
     model_ = Model::kEquidistant;
-    std::copy(c.distortion.begin(), c.distortion.end(), k_);
+    std::copy(d.begin(), d.end(), k_);
     end = std::atan(kLargestRadius);
-  } else if (c.model != "pinhole") {
-    throw std::runtime_error("unknown distortion model \"" + c.model + "\" (pinhole, radtan or equidistant)");
-  } else if (std::any_of(c.distortion.begin(), c.distortion.end(), [](double k) { return k != 0.0; })) {
-    throw std::runtime_error("distortion model \"pinhole\" has coefficients that are not zero");
+  } else if (c.model == "double_sphere") {
+    model_ = Model::kDoubleSphere;
+    xi_ = d[0];
+    alpha_ = d[1];
   }
   max_profile_variable_ = MonotonicLimit(end);
   max_radius_ = model_ == Model::kEquidistant ? std::tan(max_profile_variable_) : max_profile_variable_;
 }
 
 bool Distortion::IsIdentity() const {
-  const bool no_terms = std::all_of(k_, k_ + 4, [](double k) { return k == 0.0; }) && p_[0] == 0.0 && p_[1] == 0.0;
-  return model_ == Model::kPinhole || (model_ == Model::kRadtan && no_terms);
+  const auto is_zero = [](double k) { return k == 0.0; };
+  const bool no_terms = std::all_of(k_, k_ + 4, is_zero) && std::all_of(p_, p_ + 2, is_zero) &&
+                        std::all_of(divisor_, divisor_ + 3, is_zero);
+  if (model_ == Model::kDoubleSphere) return xi_ == 0.0 && alpha_ == 0.0;
+  return model_ == Model::kPinhole || (model_ != Model::kEquidistant && no_terms);
 }
 
 double Distortion::Profile(double s) const {
   const double s2 = s * s;
-  return s * (1.0 + s2 * (k_[0] + s2 * (k_[1] + s2 * (k_[2] + s2 * k_[3]))));
+  if (model_ == Model::kDoubleSphere) return s / Denominator(s);
+  const double polynomial = s * (1.0 + s2 * (k_[0] + s2 * (k_[1] + s2 * (k_[2] + s2 * k_[3]))));
+  return model_ == Model::kRational ? polynomial / Denominator(s) : polynomial;
 }
 
 double Distortion::ProfileDerivative(double s) const {
   const double s2 = s * s;
+  if (model_ == Model::kRational) return RadialFactor(s2) + 2.0 * s2 * RadialFactorDerivative(s2);
+  if (model_ == Model::kDoubleSphere) {
+    const double d1 = std::sqrt(s2 + 1.0);
+    const double depth = xi_ * d1 + 1.0;
+    const double d2 = std::sqrt(s2 + depth * depth);
+    const double depth_slope = xi_ * s / d1;
+    const double slope = alpha_ * (s + depth * depth_slope) / d2 + (1.0 - alpha_) * depth_slope;
+    const double denominator = Denominator(s);
+    return (denominator - s * slope) / (denominator * denominator);
+  }
   return 1.0 + s2 * (3.0 * k_[0] + s2 * (5.0 * k_[1] + s2 * (7.0 * k_[2] + s2 * 9.0 * k_[3])));
 }
 
+double Distortion::Denominator(double s) const {
+  const double s2 = s * s;
+  if (model_ == Model::kRational) return 1.0 + s2 * (divisor_[0] + s2 * (divisor_[1] + s2 * divisor_[2]));
+  if (model_ != Model::kDoubleSphere) return 1.0;
+  const double depth = xi_ * std::sqrt(s2 + 1.0) + 1.0;
+  return alpha_ * std::sqrt(s2 + depth * depth) + (1.0 - alpha_) * depth;
+}
+
+double Distortion::RadialFactor(double r2) const {
+  const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
+  if (model_ != Model::kRational) return radial;
+  return radial / (1.0 + r2 * (divisor_[0] + r2 * (divisor_[1] + r2 * divisor_[2])));
+}
+
+double Distortion::RadialFactorDerivative(double r2) const {
+  const double slope = k_[0] + r2 * (2.0 * k_[1] + r2 * 3.0 * k_[2]);
+  if (model_ != Model::kRational) return slope;
+  const double denominator = 1.0 + r2 * (divisor_[0] + r2 * (divisor_[1] + r2 * divisor_[2]));
+  const double denominator_slope = divisor_[0] + r2 * (2.0 * divisor_[1] + r2 * 3.0 * divisor_[2]);
+  return (slope - RadialFactor(r2) * denominator_slope) / denominator;
+}
+
 double Distortion::MonotonicLimit(double end) const {
+  const auto grows = [this](double s) { return Denominator(s) > 0.0 && ProfileDerivative(s) > 0.0; };
   double below = 0.0;
   for (int i = 1; i <= kScanSteps; ++i) {
     double above = end * i / kScanSteps;
-    if (ProfileDerivative(above) > 0.0) {
+    if (grows(above)) {
       below = above;
       continue;
     }
     for (int halving = 0; halving < 50; ++halving) {
       const double middle = 0.5 * (below + above);
-      (ProfileDerivative(middle) > 0.0 ? below : above) = middle;
+      (grows(middle) ? below : above) = middle;
     }
     break;
   }
@@ -87,13 +140,16 @@ double Distortion::MonotonicLimit(double end) const {
 
 Eigen::Vector2d Distortion::Apply(const Eigen::Vector2d& xy) const {
   if (model_ == Model::kPinhole) return xy;
-  if (model_ == Model::kRadtan) return Radtan(xy.x(), xy.y(), xy.squaredNorm());
+  if (model_ == Model::kRadtan || model_ == Model::kRational) {
+    const double r2 = xy.squaredNorm();
+    return Radtan(xy.x(), xy.y(), r2, RadialFactor(r2));
+  }
   const double r = xy.norm();
+  if (model_ == Model::kDoubleSphere) return xy / Denominator(r);
   return r < 1e-9 ? xy : Eigen::Vector2d(Profile(std::atan(r)) / r * xy);
 }
 
-Eigen::Vector2d Distortion::Radtan(double x, double y, double r2) const {
-  const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
+Eigen::Vector2d Distortion::Radtan(double x, double y, double r2, double radial) const {
   const double xy2 = 2.0 * x * y;
   return {x * radial + p_[0] * xy2 + p_[1] * (r2 + 2.0 * x * x),
           y * radial + p_[0] * (r2 + 2.0 * y * y) + p_[1] * xy2};
@@ -112,7 +168,8 @@ void Distortion::Distort(std::span<double> x, std::span<double> y) const {
     const double largest = max_radius_ * max_radius_;
     for (size_t i = 0; i < x.size(); ++i) {
       const double r2 = x[i] * x[i] + y[i] * y[i];
-      const Eigen::Vector2d distorted = Radtan(x[i], y[i], r2);
+      const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
+      const Eigen::Vector2d distorted = Radtan(x[i], y[i], r2, radial);
       x[i] = r2 <= largest ? distorted.x() : kNothing;
       y[i] = r2 <= largest ? distorted.y() : kNothing;
     }
@@ -131,16 +188,18 @@ Eigen::Matrix2d Distortion::Jacobian(const Eigen::Vector2d& xy) const {
   const double x = xy.x();
   const double y = xy.y();
   const double r2 = xy.squaredNorm();
-  if (model_ == Model::kEquidistant) {
+  if (model_ == Model::kEquidistant || model_ == Model::kDoubleSphere) {
     const double r = std::sqrt(r2);
-    if (r < 1e-9) return Eigen::Matrix2d::Identity();
-    const double theta = std::atan(r);
-    const double scale = Profile(theta) / r;
-    const double slope = (ProfileDerivative(theta) / (1.0 + r2) - scale) / r2;
+    if (r < 1e-9) return CentreScale() * Eigen::Matrix2d::Identity();
+    const bool by_angle = model_ == Model::kEquidistant;
+    const double s = by_angle ? std::atan(r) : r;
+    const double scale = Profile(s) / r;
+    const double derivative = by_angle ? ProfileDerivative(s) / (1.0 + r2) : ProfileDerivative(s);
+    const double slope = (derivative - scale) / r2;
     return scale * Eigen::Matrix2d::Identity() + slope * xy * xy.transpose();
   }
-  const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
-  const double slope = 2.0 * (k_[0] + r2 * (2.0 * k_[1] + r2 * 3.0 * k_[2]));
+  const double radial = RadialFactor(r2);
+  const double slope = 2.0 * RadialFactorDerivative(r2);
   Eigen::Matrix2d J = radial * Eigen::Matrix2d::Identity() + slope * xy * xy.transpose();
   const double cross = 2.0 * (p_[0] * x + p_[1] * y);
   J(0, 0) += 2.0 * p_[0] * y + 6.0 * p_[1] * x;
@@ -164,7 +223,7 @@ std::optional<Eigen::Vector2d> Distortion::Undistort(const Eigen::Vector2d& dist
   if (!distorted.allFinite()) return std::nullopt;
   if (model_ == Model::kPinhole) return Distort(distorted);
   const double radius = distorted.norm();
-  if (radius < 1e-12) return distorted;
+  if (radius < 1e-12) return Eigen::Vector2d(distorted / CentreScale());
   // Bisection of the radial part never leaves the monotonic range; Newton then adds the tangential part.
   const double variable = InvertProfile(radius);
   const double start = model_ == Model::kEquidistant ? std::tan(variable) : variable;

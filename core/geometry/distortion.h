@@ -9,11 +9,18 @@
 
 namespace plslam {
 
-/// Lens distortion on the plane z = 1: "pinhole" (none), "radtan" (k1 k2 p1 p2 [k3], Brown-Conrady as in OpenCV) and
-/// "equidistant" (k1 k2 k3 k4, Kannala-Brandt as in Kalibr).
+/// Lens distortion on the plane z = 1, with t = r^2 of the undistorted point:
+/// * "pinhole": none.
+/// * "radtan" (k1 k2 p1 p2 [k3]): Brown-Conrady as in OpenCV, radius r (1 + k1 t + k2 t^2 + k3 t^3), and tangential
+///   terms.
+/// * "rational" (k1 k2 p1 p2 k3 k4 k5 k6): the same, divided by 1 + k4 t + k5 t^2 + k6 t^3, as in OpenCV and ROS.
+/// * "equidistant" (k1 k2 k3 k4): Kannala-Brandt as in Kalibr and OpenCV's fisheye, a polynomial of the angle.
+/// * "double_sphere" (xi alpha): Usenko, Demmel and Cremers, "The Double Sphere Camera Model" (3DV 2018), eq. 40 to
+///   42, at
+///   z = 1. Unlike with the others the image is scaled in its centre, by 1 / (1 + xi).
 ///
-/// A polynomial lens model is only meaningful up to the angle where its radius stops growing; beyond, several rays
-/// share a pixel. Nothing is returned there.
+/// A lens model is only meaningful up to the angle where its radius stops growing; beyond, several rays share a
+/// pixel. Nothing is returned there, nor where a denominator is not positive.
 class Distortion {
  public:
   /// Throws std::runtime_error with a sentence for an unknown model or a wrong number of coefficients.
@@ -36,21 +43,32 @@ class Distortion {
 
   bool IsIdentity() const;
 
+  /// How much larger the centre of the image is than without distortion: derivative of the distorted radius at 0.
+  double CentreScale() const { return ProfileDerivative(0.0); }
+
  private:
-  enum class Model { kPinhole, kRadtan, kEquidistant };
+  enum class Model { kPinhole, kRadtan, kRational, kEquidistant, kDoubleSphere };
 
   /// Distorted radius and its derivative by the model's own variable: the radius, or the angle of a fisheye.
   double Profile(double s) const;
   double ProfileDerivative(double s) const;
+  /// What the radius is divided by: not 1 for the models "rational" and "double_sphere".
+  double Denominator(double s) const;
   double MonotonicLimit(double end) const;
   double InvertProfile(double distorted_radius) const;
   Eigen::Vector2d Apply(const Eigen::Vector2d& xy) const;
-  Eigen::Vector2d Radtan(double x, double y, double r2) const;
+  /// Radial factor of "radtan" and "rational", and its derivative by r^2.
+  double RadialFactor(double r2) const;
+  double RadialFactorDerivative(double r2) const;
+  Eigen::Vector2d Radtan(double x, double y, double r2, double radial) const;
 
   Model model_ = Model::kPinhole;
-  // k: radial terms of s^3, s^5, s^7, s^9; p: tangential terms.
+  // k: radial terms of s^3, s^5, s^7, s^9; p: tangential terms; divisor: k4 k5 k6 of "rational".
   double k_[4] = {0.0, 0.0, 0.0, 0.0};
   double p_[2] = {0.0, 0.0};
+  double divisor_[3] = {0.0, 0.0, 0.0};
+  double xi_ = 0.0;
+  double alpha_ = 0.0;
   double max_profile_variable_ = 0.0;
   double max_radius_ = 0.0;
 };

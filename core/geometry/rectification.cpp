@@ -107,9 +107,13 @@ double Middle(double from, double to, double half_extent) {
 StereoCamera ChooseCamera(const RigCalibration& rig, const Window& window, double baseline_m) {
   const double width = rig.left.width_px - 1.0;
   const double height = rig.left.height_px - 1.0;
-  const double raw_f = rig.kind == RigCalibration::Kind::kRgbd
-                           ? 0.5 * (rig.left.fx_px + rig.left.fy_px)
-                           : 0.25 * (rig.left.fx_px + rig.left.fy_px + rig.right.fx_px + rig.right.fy_px);
+  // Focal lengths in the centre of the images.
+  const double l = Distortion(rig.left).CentreScale();
+  const double r = rig.kind == RigCalibration::Kind::kRgbd ? l : Distortion(rig.right).CentreScale();
+  const double raw_f =
+      rig.kind == RigCalibration::Kind::kRgbd
+          ? 0.5 * (l * rig.left.fx_px + l * rig.left.fy_px)
+          : 0.25 * (l * rig.left.fx_px + l * rig.left.fy_px + r * rig.right.fx_px + r * rig.right.fy_px);
   if (window.x1 <= window.x0 || window.y1 <= window.y0) {
     throw Error(rig, "left and right camera share no view; check intrinsics, distortion and extrinsics");
   }

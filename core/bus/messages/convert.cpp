@@ -1,11 +1,11 @@
 #include "core/bus/messages/convert.h"
 
 #include "core/bus/transport/encoded.h"
+#include "core/geometry/lens_model.h"
 
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <string_view>
 
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"
@@ -30,13 +30,6 @@ bool PixelsOk(std::initializer_list<double> values) {
 
 bool PositiveFinite(std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v) && v > 0.0; });
-}
-
-/// Whether a distortion model may have so many coefficients.
-bool ModelOk(std::string_view model, size_t n) {
-  if (model == "pinhole") return n == 0;
-  if (model == "radtan") return n == 4 || n == 5;
-  return model == "equidistant" && n == 4;
 }
 
 float ToFloat(double value) { return static_cast<float>(value); }
@@ -90,7 +83,7 @@ std::optional<CameraCalibration> FromIntrinsics(const intrinsics_t& message) {
                        message.height_px <= kMaxSide_px;
   const bool lens_ok =
       PositiveFinite({message.fx_px, message.fy_px}) && Finite({message.cx_px, message.cy_px}) &&
-      ModelOk(message.model, message.distortion.size()) &&
+      LensModelTakes(message.model, message.distortion.size()) &&
       std::all_of(message.distortion.begin(), message.distortion.end(), [](double k) { return std::isfinite(k); });
   auto mask = FromPolygons(message.mask);
   if (!T_b_cam || !size_ok || !lens_ok || !mask) return std::nullopt;

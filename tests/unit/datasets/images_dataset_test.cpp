@@ -180,22 +180,22 @@ TEST_F(ImagesDataset, BadCameraFilesAreNamedWithTheirLine) {
     const char* line;
     const char* what;
   };
-  for (const Row& row :
-       {Row{"[40.0, 41.0]", "[0, 41.0]", ":6: focal_length_px", "focal length fx = 0"},
-        Row{"[40.0, 41.0]", "[40.0, -1]", ":6: focal_length_px", "fy = -1"},
-        Row{"[40.0, 41.0]", "40.0", ":6: focal_length_px", "list of numbers"},
-        Row{"[24.0, 16.0]", "[1e9, 16.0]", ":7: principal_point_px", "cx = 1000000000"},
-        Row{"-0.1, 0.01,", "", ":8: distortion", "4 or 5 distortions, not 2"},
-        Row{"-0.1, 0.01,", "nan, 0,", ":8: distortion", "'nan'"},
-        Row{"model: radtan", "model: fisheye", ":5: model", "'fisheye' is none of pinhole, radtan, equidistant"},
-        Row{"baseline_m: 0.25", "baseline_m: -0.25", "", "to the right of the left one"},
-        Row{"baseline_m: 0.25", "baseline_m: 0", "", "baseline 0 m"},
-        Row{"baseline_m: 0.25\n", "", ":1: baseline_m", "is missing"},
-        Row{"rate_hz: 10", "rate_hz: 0", ":2: rate_hz", "above 0"},
-        Row{"rate_hz: 10", "rate: 10", ":2: rate", "is not a known key"},
-        Row{"name: tiny", "kind: rgbd", ":1: depth_units_per_m", "is missing"},
-        Row{"name: tiny", "kind: mono", ":1: kind", "'mono'"}, Row{"left:", "right:", ": left", "is missing"},
-        Row{"name: tiny", "name: [", "", ""}}) {
+  for (const Row& row : {Row{"[40.0, 41.0]", "[0, 41.0]", ":6: focal_length_px", "focal length fx = 0"},
+                         Row{"[40.0, 41.0]", "[40.0, -1]", ":6: focal_length_px", "fy = -1"},
+                         Row{"[40.0, 41.0]", "40.0", ":6: focal_length_px", "list of numbers"},
+                         Row{"[24.0, 16.0]", "[1e9, 16.0]", ":7: principal_point_px", "cx = 1000000000"},
+                         Row{"-0.1, 0.01,", "", ":8: distortion", "4 or 5 distortions (k1 k2 p1 p2 [k3]), not 2"},
+                         Row{"-0.1, 0.01,", "nan, 0,", ":8: distortion", "'nan'"},
+                         Row{"model: radtan", "model: fisheye", ":5: model",
+                             "'fisheye' is none of pinhole, radtan, rational, equidistant, double_sphere"},
+                         Row{"baseline_m: 0.25", "baseline_m: -0.25", "", "to the right of the left one"},
+                         Row{"baseline_m: 0.25", "baseline_m: 0", "", "baseline 0 m"},
+                         Row{"baseline_m: 0.25\n", "", ":1: baseline_m", "is missing"},
+                         Row{"rate_hz: 10", "rate_hz: 0", ":2: rate_hz", "above 0"},
+                         Row{"rate_hz: 10", "rate: 10", ":2: rate", "is not a known key"},
+                         Row{"name: tiny", "kind: rgbd", ":1: depth_units_per_m", "is missing"},
+                         Row{"name: tiny", "kind: mono", ":1: kind", "'mono'"},
+                         Row{"left:", "right:", ": left", "is missing"}, Row{"name: tiny", "name: [", "", ""}}) {
     test::WriteText(camera_, good);
     test::ReplaceText(camera_, row.from, row.to);
     const std::string error = OpenError();

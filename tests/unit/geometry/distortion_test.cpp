@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <gtest/gtest.h>
+#include <opencv2/calib3d.hpp>
 
 namespace plslam {
 namespace {
@@ -17,10 +18,15 @@ CameraCalibration Lens(const std::string& model, std::vector<double> distortion)
 
 const std::vector<CameraCalibration>& Lenses() {
   static const std::vector<CameraCalibration> lenses{
-      Lens("pinhole", {}), Lens("radtan", {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}),
+      Lens("pinhole", {}),
+      Lens("radtan", {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}),
       Lens("radtan", {0.2624, -0.9531, -0.0054, 0.0026, 1.1633}),
       Lens("equidistant",
-           {0.0034823894022493434, 0.0007150348452162257, -0.0020532361418706202, 0.00020293673591811182})};
+           {0.0034823894022493434, 0.0007150348452162257, -0.0020532361418706202, 0.00020293673591811182}),
+      Lens("rational", {7.1, 2.3, 0.00031, -0.00012, 0.08, 7.4, 3.9, 0.41}),
+      Lens("rational", {-0.28, 0.07, 0.0002, 1.8e-05, 0.01, 0.02, -0.003, 0.001}),
+      Lens("double_sphere", {-0.18, 0.59}),
+      Lens("double_sphere", {0.32, 0.41})};
   return lenses;
 }
 
@@ -104,7 +110,62 @@ TEST(Distortion, NanIsRefused) {
   }
 }
 
+// What OpenCV makes of the same coefficients.
+TEST(Distortion, EqualsOpenCv) {
+  for (const CameraCalibration& lens : Lenses()) {
+    if (lens.model == "double_sphere") continue;
+    const Distortion d(lens);
+    std::vector<cv::Point3d> points;
+    std::vector<cv::Point2d> pixels;
+    const double reach = std::min(0.95 * d.max_radius(), 2.0);
+    for (double r = 0.01; r <= reach; r += 0.03)
+      points.emplace_back(r * std::cos(31.0 * r), r * std::sin(31.0 * r), 1.0);
+    const cv::Vec3d zero(0.0, 0.0, 0.0);
+    if (lens.model == "equidistant") {
+      cv::fisheye::projectPoints(points, pixels, zero, zero, cv::Matx33d::eye(), lens.distortion);
+    } else {
+      cv::projectPoints(points, zero, zero, cv::Matx33d::eye(), lens.distortion, pixels);
+    }
+    for (size_t i = 0; i < points.size(); ++i) {
+      const auto ours = d.Distort(Eigen::Vector2d(points[i].x, points[i].y));
+      ASSERT_TRUE(ours) << lens.model;
+      EXPECT_NEAR(ours->x(), pixels[i].x, 1e-10) << lens.model << " at " << points[i];
+      EXPECT_NEAR(ours->y(), pixels[i].y, 1e-10) << lens.model << " at " << points[i];
+    }
+  }
+}
+
+// The published formula of a point (x, y, z) anywhere, which does not change with the point's distance.
+TEST(Distortion, DoubleSphereIsThatOfThePaper) {
+  for (const CameraCalibration& lens : Lenses()) {
+    if (lens.model != "double_sphere") continue;
+    const double xi = lens.distortion[0];
+    const double alpha = lens.distortion[1];
+    const Distortion d(lens);
+    for (const Eigen::Vector3d& p : {Eigen::Vector3d(0.3, -0.2, 0.7), Eigen::Vector3d(-4.0, 1.0, 2.0),
+                                     Eigen::Vector3d(0.0, 0.001, 3.0), Eigen::Vector3d(1.0, 2.0, 0.9)}) {
+      const double d1 = p.norm();
+      const double d2 = std::hypot(p.x(), p.y(), xi * d1 + p.z());
+      const Eigen::Vector2d published = p.head<2>() / (alpha * d2 + (1.0 - alpha) * (xi * d1 + p.z()));
+      const auto ours = d.Distort(p.hnormalized());
+      ASSERT_TRUE(ours) << p.transpose();
+      EXPECT_LT((*ours - published).norm(), 1e-12) << p.transpose();
+    }
+    EXPECT_DOUBLE_EQ(d.CentreScale(), 1.0 / (1.0 + xi));
+  }
+}
+
+// 1 - 0.5 r^2 is 0 at sqrt(2): the radius grows without bound before, and comes from the other side after.
+TEST(Distortion, NothingBeyondAPole) {
+  const Distortion d(Lens("rational", {0.0, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0, 0.0}));
+  EXPECT_NEAR(d.max_radius(), std::sqrt(2.0), 1e-6);
+  EXPECT_TRUE(d.Distort({1.4, 0.0}));
+  EXPECT_FALSE(d.Distort({1.5, 0.0}));
+}
+
 TEST(Distortion, WrongModelsAreNamed) {
+  EXPECT_THROW(Distortion(Lens("rational", {0.1, 0.1, 0.1, 0.1, 0.1})), std::runtime_error);
+  EXPECT_THROW(Distortion(Lens("double_sphere", {0.1})), std::runtime_error);
   EXPECT_THROW(Distortion(Lens("omni", {})), std::runtime_error);
   EXPECT_THROW(Distortion(Lens("radtan", {0.1})), std::runtime_error);
   EXPECT_THROW(Distortion(Lens("equidistant", {0.1, 0.1, 0.1, 0.1, 0.1})), std::runtime_error);

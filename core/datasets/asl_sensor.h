@@ -12,7 +12,8 @@ namespace plslam {
 CameraCalibration ReadAslCamera(const std::string& path);
 
 /// Left and right camera of a `camchain.yaml` as Kalibr writes it: cam0 and cam1, each with T_cam_imu (the inverse of
-/// T_BS; for cam1 T_cn_cnm1, from cam0, does too), distortion_coeffs, and the rest as above. Throws DatasetError.
+/// T_BS; for cam1 T_cn_cnm1, from cam0, does too; without an IMU the body is cam0), distortion_coeffs, and the rest
+/// as above. The camera model `ds` (double sphere) is read too. Throws DatasetError.
 std::pair<CameraCalibration, CameraCalibration> ReadCamchain(const std::string& path);
 
 }  // namespace plslam

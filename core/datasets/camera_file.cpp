@@ -5,13 +5,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 
+#include "core/datasets/calibrations/foreign_calibration.h"
 #include "core/datasets/camera_mask.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
 namespace plslam {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
 
@@ -41,7 +45,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   camera.fy_px = focal[1];
   camera.cx_px = centre[0];
   camera.cy_px = centre[1];
-  if (yaml.Has("distortion")) camera.distortion = yaml.Numbers("distortion", 0, 5);
+  if (yaml.Has("distortion")) camera.distortion = yaml.Numbers("distortion", 0, 8);
   if (yaml.Has("T_b_cam")) camera.T_b_cam = yaml.Transform("T_b_cam");
   yaml.Require("resolution_px", SizeComplaint(camera));
   yaml.Require("focal_length_px", FocalComplaint(camera));
@@ -91,7 +95,55 @@ double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, dou
   return value;
 }
 
+/// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
+RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
+  yaml.AllowOnly({"from", "name", "rate_hz"});
+  std::vector<std::string> paths;
+  for (const std::string& name : yaml.Texts("from")) {
+    const fs::path file(name);
+    const bool climbs = std::any_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
+    if (file.empty() || file.is_absolute() || climbs) {
+      yaml.Fail("from", fmt::format("= '{}' is empty or leaves the folder of the file", name));
+    }
+    paths.push_back((fs::path(yaml.path()).parent_path() / file).string());
+  }
+  RigCalibration rig = ReadForeignCalibration(paths, image_size).rig;
+  if (yaml.Has("name")) rig.name = yaml.Text("name");
+  rig.rate_hz = PositiveNumber(yaml, "rate_hz", rig.rate_hz, kMaxRate_hz);
+  return rig;
+}
+
+std::string CameraText(const CameraCalibration& camera) {
+  std::string text = fmt::format(
+      "  model: {}\n  resolution_px: [{}, {}]\n  focal_length_px: [{}, {}]\n  principal_point_px: [{}, {}]\n",
+      camera.model, camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px);
+  if (!camera.distortion.empty()) text += fmt::format("  distortion: [{}]\n", fmt::join(camera.distortion, ", "));
+  const Eigen::Matrix4d T = camera.T_b_cam.matrix();
+  text += "  T_b_cam: [";
+  for (int i = 0; i < 12; ++i) {
+    text += fmt::format("{}{}", i == 0 ? "" : i % 4 == 0 ? ",\n            " : ", ", T(i / 4, i % 4));
+  }
+  return text + "]\n";
+}
+
 }  // namespace
+
+std::vector<std::string> CalibrationOf(const std::string& folder) {
+  const std::string own = (fs::path(folder) / "camera.yaml").string();
+  if (fs::exists(own)) return {own};
+  return FindForeignCalibration(folder);
+}
+
+RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size) {
+  if (paths.size() == 1) return ReadCameraFile(paths.front(), image_size);
+  return ReadForeignCalibration(paths, image_size).rig;
+}
+
+std::string CameraFileText(const RigCalibration& rig) {
+  std::string text = fmt::format("name: \"{}\"\n", rig.name);
+  if (rig.rate_hz > 0.0) text += fmt::format("rate_hz: {}\n", rig.rate_hz);
+  return text + "left:\n" + CameraText(rig.left) + "right:\n" + CameraText(rig.right);
+}
 
 RigCalibration MakeRgbdRig(const CameraCalibration& camera, double baseline_m, double depth_units_per_m) {
   RigCalibration rig;
@@ -105,7 +157,9 @@ RigCalibration MakeRgbdRig(const CameraCalibration& camera, double baseline_m, d
 }
 
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size) {
+  if (!ForeignFormat(path).empty()) return ReadForeignCalibration({path}, image_size).rig;
   const YamlMap yaml = YamlMap::FromFile(path);
+  if (yaml.Has("from")) return ReadFrom(yaml, image_size);
   yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m"});
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
   if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is none of stereo, rgbd", kind));

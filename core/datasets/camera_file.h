@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "core/geometry/calibration.h"
 #include "core/io/images/image_file.h"
@@ -8,8 +9,20 @@
 namespace plslam {
 
 /// Our own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM RGB-D
-/// sequence. Cameras that name no `resolution` get `image_size`. Throws DatasetError.
+/// sequence. Cameras that name no `resolution` get `image_size`. The file may as well be one of another program's
+/// (calibrations/foreign_calibration.h), or name such ones by `from`, a file or a list of files beside it. Throws
+/// DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size);
+
+/// The calibration of a folder: its camera.yaml, or else the file (or pair of files) of another program that lies in
+/// it; empty where there is none. Throws DatasetError where it cannot be told which one is meant.
+std::vector<std::string> CalibrationOf(const std::string& folder);
+
+/// Reads what `CalibrationOf` found.
+RigCalibration ReadCalibration(const std::vector<std::string>& paths, const ImageSize& image_size);
+
+/// The text of a camera.yaml of a stereo rig, every number to its last digit. Masks are left out.
+std::string CameraFileText(const RigCalibration& rig);
 
 /// An RGB-D rig from its camera: the right one is a copy of it, moved by the virtual baseline along its x axis.
 RigCalibration MakeRgbdRig(const CameraCalibration& camera, double baseline_m, double depth_units_per_m);

@@ -94,20 +94,23 @@ std::vector<std::optional<SE3>> GroundTruth(const fs::path& folder, ImageList* l
 }  // namespace
 
 std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder) {
-  const std::string camera_path = (fs::path(folder) / "camera.yaml").string();
-  if (!fs::exists(camera_path)) throw DatasetError(camera_path + ": the calibration is missing");
+  const std::vector<std::string> calibration = CalibrationOf(folder);
+  if (calibration.empty()) {
+    throw DatasetError((fs::path(folder) / "camera.yaml").string() + ": the calibration is missing");
+  }
+  const std::string& camera_path = calibration.front();
   const auto [left, right] = FindFolders(folder);
   ImageList list;
   list.name = folder;
   list.entries = Pair(left, right);
   list.image_size = LearnImageSize(list.entries);
-  list.rig = ReadCameraFile(camera_path, list.image_size);
+  list.rig = ReadCalibration(calibration, list.image_size);
   const std::vector<int64_t> times_ns = Times(folder, camera_path, list.entries.size(), list.rig.rate_hz);
   for (size_t i = 0; i < times_ns.size(); ++i) list.entries[i].t_ns = times_ns[i];
   list.ground_truth = GroundTruth(folder, &list);
   return MakeImageListDataset(std::move(list), camera_path);
 }
 
-bool LooksLikeImages(const std::string& folder) { return fs::exists(fs::path(folder) / "camera.yaml"); }
+bool LooksLikeImages(const std::string& folder) { return fs::is_directory(folder) && !CalibrationOf(folder).empty(); }
 
 }  // namespace plslam

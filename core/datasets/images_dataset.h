@@ -7,16 +7,17 @@
 
 namespace plslam {
 
-/// A plain folder of stereo images: `camera.yaml` (docs/datasets.md), two folders of images with one of the names
-/// left and right, image_left and image_right, image_0 and image_1, cam0 and cam1, rgb and depth (RGB-D), and
-/// optionally `times.txt` (seconds, one for each frame; else the camera file's `rate_hz` counts them),
-/// `groundtruth.txt` (TUM format, interpolated) or `poses.txt` (KITTI format, one for each frame).
+/// A plain folder of stereo images: `camera.yaml` or the calibration of another program (docs/datasets.md), two
+/// folders of images with one of the names left and right, image_left and image_right, image_0 and image_1, cam0 and
+/// cam1, rgb and depth (RGB-D), and optionally `times.txt` (seconds, one for each frame; else the camera file's
+/// `rate_hz` counts them), `groundtruth.txt` (TUM format, interpolated) or `poses.txt` (KITTI format, one for each
+/// frame).
 ///
 /// Images belong together, and are ordered, by the last number in their name ("left_012.png" and "right_012.png"; the
 /// whole name where it has none). One without partner counts as a frame that cannot be read.
 std::unique_ptr<Dataset> OpenImagesDataset(const std::string& folder);
 
-/// There is a camera.yaml.
+/// There is a calibration (`CalibrationOf`).
 bool LooksLikeImages(const std::string& folder);
 
 }  // namespace plslam

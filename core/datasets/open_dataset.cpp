@@ -44,7 +44,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
     {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},
-    {"images", "camera.yaml", LooksLikeImages, OpenImagesDataset},
+    {"images", "camera.yaml or the calibration of another program", LooksLikeImages, OpenImagesDataset},
 });
 
 std::string Join(std::string (*describe)(const Kind&)) {

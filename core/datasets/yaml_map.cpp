@@ -83,6 +83,17 @@ std::string YamlMap::Text(std::string_view key) const {
   return Shown(node.Scalar());
 }
 
+std::vector<std::string> YamlMap::Texts(std::string_view key) const {
+  const YAML::Node node = Get(key);
+  if (!node.IsSequence()) return {Text(key)};
+  std::vector<std::string> texts;
+  for (const YAML::Node& element : node) {
+    if (!element.IsScalar()) Fail(key, "must be a word or a list of words");
+    texts.push_back(Shown(element.Scalar()));
+  }
+  return texts;
+}
+
 double YamlMap::ToNumber(std::string_view key, const YAML::Node& node) const {
   if (!node.IsScalar()) Fail(key, "must consist of numbers");
   std::string_view text = node.Scalar();
@@ -136,20 +147,37 @@ YamlMap YamlMap::Map(std::string_view key) const {
   return {path_, node};
 }
 
-std::vector<double> YamlMap::Rows(std::string_view key) const {
+std::vector<YamlMap> YamlMap::Maps(std::string_view key) const {
   const YAML::Node node = Get(key);
-  if (node.IsMap()) return Map(key).Numbers("data", 12, 16);
-  if (!node.IsSequence() || node.size() == 0 || !node.begin()->IsSequence()) return Numbers(key, 12, 16);
+  if (!node.IsSequence()) Fail(key, "must be a list of maps");
+  std::vector<YamlMap> maps;
+  for (const YAML::Node& element : node) maps.push_back(YamlMap(path_, element));
+  return maps;
+}
+
+std::vector<double> YamlMap::Matrix(std::string_view key, size_t min_count, size_t max_count,
+                                    size_t n_columns) const {
+  const YAML::Node node = Get(key);
+  if (node.IsMap()) return Map(key).Numbers("data", min_count, max_count);
+  if (!node.IsSequence() || node.size() == 0 || !node.begin()->IsSequence()) {
+    return Numbers(key, min_count, max_count);
+  }
   std::vector<double> numbers;
+  if (n_columns == 0) n_columns = node.begin()->size();
   for (const YAML::Node& row : node) {
-    if (!row.IsSequence() || row.size() != 4) Fail(key, "must have rows of 4 numbers");
+    if (!row.IsSequence() || row.size() != n_columns || numbers.size() > max_count) {
+      Fail(key, fmt::format("must have rows of {} numbers, {} to {} in all", n_columns, min_count, max_count));
+    }
     for (const YAML::Node& element : row) numbers.push_back(ToNumber(key, element));
+  }
+  if (numbers.size() < min_count || numbers.size() > max_count) {
+    Fail(key, fmt::format("has {} numbers, not {} to {}", numbers.size(), min_count, max_count));
   }
   return numbers;
 }
 
 SE3 YamlMap::Transform(std::string_view key) const {
-  const std::vector<double> rows = Rows(key);
+  const std::vector<double> rows = Matrix(key, 12, 16, 4);
   SE3 T;
   const std::string complaint = TransformFrom(rows, &T);
   if (!complaint.empty()) Fail(key, complaint);

@@ -19,12 +19,19 @@ class YamlMap {
 
   bool Has(std::string_view key) const;
   std::string Text(std::string_view key) const;
+  /// One word, or a list of words.
+  std::vector<std::string> Texts(std::string_view key) const;
   double Number(std::string_view key) const;
   /// A list of `min_count` to `max_count` numbers.
   std::vector<double> Numbers(std::string_view key, size_t min_count, size_t max_count) const;
   /// A list of polygons, each a list of at least three corners [x, y].
   std::vector<std::vector<Eigen::Vector2d>> Polygons(std::string_view key) const;
   YamlMap Map(std::string_view key) const;
+  /// A list of maps.
+  std::vector<YamlMap> Maps(std::string_view key) const;
+  /// `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`, where that is
+  /// not 0), or a map with the list in `data` (OpenCV, ROS).
+  std::vector<double> Matrix(std::string_view key, size_t min_count, size_t max_count, size_t n_columns = 0) const;
 
   /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not
   /// 0 0 0 1. `key` may also hold a map with the list in `data` (ASL, OpenCV), or a list for each row (Kalibr).
@@ -44,7 +51,6 @@ class YamlMap {
  private:
   YamlMap(std::string path, const YAML::Node& node);
   YAML::Node Get(std::string_view key) const;
-  std::vector<double> Rows(std::string_view key) const;
   double ToNumber(std::string_view key, const YAML::Node& node) const;
 
   std::string path_;

@@ -4,6 +4,7 @@
 
 #include "core/errors/error_text.h"
 #include "core/process/process_arguments.h"
+#include "tools/calibration/calibration_command.h"
 #include "tools/doctor/doctor_command.h"
 #include "tools/export/export_command.h"
 #include "tools/plslam/commands.h"
@@ -28,7 +29,7 @@ int main(int argc, char** argv) {
   for (const auto add :
        {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
         plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddConfigCommand,
-        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand}) {
+        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand, plslam::AddCalibrationCommand}) {
     add(&app, &command);
   }
   // What is logged does not mix with what a command prints.

@@ -75,7 +75,8 @@ const std::vector<Arrow> kArrows = {
      {"core/", "player/options.h", "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h",
       "viewer_headless/options.h", "tools/evaluate/", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
-      "viewer_headless/report/report_page.h"}},
+      "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
+    {"tools/calibration/", {"core/"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };

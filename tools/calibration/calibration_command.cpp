@@ -1,0 +1,77 @@
+#include "tools/calibration/calibration_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/datasets/calibrations/foreign_calibration.h"
+#include "core/datasets/camera_file.h"
+#include "core/geometry/rectification.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/dataset_error.h"
+
+namespace plslam {
+namespace {
+
+struct CalibrationOptions {
+  std::vector<std::string> files;
+  std::string out;
+  std::string size;
+};
+
+/// "752x480"; 0 x 0 where nothing is given.
+ImageSize SizeOf(const std::string& text) {
+  if (text.empty()) return {0, 0};
+  ImageSize size{0, 0};
+  const char* const end = text.data() + text.size();
+  const auto [cross, error] = std::from_chars(text.data(), end, size.width_px);
+  if (error == std::errc() && cross != end && *cross == 'x') {
+    const auto [rest, other_error] = std::from_chars(cross + 1, end, size.height_px);
+    if (other_error == std::errc() && rest == end && size.width_px > 0 && size.height_px > 0) return size;
+  }
+  throw DatasetError(fmt::format("--size {}: expected WIDTHxHEIGHT in pixels, like 752x480", text));
+}
+
+int Convert(const CalibrationOptions& o) {
+  const ForeignCalibration calibration = ReadForeignCalibration(o.files, SizeOf(o.size));
+  const RigCalibration& rig = calibration.rig;
+  const Rectification rectification = Rectify(rig);
+  fmt::print("{}: {}; {}\n", fmt::join(o.files, ", "), calibration.format, calibration.direction);
+  fmt::print("left lens {}, right lens {}, {} x {} pixels, baseline {:.5f} m; rectified focal length {:.1f} px\n",
+             rig.left.model, rig.right.model, rig.left.width_px, rig.left.height_px, rig.baseline_m,
+             rectification.camera.f_px);
+  if (rig.baseline_m > 10.0)
+    fmt::print("the cameras stand {:.1f} m apart: is that in millimetres?\n", rig.baseline_m);
+  if (!o.out.empty()) WriteFileAtomically(o.out, CameraFileText(rig));
+  return 0;
+}
+
+}  // namespace
+
+void AddCalibrationCommand(CLI::App* app, std::function<int()>* command) {
+  auto options = std::make_shared<CalibrationOptions>();
+  auto* sub =
+      app->add_subcommand("calibration", "reads the stereo calibration of another program into a camera.yaml");
+  sub->add_option(
+         "files", options->files,
+         "Kalibr camchain, OpenCV (M1 D1 M2 D2 R T), ROS camera_info (left and right), ORB-SLAM, stella_vslam, "
+         "Basalt or ZED")
+      ->required()
+      ->expected(1, 2);
+  sub->add_option("--out", options->out, "camera.yaml to write [only what was read is told]")->type_name("FILE");
+  sub->add_option("--size", options->size, "size of the images, where the file does not tell it, or has several")
+      ->type_name("WIDTHxHEIGHT");
+  sub->footer(
+      "The format is found by looking. What is said tells which way the file's transforms were taken.\n"
+      "Examples:\n"
+      "  plslam calibration camchain.yaml --out my_camera/camera.yaml\n"
+      "  plslam calibration left.yaml right.yaml --out my_camera/camera.yaml\n"
+      "  plslam calibration SN1234.conf --size 1280x720 --out my_camera/camera.yaml");
+  sub->callback([=] { *command = [options] { return Convert(*options); }; });
+}
+
+}  // namespace plslam

@@ -65,6 +65,7 @@ const Format* FormatOf(const YamlMap& file) {
 
 ForeignCalibration ReadYaml(const std::vector<std::string>& paths, const ImageSize& image_size) {
   std::vector<YamlMap> files;
+  files.reserve(paths.size());
   for (const std::string& path : paths) files.push_back(YamlMap::FromFile(path));
   const Format* format = FormatOf(files.front());
   if (format == nullptr) {

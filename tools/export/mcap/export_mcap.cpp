@@ -41,7 +41,7 @@ class Topics {
 };
 
 /// What is written at a time. Messages are made when it is their turn: memory is that of one.
-struct Event {
+struct MessageToWrite {
   int64_t t_ns;
   std::function<void()> write;
 };
@@ -78,14 +78,15 @@ class Exporter {
         topics_.Write("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray", frame.t_ns, RosDiagnosticMessage(frame));
       });
     }
-    std::stable_sort(events_.begin(), events_.end(), [](const Event& a, const Event& b) { return a.t_ns < b.t_ns; });
-    for (const Event& event : events_) event.write();
+    std::stable_sort(messages_.begin(), messages_.end(),
+                     [](const MessageToWrite& a, const MessageToWrite& b) { return a.t_ns < b.t_ns; });
+    for (const MessageToWrite& message : messages_) message.write();
     topics_.Close();
     return content_;
   }
 
  private:
-  void At(int64_t t_ns, std::function<void()> write) { events_.push_back({t_ns, std::move(write)}); }
+  void At(int64_t t_ns, std::function<void()> write) { messages_.push_back({t_ns, std::move(write)}); }
 
   /// Of the first message: what is true of the whole run is there from the begin on.
   int64_t Begin() const {
@@ -174,7 +175,7 @@ class Exporter {
   RunTables tables_;
   std::unique_ptr<Dataset> dataset_;
   Topics topics_;
-  std::vector<Event> events_;
+  std::vector<MessageToWrite> messages_;
   McapContent content_;
 };
 

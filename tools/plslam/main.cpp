@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
   for (const auto add :
        {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
         plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddConfigCommand,
-        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand, plslam::AddCalibrationCommand}) {
+        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand, plslam::AddCalibrationCommand,
+        plslam::AddCalibrateCommand}) {
     add(&app, &command);
   }
   // What is logged does not mix with what a command prints.

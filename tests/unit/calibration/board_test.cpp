@@ -1,0 +1,81 @@
+#include "tools/calibration/board.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/unit/calibration/board_pictures.h"
+#include "tools/calibration/markers.h"
+
+namespace plslam {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Board, TextsAndMistakes) {
+  for (const char* text : {"chess:9x6:0.025", "charuco:11x8:0.03:0.022"})
+    EXPECT_EQ(BoardText(ParseBoard(text)), text);
+  const auto error = [](const std::string& text) -> std::string {
+    try {
+      ParseBoard(text);
+    } catch (const std::runtime_error& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(error("aprilgrid:6x6:0.088:0.3"), HasSubstr("expected chess:9x6:0.025"));
+  EXPECT_THAT(error("chess:9x6"), HasSubstr("expected chess"));
+  EXPECT_THAT(error("chess:9:0.02"), HasSubstr("'9' is not COLUMNSxROWS"));
+  EXPECT_THAT(error("chess:7x7:0.02"), HasSubstr("looks alike when it is turned"));
+  EXPECT_THAT(error("chess:9x6:25"), HasSubstr("'25' is not a length"));
+  EXPECT_THAT(error("charuco:11x8:0.02:0.03"), HasSubstr("must be smaller"));
+  EXPECT_THAT(error("charuco:40x40:0.02:0.01"), HasSubstr("250 markers"));
+}
+
+class RenderedBoard : public testing::TestWithParam<const char*> {};
+
+/// What is drawn is what the detector knows, corner by corner: wrong parity or direction would show here.
+TEST_P(RenderedBoard, CornersAreFoundWhereTheyAre) {
+  const Board board = ParseBoard(GetParam());
+  const CameraCalibration camera = test::KnownRig("radtan").left;
+  const SE3 T = SE3(Eigen::Quaterniond(Eigen::AngleAxisd(0.3, Eigen::Vector3d(0.6, 0.8, 0.0))),
+                    Eigen::Vector3d(-0.14, -0.1, 0.5));
+  const BoardView view = FindBoard(board, test::RenderBoard(board, test::RaysOf(camera), T, 2.0, 1));
+  const BoardView truth = test::SeenBoard(board, camera, T, 0.0, 1);
+  ASSERT_EQ(truth.corners.size(), BoardCorners(board).size());
+  EXPECT_GE(10 * view.corners.size(), 8 * truth.corners.size());
+  std::vector<Eigen::Vector2d> seen = view.pixels;
+  if (board.kind == Board::Kind::kChess && (seen.front() - truth.pixels.front()).norm() > 10.0) {
+    std::reverse(seen.begin(), seen.end());
+  }
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+  for (size_t i = 0; i < seen.size(); ++i) {
+    const Eigen::Vector2d error = seen[i] - truth.pixels[static_cast<size_t>(view.corners[i])];
+    EXPECT_LT(error.norm(), 0.5) << i << " " << error.transpose();
+    sum += error;
+    squares += error.squaredNorm();
+  }
+  const auto n = static_cast<double>(seen.size());
+  EXPECT_LT((sum / n).norm(), 0.04) << "no bias, such as that of half a pixel";
+  EXPECT_LT(std::sqrt(squares / n), 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Boards, RenderedBoard,
+                         testing::Values("chess:9x6:0.025", "charuco:11x8:0.025:0.018", "charuco:8x7:0.03:0.02"));
+
+TEST(BoardPdf, HasThePrintSizeAndAllSquares) {
+  const std::string pdf = BoardPdf(ParseBoard("chess:9x6:0.025"));
+  // 10 x 7 squares of 25 mm and twice 15 mm: 280 x 205 mm in points.
+  EXPECT_THAT(pdf, HasSubstr("/MediaBox [0 0 793.7008 581.1024]"));
+  size_t n = 0;
+  for (size_t at = 0; (at = pdf.find(" 70.8661 70.8661 re\n", at)) != std::string::npos; ++at) ++n;
+  EXPECT_EQ(n, 35U);
+  EXPECT_THAT(pdf, testing::EndsWith("%%EOF\n"));
+  const size_t start = std::stoul(pdf.substr(pdf.find("startxref\n") + 10));
+  EXPECT_EQ(pdf.substr(start, 5), "xref\n");
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,92 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "core/datasets/camera_file.h"
+#include "core/io/images/png_file.h"
+#include "tests/support/data_folder.h"
+#include "tests/support/text_file.h"
+#include "tests/unit/calibration/board_pictures.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class CalibrateProgram : public testing::Test {
+ protected:
+  CalibrateProgram() {
+    std::string pattern = testing::TempDir() + "calibrate XXXXXX";
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~CalibrateProgram() override { fs::remove_all(folder_); }
+
+  int Run(const std::string& arguments) {
+    const std::string command = "cd '" + folder_.string() + "' && '" + (test::BinaryFolder() / "plslam").string() +
+                                "' calibrate " + arguments + " >out 2>error";
+    return WEXITSTATUS(std::system(command.c_str()));  // NOLINT: the program is what is tested
+  }
+  std::string Text(const std::string& name) const { return ReadText(folder_ / name); }
+
+  void Render(const Board& board, const RigCalibration& rig, int n) {
+    fs::create_directories(folder_ / "pictures" / "left");
+    fs::create_directories(folder_ / "pictures" / "right");
+    const std::vector<SE3> poses = test::BoardPoses(board, n, 3);
+    const test::CameraRays left = test::RaysOf(rig.left), right = test::RaysOf(rig.right);
+    for (size_t i = 0; i < poses.size(); ++i) {
+      const std::string name = fmt::format("{:03}.png", i);
+      const auto seed = static_cast<unsigned>(2 * i);
+      WritePng((folder_ / "pictures" / "left" / name).string(), test::RenderBoard(board, left, poses[i], 3.0, seed));
+      WritePng((folder_ / "pictures" / "right" / name).string(),
+               test::RenderBoard(board, right, rig.right.T_b_cam.Inverse() * poses[i], 3.0, seed + 1));
+    }
+  }
+  fs::path folder_;
+};
+
+TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
+  const RigCalibration rig = test::KnownRig("radtan");
+  Render(ParseBoard("charuco:11x8:0.03:0.022"), rig, 60);
+  ASSERT_EQ(Run("pictures --board charuco:11x8:0.03:0.022 --out camera.yaml"), 0) << Text("error");
+  const std::string out = Text("out");
+  EXPECT_THAT(out, HasSubstr("reprojection error 0."));
+  EXPECT_THAT(out, HasSubstr("baseline"));
+  const RigCalibration read = ReadCameraFile((folder_ / "camera.yaml").string(), {0, 0});
+  EXPECT_NEAR(read.left.fx_px / rig.left.fx_px, 1.0, 0.0005) << out;
+  EXPECT_NEAR(read.left.fy_px / rig.left.fy_px, 1.0, 0.0005);
+  EXPECT_NEAR(read.right.fx_px / rig.right.fx_px, 1.0, 0.0005);
+  EXPECT_NEAR(read.right.fy_px / rig.right.fy_px, 1.0, 0.0005);
+  EXPECT_NEAR(read.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001) << out;
+  printf("%s", out.c_str());
+
+  EXPECT_EQ(Run("pictures --board charuco:10x8:0.03:0.022"), 1) << Text("out");
+  EXPECT_THAT(Text("error"), HasSubstr("are its columns and rows other ones?"));
+  fs::rename(folder_ / "pictures" / "left", folder_ / "pictures" / "other");
+  fs::rename(folder_ / "pictures" / "right", folder_ / "pictures" / "left");
+  fs::rename(folder_ / "pictures" / "other", folder_ / "pictures" / "right");
+  EXPECT_EQ(Run("pictures --board charuco:11x8:0.03:0.022"), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("exchanged"));
+}
+
+TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
+  Render(ParseBoard("chess:9x6:0.025"), test::KnownRig("radtan"), 1);
+  EXPECT_EQ(Run("pictures --board chess:9x6:0.025"), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("at least 10 are needed"));
+  EXPECT_EQ(Run("pictures --board chess:10x7:0.025"), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("chess:9x6:0.025 is seen in one"));
+  EXPECT_EQ(Run("nowhere --board chess:10x7:0.025"), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("nowhere"));
+}
+
+TEST_F(CalibrateProgram, PrintsABoard) {
+  ASSERT_EQ(Run("--board charuco:11x8:0.03:0.022 --print-board board.pdf"), 0) << Text("error");
+  EXPECT_THAT(Text("board.pdf"), testing::StartsWith("%PDF-1.4\n"));
+  EXPECT_EQ(Run("--board charuco:11x8:0.03:0.022"), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("--print-board"));
+}
+
+}  // namespace
+}  // namespace plslam

@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/dataset_error.h"
+#include "core/io/images/image_folder.h"
+#include "tools/calibration/board.h"
+#include "tools/calibration/calibration_command.h"
+#include "tools/calibration/coverage.h"
+#include "tools/calibration/rig_estimate.h"
+
+namespace plslam {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// More pictures cost time and hardly make the result better.
+constexpr int kMaxPairs = 80;
+/// Flat views leave focal length and distance of the board open.
+constexpr double kGoodTilt_deg = 20.0;
+
+struct CalibrateOptions {
+  std::string folder;
+  std::string board;
+  std::string model = "radtan";
+  std::string out;
+  std::string print_board;
+};
+
+struct Seen {
+  std::vector<BoardPair> pairs;
+  ImageSize size;
+  int n_pictures = 0;
+  int n_contradictions = 0;
+};
+
+/// For the sentence about a board that is nowhere seen: sizes that people write instead.
+std::string OtherSizeSeen(const Board& board, const cv::Mat& image) {
+  if (board.kind != Board::Kind::kChess) return "";
+  for (const auto& [columns, rows] :
+       {std::pair(-1, -1), std::pair(1, 1), std::pair(-1, 0), std::pair(0, -1), std::pair(1, 0), std::pair(0, 1)}) {
+    Board other = board;
+    other.columns += columns;
+    other.rows += rows;
+    if (std::min(other.columns, other.rows) < 3 || FindBoard(other, image).corners.empty()) continue;
+    return fmt::format("; {} is seen in one: count inner corners", BoardText(other));
+  }
+  return "";
+}
+
+Seen FindBoards(const std::string& folder, const Board& board) {
+  const auto left = ListImages((fs::path(folder) / "left").string());
+  const auto right = ListImages((fs::path(folder) / "right").string());
+  Seen seen;
+  cv::Mat first;
+  for (const auto& [key, left_path] : left) {
+    const auto partner = right.find(key);
+    if (partner == right.end()) continue;
+    const cv::Mat image = ReadGreyImage(left_path);
+    if (first.empty()) first = image;
+    seen.size = {first.cols, first.rows};
+    if (image.size() != first.size()) throw DatasetError(left_path + ": is of another size than the picture before");
+    BoardPair pair{fs::path(left_path).filename().string(), FindBoard(board, image),
+                   FindBoard(board, ReadGreyImage(partner->second, seen.size))};
+    seen.n_pictures += 2;
+    seen.n_contradictions += (pair.left.contradicts ? 1 : 0) + (pair.right.contradicts ? 1 : 0);
+    if (!pair.left.corners.empty() || !pair.right.corners.empty()) seen.pairs.push_back(std::move(pair));
+  }
+  if (seen.n_pictures == 0) throw DatasetError(folder + ": no picture in left has a partner of its number in right");
+  if (4 * seen.n_contradictions > seen.n_pictures) {
+    throw DatasetError(fmt::format(
+        "{}: the markers do not lie as on the board {} (in {} of {} pictures): are its columns and rows other ones?",
+        folder, BoardText(board), seen.n_contradictions, seen.n_pictures));
+  }
+  if (seen.pairs.empty()) {
+    throw DatasetError(fmt::format("{}: the board {} is seen in none of {} pictures{}", folder, BoardText(board),
+                                   seen.n_pictures, OtherSizeSeen(board, first)));
+  }
+  return seen;
+}
+
+std::vector<std::string> CoefficientNames(const std::string& model) {
+  if (model == "radtan") return {"k1", "k2", "p1", "p2", "k3"};
+  if (model == "equidistant") return {"k1", "k2", "k3", "k4"};
+  return {"xi", "alpha"};
+}
+
+void PrintParameters(const RigEstimate& e) {
+  std::vector<std::string> names{"fx", "fy", "cx", "cy"};
+  for (const std::string& name : CoefficientNames(e.rig.left.model)) names.push_back(name);
+  const auto values = [](const CameraCalibration& c) {
+    std::vector<double> all{c.fx_px, c.fy_px, c.cx_px, c.cy_px};
+    all.insert(all.end(), c.distortion.begin(), c.distortion.end());
+    return all;
+  };
+  const std::vector<double> left = values(e.rig.left), right = values(e.rig.right);
+  fmt::print("{:<9} {:>12} {:>10}   {:>12} {:>10}\n", "", "left", "sigma", "right", "sigma");
+  for (size_t i = 0; i < names.size(); ++i) {
+    const int digits = i < 4 ? 3 : 6;
+    fmt::print("{:<9} {:>12.{}f} {:>10.{}f}   {:>12.{}f} {:>10.{}f}\n", i < 4 ? names[i] + " px" : names[i], left[i],
+               digits, e.left_sigma[i], digits, right[i], digits, e.right_sigma[i], digits);
+  }
+  const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();
+  const Vector6d turn = e.rig.right.T_b_cam.Log() / kRadPerDeg;
+  const auto& s = e.T_left_right_sigma;
+  fmt::print("right camera in the left one: x {:.3f} y {:.3f} z {:.3f} mm (sigma {:.3f} {:.3f} {:.3f})\n", t.x(),
+             t.y(), t.z(), 1e3 * s[0], 1e3 * s[1], 1e3 * s[2]);
+  fmt::print("turned by x {:.4f} y {:.4f} z {:.4f} deg (sigma {:.4f} {:.4f} {:.4f})\n", turn[3], turn[4], turn[5],
+             s[3] / kRadPerDeg, s[4] / kRadPerDeg, s[5] / kRadPerDeg);
+  fmt::print("baseline {:.3f} mm, sigma {:.3f} mm\n", 1e3 * e.rig.baseline_m, 1e3 * e.baseline_sigma_m);
+}
+
+void PrintCoverage(const RigEstimate& e, const Seen& seen) {
+  std::vector<Eigen::Vector2d> left, right;
+  for (const int i : e.used_pairs) {
+    const BoardPair& pair = seen.pairs[static_cast<size_t>(i)];
+    left.insert(left.end(), pair.left.pixels.begin(), pair.left.pixels.end());
+    right.insert(right.end(), pair.right.pixels.begin(), pair.right.pixels.end());
+  }
+  const auto left_picture = CoveragePicture(left, seen.size), right_picture = CoveragePicture(right, seen.size);
+  fmt::print("where corners were seen (left, right):\n");
+  for (size_t i = 0; i < left_picture.size(); ++i) fmt::print("|{}| |{}|\n", left_picture[i], right_picture[i]);
+  bool complete = true;
+  for (const bool is_right : {false, true}) {
+    for (const std::string& region : EmptyRegions(is_right ? right : left, seen.size)) {
+      fmt::print("missing: no board near the {} of the {} camera\n", region, is_right ? "right" : "left");
+      complete = false;
+    }
+  }
+  if (e.max_tilt_deg < kGoodTilt_deg) {
+    fmt::print("missing: no board tilted by more than {:.0f} degrees ({:.0f} at most)\n", kGoodTilt_deg,
+               e.max_tilt_deg);
+    complete = false;
+  }
+  if (complete) fmt::print("no view is missing\n");
+}
+
+int Calibrate(const CalibrateOptions& o) {
+  const Board board = ParseBoard(o.board);
+  if (!o.print_board.empty()) {
+    WriteFileAtomically(o.print_board, BoardPdf(board));
+    fmt::print(
+        "{}: {} squares by {} of {:g} mm; print at 100 % (no fit to page), measure a row of squares and give the "
+        "true size in --board\n",
+        o.print_board, board.SquareColumns(), board.SquareRows(), 1e3 * board.square_m);
+  }
+  if (o.folder.empty()) {
+    if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
+    return 0;
+  }
+  Seen seen = FindBoards(o.folder, board);
+  if (static_cast<int>(seen.pairs.size()) > kMaxPairs) {
+    std::vector<BoardPair> chosen;
+    for (const int i : ChoosePairs(seen.pairs, seen.size, kMaxPairs)) {
+      chosen.push_back(std::move(seen.pairs[static_cast<size_t>(i)]));
+    }
+    fmt::print("{} of {} pairs with a board are used, for coverage\n", chosen.size(), seen.pairs.size());
+    seen.pairs = std::move(chosen);
+  }
+  RigEstimate estimate = EstimateRig(board, seen.pairs, seen.size, o.model);
+  estimate.rig.name = fs::path(o.folder).lexically_normal().filename().string();
+  if (estimate.rig.name.empty()) estimate.rig.name = "camera";
+  const std::string complaint = RigComplaint(estimate.rig);
+  if (!complaint.empty())
+    throw std::runtime_error(fmt::format("{}: the result cannot be used: {}", o.folder, complaint));
+  fmt::print("{}: {} of {} pairs, {} corners ({} left out), {} x {} px, model {}\n", BoardText(board),
+             estimate.used_pairs.size(), seen.n_pictures / 2, estimate.used_corners, estimate.left_out_corners,
+             seen.size.width_px, seen.size.height_px, o.model);
+  if (!estimate.left_out_pairs.empty()) {
+    fmt::print("left out, because left and right were not taken at the same moment: {}\n",
+               fmt::join(estimate.left_out_pairs, ", "));
+  }
+  fmt::print("reprojection error {:.3f} px (a coordinate, root mean square)\n", estimate.noise_px);
+  PrintParameters(estimate);
+  PrintCoverage(estimate, seen);
+  if (!o.out.empty()) {
+    WriteFileAtomically(o.out, CameraFileText(estimate.rig));
+    fmt::print("written: {}\n", o.out);
+  }
+  return 0;
+}
+
+}  // namespace
+
+void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
+  auto options = std::make_shared<CalibrateOptions>();
+  auto* sub = app->add_subcommand("calibrate", "calibrates a stereo camera from pictures of a board");
+  sub->add_option("folder", options->folder, "folder with pictures in left and right, paired by their numbers");
+  sub->add_option("--board", options->board,
+                  "chess:COLUMNSxROWS:SQUARE (inner corners, metres) or charuco:COLUMNSxROWS:SQUARE:MARKER (squares)")
+      ->required();
+  sub->add_option("--model", options->model, "lens model of both cameras")
+      ->check(CLI::IsMember({"radtan", "equidistant"}))
+      ->capture_default_str();
+  sub->add_option("--out", options->out, "camera.yaml to write [the result is only shown]")->type_name("FILE");
+  sub->add_option("--print-board", options->print_board, "writes the board as a PDF in the size to print")
+      ->type_name("FILE");
+  sub->footer(
+      "Hold the board still, near and far, tilted, and into every corner of both images; 30 to 60 pairs are good.\n"
+      "Examples:\n"
+      "  plslam calibrate --board charuco:11x8:0.03:0.022 --print-board board.pdf\n"
+      "  plslam calibrate pictures --board charuco:11x8:0.03:0.022 --out my_camera/camera.yaml\n"
+      "  plslam calibrate pictures --board chess:9x6:0.025 --model equidistant --out my_camera/camera.yaml\n"
+      "Exit code 0 where there is a result; plslam rectify-check then shows how good it is on other pictures.");
+  sub->callback([=] { *command = [options] { return Calibrate(*options); }; });
+}
+
+}  // namespace plslam

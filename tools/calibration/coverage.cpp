@@ -1,0 +1,46 @@
+#include "tools/calibration/coverage.h"
+
+#include <algorithm>
+#include <array>
+
+namespace plslam {
+namespace {
+
+std::vector<int> Counts(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns, int rows) {
+  std::vector<int> counts(static_cast<size_t>(columns * rows), 0);
+  for (const Eigen::Vector2d& p : pixels) {
+    const int column = std::clamp(static_cast<int>((p.x() + 0.5) * columns / size.width_px), 0, columns - 1);
+    const int row = std::clamp(static_cast<int>((p.y() + 0.5) * rows / size.height_px), 0, rows - 1);
+    ++counts[static_cast<size_t>(row * columns + column)];
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size) {
+  const std::vector<int> counts = Counts(pixels, size, kCoverageColumns, kCoverageRows);
+  std::vector<std::string> picture;
+  for (int row = 0; row < kCoverageRows; ++row) {
+    picture.emplace_back();
+    for (int column = 0; column < kCoverageColumns; ++column) {
+      const int n = counts[static_cast<size_t>(row * kCoverageColumns + column)];
+      picture.back() += n == 0 ? ' ' : n < 3 ? '.' : n < 10 ? 'o' : '#';
+    }
+  }
+  return picture;
+}
+
+std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size) {
+  constexpr std::array kNames = {"upper left corner", "upper edge", "upper right corner",
+                                 "left edge",         "centre",     "right edge",
+                                 "lower left corner", "lower edge", "lower right corner"};
+  const std::vector<int> counts = Counts(pixels, size, 3, 3);
+  std::vector<std::string> names;
+  for (size_t i = 0; i < kNames.size(); ++i) {
+    if (45 * static_cast<size_t>(counts[i]) <= pixels.size()) names.emplace_back(kNames[i]);
+  }
+  return names;
+}
+
+}  // namespace plslam

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/io/images/image_file.h"
+
+namespace plslam {
+
+/// How corners are spread over the images of one camera: a picture of `kCoverageRows` lines, '.' for a cell with a
+/// few corners, 'o' for more, '#' for many.
+inline constexpr int kCoverageColumns = 32;
+inline constexpr int kCoverageRows = 12;
+std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size);
+
+/// The ninths of the image that have hardly any corners: "upper left corner", "left edge", "centre". Each may hold
+/// less than a fifth of its even share.
+std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size);
+
+}  // namespace plslam

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+
+#include "tools/calibration/board.h"
+
+namespace plslam {
+
+/// Cells along the side of a marker with its border.
+inline constexpr int kMarkerCells = 7;
+inline constexpr int kMaxMarkers = 250;
+
+/// A marker of a Charuco board, upright, in the frame of the board.
+struct Marker {
+  Eigen::Vector2d upper_left_m;
+  std::vector<bool> black;  ///< of its cells, row by row
+};
+
+/// The markers of a Charuco board as OpenCV 4.6 lays them.
+std::vector<Marker> MarkersOf(const Board& board);
+
+/// A board seen in an image: indices into `BoardCorners` and pixels.
+struct BoardView {
+  std::vector<int> corners;
+  std::vector<Eigen::Vector2d> pixels;
+  /// The markers of a Charuco board that were read lie otherwise than the board says: it has other columns or rows.
+  bool contradicts = false;
+};
+
+/// Looks for the board in an 8-bit grey image. A chess board is seen whole or not at all (no corners), and where its
+/// halves look alike, either way round.
+BoardView FindBoard(const Board& board, const cv::Mat& image);
+
+}  // namespace plslam

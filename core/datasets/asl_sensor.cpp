@@ -24,7 +24,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kModels = {{{"radia
 constexpr const char* kDoubleSphere = "ds";
 
 int ToPixels(const YamlMap& yaml, double value) {
-  if (!(value >= 1.0 && value <= kMaxImageSide_px) || value != std::floor(value)) {
+  if (!IsImageSide(value)) {
     yaml.Fail("resolution", fmt::format("{} is not a whole number from 1 to {}", value, kMaxImageSide_px));
   }
   return static_cast<int>(value);

@@ -23,7 +23,7 @@ ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
   if (!yaml.Has("resolution_px")) return image_size;
   const std::vector<double> size = yaml.Numbers("resolution_px", 2, 2);
   for (const double value : size) {
-    if (!(value >= 1.0 && value <= kMaxImageSide_px) || value != std::floor(value)) {
+    if (!IsImageSide(value)) {
       yaml.Fail("resolution_px", fmt::format("{} is not a whole number from 1 to {}", value, kMaxImageSide_px));
     }
   }

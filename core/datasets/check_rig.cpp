@@ -38,6 +38,10 @@ std::string FirstOf(std::initializer_list<std::string> complaints) {
 
 }  // namespace
 
+bool IsImageSide(double side_px) {
+  return side_px >= 1.0 && side_px <= kMaxImageSide_px && side_px == std::floor(side_px);
+}
+
 std::string SizeComplaint(const CameraCalibration& camera) {
   if (Inside(camera.width_px, kMinSize_px, kMaxImageSide_px) &&
       Inside(camera.height_px, kMinSize_px, kMaxImageSide_px)) {

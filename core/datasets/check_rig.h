@@ -9,6 +9,9 @@ namespace plslam {
 /// Images are not wider or higher, whatever describes them.
 inline constexpr int kMaxImageSide_px = 16384;
 
+/// A whole number of pixels from 1 to that.
+bool IsImageSide(double side_px);
+
 /// What is wrong with a rig, in one phrase with value and bound; empty where nothing is. Sizes are 16 to 16384 px,
 /// focal lengths 1 to 100000 px, principal points within one image size of the image, distortion coefficients as many
 /// as the model has, all numbers finite, both images of one size, and the right camera 0.1 mm to 100 m to the right

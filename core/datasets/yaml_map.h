@@ -29,8 +29,8 @@ class YamlMap {
   YamlMap Map(std::string_view key) const;
   /// A list of maps.
   std::vector<YamlMap> Maps(std::string_view key) const;
-  /// `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`, where that is
-  /// not 0), or a map with the list in `data` (OpenCV, ROS).
+  /// `min_count` to `max_count` numbers, row by row: a list of them, a list for each row (of `n_columns`, where that
+  /// is not 0), or a map with the list in `data` (OpenCV, ROS).
   std::vector<double> Matrix(std::string_view key, size_t min_count, size_t max_count, size_t n_columns = 0) const;
 
   /// A rigid transform from 12 or 16 numbers, row by row; `Fail`s where the rotation is none or the last row is not

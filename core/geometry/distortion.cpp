@@ -100,22 +100,26 @@ double Distortion::ProfileDerivative(double s) const {
 
 double Distortion::Denominator(double s) const {
   const double s2 = s * s;
-  if (model_ == Model::kRational) return 1.0 + s2 * (divisor_[0] + s2 * (divisor_[1] + s2 * divisor_[2]));
+  if (model_ == Model::kRational) return Divisor(s2);
   if (model_ != Model::kDoubleSphere) return 1.0;
   const double depth = xi_ * std::sqrt(s2 + 1.0) + 1.0;
   return alpha_ * std::sqrt(s2 + depth * depth) + (1.0 - alpha_) * depth;
 }
 
+double Distortion::Divisor(double r2) const {
+  return 1.0 + r2 * (divisor_[0] + r2 * (divisor_[1] + r2 * divisor_[2]));
+}
+
 double Distortion::RadialFactor(double r2) const {
   const double radial = 1.0 + r2 * (k_[0] + r2 * (k_[1] + r2 * k_[2]));
   if (model_ != Model::kRational) return radial;
-  return radial / (1.0 + r2 * (divisor_[0] + r2 * (divisor_[1] + r2 * divisor_[2])));
+  return radial / Divisor(r2);
 }
 
 double Distortion::RadialFactorDerivative(double r2) const {
   const double slope = k_[0] + r2 * (2.0 * k_[1] + r2 * 3.0 * k_[2]);
   if (model_ != Model::kRational) return slope;
-  const double denominator = 1.0 + r2 * (divisor_[0] + r2 * (divisor_[1] + r2 * divisor_[2]));
+  const double denominator = Divisor(r2);
   const double denominator_slope = divisor_[0] + r2 * (2.0 * divisor_[1] + r2 * 3.0 * divisor_[2]);
   return (slope - RadialFactor(r2) * denominator_slope) / denominator;
 }

@@ -16,8 +16,7 @@ namespace plslam {
 /// * "rational" (k1 k2 p1 p2 k3 k4 k5 k6): the same, divided by 1 + k4 t + k5 t^2 + k6 t^3, as in OpenCV and ROS.
 /// * "equidistant" (k1 k2 k3 k4): Kannala-Brandt as in Kalibr and OpenCV's fisheye, a polynomial of the angle.
 /// * "double_sphere" (xi alpha): Usenko, Demmel and Cremers, "The Double Sphere Camera Model" (3DV 2018), eq. 40 to
-///   42, at
-///   z = 1. Unlike with the others the image is scaled in its centre, by 1 / (1 + xi).
+///   42, at z = 1. Unlike with the others the image is scaled in its centre, by 1 / (1 + xi).
 ///
 /// A lens model is only meaningful up to the angle where its radius stops growing; beyond, several rays share a
 /// pixel. Nothing is returned there, nor where a denominator is not positive.
@@ -57,6 +56,8 @@ class Distortion {
   double MonotonicLimit(double end) const;
   double InvertProfile(double distorted_radius) const;
   Eigen::Vector2d Apply(const Eigen::Vector2d& xy) const;
+  /// Of "rational".
+  double Divisor(double r2) const;
   /// Radial factor of "radtan" and "rational", and its derivative by r^2.
   double RadialFactor(double r2) const;
   double RadialFactorDerivative(double r2) const;

@@ -66,8 +66,8 @@ bool LacksMatches(const RunFindings& f) {
   return f.points_seen >= kEnoughPoints && f.points_matched < kFewMatched * f.points_seen;
 }
 
-/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time; from
-/// `SyncCheck::is_far_off` on, what is made up for does not make such frames sure.
+/// "the right images are taken 93 ms after the left ones: ..." Beyond half a frame, other pairs are nearer in time;
+/// from `SyncCheck::is_far_off` on, what is made up for does not make such frames sure.
 std::string OutOfStepText(const RunFindings& f) {
   const bool right = f.right_late_ms > 0.0;
   const int offset = static_cast<int>(std::lround(right ? -f.late_frames : f.late_frames));

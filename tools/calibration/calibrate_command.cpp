@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/geometry/lens_model.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_folder.h"
@@ -87,15 +89,14 @@ Seen FindBoards(const std::string& folder, const Board& board) {
   return seen;
 }
 
-std::vector<std::string> CoefficientNames(const std::string& model) {
-  if (model == "radtan") return {"k1", "k2", "p1", "p2", "k3"};
-  if (model == "equidistant") return {"k1", "k2", "k3", "k4"};
-  return {"xi", "alpha"};
-}
-
 void PrintParameters(const RigEstimate& e) {
   std::vector<std::string> names{"fx", "fy", "cx", "cy"};
-  for (const std::string& name : CoefficientNames(e.rig.left.model)) names.push_back(name);
+  // "k1 k2 p1 p2 [k3]": all that the model can have are estimated.
+  std::istringstream coefficients{std::string(FindLensModel(e.rig.left.model)->coefficients)};
+  for (std::string name; coefficients >> name;) {
+    std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
+    names.push_back(name);
+  }
   const auto values = [](const CameraCalibration& c) {
     std::vector<double> all{c.fx_px, c.fy_px, c.cx_px, c.cy_px};
     all.insert(all.end(), c.distortion.begin(), c.distortion.end());

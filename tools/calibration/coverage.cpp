@@ -8,15 +8,17 @@ namespace {
 
 std::vector<int> Counts(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns, int rows) {
   std::vector<int> counts(static_cast<size_t>(columns * rows), 0);
-  for (const Eigen::Vector2d& p : pixels) {
-    const int column = std::clamp(static_cast<int>((p.x() + 0.5) * columns / size.width_px), 0, columns - 1);
-    const int row = std::clamp(static_cast<int>((p.y() + 0.5) * rows / size.height_px), 0, rows - 1);
-    ++counts[static_cast<size_t>(row * columns + column)];
-  }
+  for (const Eigen::Vector2d& p : pixels) ++counts[CellOf(p, size, columns, rows)];
   return counts;
 }
 
 }  // namespace
+
+size_t CellOf(const Eigen::Vector2d& pixel, const ImageSize& size, int columns, int rows) {
+  const int column = std::clamp(static_cast<int>((pixel.x() + 0.5) * columns / size.width_px), 0, columns - 1);
+  const int row = std::clamp(static_cast<int>((pixel.y() + 0.5) * rows / size.height_px), 0, rows - 1);
+  return static_cast<size_t>(row * columns + column);
+}
 
 std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size) {
   const std::vector<int> counts = Counts(pixels, size, kCoverageColumns, kCoverageRows);

@@ -9,7 +9,8 @@ namespace plslam {
 
 /// Pixel of a point (camera frame, z > 0) with the parameters fx fy cx cy and then the lens model's coefficients. The
 /// same lenses as core/geometry/distortion.h, which has derivatives by the point only: this is a template, so that
-/// Ceres differentiates by the parameters too. "radtan" (with k3) or "equidistant". Returns whether the model holds there.
+/// Ceres differentiates by the parameters too. "radtan" (with k3) or "equidistant". Returns whether the model holds
+/// there.
 template <typename T>
 bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pixel) {
   using std::atan2;

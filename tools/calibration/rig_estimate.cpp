@@ -15,6 +15,8 @@
 
 #include "core/geometry/distortion.h"
 #include "core/geometry/lens_model.h"
+#include "core/motion/robust.h"
+#include "tools/calibration/coverage.h"
 #include "tools/calibration/lens_projection.h"
 
 namespace plslam {
@@ -30,13 +32,7 @@ constexpr double kLeastNoise_px = 0.02;
 using Pose = std::array<double, 6>;  ///< angle and axis, then translation: T_camera_board or T_right_left
 using Lens = std::vector<double>;    ///< fx fy cx cy and coefficients
 
-SE3 ToSE3(const Pose& p) {
-  const Eigen::Vector3d turn(p[0], p[1], p[2]);
-  const double angle = turn.norm();
-  const Eigen::Quaterniond q =
-      angle > 0.0 ? Eigen::Quaterniond(Eigen::AngleAxisd(angle, turn / angle)) : Eigen::Quaterniond::Identity();
-  return {q, Eigen::Vector3d(p[3], p[4], p[5])};
-}
+SE3 ToSE3(const Pose& p) { return {ExpSO3({p[0], p[1], p[2]}), Eigen::Vector3d(p[3], p[4], p[5])}; }
 
 Pose ToPose(const SE3& T) {
   const Eigen::AngleAxisd turn(T.rotation());
@@ -57,7 +53,7 @@ CameraCalibration ToCamera(const Lens& lens, const std::string& model, const Ima
   return camera;
 }
 
-/// A corner in pixels, as a camera sees it whose pose to the board is `pose`, or `second * pose` (right camera).
+/// A corner in pixels as a camera sees it. Blocks: its lens, T_left_board, and for the right camera T_right_left.
 struct CornerCost {
   std::string model;
   Eigen::Vector2d corner_m, pixel;
@@ -106,7 +102,7 @@ class Problem {
   Problem(std::string model, std::vector<Corner> corners) : model_(std::move(model)), corners_(std::move(corners)) {}
   std::vector<Corner>& corners() { return corners_; }
 
-  /// Minimises; both lenses, the rig and the poses move. Residuals are divided by `sigma_px` for the covariance.
+  /// Minimises; both lenses, the rig and the poses move.
   void Solve(State* state, bool robust) {
     ceres::Problem problem;
     Build(state, robust, 1.0, &problem);
@@ -233,14 +229,11 @@ Lens StartLens(const std::vector<std::vector<Corner>>& views, const std::string&
   double f = K.at<double>(0, 0);
   if (!(f > 0.2 * size.width_px && f < 20.0 * size.width_px)) f = size.width_px;
   Lens lens{f, f, 0.5 * (size.width_px - 1.0), 0.5 * (size.height_px - 1.0)};
-  lens.resize(4 + (model == "radtan" ? 5 : FindLensModel(model)->max_coefficients), 0.0);
+  lens.resize(4 + FindLensModel(model)->max_coefficients, 0.0);
   return lens;
 }
 
-double Median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
-}
+double MedianOf(std::vector<double> values) { return Median(values); }
 
 /// A camera by itself: its lens, and poses of the boards it sees.
 struct SingleCamera {
@@ -272,19 +265,18 @@ SingleCamera CalibrateAlone(const std::vector<std::vector<Corner>>& views, const
   for (size_t i = 0; i < views.size(); ++i) {
     if (camera.T_camera_board[i]) camera.T_camera_board[i] = ToSE3(state.T_left_board[i]);
   }
-  camera.median_error_px = Median(problem.Errors(state));
+  camera.median_error_px = MedianOf(problem.Errors(state));
   return camera;
 }
 
-/// The pose of the right camera, each coordinate the median of what the pairs say; and pairs that say otherwise, by
-/// more than the noise of a view can explain, are marked.
+/// The pose of the right camera, each coordinate the median of what the pairs say.
 SE3 MedianRig(const std::vector<SE3>& T_right_left) {
   Vector6d middle = Vector6d::Zero();
   for (int i = 0; i < 6; ++i) {
     std::vector<double> values;
     values.reserve(T_right_left.size());
     for (const SE3& T : T_right_left) values.push_back(ToPose(T)[static_cast<size_t>(i)]);
-    middle[i] = Median(values);
+    middle[i] = MedianOf(values);
   }
   return ToSE3({middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]});
 }
@@ -309,7 +301,7 @@ double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, con
                          ? std::hypot(pixel[0] - corner.pixel.x(), pixel[1] - corner.pixel.y())
                          : 1e6);
   }
-  return Median(errors);
+  return MedianOf(errors);
 }
 
 }  // namespace
@@ -380,7 +372,7 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
   problem.Solve(&state, true);
   const std::vector<double> first_errors = problem.Errors(state);
   // The median of the length of two normal errors is 1.177 standard deviations.
-  const double first_sigma_px = std::max(kLeastNoise_px, Median(first_errors) / 1.177);
+  const double first_sigma_px = std::max(kLeastNoise_px, MedianOf(first_errors) / 1.177);
   for (size_t i = 0; i < first_errors.size(); ++i) {
     problem.corners()[i].used = first_errors[i] < kOutlierSigmas * first_sigma_px;
     (problem.corners()[i].used ? estimate.used_corners : estimate.left_out_corners) += 1;
@@ -426,9 +418,7 @@ std::vector<int> ChoosePairs(const std::vector<BoardPair>& pairs, const ImageSiz
   for (size_t i = 0; i < pairs.size(); ++i) {
     for (const bool is_right : {false, true}) {
       for (const Eigen::Vector2d& p : is_right ? pairs[i].right.pixels : pairs[i].left.pixels) {
-        const int column = std::clamp(static_cast<int>(p.x() * kColumns / size.width_px), 0, kColumns - 1);
-        const int row = std::clamp(static_cast<int>(p.y() * kRows / size.height_px), 0, kRows - 1);
-        cells[i].push_back(static_cast<size_t>((is_right ? kColumns * kRows : 0) + row * kColumns + column));
+        cells[i].push_back((is_right ? kColumns * kRows : 0) + CellOf(p, size, kColumns, kRows));
       }
     }
   }

@@ -1,4 +1,4 @@
-#include "tools/manual/bash_completion.h"
+#include "tools/manual/completion.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

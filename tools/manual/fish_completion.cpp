@@ -1,4 +1,4 @@
-#include "tools/manual/fish_completion.h"
+#include "tools/manual/completion.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -36,8 +36,6 @@ std::string OptionLines(const std::string& program, const std::string& condition
   return text;
 }
 
-std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
-
 }  // namespace
 
 std::string FishCompletion(const std::vector<HelpPage>& pages) {
@@ -48,7 +46,7 @@ std::string FishCompletion(const std::vector<HelpPage>& pages) {
   for (size_t i = 1; i < pages.size(); ++i) {
     const std::string name = pages[i].command.substr(own.command.size() + 1);
     text += fmt::format("complete -c {} -n __fish_use_subcommand -a {} -d {}\n", own.command, name,
-                        Quoted(FirstLine(pages[i].purpose)));
+                        Quoted(pages[i].Summary()));
     text += OptionLines(own.command, fmt::format(" -n '__fish_seen_subcommand_from {}'", name), pages[i]);
   }
   return text;

@@ -25,6 +25,9 @@ struct HelpPage {
   std::vector<HelpEntry> commands;
   std::string footer;
 
+  /// The first line of the purpose.
+  std::string Summary() const { return purpose.substr(0, purpose.find('\n')); }
+
   /// Commands, and words that the footer names as such ("`evaluate places DATASET...`").
   std::vector<std::string> CommandNames() const;
 };

@@ -11,11 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/manual/bash_completion.h"
-#include "tools/manual/fish_completion.h"
+#include "tools/manual/completion.h"
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
-#include "tools/manual/zsh_completion.h"
 
 namespace plslam {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/manual/zsh_completion.h"
+#include "tools/manual/completion.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -47,8 +47,6 @@ std::string FunctionOf(const std::string& command) {
   return name;
 }
 
-std::string FirstLine(const std::string& text) { return text.substr(0, text.find('\n')); }
-
 }  // namespace
 
 std::string ZshCompletion(const std::vector<HelpPage>& pages) {
@@ -59,7 +57,7 @@ std::string ZshCompletion(const std::vector<HelpPage>& pages) {
     const std::string name = page.command.substr(own.command.size() + 1);
     functions += fmt::format("_{}() {{\n  _arguments -s{} \\\n    '*:file:_files'\n}}\n\n", FunctionOf(page.command),
                              SpecificationsOf(page));
-    commands += fmt::format("    '{}:{}'\n", name, Escaped(FirstLine(page.purpose)));
+    commands += fmt::format("    '{}:{}'\n", name, Escaped(page.Summary()));
     branches += fmt::format("        {}) _{} ;;\n", name, FunctionOf(page.command));
   }
   if (pages.size() == 1) {

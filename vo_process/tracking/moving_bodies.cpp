@@ -213,30 +213,31 @@ void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims
       if (++body.unseen_frames > kMaxUnseenFrames) body.id = -1;
     }
   }
-  // The front of a lorry and its side are often found one after the other: the smaller one of two that move alike
-  // goes to the other.
-  const auto is_seen = [&](size_t k) { return bodies_[k].IsThere() && bodies_[k].unseen_frames == 0; };
-  const auto T_c_prev = [&](size_t k) { return bodies_[k].T_b_c.Inverse() * T_b_prev_[k]; };
   for (size_t i = 0; i < kMaxBodies; ++i) {
-    for (size_t j = i + 1; j < kMaxBodies; ++j) {
-      if (!is_seen(i) || !is_seen(j)) continue;
-      const bool first_is_larger = matches_[i].Weight() >= matches_[j].Weight();
-      const size_t large = first_is_larger ? i : j;
-      const size_t small = first_is_larger ? j : i;
-      Body& part = bodies_[small];
-      const double apart_px = MotionDifference_px(T_c_prev(large), T_c_prev(small), T_b_prev_[small].Inverse(), part,
-                                                  matches_[small], camera_);
-      const bool joins = apart_px < kAlike_px &&
-                         Join(static_cast<int>(large), T_b_prev_[small], part.landmarks, matches_[small], frame);
-      if (!joins) continue;
-      Body& whole = bodies_[large];
-      // Of two that have been told of, one was too many.
-      if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
-      whole.found_frames = std::max(whole.found_frames, part.found_frames);
-      part.id = -1;
-      matches_[small] = {};
-    }
+    for (size_t j = i + 1; j < kMaxBodies; ++j) JoinParts(i, j, frame);
   }
+}
+
+// The front of a lorry and its side are often found one after the other: the smaller one of two that move alike goes
+// to the other.
+void MovingBodies::JoinParts(size_t first, size_t second, const TrackedFrame& frame) {
+  const auto is_seen = [&](size_t k) { return bodies_[k].IsThere() && bodies_[k].unseen_frames == 0; };
+  if (!is_seen(first) || !is_seen(second)) return;
+  const bool first_is_larger = matches_[first].Weight() >= matches_[second].Weight();
+  const size_t large = first_is_larger ? first : second;
+  const size_t small = first_is_larger ? second : first;
+  Body& whole = bodies_[large];
+  Body& part = bodies_[small];
+  const auto T_c_prev = [&](size_t k) { return bodies_[k].T_b_c.Inverse() * T_b_prev_[k]; };
+  const double apart_px = MotionDifference_px(T_c_prev(large), T_c_prev(small), T_b_prev_[small].Inverse(), part,
+                                              matches_[small], camera_);
+  if (apart_px >= kAlike_px) return;
+  if (!Join(static_cast<int>(large), T_b_prev_[small], part.landmarks, matches_[small], frame)) return;
+  // Of two that have been told of, one was too many.
+  if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
+  whole.found_frames = std::max(whole.found_frames, part.found_frames);
+  part.id = -1;
+  matches_[small] = {};
 }
 
 FrameMatches MovingBodies::Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame,

@@ -131,6 +131,7 @@ class MovingBodies {
   struct Rest;
 
   void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
+  void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
                const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
   /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the

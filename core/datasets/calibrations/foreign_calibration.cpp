@@ -63,6 +63,12 @@ const Format* FormatOf(const YamlMap& file) {
   return found == kFormats.end() ? nullptr : found;
 }
 
+/// Of a format by its name.
+size_t MaxFiles(const std::string& name) {
+  const auto* found = std::find_if(kFormats.begin(), kFormats.end(), [&](const Format& f) { return f.name == name; });
+  return found == kFormats.end() ? 1 : found->max_files;
+}
+
 ForeignCalibration ReadYaml(const std::vector<std::string>& paths, const ImageSize& image_size) {
   std::vector<YamlMap> files;
   files.reserve(paths.size());
@@ -130,8 +136,7 @@ std::vector<std::string> FindForeignCalibration(const std::string& folder) {
   if (by_format.empty()) return {};
   auto& [format, paths] = *by_format.begin();
   std::sort(paths.begin(), paths.end());
-  const size_t expected = format == "ROS camera_info" || format == "OpenCV stereo" ? 2 : 1;
-  if (by_format.size() > 1 || paths.size() > expected) {
+  if (by_format.size() > 1 || paths.size() > MaxFiles(format)) {
     throw DatasetError(
         fmt::format("{}: has several calibrations ({} and {}): name one by `from: FILE` in a camera.yaml", folder,
                     paths.front(), by_format.size() > 1 ? by_format.rbegin()->second.front() : paths.back()));

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/datasets/asl_sensor.h"
 #include "core/datasets/calibrations/readers.h"
+#include "core/datasets/check_rig.h"
 #include "core/io/files/dataset_error.h"
 
 namespace plslam {
@@ -36,8 +36,7 @@ ImageSize OpenCvSize(const std::vector<YamlMap>& files, const ImageSize& image_s
   if (HasAny(file, both)) {
     const char* key = NameIn(file, both);
     const std::vector<double> size = file.Matrix(key, 2, 2);
-    const auto whole = [](double v) { return v >= 1.0 && v <= 32768.0 && v == std::floor(v); };
-    if (!whole(size[0]) || !whole(size[1])) file.Fail(key, "is not a width and a height in pixels");
+    if (!IsImageSide(size[0]) || !IsImageSide(size[1])) file.Fail(key, "is not a width and a height in pixels");
     return {static_cast<int>(size[0]), static_cast<int>(size[1])};
   }
   const YamlMap& wide = FileWith(files, width);

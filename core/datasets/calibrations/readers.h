@@ -29,6 +29,8 @@ void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* ca
 /// Distortion in OpenCV's order: 4 or 5 numbers are "radtan", 8 "rational" ("radtan" where the divisor's are 0), 12
 /// and 14 the same where the rest is 0, and zeros "pinhole".
 void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera);
+/// The same of numbers from elsewhere: a complaint, or nothing.
+std::string SetOpenCvDistortion(std::vector<double> coefficients, CameraCalibration* camera);
 
 /// A rotation of 9 numbers.
 Eigen::Matrix3d RotationOf(const YamlMap& yaml, const char* key);

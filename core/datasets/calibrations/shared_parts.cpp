@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <utility>
 
 #include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
@@ -19,24 +19,29 @@ void SetCameraMatrix(const YamlMap& yaml, const char* key, CameraCalibration* ca
   camera->cy_px = K[5];
 }
 
-void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
+std::string SetOpenCvDistortion(std::vector<double> d, CameraCalibration* camera) {
   constexpr size_t kRational = 8;
-  std::vector<double> d = yaml.Matrix(key, 4, 14);
   const auto zeros_from = [&d](size_t first) {
     return first >= d.size() ||
            std::all_of(d.begin() + static_cast<std::ptrdiff_t>(first), d.end(), [](double k) { return k == 0.0; });
   };
   if (d.size() > kRational && !zeros_from(kRational)) {
-    yaml.Fail(key, "has terms for a thin prism or a tilted sensor, which are not supported: calibrate without them");
+    return "has terms for a thin prism or a tilted sensor, which are not supported: calibrate without them";
   }
   if (d.size() != 4 && d.size() != 5 && d.size() < kRational) {
-    yaml.Fail(key, fmt::format("has {} numbers, not 4, 5 or 8", d.size()));
+    return fmt::format("has {} numbers, not 4, 5 or 8", d.size());
   }
   d.resize(std::min(d.size(), kRational));
   if (d.size() == kRational && zeros_from(5)) d.resize(5);
   if (zeros_from(0)) d.clear();
   camera->model = d.empty() ? "pinhole" : d.size() == kRational ? "rational" : "radtan";
-  camera->distortion = d;
+  camera->distortion = std::move(d);
+  return "";
+}
+
+void SetOpenCvDistortion(const YamlMap& yaml, const char* key, CameraCalibration* camera) {
+  const std::string complaint = SetOpenCvDistortion(yaml.Matrix(key, 4, 14), camera);
+  if (!complaint.empty()) yaml.Fail(key, complaint);
 }
 
 Eigen::Matrix3d RotationOf(const YamlMap& yaml, const char* key) {
@@ -54,7 +59,7 @@ SE3 LeftFromRight(const Eigen::Matrix3d& R_left, const Eigen::Matrix3d& R_right,
 
 int PixelsOf(const YamlMap& yaml, const char* key) {
   const double value = yaml.Number(key);
-  if (!(value >= 1.0 && value <= kMaxImageSide_px) || value != std::floor(value)) {
+  if (!IsImageSide(value)) {
     yaml.Fail(key, fmt::format("= {} is not a whole number from 1 to {}", value, kMaxImageSide_px));
   }
   return static_cast<int>(value);

@@ -10,13 +10,18 @@ namespace {
 
 std::string In(const std::string& camera, const char* key) { return camera + "." + key; }
 
+/// fx fy cx cy, behind `prefix`.
+void SetFocalAndCentre(const YamlMap& file, const std::string& prefix, CameraCalibration* camera) {
+  camera->fx_px = file.Number(prefix + "fx");
+  camera->fy_px = file.Number(prefix + "fy");
+  camera->cx_px = file.Number(prefix + "cx");
+  camera->cy_px = file.Number(prefix + "cy");
+}
+
 /// Intrinsics and distortion of `Camera1.` and so on, as ORB-SLAM3 has them.
 CameraCalibration OrbSlamLens(const YamlMap& file, const std::string& camera, const std::string& type) {
   CameraCalibration lens;
-  lens.fx_px = file.Number(In(camera, "fx"));
-  lens.fy_px = file.Number(In(camera, "fy"));
-  lens.cx_px = file.Number(In(camera, "cx"));
-  lens.cy_px = file.Number(In(camera, "cy"));
+  SetFocalAndCentre(file, In(camera, ""), &lens);
   if (type == "Rectified" || !file.Has(In(camera, "k1"))) return lens;
   if (type == "KannalaBrandt8") {
     lens.model = "equidistant";
@@ -112,10 +117,7 @@ CameraCalibration BasaltCamera(const YamlMap& file) {
   const std::string type = file.Text("camera_type");
   const YamlMap values = file.Map("intrinsics");
   CameraCalibration camera;
-  camera.fx_px = values.Number("fx");
-  camera.fy_px = values.Number("fy");
-  camera.cx_px = values.Number("cx");
-  camera.cy_px = values.Number("cy");
+  SetFocalAndCentre(values, "", &camera);
   std::vector<const char*> coefficients;
   if (type == "ds") {
     camera.model = "double_sphere";
@@ -160,10 +162,7 @@ ForeignCalibration ReadStella(const YamlMap& file, const ImageSize& image_size) 
   ForeignCalibration result;
   CameraCalibration left, right;
   if (!file.Has("StereoRectifier")) {
-    left.fx_px = camera.Number("fx");
-    left.fy_px = camera.Number("fy");
-    left.cx_px = camera.Number("cx");
-    left.cy_px = camera.Number("cy");
+    SetFocalAndCentre(camera, "", &left);
     result.rig = RigOf(left, left, AlongX(baseline_m));
     result.direction = "the pair is rectified, focal_x_baseline is focal length times baseline";
   } else {
@@ -202,7 +201,7 @@ ForeignCalibration ReadBasalt(const YamlMap& file) {
     cameras[i].T_b_cam = BasaltPose(poses[i]);
     for (size_t side = 0; side < 2; ++side) {
       const double pixels = sizes[2 * i + side];
-      if (!(pixels >= 1.0 && pixels <= 32768.0) || pixels != std::floor(pixels)) {
+      if (!IsImageSide(pixels)) {
         value.Fail("resolution", fmt::format("{} is not a whole number of pixels", pixels));
       }
       (side == 0 ? cameras[i].width_px : cameras[i].height_px) = static_cast<int>(pixels);

@@ -11,7 +11,8 @@
 namespace plslam {
 
 /// Reads a message of ROS 2: CDR (OMG DDS-XTypes, plain CDR), little endian, where numbers are aligned to their size,
-/// counted behind the four bytes that name the encoding. Every read throws DatasetError where the message ends before.
+/// counted behind the four bytes that name the encoding. Every read throws DatasetError where the message ends
+/// before.
 class CdrReader {
  public:
   explicit CdrReader(std::span<const uint8_t> message) : bytes_(message) {

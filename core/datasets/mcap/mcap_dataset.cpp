@@ -86,8 +86,8 @@ int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
 
 class McapDataset : public Dataset {
  public:
-  explicit McapDataset(const std::string& location)
-      : name_(location), options_(TakeApart(location).options), reader_(TakeApart(location).file) {
+  McapDataset(const std::string& location, const Location& parts)
+      : name_(location), options_(parts.options), reader_(parts.file) {
     ChooseTopics();
     PairImages();
     ReadRig();
@@ -130,7 +130,7 @@ class McapDataset : public Dataset {
 
   cv::Mat ReadImage(const McapChannel& channel, const McapMessage& message, const CameraCalibration& camera) const {
     try {
-      return ParseImage(channel.type, reader_.Read(message), {camera.width_px, camera.height_px}).grey;
+      return ParseImage(channel.type, reader_.Read(message), {camera.width_px, camera.height_px});
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
     }
@@ -288,12 +288,11 @@ class McapDataset : public Dataset {
 }  // namespace
 
 std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) {
+  const Location parts = TakeApart(location);
   try {
-    return std::make_unique<McapDataset>(location);
+    return std::make_unique<McapDataset>(location, parts);
   } catch (const std::runtime_error& error) {
-    const std::string what = error.what();
-    const std::string file = TakeApart(location).file;
-    throw DatasetError(what.starts_with(file) ? what : fmt::format("{}: {}", file, what));
+    throw DatasetError(fmt::format("{}: {}", parts.file, error.what()));
   }
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -14,29 +13,18 @@
 #include <string_view>
 
 #include "core/datasets/mcap/chunk_codec.h"
+#include "core/datasets/mcap/mcap_format.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/dataset_error.h"
 
 namespace plslam {
 namespace {
 
-constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 constexpr uint64_t kRecordHeadBytes = 9;  // kind and length
 constexpr uint64_t kFooterBytes = kRecordHeadBytes + 8 + 8 + 4;
 constexpr uint64_t kMaxSummaryBytes = 128 << 20;
 /// Left and right image, their truth, and the neighbours of all: each may stand in another chunk.
 constexpr size_t kChunksKept = 4;
-
-/// Kinds of records, as the format numbers them.
-enum class Record : uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-};
 
 /// Fields of a record, one after the other without any alignment.
 class Fields {
@@ -66,7 +54,7 @@ class Fields {
   std::span<const uint8_t> rest_;
 };
 
-Fields ContentOf(std::span<const uint8_t> record, Record kind, const char* what) {
+Fields ContentOf(std::span<const uint8_t> record, McapRecord kind, const char* what) {
   Fields fields(record);
   if (fields.Get<uint8_t>() != static_cast<uint8_t>(kind)) {
     throw DatasetError(fmt::format("{} is not where the index says: the file is damaged", what));
@@ -74,7 +62,7 @@ Fields ContentOf(std::span<const uint8_t> record, Record kind, const char* what)
   return Fields(fields.Take(fields.Get<uint64_t>()));
 }
 
-uint32_t Crc(std::span<const uint8_t> bytes) { return static_cast<uint32_t>(crc32_z(0, bytes.data(), bytes.size())); }
+uint32_t Crc(std::span<const uint8_t> bytes) { return McapCrc(0, bytes.data(), bytes.size()); }
 
 }  // namespace
 
@@ -107,15 +95,15 @@ McapReader::Bytes McapReader::ReadAt(uint64_t offset, uint64_t n, const char* wh
 }
 
 void McapReader::ReadSummary() {
-  const uint64_t end_bytes = kFooterBytes + kMagic.size();
-  if (size_ < kMagic.size() + end_bytes) throw DatasetError("is too short for an MCAP file");
-  const Bytes begin = ReadAt(0, kMagic.size(), "the head");
-  if (std::memcmp(begin.data(), kMagic.data(), kMagic.size()) != 0) throw DatasetError("is no MCAP file");
+  const uint64_t end_bytes = kFooterBytes + kMcapMagic.size();
+  if (size_ < kMcapMagic.size() + end_bytes) throw DatasetError("is too short for an MCAP file");
+  const Bytes begin = ReadAt(0, kMcapMagic.size(), "the head");
+  if (std::memcmp(begin.data(), kMcapMagic.data(), kMcapMagic.size()) != 0) throw DatasetError("is no MCAP file");
   const Bytes end = ReadAt(size_ - end_bytes, end_bytes, "the footer");
-  if (std::memcmp(end.data() + kFooterBytes, kMagic.data(), kMagic.size()) != 0) {
+  if (std::memcmp(end.data() + kFooterBytes, kMcapMagic.data(), kMcapMagic.size()) != 0) {
     throw DatasetError("does not end as MCAP files do, since it is cut off: `mcap recover` makes it whole");
   }
-  Fields footer = ContentOf(end, Record::kFooter, "the footer");
+  Fields footer = ContentOf(end, McapRecord::kFooter, "the footer");
   const auto start = footer.Get<uint64_t>();
   footer.Get<uint64_t>();  // where the offsets of the summary begin
   const auto crc = footer.Get<uint32_t>();
@@ -136,17 +124,17 @@ void McapReader::Parse(std::span<const uint8_t> summary) {
   std::map<uint16_t, std::string> schemas;
   std::map<uint16_t, std::pair<uint16_t, McapChannel>> channels;  // with their schemas
   for (Fields records(summary); !records.empty();) {
-    const auto kind = static_cast<Record>(records.Get<uint8_t>());
+    const auto kind = static_cast<McapRecord>(records.Get<uint8_t>());
     Fields fields(records.Take(records.Get<uint64_t>()));
-    if (kind == Record::kSchema) {
+    if (kind == McapRecord::kSchema) {
       const auto id = fields.Get<uint16_t>();
       schemas[id] = fields.Text();
-    } else if (kind == Record::kChannel) {
+    } else if (kind == McapRecord::kChannel) {
       const auto id = fields.Get<uint16_t>();
       const auto schema = fields.Get<uint16_t>();
       const std::string topic = fields.Text();
       channels[id] = {schema, {id, topic, "", fields.Text()}};
-    } else if (kind == Record::kChunkIndex) {
+    } else if (kind == McapRecord::kChunkIndex) {
       Chunk chunk;
       fields.Take(2 * sizeof(uint64_t));  // first and last time
       chunk.offset = fields.Get<uint64_t>();
@@ -175,7 +163,7 @@ std::vector<McapMessage> McapReader::Messages(const std::string& topic) const {
       std::memcpy(&length, head.data() + 1, sizeof(length));
       if (length > size_) throw DatasetError("an index of messages is longer than the file: it is damaged");
       const Bytes record = ReadAt(at->second, kRecordHeadBytes + length, "an index of messages");
-      Fields fields = ContentOf(record, Record::kMessageIndex, "an index of messages");
+      Fields fields = ContentOf(record, McapRecord::kMessageIndex, "an index of messages");
       fields.Get<uint16_t>();
       for (Fields entries(fields.Take(fields.Get<uint32_t>())); !entries.empty();) {
         const auto t_ns = entries.Get<int64_t>();
@@ -190,7 +178,7 @@ std::vector<McapMessage> McapReader::Messages(const std::string& topic) const {
 
 McapReader::Bytes McapReader::Decompressed(const Chunk& chunk) const {
   const Bytes record = ReadAt(chunk.offset, chunk.length, "a chunk");
-  Fields fields = ContentOf(record, Record::kChunk, "a chunk");
+  Fields fields = ContentOf(record, McapRecord::kChunk, "a chunk");
   fields.Take(2 * sizeof(uint64_t));  // first and last time
   const auto n = fields.Get<uint64_t>();
   const auto crc = fields.Get<uint32_t>();
@@ -216,7 +204,7 @@ std::vector<uint8_t> McapReader::Read(const McapMessage& message) const {
   const std::scoped_lock lock(mutex_);
   const Bytes& bytes = ChunkBytes(message.chunk);
   if (message.offset > bytes.size()) throw DatasetError("a message would lie behind its chunk: the file is damaged");
-  Fields fields = ContentOf(std::span(bytes).subspan(message.offset), Record::kMessage, "a message");
+  Fields fields = ContentOf(std::span(bytes).subspan(message.offset), McapRecord::kMessage, "a message");
   // Channel, number, and the times of logging and of publishing.
   fields.Take(sizeof(uint16_t) + sizeof(uint32_t) + 2 * sizeof(uint64_t));
   const auto content = fields.rest();
@@ -224,9 +212,9 @@ std::vector<uint8_t> McapReader::Read(const McapMessage& message) const {
 }
 
 bool LooksLikeMcapFile(const std::string& path) {
-  std::array<char, kMagic.size()> begin{};
+  std::array<char, kMcapMagic.size()> begin{};
   std::ifstream file(path, std::ios::binary);
-  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kMagic;
+  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kMcapMagic;
 }
 
 }  // namespace plslam

@@ -25,9 +25,9 @@ struct McapMessage {
   uint64_t offset = 0;  ///< in the chunk, decompressed
 };
 
-/// Reads an MCAP file (mcap.dev, version 0) through its index: opening reads the summary alone, `Messages` the indices
-/// of one topic, and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the
-/// file. Chunks may be as they are, or compressed by lz4 or zstd; their checksums are compared.
+/// Reads an MCAP file (mcap.dev, version 0) through its index: opening reads the summary alone, `Messages` the
+/// indices of one topic, and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow
+/// with the file. Chunks may be as they are, or compressed by lz4 or zstd; their checksums are compared.
 ///
 /// Throws DatasetError, without the name of the file: where it is no MCAP file, is cut off, has no index, or is
 /// damaged. May be used by several threads.

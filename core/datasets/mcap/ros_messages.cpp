@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/datasets/calibrations/readers.h"
 #include "core/datasets/mcap/cdr_reader.h"
 #include "core/errors/error_text.h"
 #include "core/io/images/image_file.h"
@@ -15,11 +16,10 @@
 namespace plslam {
 namespace {
 
-int64_t SkipHeader(CdrReader& cdr) {
-  const auto seconds = cdr.Get<int32_t>();
-  const auto nanoseconds = cdr.Get<uint32_t>();
+void SkipHeader(CdrReader& cdr) {
+  cdr.Get<int32_t>();
+  cdr.Get<uint32_t>();
   cdr.Text();
-  return int64_t{seconds} * 1'000'000'000 + nanoseconds;
 }
 
 /// An encoding of raw images, as sensor_msgs names them.
@@ -89,20 +89,20 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   if (std::all_of(d.begin(), d.end(), [](double x) { return x == 0.0; })) return;  // a pinhole
   const bool is_fisheye = info.model == "equidistant" || info.model == "fisheye";
   const bool is_radtan = info.model == "plumb_bob" && (d.size() == 4 || d.size() == 5);
-  const bool is_plain_rational = info.model == "rational_polynomial" && d.size() >= 5 &&
-                                 std::all_of(d.begin() + 5, d.end(), [](double x) { return x == 0.0; });
+  const bool is_rational = info.model == "rational_polynomial" && d.size() >= 5;
   if (is_fisheye && d.size() == 4) {
     camera.model = "equidistant";
     camera.distortion = d;
-  } else if (is_radtan || is_plain_rational) {
-    camera.model = "radtan";
-    camera.distortion.assign(d.begin(), d.begin() + std::min<std::ptrdiff_t>(5, std::ssize(d)));
-  } else {
-    throw DatasetError(
-        fmt::format("distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5) and "
-                    "equidistant (4): rectify the images, or give camera=FILE.yaml",
-                    Shown(info.model), d.size()));
+    return;
   }
+  if (!is_radtan && !is_rational) {
+    throw DatasetError(fmt::format(
+        "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
+        "and equidistant (4): rectify the images, or give camera=FILE.yaml",
+        Shown(info.model), d.size()));
+  }
+  const std::string complaint = SetOpenCvDistortion(d, &camera);
+  if (!complaint.empty()) throw DatasetError("D of camera_info " + complaint);
 }
 
 CameraCalibration CameraFromRos(const RosCameraInfo& info, bool rectified) {
@@ -143,17 +143,12 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message) {
   return info;
 }
 
-RosImage ParseImage(std::string_view type, std::span<const uint8_t> message, const cv::Size& expected) {
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, const cv::Size& expected) {
   CdrReader cdr(message);
-  RosImage image;
-  image.stamp_ns = SkipHeader(cdr);
-  if (type == kRosImage) {
-    image.grey = RawPixels(cdr, expected);
-  } else {
-    const std::string format = cdr.Text();
-    image.grey = DecodeGreyImage(fmt::format("'{}'", Shown(format)), cdr.Bytes(), {expected.width, expected.height});
-  }
-  return image;
+  SkipHeader(cdr);
+  if (type == kRosImage) return RawPixels(cdr, expected);
+  const std::string format = cdr.Text();
+  return DecodeGreyImage(fmt::format("'{}'", Shown(format)), cdr.Bytes(), {expected.width, expected.height});
 }
 
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> message) {
@@ -177,14 +172,10 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
   if (!std::isfinite(b) || b == 0.0) {
     throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b): give camera=FILE.yaml");
   }
-  SE3 T_l_r(Eigen::Quaterniond::Identity(), Eigen::Vector3d(b, 0.0, 0.0));
-  const bool is_turned = !left.R.isIdentity(0.0) || !right.R.isIdentity(0.0);
-  if (!rectified && is_turned) {
-    if (!IsRotation(left.R) || !IsRotation(right.R)) throw DatasetError("R of camera_info is no rotation");
-    // R takes points of a camera to the rectified one.
-    const SE3 T_rect_l(left.R, Eigen::Vector3d::Zero()), T_rect_r(right.R, Eigen::Vector3d::Zero());
-    T_l_r = T_rect_l.Inverse() * T_l_r * T_rect_r;
-  }
+  if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
+    throw DatasetError("R of camera_info is no rotation");
+  const Eigen::Matrix3d I = Eigen::Matrix3d::Identity();
+  const SE3 T_l_r = LeftFromRight(rectified ? I : left.R, rectified ? I : right.R, b);
   rig.right.T_b_cam = T_l_r;
   rig.baseline_m = T_l_r.translation().norm();
   return rig;

@@ -32,18 +32,14 @@ struct RosCameraInfo {
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> cdr);
 
 /// Grey pixels of an Image or a CompressedImage (`type`).
-struct RosImage {
-  int64_t stamp_ns = 0;
-  cv::Mat grey;
-};
-RosImage ParseImage(std::string_view type, std::span<const uint8_t> cdr, const cv::Size& expected);
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> cdr, const cv::Size& expected);
 
 /// Pose of an Odometry or a PoseStamped (`type`).
 SE3 ParsePose(std::string_view type, std::span<const uint8_t> cdr);
 
-/// The rig of two cameras. Images are `rectified`: then P describes them, else K and D do, and R tells how the cameras
-/// are turned. The baseline is that of P, where ROS has it (P[3] = -fx b). Throws DatasetError for lenses that have no
-/// counterpart here, and where there is no baseline.
+/// The rig of two cameras. Images are `rectified`: then P describes them, else K and D do, and R tells how the
+/// cameras are turned. The baseline is that of P, where ROS has it (P[3] = -fx b). Throws DatasetError for lenses
+/// that have no counterpart here, and where there is no baseline.
 RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right, bool rectified);
 
 }  // namespace plslam

@@ -6,11 +6,9 @@
 #include <fstream>
 
 #include "tests/support/data_folder.h"
-#include "tools/manual/bash_completion.h"
-#include "tools/manual/fish_completion.h"
+#include "tools/manual/completion.h"
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
-#include "tools/manual/zsh_completion.h"
 
 namespace plslam {
 namespace {

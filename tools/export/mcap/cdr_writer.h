@@ -11,8 +11,9 @@
 
 namespace plslam {
 
-/// A message of ROS 2 as its middleware has it on the wire: CDR (OMG DDS-XTypes, plain CDR), little endian. Numbers are aligned to
-/// their size, counted behind the four bytes that name the encoding; members follow each other without anything in between.
+/// A message of ROS 2 as its middleware has it on the wire: CDR (OMG DDS-XTypes, plain CDR), little endian. Numbers
+/// are aligned to their size, counted behind the four bytes that name the encoding; members follow each other without
+/// anything in between.
 class CdrWriter {
  public:
   template <class Number>

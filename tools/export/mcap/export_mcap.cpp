@@ -168,7 +168,7 @@ class Exporter {
     topics_.Write("/camera/left/compressed", "sensor_msgs/msg/CompressedImage", t,
                   RosJpeg(t, EncodeJpeg(dataset_->Read(i).left, kJpegQuality)));
     topics_.Write("/camera/left/camera_info", "sensor_msgs/msg/CameraInfo", t,
-                  RosCameraInfo(t, dataset_->rig().left));
+                  RosCameraInfoMessage(t, dataset_->rig().left));
   }
 
   const RunSource& source_;

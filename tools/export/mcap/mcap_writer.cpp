@@ -1,7 +1,6 @@
 #include "tools/export/mcap/mcap_writer.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -10,32 +9,17 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/datasets/mcap/mcap_format.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/little_endian.h"
 
 namespace plslam {
 namespace {
 
-constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 /// Large enough that compression works, small enough that a reader comes to its first message at once.
 constexpr size_t kChunkBytes = 1 << 20;
 /// Half the time of zstd's default, and 5 % more bytes.
 constexpr int kCompressionLevel = 1;
-
-/// Kinds of records, as the format numbers them.
-enum class Record : uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0b,
-  kSummaryOffset = 0x0e,
-  kDataEnd = 0x0f,
-};
 
 /// The fields of a record, one after the other without any alignment.
 class Fields {
@@ -67,16 +51,14 @@ class Fields {
   std::string bytes_;
 };
 
-std::string RecordBytes(Record kind, std::string_view content) {
+std::string RecordBytes(McapRecord kind, std::string_view content) {
   std::string bytes;
   AppendLittleEndian(static_cast<uint8_t>(kind), bytes);
   AppendLittleEndian(static_cast<uint64_t>(content.size()), bytes);
   return bytes.append(content);
 }
 
-uint32_t Crc(uint32_t crc, std::string_view bytes) {
-  return static_cast<uint32_t>(crc32_z(crc, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
+uint32_t Crc(uint32_t crc, std::string_view bytes) { return McapCrc(crc, bytes.data(), bytes.size()); }
 
 std::string Compressed(std::string_view bytes) {
   std::string out(ZSTD_compressBound(bytes.size()), '\0');
@@ -90,9 +72,9 @@ std::string Compressed(std::string_view bytes) {
 
 McapWriter::McapWriter(const std::string& path) : path_(path), file_(path + ".part", std::ios::binary) {
   if (!file_) throw std::runtime_error(fmt::format("{}: cannot be written: {}", path, ReasonOf(errno)));
-  Append(kMagic);
-  Append(
-      RecordBytes(Record::kHeader, Fields().Add(std::string_view("ros2")).Add(std::string_view("plslam")).bytes()));
+  Append(kMcapMagic);
+  Append(RecordBytes(McapRecord::kHeader,
+                     Fields().Add(std::string_view("ros2")).Add(std::string_view("plslam")).bytes()));
 }
 
 McapWriter::~McapWriter() {
@@ -112,12 +94,12 @@ uint16_t McapWriter::AddChannel(const std::string& topic, const std::string& typ
   if (is_new) {
     Fields schema;
     schema.Add(place->second).Add(std::string_view(type)).Add(std::string_view("ros2msg"));
-    schema_records_.push_back(RecordBytes(Record::kSchema, schema.Add(std::string_view(definition)).bytes()));
+    schema_records_.push_back(RecordBytes(McapRecord::kSchema, schema.Add(std::string_view(definition)).bytes()));
   }
   const auto id = static_cast<uint16_t>(channels_.size());
   Fields channel;
   channel.Add(id).Add(place->second).Add(std::string_view(topic)).Add(std::string_view("cdr"));
-  channels_.push_back({RecordBytes(Record::kChannel, channel.AddPairs(MessageIndex()).bytes()), place->second});
+  channels_.push_back({RecordBytes(McapRecord::kChannel, channel.AddPairs(MessageIndex()).bytes()), place->second});
   return id;
 }
 
@@ -134,7 +116,7 @@ void McapWriter::Write(uint16_t channel, int64_t t_ns, std::string_view cdr) {
   chunk_index_[channel].emplace_back(time, chunk_.size());
   Fields message;
   message.Add(channel).Add(to.n_messages++).Add(time).Add(time);
-  AppendLittleEndian(static_cast<uint8_t>(Record::kMessage), chunk_);
+  AppendLittleEndian(static_cast<uint8_t>(McapRecord::kMessage), chunk_);
   AppendLittleEndian(static_cast<uint64_t>(message.bytes().size() + cdr.size()), chunk_);
   chunk_.append(message.bytes()).append(cdr);
   ++n_messages_;
@@ -147,7 +129,7 @@ void McapWriter::FinishChunk() {
   Fields fields;
   fields.Add(chunk_begin_ns_).Add(chunk_end_ns_).Add(static_cast<uint64_t>(chunk_.size())).Add(Crc(0, chunk_));
   fields.Add(std::string_view("zstd")).Add(static_cast<uint64_t>(compressed.size()));
-  const std::string record = RecordBytes(Record::kChunk, fields.bytes() + compressed);
+  const std::string record = RecordBytes(McapRecord::kChunk, fields.bytes() + compressed);
   ChunkIndex index{chunk_begin_ns_, chunk_end_ns_, position_, record.size(), 0, compressed.size(), chunk_.size(), {}};
   Append(record);
   const uint64_t begin = position_;
@@ -155,7 +137,7 @@ void McapWriter::FinishChunk() {
     index.channels[channel] = position_;
     std::stable_sort(messages.begin(), messages.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    Append(RecordBytes(Record::kMessageIndex, Fields().Add(channel).AddPairs(messages).bytes()));
+    Append(RecordBytes(McapRecord::kMessageIndex, Fields().Add(channel).AddPairs(messages).bytes()));
   }
   index.index_length = position_ - begin;
   chunks_.push_back(std::move(index));
@@ -177,41 +159,41 @@ std::string McapWriter::StatisticsRecord() const {
   fields.Add(n_messages_).Add(static_cast<uint16_t>(schema_records_.size()));
   fields.Add(static_cast<uint32_t>(channels_.size())).Add(uint32_t{0}).Add(uint32_t{0});
   fields.Add(static_cast<uint32_t>(chunks_.size())).Add(begin).Add(end).AddPairs(counts);
-  return RecordBytes(Record::kStatistics, fields.bytes());
+  return RecordBytes(McapRecord::kStatistics, fields.bytes());
 }
 
 void McapWriter::WriteSummary() {
   const uint64_t summary_start = position_;
   crc_ = 0;
   std::string offsets;
-  const auto group = [&](Record kind, uint64_t start) {
+  const auto group = [&](McapRecord kind, uint64_t start) {
     if (position_ == start) return;
     Fields fields;
     fields.Add(static_cast<uint8_t>(kind)).Add(start).Add(position_ - start);
-    offsets += RecordBytes(Record::kSummaryOffset, fields.bytes());
+    offsets += RecordBytes(McapRecord::kSummaryOffset, fields.bytes());
   };
   uint64_t start = position_;
   for (const std::string& record : schema_records_) Append(record);
-  group(Record::kSchema, start);
+  group(McapRecord::kSchema, start);
   start = position_;
   for (const Channel& channel : channels_) Append(channel.record);
-  group(Record::kChannel, start);
+  group(McapRecord::kChannel, start);
   start = position_;
   for (const ChunkIndex& c : chunks_) {
     Fields fields;
     fields.Add(c.begin_ns).Add(c.end_ns).Add(c.offset).Add(c.length).AddPairs(c.channels).Add(c.index_length);
     fields.Add(std::string_view("zstd")).Add(c.compressed).Add(c.uncompressed);
-    Append(RecordBytes(Record::kChunkIndex, fields.bytes()));
+    Append(RecordBytes(McapRecord::kChunkIndex, fields.bytes()));
   }
-  group(Record::kChunkIndex, start);
+  group(McapRecord::kChunkIndex, start);
   start = position_;
   Append(StatisticsRecord());
-  group(Record::kStatistics, start);
+  group(McapRecord::kStatistics, start);
   const uint64_t offset_start = position_;
   Append(offsets);
   // The checksum is of the summary and of the footer before the checksum itself.
   std::string footer =
-      RecordBytes(Record::kFooter, Fields().Add(summary_start).Add(offset_start).Add(uint32_t{0}).bytes());
+      RecordBytes(McapRecord::kFooter, Fields().Add(summary_start).Add(offset_start).Add(uint32_t{0}).bytes());
   footer.resize(footer.size() - sizeof(uint32_t));
   const uint32_t crc = Crc(crc_, footer);
   AppendLittleEndian(crc, footer);
@@ -220,9 +202,9 @@ void McapWriter::WriteSummary() {
 
 void McapWriter::Close() {
   FinishChunk();
-  Append(RecordBytes(Record::kDataEnd, Fields().Add(crc_).bytes()));
+  Append(RecordBytes(McapRecord::kDataEnd, Fields().Add(crc_).bytes()));
   WriteSummary();
-  Append(kMagic);
+  Append(kMcapMagic);
   file_.close();
   const std::string part = path_ + ".part";
   if (!file_ || std::rename(part.c_str(), path_.c_str()) != 0) {

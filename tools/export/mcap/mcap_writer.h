@@ -10,12 +10,12 @@
 
 namespace plslam {
 
-/// Writes an MCAP file (mcap.dev, version 0), profile `ros2`: chunks compressed by zstd, each with an index by channel, and a
-/// summary with schemas, channels, chunk indices and statistics; all checksums are there. Memory grows by the index of each chunk of a
-/// megabyte alone.
+/// Writes an MCAP file (mcap.dev, version 0), profile `ros2`: chunks compressed by zstd, each with an index by
+/// channel, and a summary with schemas, channels, chunk indices and statistics; all checksums are there. Memory grows
+/// by the index of each chunk of a megabyte alone.
 ///
-/// The file is written beside its place and put there by Close; without Close it is removed. Throws std::runtime_error, naming
-/// the file, where it cannot be written.
+/// The file is written beside its place and put there by Close; without Close it is removed. Throws
+/// std::runtime_error, naming the file, where it cannot be written.
 class McapWriter {
  public:
   explicit McapWriter(const std::string& path);
@@ -23,7 +23,8 @@ class McapWriter {
   McapWriter(const McapWriter&) = delete;
   McapWriter& operator=(const McapWriter&) = delete;
 
-  /// The number of a new channel. `type` is a ROS 2 name ("nav_msgs/msg/Path"), `definition` its text with all that it is made of.
+  /// The number of a new channel. `type` is a ROS 2 name ("nav_msgs/msg/Path"), `definition` its text with all that
+  /// it is made of.
   uint16_t AddChannel(const std::string& topic, const std::string& type, const std::string& definition);
 
   /// A message in CDR. Times should not decrease: readers go by the index otherwise, and are slower.

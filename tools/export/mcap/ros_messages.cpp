@@ -83,6 +83,12 @@ std::string LineMarker(int64_t t_ns, std::string_view name, double width_m, cons
   return std::move(cdr).Take();
 }
 
+/// ROS has no name for the double sphere: a reader that does not know ours refuses it.
+std::string_view RosLensName(std::string_view model) {
+  if (model == "pinhole" || model == "radtan") return "plumb_bob";
+  return model == "rational" ? "rational_polynomial" : model;
+}
+
 void PutField(CdrWriter& cdr, const char* name, uint32_t offset, uint8_t type) {
   cdr.Put(name);
   cdr.Put(offset);
@@ -143,15 +149,14 @@ std::string RosJpeg(int64_t t_ns, std::string_view jpeg) {
   return std::move(cdr).Take();
 }
 
-std::string RosCameraInfo(int64_t t_ns, const CameraCalibration& camera) {
+std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera) {
   CdrWriter cdr;
   PutHeader(cdr, t_ns, kRosCamera);
   cdr.Put(static_cast<uint32_t>(camera.height_px));
   cdr.Put(static_cast<uint32_t>(camera.width_px));
-  const bool is_fisheye = camera.model == "equidistant";
   std::vector<double> distortion = camera.distortion;
-  distortion.resize(std::max<size_t>(distortion.size(), is_fisheye ? 4 : 5));
-  cdr.Put(is_fisheye ? "equidistant" : "plumb_bob");
+  if (camera.model == "pinhole" || camera.model == "radtan") distortion.resize(5);
+  cdr.Put(RosLensName(camera.model));
   cdr.PutCount(distortion.size());
   for (const double value : distortion) cdr.Put(value);
   const double fx = camera.fx_px, fy = camera.fy_px, cx = camera.cx_px, cy = camera.cy_px;

@@ -15,7 +15,8 @@ namespace plslam {
 
 // Messages of ROS 2, in CDR. The name in front of each type is that of the C++ function; times are of the data.
 
-/// Coordinate frames of the exported messages. `kRosWorld` is level, z up; the others are those of docs/frames.md: w, and l.
+/// Coordinate frames of the exported messages. `kRosWorld` is level, z up; the others are those of docs/frames.md: w,
+/// and l.
 inline constexpr const char* kRosWorld = "world";
 inline constexpr const char* kRosMap = "map";
 inline constexpr const char* kRosCamera = "camera_left";
@@ -23,8 +24,8 @@ inline constexpr const char* kRosCamera = "camera_left";
 /// geometry_msgs/msg/TransformStamped in tf2_msgs/msg/TFMessage: p_parent = T_parent_child p_child.
 std::string RosTransform(int64_t t_ns, std::string_view parent, std::string_view child, const SE3& T_parent_child);
 
-/// What odometry says of a frame. Covariances are of right perturbations [translation; rotation], as everywhere here; ROS's, of the
-/// pose, is along the axes of the map, which is the same one turned.
+/// What odometry says of a frame. Covariances are of right perturbations [translation; rotation], as everywhere here;
+/// ROS's, of the pose, is along the axes of the map, which is the same one turned.
 struct RosOdometry {
   int64_t t_ns = 0;
   SE3 T_w_l;
@@ -43,9 +44,10 @@ std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory);
 /// sensor_msgs/msg/CompressedImage of a JPEG file.
 std::string RosJpeg(int64_t t_ns, std::string_view jpeg);
 /// sensor_msgs/msg/CameraInfo of the image as recorded: distortion models plumb_bob and equidistant.
-std::string RosCameraInfo(int64_t t_ns, const CameraCalibration& camera);
+std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera);
 
-/// sensor_msgs/msg/PointCloud2: x, y, z and colour as in map.ply, and `observations`, the number of keyframes that see the point.
+/// sensor_msgs/msg/PointCloud2: x, y, z and colour as in map.ply, and `observations`, the number of keyframes that
+/// see the point.
 std::string RosPoints(int64_t t_ns, const Map& map);
 /// visualization_msgs/msg/Marker, LINE_LIST: the segments, coloured as in map.ply.
 std::string RosLines(int64_t t_ns, const Map& map);

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # cmake -DPAGE= -DWORK= -DTEMPLATE= -DNODE= -DNPM= -P bundle_report.cmake: npm packages into WORK, where the lock has changed,
 # then one HTML file to TEMPLATE. Writes nothing into the source tree. Failure is loud, and no failure of the build.
 function(give_up why output)

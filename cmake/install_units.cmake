@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # At installation: the systemd units of PLSLAM_UNITS, with the programs where they now are, into share/plslam/systemd. Link
 # them with `systemctl link` (docs/install.md).
 set(PLSLAM_BIN ${CMAKE_INSTALL_PREFIX}/bin)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # npm_packages(FOLDER WORK NPM OUT): the packages that FOLDER/package-lock.json pins into WORK/node_modules, where the lock has changed.
 # Writes nothing into the source tree. OUT is empty when they are there, else what npm said: the registry may not be reachable.
 function(npm_packages folder work npm out)

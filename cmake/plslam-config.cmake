@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # find_package(plslam): the libraries of core as plslam::core (all), or one by one: plslam::geometry, plslam::features,
 # plslam::motion, plslam::map, plslam::optim, plslam::io, plslam::bus, plslam::lcmtypes, ...
 #

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What core and the message types link, and so does everybody who links them: this file is also part of the installed CMake
 # package. All of it is a Debian 12 package (scripts/setup installs them).
 find_package(Threads REQUIRED)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Everything the tree links, found once.
 include(plslam_core_dependencies)
 find_package(nlohmann_json REQUIRED)

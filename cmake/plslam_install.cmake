@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What `cmake --install` puts where, and the CMake package of core. Included last: it installs what the other folders have
 # declared. Everything is relative to the prefix, and can be moved as a whole: the programs find share/plslam beside
 # their folder.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Debian packages by `cpack` (in the build folder): plslam, the programs and what they need, with dependencies found by
 # dpkg-shlibdeps; libplslam-dev, the CMake package of core; and python3-plslam.
 set(CPACK_GENERATOR DEB)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Headers of others that most sources include, parsed once (PLSLAM_PRECOMPILE; the presets release and asan set it). Sources
 # name what they use all the same: all other builds, and clang-tidy, do without.
 option(PLSLAM_PRECOMPILE "Precompile the headers of other libraries" OFF)

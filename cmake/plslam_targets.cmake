@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Compiler flags of all our targets, and the two functions that declare them.
 add_library(plslam_flags INTERFACE)
 target_include_directories(plslam_flags INTERFACE ${CMAKE_SOURCE_DIR})

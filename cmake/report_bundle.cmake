@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The page of reports: viewer_headless/page, bundled with three.js and uPlot (npm, pinned by its package-lock.json) into
 # share/plslam/report_template.html of the build folder. Where there is no node or npm, or their registry cannot be
 # reached, the build goes on without, loudly, and viewer_headless makes no report.

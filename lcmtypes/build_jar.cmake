@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # The message types as a jar: LCM_GEN writes Java for TYPES/*.lcm into WORK, JAVAC compiles it, JAR packs it into OUTPUT.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK}/source ${WORK}/classes)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Build-time tool: reads .lcm files (one struct each) and writes the table behind MessageLayouts().
 //
 //   generate_layouts OUT.cpp a_t.lcm b_t.lcm ...

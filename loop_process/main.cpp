@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process.h"
 #include "loop_process/node/loop_node.h"
 

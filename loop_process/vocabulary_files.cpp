@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "loop_process/vocabulary_files.h"
 
 #include "core/io/files/shared_file.h"

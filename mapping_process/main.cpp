@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process.h"
 #include "mapping_process/node/mapping_node.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "player/command_line.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process.h"
 #include "vo_process/node/vo_node.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/asl_sensor.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/check_rig.h"
 
 #include <fmt/format.h>

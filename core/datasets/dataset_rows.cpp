@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/dataset_rows.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/frame_truth.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/yaml_map.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/errors/yaml_complaint.h"
 
 #include <fmt/format.h>

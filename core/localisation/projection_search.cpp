@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/localisation/projection_search.h"
 
 #include "core/features/matching/descriptor_matcher.h"

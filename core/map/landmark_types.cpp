@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/landmark_types.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/motion/line_residual.h"
 
 #include "core/motion/residual.h"

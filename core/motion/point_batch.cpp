@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/motion/point_batch.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process_arguments.h"
 
 #include <signal.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process_status.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "loop_process/node/loop_node.h"
 
 #include <spdlog/spdlog.h>

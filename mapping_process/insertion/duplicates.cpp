@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/insertion/duplicates.h"
 
 #include "core/localisation/projection_search.h"

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/insertion/landmark_creation.h"
 
 #include <optional>

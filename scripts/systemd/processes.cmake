@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # What differs between the units of the processes, plslam-NAME@.service, which are made of process@.service.template.
 
 # plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [NICE how] [RESTART when])

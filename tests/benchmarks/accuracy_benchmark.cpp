@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Accuracy and time of odometry in one process, without messages: a row for each dataset. For experiments; the
 // numbers that count come from `plslam run`.
 //

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Stages of the line front end on real images, or on a drawn one where those are absent.
 #include <filesystem>
 #include <string>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time of what loop_process does for a keyframe, by the size of the map, and of closing a loop. Maps are made up:
 // keyframes along a circle, landmarks seen by five in a row, descriptors at random, every word of the vocabulary as
 // likely.

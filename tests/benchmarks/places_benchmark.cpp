@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Place recognition with up to 10,000 keyframes of 1,500 points and 150 lines, and the default vocabularies. The
 // keyframes are made up: words drawn as often as the training images had them, descriptors a few bits from the words'
 // centres. One thread.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How soon a camera is found again that was carried elsewhere while its lens was covered: a row for each world.
 //
 //   relocalisation_benchmark [WORLD...] [--trials N] [--carried METRES]

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mutates the calibrations of other programs: a reader gives a rig that can be used, or throws DatasetError.
 #include <gtest/gtest.h>
 

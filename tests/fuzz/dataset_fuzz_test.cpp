@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mutates tiny valid datasets: a reader must read what is left, or throw DatasetError, within a bound of memory.
 //
 // PLSLAM_FUZZ_SECONDS sets the duration (default 5), PLSLAM_FUZZ_SEED the first seed (default 1). Each case is made

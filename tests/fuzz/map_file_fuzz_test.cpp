@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mutates map files, with the checksum put right again so that the content is looked at: what is not refused must be
 // a sound map that is saved as the same bytes, and memory must stay within a bound of the file.
 #include <cstring>

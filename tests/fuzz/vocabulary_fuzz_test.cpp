@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mutates vocabularies: bytes that are one are used, all others refused with a sentence, within a bound of memory.
 // Half of the cases get a checksum that fits, so that what lies behind it is reached.
 #include <gtest/gtest.h>

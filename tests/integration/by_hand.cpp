@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/integration/by_hand.h"
 
 #include <gtest/gtest.h>

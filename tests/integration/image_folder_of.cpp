@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/integration/image_folder_of.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/integration/recorded_run.h"
 
 #include "core/bus/logs/log_reader.h"

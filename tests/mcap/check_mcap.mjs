@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node check_mcap.mjs NODE_MODULES FILE.mcap FOLDER: reads the file with the format's own libraries, decodes every message by its schema, and
 // compares it with trajectory.tum and map.ply of FOLDER where they are there. Prints what it found as JSON, with `failures`.
 import { closeSync, existsSync, openSync, readFileSync, readSync, statSync } from "node:fs";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node write_mcap.mjs NODE_MODULES FOLDER FILE.mcap: writes a folder of images (camera.yaml of a rectified pair, times.txt, groundtruth.txt) as a recording of ROS 2 with the format's own library: raw images, camera_info, and the true poses as PoseStamped.
 import { openSync, readdirSync, readFileSync, writeSync } from "node:fs";
 import { createRequire } from "node:module";

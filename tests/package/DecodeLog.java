@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 import java.util.TreeMap;
 import lcm.logging.Log;
 import lcm.spy.LCMTypeDatabase;

@@ -1,4 +1,5 @@
 #!/bin/sh
+# SPDX-License-Identifier: BSD-3-Clause
 # clean_root.sh PACKAGE.deb FOLDER: makes a minimal Debian 12 in FOLDER, has apt install the package there with what it asks for,
 # and runs a short world inside. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
 set -eu

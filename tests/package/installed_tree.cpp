@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/package/installed_tree.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node check_end.mjs CHROMEDRIVER CHROMIUM URL: opens the live page of a run, says "watching", and sees the run end, whenever that
 // is (live_test.mjs knows what it says afterwards). Exit code 1 where something is wrong.
 import { Browser } from "./browser.mjs";

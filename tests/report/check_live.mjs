@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node check_live.mjs CHROMEDRIVER CHROMIUM URL: opens the live page of a run that goes on, and watches it grow. Exit code 1
 // where something is wrong.
 import { Browser } from "./browser.mjs";

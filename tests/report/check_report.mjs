@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node check_report.mjs CHROMEDRIVER CHROMIUM REPORT.html [all|fluid] [SCREENSHOT.png [STEM]]: opens a report from the file system in
 // headless Chromium, uses its controls, and looks at what is on the screen; "fluid" only whether the map is drawn, and how
 // fast. Exit code 1 where something is wrong.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node check_use.mjs CHROMEDRIVER CHROMIUM REPORT.html: uses a report as hands do, with mouse and keys, and looks at what the page
 // then knows (no pictures, which take long here). Exit code 1 where something is wrong.
 import { resolve } from "node:path";

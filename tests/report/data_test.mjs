@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node --test data_test.mjs: how a page puts together what the viewer sends bit by bit.
 import assert from "node:assert/strict";
 import { test } from "node:test";

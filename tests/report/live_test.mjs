@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node --test live_test.mjs: what a live page says while its viewer answers, when the run ends, and when nobody answers any more.
 import assert from "node:assert/strict";
 import { test } from "node:test";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the checks ask a page of reports for.
 import { decodePng, eachPixel } from "./png.mjs";
 

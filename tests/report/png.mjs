@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pixels of a PNG as browsers write screenshots: 8 bits, RGB or RGBA, not interlaced.
 import { inflateSync } from "node:zlib";
 

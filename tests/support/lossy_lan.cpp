@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/support/lossy_lan.h"
 
 #include <fcntl.h>

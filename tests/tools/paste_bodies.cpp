@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Pastes a moving body with the right stereo geometry into a recorded sequence, and writes the rectified pair as a
 // KITTI folder.
 //

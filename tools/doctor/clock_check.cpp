@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/doctor/clock_check.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/colmap_model.h"
 
 #include <fmt/format.h>

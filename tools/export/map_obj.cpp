@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/map_obj.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/run_source.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/manual/help_page.h"
 
 #include <algorithm>

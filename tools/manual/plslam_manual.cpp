@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // plslam_manual FOLDER VERSION PROGRAM...: runs each program with --help, and each of its commands, and writes
 // FOLDER/man/man1/NAME.1 and its completion for bash, zsh and fish where Debian's shells look for it.
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/child_process.h"
 
 #include <fcntl.h>

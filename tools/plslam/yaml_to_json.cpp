@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/yaml_to_json.h"
 
 #include <yaml-cpp/yaml.h>

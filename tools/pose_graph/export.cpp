@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/pose_graph/export.h"
 
 #include <fmt/format.h>

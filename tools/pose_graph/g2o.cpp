@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/pose_graph/g2o.h"
 
 #include <fmt/format.h>

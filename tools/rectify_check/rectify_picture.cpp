@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/rectify_check/rectify_picture.h"
 
 #include <algorithm>

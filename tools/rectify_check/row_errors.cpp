@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/rectify_check/row_errors.h"
 
 #include <algorithm>

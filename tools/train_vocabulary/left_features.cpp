@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/train_vocabulary/left_features.h"
 
 #include <algorithm>

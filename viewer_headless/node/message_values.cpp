@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/node/message_values.h"
 
 #include "core/bus/messages/convert.h"

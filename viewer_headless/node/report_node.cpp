@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/node/report_node.h"
 
 #include <spdlog/spdlog.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // node build.mjs NODE_MODULES TEMPLATE: bundles this folder into one HTML file that needs nothing else.
 import { createRequire } from "node:module";
 import { mkdirSync, readFileSync, renameSync, writeFileSync } from "node:fs";

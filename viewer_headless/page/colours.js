@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Colours of data, apart from those of the page (style.css).
 
 function parse(hex) {

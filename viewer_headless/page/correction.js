@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A correction of the map by a loop: keyframes where they were before, on the way, and after.
 import { FatLine } from "./fat_line.js";
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The data of a run as the viewer writes it, decoded: columns become typed arrays. A live page adds what comes later.
 
 import { unpackObservers } from "./observers.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Elements of the page; text is always text.
 
 export const byId = (id) => document.getElementById(id);

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What of a map is worth looking at, and where an eye has to stand to see all of it. Plain numbers: [x, y, z, x, y, z, ...].
 import { quantiles } from "./format.js";
 

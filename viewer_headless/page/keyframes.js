@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Keyframes as frusta, and what connects them: covisibility, essential graph (with the spanning tree), loops.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Quaternion, Vector3 } from "three";
 import { themeColour } from "./colours.js";

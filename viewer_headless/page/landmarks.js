@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Points and segments of the map, each kind as one geometry. In the order they were first seen, so that a moment of the
 // run is a range to draw.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments, Points, ShaderMaterial } from "three";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Switches of what is drawn.
 import { byId, element } from "./element.js";
 

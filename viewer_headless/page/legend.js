@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What the colours of the points mean.
 import { byId, element } from "./element.js";
 import { cssGradient, scales } from "./colours.js";

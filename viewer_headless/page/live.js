@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Asks the viewer again and again for what is new, ever more slowly where that is much work, and at once when it says that the
 // run is over: it may be gone a moment later.
 

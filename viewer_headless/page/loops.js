@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The loops of the run, each with the pictures of its two keyframes.
 import { byId, element } from "./element.js";
 import { fixed, metres } from "./format.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The page of a run: puts the data in, and wires the parts to each other.
 import { embeddedData, Run } from "./data.js";
 import { byId, element } from "./element.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Who observes which landmark, unpacked from what the viewer writes (PackObservers in observers.h).
 
 /** {ids, starts, rows}: landmark i has id ids[i], and is observed by the keyframes in rows[starts[i]..starts[i + 1]]. */

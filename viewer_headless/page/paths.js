@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Paths of the camera: as it is at last, the true one, as published with each frame, by odometry alone.
 import { FatLine } from "./fat_line.js";
 

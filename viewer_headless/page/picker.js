@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What stands under the pointer: a keyframe, a point or a segment of the map that is drawn.
 import { Matrix4 } from "three";
 import { countUpTo } from "./data.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The frame of the moment with what was tracked in it, drawn sharp over the small picture: the left image, or the right one when
 // asked for.
 import { byId } from "./element.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // One plot: title, legend with values at the cursor, axes with units, a line at the moment of the replay.
 import uPlot from "uplot";
 import { element } from "./element.js";

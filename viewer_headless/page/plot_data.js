@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What each plot shows, out of the data of the run. A row is {key, spec, data}; a plot without data is none.
 import { series as colours } from "./colours.js";
 import { countUpTo } from "./data.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // All plots of the page: one cursor, one zoom, one moment of the replay. Plots over the time of the host take part by a clock.
 import { byId, element } from "./element.js";
 import { Plot } from "./plot.js";

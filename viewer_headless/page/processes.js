@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How each process is: state, what a frame takes it, what waits for it, how often it was started again.
 import { byId, element } from "./element.js";
 import { count, fixed, median } from "./format.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The slider of time, and playing.
 import { byId } from "./element.js";
 import { seconds } from "./format.js";

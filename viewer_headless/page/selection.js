@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A keyframe or landmark that was clicked: who observes it, as rays, and the keyframes that do; and what is known of it in words.
 import { BufferAttribute, BufferGeometry, LineBasicMaterial, LineSegments } from "three";
 import { themeColour } from "./colours.js";

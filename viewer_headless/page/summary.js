@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The head of the page: what the run was, in a line of numbers.
 import { byId, element } from "./element.js";
 import { count, fixed, median, metres, seconds } from "./format.js";

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Dark or light: as the system has it, or as chosen.
 import { byId } from "./element.js";
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Two clocks of a run: the time of the recording, and that of the host, by which processes say how they are.
 import { countUpTo } from "./data.js";
 

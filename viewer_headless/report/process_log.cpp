@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/report/process_log.h"
 
 #include <algorithm>

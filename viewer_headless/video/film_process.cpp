@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/video/film_process.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/video/run_video.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/map_link.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/motion_uncertainty.h"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/noise_scale.h"
 
 #include <algorithm>

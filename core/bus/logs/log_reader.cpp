@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/logs/log_reader.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/messages/loop_channel.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/calibrations/foreign_calibration.h"
 
 #include <fmt/format.h>

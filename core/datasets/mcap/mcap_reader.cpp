@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/mcap/mcap_reader.h"
 
 #include <fcntl.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/synthetic/world_builder.h"
 
 #include <algorithm>

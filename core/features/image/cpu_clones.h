@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 /// Function attributes that compile a hot INTEGER kernel several times and let the loader choose by processor. Never

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/features/matching/descriptor_matcher.h"
 
 #include <algorithm>

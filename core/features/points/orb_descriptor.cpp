@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/features/points/orb_descriptor.h"
 
 #include <algorithm>

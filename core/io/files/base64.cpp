@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/base64.h"
 
 #include <sodium.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/names_of_folder.h"
 
 namespace plslam {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/shared_file.h"
 
 #include <system_error>

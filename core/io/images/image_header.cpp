@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/images/image_header.h"
 
 #include <algorithm>

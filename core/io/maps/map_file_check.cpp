@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/maps/map_file_check.h"
 
 #include <fmt/format.h>

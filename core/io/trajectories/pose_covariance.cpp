@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/trajectories/pose_covariance.h"
 
 #include <fmt/format.h>

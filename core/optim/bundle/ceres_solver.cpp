@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/bundle/ceres_solver.h"
 
 #include <memory>

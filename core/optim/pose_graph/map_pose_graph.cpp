@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/pose_graph/map_pose_graph.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/bus.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <ctime>
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/calibration/board_pictures.h"
 
 #include <algorithm>

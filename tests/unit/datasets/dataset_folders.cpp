@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/datasets/dataset_folders.h"
 
 #include <fmt/format.h>

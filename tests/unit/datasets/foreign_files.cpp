@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/datasets/foreign_files.h"
 
 namespace plslam::test {

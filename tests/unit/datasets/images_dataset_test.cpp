@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/images_dataset.h"
 
 #include <gmock/gmock.h>

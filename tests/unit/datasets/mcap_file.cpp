@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/datasets/mcap_file.h"
 
 #include <lz4frame.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/doctor/heard_process.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/documents/document_world.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/clock_offset.h"
 
 #include <gtest/gtest.h>

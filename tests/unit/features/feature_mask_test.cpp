@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/features/feature_mask.h"
 
 #include <gtest/gtest.h>

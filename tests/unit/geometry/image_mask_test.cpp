@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/geometry/image_mask.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/files/folder_lock.h"
 
 #include <gmock/gmock.h>

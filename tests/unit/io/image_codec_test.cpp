@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Our decoders and encoders beside those of OpenCV's imgcodecs: the same pixels, and the same files.
 #include <gmock/gmock.h>
 

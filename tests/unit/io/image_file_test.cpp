@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/images/image_file.h"
 
 #include <fmt/format.h>

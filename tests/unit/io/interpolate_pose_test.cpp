@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/trajectories/interpolate_pose.h"
 
 #include <gtest/gtest.h>

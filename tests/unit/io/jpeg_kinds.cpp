@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/io/jpeg_kinds.h"
 
 #include <cmath>

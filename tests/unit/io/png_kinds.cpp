@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/io/png_kinds.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/node/monitor_node.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/lines/rendered_edges.h"
 
 #include <algorithm>

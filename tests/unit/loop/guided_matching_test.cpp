@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "loop_process/guided_matching.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "loop_process/map_path.h"
 
 #include <gtest/gtest.h>

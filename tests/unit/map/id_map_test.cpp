@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/id_map.h"
 
 #include <gmock/gmock.h>

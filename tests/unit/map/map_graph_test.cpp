@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/map/map_graph.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/map_file/stored_maps.h"
 
 #include <sodium.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/insertion/local_window.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/mapping/loop_world.h"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/optim/bundle_world.h"
 
 #include <algorithm>

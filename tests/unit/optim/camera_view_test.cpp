@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/bundle/camera_view.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/optim/dense_reference.h"
 
 #include <gtest/gtest.h>

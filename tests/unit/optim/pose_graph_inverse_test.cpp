@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/pose_graph/pose_graph_marginals.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/optim/pose_graph_world.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/bundle/relative_poses.h"
 
 #include <cmath>

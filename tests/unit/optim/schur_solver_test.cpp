@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/optim/bundle/schur_solver.h"
 
 #include <atomic>

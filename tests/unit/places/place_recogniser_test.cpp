@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/places/place_recogniser.h"
 
 #include <gmock/gmock.h>

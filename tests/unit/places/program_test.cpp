@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The programs train_vocabulary and `evaluate places`, on small built-in worlds.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The player against a stand-in for vo_process, both on real buses over loopback.
 #include "player/node/player_node.h"
 

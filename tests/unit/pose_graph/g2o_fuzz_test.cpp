@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mutates g2o files: they are refused with file and line, or what comes of solving them is finite.
 #include <cmath>
 #include <random>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The small ones of the public pose graphs; all of them stand in docs/lab/pose_graph.md.
 #include <gtest/gtest.h>
 

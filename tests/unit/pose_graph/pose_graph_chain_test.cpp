@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/pose_graph/pose_graph_chain.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/run/frame_tally.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "core/run/run_warnings.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/stereo/row_search.h"
 
 #include <algorithm>

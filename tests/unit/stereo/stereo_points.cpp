@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/stereo/stereo_points.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/structure/configuration_reference.h"
 
 #include "core/config/config.h"

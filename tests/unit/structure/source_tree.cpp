@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/structure/source_tree.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A wall clock that is stepped must change nothing: only steady clocks are looked at, but for the time stamps of
 // logs.
 #include <gtest/gtest.h>

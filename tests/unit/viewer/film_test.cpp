@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Films as files, which OpenCV's videoio reads back.
 #include <fmt/format.h>
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/overlay_queue.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What viewer_headless waits for, what it says where something is missing, and what comes twice.
 #include <gmock/gmock.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/corner_budget.h"
 
 #include <gtest/gtest.h>

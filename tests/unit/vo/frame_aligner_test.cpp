@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/frame_aligner.h"
 
 #include <gtest/gtest.h>

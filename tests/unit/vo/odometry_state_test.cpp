@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // An odometry made of the state of another goes on as that one, to the last bit.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/tracker_state.h"
 
 #include <gmock/gmock.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // vo_process against stand-ins for the others, on real buses over loopback.
 #include "vo_process/node/vo_node.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/compare/comparison_page.h"
 
 #include <fmt/format.h>

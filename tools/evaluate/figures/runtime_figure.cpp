@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/figures/runtime_figure.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/figures/top_view.h"
 
 #include <fmt/format.h>

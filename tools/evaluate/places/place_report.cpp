@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/places/place_report.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/evaluate/places/precision_recall.h"
 
 #include <algorithm>

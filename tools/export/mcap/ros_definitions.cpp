@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/mcap/ros_definitions.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/mcap/ros_messages.h"
 
 #include <algorithm>

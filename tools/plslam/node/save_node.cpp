@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/node/save_node.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/relay/tcpq_client.h"
 
 #include <algorithm>

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """live_plot.py [URL]: draws the path of the camera from above while a run goes on (needs matplotlib)."""
 
 import sys

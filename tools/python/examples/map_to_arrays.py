@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """map_to_arrays.py MAP.plmap OUT.npz: points, lines and path of a map as Open3D and others take them.
 
     data = numpy.load("OUT.npz")

@@ -1,4 +1,5 @@
 #!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
 """to_ros2.py [URL]: publishes the pose of the camera as /odom and /tf of ROS 2.
 
 Needs rclpy. NOT TESTED by the tests of this project, which runs where there is no ROS.

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Maps, runs, logs and live messages of plslam, with numpy alone.
 
     for message in plslam.listen():            # what the processes say, now

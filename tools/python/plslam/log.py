@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """LCM logs, as `plslam record`, `plslam run --record` and lcm-logger write them."""
 
 import os

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Map files (.plmap) as arrays. docs/map_files.md tells the format."""
 
 import hashlib

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """The folder of a run as arrays. docs/viewer.md tells what its files mean."""
 
 import csv

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 """Messages from the bus: datagrams of LCM, without LCM.
 
 Each message of plslam is one datagram: the magic number of LCM's short messages, a number, the name of the channel,

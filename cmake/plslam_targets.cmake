@@ -19,6 +19,9 @@ if(PLSLAM_SANITIZE)
     # What is undefined ends the program, and so fails the test. With -Og half as long to compile, and unit tests run as fast;
     # whole runs do not.
     add_compile_options(-fno-sanitize-recover=undefined)
+    # Null pointers and wrong types in memory are found by the address sanitizer, too, and x86 and ARM read what is not
+    # aligned: without these checks a build takes half as long.
+    add_compile_options(-fno-sanitize=null,alignment,object-size,vptr,nonnull-attribute,returns-nonnull-attribute)
     set(PLSLAM_SANITIZED_OPTIMISATION "-Og" CACHE STRING "Optimisation under the address and undefined behaviour sanitizers")
     set(CMAKE_CXX_FLAGS_RELWITHDEBINFO "${PLSLAM_SANITIZED_OPTIMISATION} -g1")
   endif()

@@ -2,8 +2,6 @@
 #include "loop_process/whole_map.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "core/optim/bundle/map_bundle.h"
@@ -11,7 +9,7 @@
 namespace plslam {
 namespace {
 
-using Places = std::map<int64_t, int>;
+using Places = IdMap<int>;
 
 // Observations of a landmark by keyframes that take part.
 template <class Landmark>
@@ -25,28 +23,37 @@ int CountObservations(const Landmark& landmark, const Places& poses) {
 // count.
 template <class Type>
 std::vector<int64_t> Choose(const Map& map, const Places& poses, int min_observations, int per_keyframe) {
-  std::map<int64_t, int> observations;
+  struct Candidate {
+    int observations = 0;
+    bool is_chosen = false;
+  };
+  IdMap<Candidate> candidates;
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
     const int count = CountObservations(landmark, poses);
-    if (count >= min_observations) observations[id] = count;
+    if (count >= min_observations) candidates[id].observations = count;
   }
-  std::set<int64_t> chosen;
+  std::vector<std::pair<int64_t, Candidate*>> seen;
   for (const auto& [keyframe_id, place] : poses) {
-    std::vector<int64_t> seen;
+    seen.clear();
     int taken = 0;
     for (const int64_t id : Type::Of(map, keyframe_id)) {
-      if (id < 0 || !observations.contains(id)) continue;
-      if (chosen.contains(id)) {
+      Candidate* candidate = id < 0 ? nullptr : candidates.Find(id);
+      if (candidate == nullptr) continue;
+      if (candidate->is_chosen) {
         ++taken;
       } else {
-        seen.push_back(id);
+        seen.emplace_back(id, candidate);
       }
     }
     std::stable_sort(seen.begin(), seen.end(),
-                     [&observations](int64_t a, int64_t b) { return observations.at(a) > observations.at(b); });
-    for (size_t i = 0; i < seen.size() && taken < per_keyframe; ++i, ++taken) chosen.insert(seen[i]);
+                     [](const auto& a, const auto& b) { return a.second->observations > b.second->observations; });
+    for (size_t i = 0; i < seen.size() && taken < per_keyframe; ++i, ++taken) seen[i].second->is_chosen = true;
   }
-  return {chosen.begin(), chosen.end()};
+  std::vector<int64_t> chosen;
+  for (const auto& [id, candidate] : candidates) {
+    if (candidate.is_chosen) chosen.push_back(id);
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -70,6 +77,44 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
                                  options.relative_sigma)
                        .problem;
   return problem;
+}
+
+void AdjustmentProgress::Add(const WholeMapProblem& problem, const std::vector<CorrectedPose>& poses) {
+  if (problem.map_source != map_source_) T_before_now_.clear();
+  map_source_ = problem.map_source;
+  for (size_t i = 0; i < poses.size(); ++i) {
+    SE3& T_before_now = T_before_now_[poses[i].keyframe_id];
+    T_before_now = T_before_now * (problem.bundle.poses[i].T_w_c.Inverse() * poses[i].T_w_kf);
+  }
+}
+
+void AdjustmentProgress::Apply(WholeMapProblem& problem) const {
+  if (problem.map_source != map_source_) return;
+  BundleProblem& bundle = problem.bundle;
+  std::vector<SE3> T_new_old(bundle.poses.size());  // of w
+  for (size_t i = 0; i < bundle.poses.size(); ++i) {
+    const auto found = T_before_now_.find(problem.keyframes[i].keyframe_id);
+    if (found == T_before_now_.end() || bundle.poses[i].fixed) continue;
+    const SE3 T_w_kf = bundle.poses[i].T_w_c;
+    bundle.poses[i].T_w_c = T_w_kf * found->second;
+    T_new_old[i] = bundle.poses[i].T_w_c * T_w_kf.Inverse();
+  }
+  std::vector<bool> moved_points(bundle.points.size());
+  for (const PointObservation& observation : bundle.point_observations) {
+    const auto point = static_cast<size_t>(observation.point);
+    if (moved_points[point]) continue;
+    moved_points[point] = true;
+    bundle.points[point].p_w = T_new_old[static_cast<size_t>(observation.pose)] * bundle.points[point].p_w;
+  }
+  std::vector<bool> moved_lines(bundle.lines.size());
+  for (const LineObservation& observation : bundle.line_observations) {
+    const auto line = static_cast<size_t>(observation.line);
+    if (moved_lines[line]) continue;
+    moved_lines[line] = true;
+    Segment3& segment_w = bundle.lines[line].segment_w;
+    const SE3& T = T_new_old[static_cast<size_t>(observation.pose)];
+    segment_w = {T * segment_w.p, T * segment_w.q};
+  }
 }
 
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,

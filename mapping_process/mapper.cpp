@@ -225,18 +225,15 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
   }
   *reason = WhyNotOfMap(closure, {next_keyframe_id_, landmark_ids_, version_, structural_version_}, map_);
   if (!reason->empty()) return false;
-  MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);
+  const LandmarksNamed worse = MoveKeyframes(PosesAfter(closure.poses, map_), features_, camera_, map_);
   if (closure.kind == LoopClosure::Kind::kLoop) {
     CloseLoop(closure);
   } else {
-    const MapBundle window = MakeLandmarkWindow(map_, features_, camera_);
+    const MapBundle window = MakeLandmarkWindow(worse, map_, features_, camera_);
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   // Composed along the way, covariances would not know what the loop has made certain.
-  if (map_.loops().empty()) return true;
-  for (const auto& [id, covariance] : CovariancesAround(map_.loops().back().keyframe_id, map_)) {
-    map_.SetPose(id, map_.FindKeyframe(id)->T_w_kf, covariance);
-  }
+  if (!map_.loops().empty()) map_.SetCovariances(CovariancesAround(map_.loops().back().keyframe_id, map_));
   return true;
 }
 

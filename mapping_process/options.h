@@ -103,9 +103,10 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("localise_only", o.localise_only, "the map stays as it is: keyframes do not enter it");
   visit("state_file", o.state_file,
         "kept up to date, and read when the process is started again after a crash; empty: none");
-  visit("state_every", o.state_every, Bounds{1, 1000000},
-        "keyframes after which it is written; also before each new session, and before another tracker goes on with "
-        "one");
+  visit(
+      "state_every", o.state_every, Bounds{1, 1000000},
+      "keyframes after which it is written, in a large map an eighth of its keyframes; also before each new session, "
+      "and before another tracker goes on with one");
 }
 
 }  // namespace plslam

@@ -7,6 +7,8 @@
 #include <Eigen/Core>
 
 #include "core/features/features.h"
+#include "core/geometry/rotate_covariance.h"
+#include "core/geometry/se3.h"
 #include "core/geometry/segment.h"
 
 namespace plslam {
@@ -18,6 +20,12 @@ struct Observation {
 
   bool operator==(const Observation&) const = default;
 };
+
+/// The keyframe that a landmark goes with when a correction moves keyframes: the middle one of those that see it, which
+/// is nearest to them all; -1 where none does.
+inline int64_t AnchorOf(const std::vector<Observation>& observations) {
+  return observations.empty() ? -1 : observations[observations.size() / 2].keyframe_id;
+}
 
 /// A point of the map. Sibling of `MapLine`.
 struct MapPoint {
@@ -49,5 +57,23 @@ struct MapLine {
   Descriptor descriptor{};
   std::vector<Observation> observations;
 };
+
+/// Some of both feature types, ascending.
+struct LandmarksNamed {
+  std::vector<int64_t> points;
+  std::vector<int64_t> lines;
+};
+
+/// T_new_old is of w. Covariances turn along.
+inline void MoveRigidly(const SE3& T_new_old, MapPoint& point) {
+  point.p_w = T_new_old * point.p_w;
+  point.covariance = RotateCovariance(T_new_old.R(), point.covariance);
+}
+inline void MoveRigidly(const SE3& T_new_old, MapLine& line) {
+  const Eigen::Matrix3d R = T_new_old.R();
+  line.segment_w = {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q};
+  line.covariance_p = RotateCovariance(R, line.covariance_p);
+  line.covariance_q = RotateCovariance(R, line.covariance_q);
+}
 
 }  // namespace plslam

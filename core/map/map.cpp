@@ -2,7 +2,9 @@
 #include "core/map/map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,20 +41,55 @@ void ForEachBeside(const std::vector<Observation>& a, const std::vector<Observat
   }
 }
 
+std::vector<int64_t> SortedOnce(std::vector<int64_t> ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+bool Has(const std::vector<int64_t>& ascending, int64_t id) {
+  return std::binary_search(ascending.begin(), ascending.end(), id);
+}
+
+/// A quaternion and its negative are one rotation; messages know one of them only.
+bool IsSame(const SE3& a, const SE3& b) {
+  const Eigen::Vector4d p = a.rotation().coeffs();
+  const Eigen::Vector4d q = b.rotation().coeffs();
+  return a.translation() == b.translation() && (p == q || p == -q);
+}
+
+/// As messages carry it: the upper triangle in single precision. Values beyond its range stay finite.
+Eigen::Matrix3d InSinglePrecision(const Eigen::Matrix3d& covariance) {
+  constexpr double kMax = std::numeric_limits<float>::max();
+  Eigen::Matrix3d rounded;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = row; column < 3; ++column) {
+      const double value = covariance(row, column);
+      const double kept = std::isfinite(value) ? std::clamp(value, -kMax, kMax) : value;
+      rounded(row, column) = rounded(column, row) = static_cast<double>(static_cast<float>(kept));
+    }
+  }
+  return rounded;
+}
+
+void RoundCovariances(MapPoint& point) { point.covariance = InSinglePrecision(point.covariance); }
+void RoundCovariances(MapLine& line) {
+  line.covariance_p = InSinglePrecision(line.covariance_p);
+  line.covariance_q = InSinglePrecision(line.covariance_q);
+}
+
 /// Of what was touched, what is among `values` has changed, and the rest is gone.
 template <class Value>
 void Tell(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
           std::vector<int64_t>& removed) {
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  for (const int64_t id : touched) (values.contains(id) ? changed : removed).push_back(id);
+  for (const int64_t id : SortedOnce(std::move(touched))) (values.contains(id) ? changed : removed).push_back(id);
 }
 
 }  // namespace
 
 bool MapChanges::empty() const {
-  return keyframes.empty() && removed_keyframes.empty() && points.empty() && removed_points.empty() &&
-         lines.empty() && removed_lines.empty() && loops.empty();
+  return moved_keyframes.empty() && keyframes.empty() && removed_keyframes.empty() && points.empty() &&
+         removed_points.empty() && lines.empty() && removed_lines.empty() && loops.empty();
 }
 
 const MapKeyframe* Map::FindKeyframe(int64_t id) const { return keyframes_.Find(id); }
@@ -125,6 +162,7 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   Landmark& stored = kind.landmarks[landmark.id];
   if (stored.observations == landmark.observations) {
     stored = landmark;
+    RoundCovariances(stored);
     return;
   }
   for (const Observation& observation : landmark.observations) {
@@ -140,6 +178,7 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   }
   const std::vector<Observation> old = std::exchange(stored.observations, {});
   stored = landmark;
+  RoundCovariances(stored);
   FollowObservations(old, stored, kind);
 }
 
@@ -223,6 +262,7 @@ void Map::SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen:
   MapPoint& point = points_.at(point_id);
   point.p_w = p_w;
   point.covariance = covariance;
+  RoundCovariances(point);
   touched_.points.push_back(point_id);
 }
 
@@ -232,7 +272,48 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
   line.segment_w = segment_w;
   line.covariance_p = covariance_p;
   line.covariance_q = covariance_q;
+  RoundCovariances(line);
   touched_.lines.push_back(line_id);
+}
+
+template <class Landmark>
+void Map::MoveLandmarks(const Moves& moves, Kind<Landmark> kind) {
+  const std::vector<int64_t> changed_before = SortedOnce(kind.touched);
+  for (const auto& [id, unmoved] : kind.landmarks) {
+    const int64_t anchor = AnchorOf(unmoved.observations);
+    const auto move = moves.T_new_old.find(anchor);
+    if (move == moves.T_new_old.end()) continue;
+    Landmark& landmark = kind.landmarks.at(id);
+    MoveRigidly(move->second, landmark);
+    RoundCovariances(landmark);
+    if (moves.retold.contains(anchor) || Has(changed_before, id)) kind.touched.push_back(id);
+  }
+}
+
+void Map::Move(const std::map<int64_t, SE3>& T_w_kf) {
+  const std::vector<int64_t> changed_before = SortedOnce(touched_.keyframes);
+  Moves moves;
+  for (const auto& [id, pose] : T_w_kf) {
+    MapKeyframe* keyframe = keyframes_.Find(id);
+    if (keyframe == nullptr || IsSame(pose, keyframe->T_w_kf)) continue;
+    moves.T_new_old[id] = pose * keyframe->T_w_kf.Inverse();
+    keyframe->T_w_kf = pose;
+    if (!Has(changed_before, id) && moved_.try_emplace(id, pose).second) continue;
+    moves.retold.insert(id);
+    touched_.keyframes.push_back(id);
+  }
+  if (moves.T_new_old.empty()) return;
+  MoveLandmarks(moves, Points());
+  MoveLandmarks(moves, Lines());
+}
+
+void Map::SetCovariances(const std::map<int64_t, Matrix6d>& covariances) {
+  const std::vector<int64_t> changed_before = SortedOnce(touched_.keyframes);
+  for (const auto& [id, covariance] : covariances) {
+    MapKeyframe& keyframe = keyframes_.at(id);
+    keyframe.covariance = covariance;
+    if (!Has(changed_before, id)) moved_.try_emplace(id, keyframe.T_w_kf);
+  }
 }
 
 /// Counts a landmark that has these observations for the pairs of keyframes of which one is not among those of
@@ -279,6 +360,10 @@ std::vector<int64_t> Map::Children(int64_t keyframe_id) const {
 
 MapChanges Map::TakeChanges() {
   MapChanges changes;
+  for (const auto& [id, T_w_kf] : moved_) {
+    const MapKeyframe* keyframe = FindKeyframe(id);
+    changes.moved_keyframes.push_back({id, T_w_kf, keyframe == nullptr ? Matrix6d::Zero() : keyframe->covariance});
+  }
   Tell(std::move(touched_.keyframes), keyframes_, changes.keyframes, changes.removed_keyframes);
   Tell(std::move(touched_.points), points_, changes.points, changes.removed_points);
   Tell(std::move(touched_.lines), lines_, changes.lines, changes.removed_lines);
@@ -288,6 +373,7 @@ MapChanges Map::TakeChanges() {
 }
 
 void Map::ForgetChanges() {
+  moved_.clear();
   touched_.keyframes.clear();
   touched_.points.clear();
   touched_.lines.clear();

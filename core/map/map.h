@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <set>
 #include <utility>
 #include <vector>
@@ -50,9 +51,18 @@ class SharedCounts {
   std::vector<Count> counts_;
 };
 
+/// A keyframe that a correction has moved, and its landmarks with it (`Map::Move`).
+struct MovedKeyframe {
+  int64_t id = -1;
+  SE3 T_w_kf;
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
 /// Names of what has changed since the last `Map::TakeChanges`, ascending; what was removed stands only among the
-/// removed.
+/// removed. Landmarks that have only gone with a moved keyframe are not named.
 struct MapChanges {
+  /// Applied before all else.
+  std::vector<MovedKeyframe> moved_keyframes;
   std::vector<int64_t> keyframes, removed_keyframes;
   std::vector<int64_t> points, removed_points;
   std::vector<int64_t> lines, removed_lines;
@@ -78,7 +88,8 @@ struct MapTotals {
 /// landmarks, so whoever has the same keyframes and landmarks has the same graphs.
 ///
 /// Observations of keyframes that are not in the map are ignored. Observations that do not ascend, or of negative
-/// features, are std::invalid_argument.
+/// features, are std::invalid_argument. Covariances of landmarks are kept in single precision, as messages carry them:
+/// so a copy that has followed all updates and one that came whole are the same, bit for bit.
 class Map {
  public:
   /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
@@ -131,6 +142,13 @@ class Map {
   void SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Matrix3d& covariance_p,
                   const Eigen::Matrix3d& covariance_q);
 
+  /// A correction: moves keyframes, and each landmark rigidly with its anchor (`AnchorOf`), covariances turned along.
+  /// What has not been changed otherwise since the last `TakeChanges` counts as moved, so that a correction of a large
+  /// map is told by the poses alone. Keyframes that are not in the map, or are there already, are passed over.
+  void Move(const std::map<int64_t, SE3>& T_w_kf);
+  /// Covariances alone.
+  void SetCovariances(const std::map<int64_t, Matrix6d>& covariances);
+
   const FeatureLandmarks& LandmarksOf(int64_t keyframe_id) const;
   int Shared(int64_t a, int64_t b) const;
   /// Keyframes that share at least `min_shared` landmarks (>= 1) with this one: most shared first, then by id.
@@ -155,6 +173,11 @@ class Map {
   struct Touched {
     std::vector<int64_t> keyframes, points, lines;
   };
+  /// What `Move` works with: how the moved keyframes went, and of which of them it cannot be told by their move alone.
+  struct Moves {
+    std::map<int64_t, SE3> T_new_old;  // of w
+    std::set<int64_t> retold;
+  };
   Kind<MapPoint> Points();
   Kind<MapLine> Lines();
 
@@ -169,6 +192,8 @@ class Map {
   template <class Landmark>
   void DropObservationsOf(int64_t keyframe_id, Kind<Landmark> kind);
   void CountShared(const std::vector<Observation>& observations, const std::vector<Observation>& others, int sign);
+  template <class Landmark>
+  void MoveLandmarks(const Moves& moves, Kind<Landmark> kind);
 
   IdMap<MapKeyframe> keyframes_;
   IdMap<MapPoint> points_;
@@ -181,6 +206,8 @@ class Map {
   std::vector<LoopEdge> loops_;
   size_t n_loops_told_ = 0;
   Touched touched_;
+  /// Where keyframes were moved to that nothing else had changed by then.
+  std::map<int64_t, SE3> moved_;
 };
 
 }  // namespace plslam

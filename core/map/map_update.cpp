@@ -20,6 +20,7 @@ void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
 
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
   MapUpdate update;
+  update.moved_keyframes = changes.moved_keyframes;
   update.totals = map.Totals();
   Copy(map.keyframes(), changes.keyframes, update.keyframes);
   Copy(map.points(), changes.points, update.points);
@@ -62,10 +63,23 @@ MapVersion::Step MapVersion::Advance(const MapUpdate& update) {
   return Step::kNext;
 }
 
+void MapReplica::Move(const std::vector<MovedKeyframe>& keyframes) {
+  std::map<int64_t, SE3> poses;
+  std::map<int64_t, Matrix6d> covariances;
+  for (const MovedKeyframe& keyframe : keyframes) {
+    if (map_.FindKeyframe(keyframe.id) == nullptr) continue;
+    poses[keyframe.id] = keyframe.T_w_kf;
+    covariances[keyframe.id] = keyframe.covariance;
+  }
+  map_.Move(poses);
+  map_.SetCovariances(covariances);
+}
+
 MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
   const MapVersion::Step step = version_.Advance(update);
   if (step != MapVersion::Step::kNext) return step;
   if (update.base_version == 0) map_.Clear();
+  Move(update.moved_keyframes);
   // What is removed first: keyframes that go hand their children on, and the update knows to whom.
   for (const int64_t id : update.removed_points) map_.RemovePoint(id);
   for (const int64_t id : update.removed_lines) map_.RemoveLine(id);

@@ -26,7 +26,7 @@ struct AdjustmentFigures {
 };
 
 /// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
-/// changed come whole.
+/// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
 struct MapUpdate {
   int64_t source = 0;  ///< publisher: the start of mapping_process whose map it is; set by the receiver
   int64_t version = 0;
@@ -38,6 +38,8 @@ struct MapUpdate {
   int64_t t_ns = 0;
   /// loop_process has said all it has to say about that keyframe, and it is in the map; or there is no loop_process.
   bool committed = false;
+  /// Applied to the map of the base version, before all else (`Map::Move`).
+  std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;
   std::vector<int64_t> removed_keyframes;
   std::vector<MapPoint> points;
@@ -101,6 +103,8 @@ class MapReplica {
   int64_t version() const { return version_.number(); }
 
  private:
+  void Move(const std::vector<MovedKeyframe>& keyframes);
+
   Map map_;
   MapVersion version_;
 };

@@ -147,6 +147,7 @@ void LoopNode::Count(const LoopClosure& closure) {
 }
 
 void LoopNode::AdjustUntilStopped() {
+  AdjustmentProgress progress;
   for (;;) {
     std::optional<WholeMapProblem> problem;
     int64_t n_dropped = 0;
@@ -158,6 +159,7 @@ void LoopNode::AdjustUntilStopped() {
       stop_adjustment_ = false;
       n_dropped = n_dropped_;
     }
+    progress.Apply(*problem);
     const double began_ms = bus::NowMs();
     std::string failure;
     LoopClosure closure = AdjustWholeMap(*problem, options_.adjustment, &stop_adjustment_, &failure);
@@ -166,8 +168,12 @@ void LoopNode::AdjustUntilStopped() {
     {
       const std::lock_guard lock(mutex_);
       if (stopping_) return;
-      if (adjustment_ || n_dropped_ != n_dropped) continue;  // out of date
+      if (adjustment_ || n_dropped_ != n_dropped) {  // out of date
+        progress.Add(*problem, closure.poses);
+        continue;
+      }
     }
+    progress = {};
     publisher_.Publish(closure);
   }
 }

@@ -27,7 +27,7 @@ class status_t;
 /// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
 ///
 /// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that judging
-/// goes on. A loop found meanwhile ends that adjustment: another follows. Work waits for the camera.
+/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for the camera.
 class LoopNode {
  public:
   LoopNode(bus::Process& process, const LoopOptions& options);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/geometry/rotate_covariance.h"
 #include "mapping_process/insertion/observations.h"
 
 namespace plslam {
@@ -12,15 +11,20 @@ namespace {
 
 // Keyframes of those that see a landmark with which it is tried to move; they are spread over its life.
 constexpr size_t kTried = 4;
+// Growth of a landmark's error, in squared standard deviations over all its observations, that is nothing beside the
+// noise which the error is made of.
+constexpr double kUnnoticed = 1.0;
 
 using Poses = std::map<int64_t, SE3>;
 
-// What a correction does to a keyframe.
+// A keyframe before and after a correction.
 struct Moved {
   SE3 T_new_old;  // of w
+  SE3 T_kf_old_w;
   SE3 T_kf_w;
   bool moves = false;
 };
+using Moves = IdMap<Moved>;
 
 int64_t CarrierOf(const MapKeyframe& keyframe, const Poses& named, const Poses& poses) {
   for (const Poses* found : {&named, &poses}) {
@@ -31,37 +35,33 @@ int64_t CarrierOf(const MapKeyframe& keyframe, const Poses& named, const Poses& 
   return -1;
 }
 
-bool IsSame(const SE3& a, const SE3& b) {
-  return a.translation() == b.translation() && a.rotation().coeffs() == b.rotation().coeffs();
-}
-
-std::map<int64_t, Moved> MovesOf(const Poses& poses, const Map& map) {
-  std::map<int64_t, Moved> moves;
+Moves MovesOf(const Poses& poses, const Map& map) {
+  Moves moves;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const auto pose = poses.find(id);
-    if (pose == poses.end() || IsSame(pose->second, keyframe.T_w_kf)) {
-      moves[id] = {SE3(), keyframe.T_w_kf.Inverse(), false};
+    const SE3 T_kf_w = keyframe.T_w_kf.Inverse();
+    if (pose == poses.end()) {
+      moves[id] = {SE3(), T_kf_w, T_kf_w, false};
     } else {
-      moves[id] = {pose->second * keyframe.T_w_kf.Inverse(), pose->second.Inverse(), true};
+      moves[id] = {pose->second * T_kf_w, T_kf_w, pose->second.Inverse(), true};
     }
   }
   return moves;
 }
 
-MapPoint MovedBy(const SE3& T_new_old, const MapPoint& point) {
-  MapPoint moved;
-  moved.p_w = T_new_old * point.p_w;
-  moved.covariance = RotateCovariance(T_new_old.R(), point.covariance);
-  return moved;
+MapPoint PlaceOf(const MapPoint& point) {
+  MapPoint place;
+  place.p_w = point.p_w;
+  place.covariance = point.covariance;
+  return place;
 }
 
-MapLine MovedBy(const SE3& T_new_old, const MapLine& line) {
-  const Eigen::Matrix3d R = T_new_old.R();
-  MapLine moved;
-  moved.segment_w = {T_new_old * line.segment_w.p, T_new_old * line.segment_w.q};
-  moved.covariance_p = RotateCovariance(R, line.covariance_p);
-  moved.covariance_q = RotateCovariance(R, line.covariance_q);
-  return moved;
+MapLine PlaceOf(const MapLine& line) {
+  MapLine place;
+  place.segment_w = line.segment_w;
+  place.covariance_p = line.covariance_p;
+  place.covariance_q = line.covariance_q;
+  return place;
 }
 
 void Place(int64_t id, const MapPoint& place, Map& map) { map.SetPosition(id, place.p_w, place.covariance); }
@@ -69,58 +69,93 @@ void Place(int64_t id, const MapLine& place, Map& map) {
   map.SetSegment(id, place.segment_w, place.covariance_p, place.covariance_q);
 }
 
-template <class Type>
-double ErrorAt(const typename Type::Landmark& place, const std::vector<Observation>& observations,
-               const std::vector<const Moved*>& moves, const KeyframeFeatures& features, const StereoCamera& camera) {
-  double sum = 0.0;
-  for (size_t i = 0; i < observations.size(); ++i) {
-    const auto& seen =
-        Type::Features(features.at(observations[i].keyframe_id))[static_cast<size_t>(observations[i].feature)];
-    sum += ObservationError(place, seen, moves[i]->T_kf_w, camera);
-  }
-  return sum;
-}
-
-// Of the observations, the keyframe to move with; the newest of equals.
-template <class Type>
-const Moved& BestMove(const typename Type::Landmark& landmark, const std::vector<const Moved*>& moves,
-                      const KeyframeFeatures& features, const StereoCamera& camera) {
-  const size_t n = moves.size();
-  if (n == 1) return *moves.front();
-  const size_t tried = std::min(n, kTried);
-  const Moved* best = nullptr;
-  double least = 0.0;
-  for (size_t i = 0; i < tried; ++i) {
-    const Moved* candidate = moves[i * (n - 1) / (tried - 1)];
-    const double error =
-        ErrorAt<Type>(MovedBy(candidate->T_new_old, landmark), landmark.observations, moves, features, camera);
-    if (best != nullptr && error > least) continue;
-    best = candidate;
-    least = error;
-  }
-  return *best;
-}
-
-template <class Type>
-void MoveLandmarks(const std::map<int64_t, Moved>& moves, const KeyframeFeatures& features,
-                   const StereoCamera& camera, Map& map) {
-  std::vector<std::pair<int64_t, int64_t>> impossible;
+// How the keyframes that see a landmark move.
+std::vector<const Moved*> MovesOfObservations(const std::vector<Observation>& observations, const Moves& moves) {
   std::vector<const Moved*> of_observations;
-  for (const auto& [id, landmark] : Type::Landmarks(map)) {
-    of_observations.clear();
-    for (const Observation& observation : landmark.observations)
-      of_observations.push_back(&moves.at(observation.keyframe_id));
-    if (std::none_of(of_observations.begin(), of_observations.end(), [](const Moved* move) { return move->moves; }))
-      continue;
-    const Moved& best = BestMove<Type>(landmark, of_observations, features, camera);
-    if (best.moves) Place(id, MovedBy(best.T_new_old, landmark), map);
-    for (size_t i = 0; i < of_observations.size(); ++i) {
-      if (IsBehind(landmark, of_observations[i]->T_kf_w, camera))
-        impossible.emplace_back(id, landmark.observations[i].keyframe_id);
+  of_observations.reserve(observations.size());
+  for (const Observation& observation : observations) of_observations.push_back(&moves.at(observation.keyframe_id));
+  return of_observations;
+}
+
+// The landmarks of one feature type in a correction.
+template <class Type>
+class Corrected {
+ public:
+  Corrected(const Moves& moves, const KeyframeFeatures& features, const StereoCamera& camera, Map& map)
+      : moves_(moves), features_(features), camera_(camera), map_(map) {
+    for (const auto& [id, landmark] : Type::Landmarks(map)) {
+      // What only one keyframe sees goes with it, and nothing changes.
+      if (landmark.observations.size() < 2) continue;
+      const auto of_observations = MovesOfObservations(landmark.observations, moves);
+      const auto moved = [](const Moved* move) { return move->moves; };
+      if (std::none_of(of_observations.begin(), of_observations.end(), moved)) continue;
+      before_.push_back(
+          {id, PlaceOf(landmark), ErrorAt(landmark, landmark.observations, of_observations, &Moved::T_kf_old_w)});
     }
   }
-  for (const auto& [id, keyframe_id] : impossible) DropObservation<Type>(id, keyframe_id, features, map);
-}
+
+  // After the map has been moved: what is seen worse than before goes where it is seen best. Returns which.
+  std::vector<int64_t> PlaceWhatIsSeenWorse() {
+    std::vector<int64_t> worse;
+    std::vector<std::pair<int64_t, int64_t>> impossible;
+    for (const auto& [id, place, error] : before_) {
+      const Landmark& landmark = *Type::Find(map_, id);
+      const auto of_observations = MovesOfObservations(landmark.observations, moves_);
+      if (ErrorAt(landmark, landmark.observations, of_observations, &Moved::T_kf_w) > error + kUnnoticed) {
+        worse.push_back(id);
+        Place(id, BestPlace(landmark, place, of_observations), map_);
+      }
+      for (size_t i = 0; i < of_observations.size(); ++i) {
+        if (IsBehind(landmark, of_observations[i]->T_kf_w, camera_))
+          impossible.emplace_back(id, landmark.observations[i].keyframe_id);
+      }
+    }
+    for (const auto& [id, keyframe_id] : impossible) DropObservation<Type>(id, keyframe_id, features_, map_);
+    std::erase_if(worse, [this](int64_t id) { return Type::Find(map_, id) == nullptr; });
+    return worse;
+  }
+
+ private:
+  using Landmark = typename Type::Landmark;
+  struct Before {
+    int64_t id = -1;
+    Landmark place;
+    double error = 0.0;
+  };
+
+  double ErrorAt(const Landmark& place, const std::vector<Observation>& observations,
+                 const std::vector<const Moved*>& moves, SE3 Moved::*T_kf_w) const {
+    double sum = 0.0;
+    for (size_t i = 0; i < observations.size(); ++i) {
+      const auto& seen =
+          Type::Features(features_.at(observations[i].keyframe_id))[static_cast<size_t>(observations[i].feature)];
+      sum += ObservationError(place, seen, moves[i]->*T_kf_w, camera_);
+    }
+    return sum;
+  }
+
+  // Where it is, or where one of those that see it would have taken it; the newest of equals.
+  Landmark BestPlace(const Landmark& now, const Landmark& before, const std::vector<const Moved*>& moves) const {
+    const size_t tried = std::min(moves.size(), kTried);
+    Landmark best = now;
+    double least = ErrorAt(now, now.observations, moves, &Moved::T_kf_w);
+    for (size_t i = 0; i < tried; ++i) {
+      Landmark place = before;
+      MoveRigidly(moves[i * (moves.size() - 1) / (tried - 1)]->T_new_old, place);
+      const double error = ErrorAt(place, now.observations, moves, &Moved::T_kf_w);
+      if (error > least) continue;
+      best = place;
+      least = error;
+    }
+    return best;
+  }
+
+  const Moves& moves_;
+  const KeyframeFeatures& features_;
+  const StereoCamera& camera_;
+  Map& map_;
+  std::vector<Before> before_;
+};
 
 }  // namespace
 
@@ -141,14 +176,13 @@ std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, c
   return poses;
 }
 
-void MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features, const StereoCamera& camera,
-                   Map& map) {
-  const std::map<int64_t, Moved> moves = MovesOf(poses, map);
-  for (const auto& [id, move] : moves) {
-    if (move.moves) map.SetPose(id, poses.at(id), map.FindKeyframe(id)->covariance);
-  }
-  MoveLandmarks<PointType>(moves, features, camera, map);
-  MoveLandmarks<LineType>(moves, features, camera, map);
+LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
+                             const StereoCamera& camera, Map& map) {
+  const Moves moves = MovesOf(poses, map);
+  Corrected<PointType> points(moves, features, camera, map);
+  Corrected<LineType> lines(moves, features, camera, map);
+  map.Move(poses);
+  return {points.PlaceWhatIsSeenWorse(), lines.PlaceWhatIsSeenWorse()};
 }
 
 }  // namespace plslam

@@ -16,10 +16,12 @@ namespace plslam {
 /// tree or, where only that one is named, to the keyframe before; and so on from keyframe to keyframe.
 std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, const Map& map);
 
-/// Moves keyframes, and each landmark rigidly with one of those that see it, its covariances turned along: with the
-/// one that leaves it where all of them see it best. So landmarks that keyframes of both sides of a loop see go with
-/// the side that knows them better. Observations that have become impossible (behind the camera) are dropped.
-void MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features, const StereoCamera& camera,
-                   Map& map);
+/// Moves keyframes, and each landmark with its anchor (`Map::Move`). A landmark that the keyframes which see it then
+/// see worse than before, because they have moved differently, goes with the one that leaves it where all of them see
+/// it best: so landmarks that keyframes of both sides of a loop see go with the side that knows them better.
+/// Observations that have become impossible (behind the camera) are dropped. Returns the landmarks that were seen
+/// worse than before.
+LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
+                             const StereoCamera& camera, Map& map);
 
 }  // namespace plslam

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -155,19 +156,17 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
                        options.relative_sigma);
 }
 
-MapBundle MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera) {
-  std::vector<int64_t> keyframes;
-  std::vector<int64_t> points;
-  std::vector<int64_t> lines;
-  for (const auto& [id, keyframe] : map.keyframes()) keyframes.push_back(id);
-  for (const auto& [id, point] : map.points()) {
-    if (point.observations.size() >= 2) points.push_back(id);
-  }
-  for (const auto& [id, line] : map.lines()) {
-    if (line.observations.size() >= 2) lines.push_back(id);
-  }
+MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, const KeyframeFeatures& features,
+                             const StereoCamera& camera) {
+  std::set<int64_t> seeing;
+  const auto see = [&seeing](const std::vector<Observation>& observations) {
+    for (const Observation& observation : observations) seeing.insert(observation.keyframe_id);
+  };
+  for (const int64_t id : landmarks.points) see(map.FindPoint(id)->observations);
+  for (const int64_t id : landmarks.lines) see(map.FindLine(id)->observations);
+  std::vector<int64_t> keyframes(seeing.begin(), seeing.end());
   const std::vector<bool> held(keyframes.size(), true);
-  return MakeMapBundle(map, features, camera, std::move(keyframes), held, std::move(points), std::move(lines), 0.0);
+  return MakeMapBundle(map, features, camera, std::move(keyframes), held, landmarks.points, landmarks.lines, 0.0);
 }
 
 AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& result,

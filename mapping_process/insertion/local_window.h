@@ -17,9 +17,10 @@ namespace plslam {
 MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
                           const StereoCamera& camera, const WindowOptions& options);
 
-/// All landmarks that at least two keyframes see, and all keyframes, held fixed: poses are known better than the
-/// places of the landmarks (after an adjustment of the whole map that somebody else has made).
-MapBundle MakeLandmarkWindow(const Map& map, const KeyframeFeatures& features, const StereoCamera& camera);
+/// These landmarks of the map, and the keyframes that see them, held fixed: poses are known better than the places of the
+/// landmarks (after an adjustment of the whole map that somebody else has made).
+MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, const KeyframeFeatures& features,
+                             const StereoCamera& camera);
 
 /// Takes the result over into the map: poses, landmarks (those that were not adjusted move with the newest keyframe
 /// that sees them), and observations that turned out wrong are dropped. Nothing where the adjustment failed.

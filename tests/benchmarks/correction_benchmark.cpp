@@ -5,6 +5,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include "core/bus/messages/map_pages.h"
 #include "mapping_process/corrections/correction.h"
 #include "tests/unit/mapping/loop_world.h"
 
@@ -55,6 +56,9 @@ void Correct(benchmark::State& state, const LoopClosure& closure) {
     state.ResumeTiming();
     if (!mapper.Correct(closure, &reason)) state.SkipWithError(reason.c_str());
     state.PauseTiming();
+    double bytes = 0.0;
+    for (const map_update_t& page : bus::CutIntoPages(mapper.TakeUpdate(), 60'000)) bytes += page.getEncodedSize();
+    state.counters["update_kB"] = 1e-3 * bytes;
     state.counters["error_m"] = test::PositionError_m(mapper.map(), MapOnce().walk.T_w_c);
     const std::vector<double> errors_m = test::PointErrors_m(mapper.map(), MapOnce().world);
     state.counters["point_error_m"] = errors_m[errors_m.size() / 2];

@@ -94,7 +94,7 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
 #endif
   const bool is_long = test::LongTests();
   // Forth and back, 99 frames each way.
-  const int loops = is_long ? 101 : 25;
+  const int loops = is_long ? 101 : 13;
   const int frames = 1 + 2 * 99 * loops;
   WholeRun run;
   // A small bound of the history, so that it is reached in the first half: what is older lies on disk.

@@ -51,6 +51,9 @@ void CorrectionLog::KeepLargest() {
 }
 
 void CorrectionLog::Follow(const MapUpdate& update) {
+  for (const MovedKeyframe& keyframe : update.moved_keyframes) {
+    positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());
+  }
   for (const int64_t id : update.removed_keyframes) positions_.erase(id);
   for (const MapKeyframe& keyframe : update.keyframes) {
     positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());

@@ -15,6 +15,7 @@
 #include "plslam/map_line_t.hpp"
 #include "plslam/map_point_t.hpp"
 #include "plslam/map_totals_t.hpp"
+#include "plslam/moved_keyframe_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -130,6 +131,21 @@ std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message) {
                      .T_prevkf_kf = *T_prevkf_kf,
                      .relative_covariance = *relative_covariance,
                      .parent_id = message.parent_id};
+}
+
+moved_keyframe_t ToMessage(const MovedKeyframe& keyframe) {
+  moved_keyframe_t message{};
+  message.id = keyframe.id;
+  message.T_w_kf = ToMessage(keyframe.T_w_kf);
+  TriangleToArray<6>(keyframe.covariance, message.covariance);
+  return message;
+}
+
+std::optional<MovedKeyframe> FromMessage(const moved_keyframe_t& message) {
+  const auto T_w_kf = FromMessage(message.T_w_kf);
+  const auto covariance = TriangleFromArray<6>(message.covariance);
+  if (!T_w_kf || !covariance || message.id < 0) return std::nullopt;
+  return MovedKeyframe{message.id, *T_w_kf, *covariance};
 }
 
 map_point_t ToMessage(const MapPoint& point) {

@@ -14,6 +14,7 @@ class map_keyframe_t;
 class map_line_t;
 class map_point_t;
 class map_totals_t;
+class moved_keyframe_t;
 }  // namespace plslam
 
 namespace plslam::bus {
@@ -24,6 +25,9 @@ namespace plslam::bus {
 
 map_keyframe_t ToMessage(const MapKeyframe& keyframe);
 std::optional<MapKeyframe> FromMessage(const map_keyframe_t& message);
+
+moved_keyframe_t ToMessage(const MovedKeyframe& keyframe);
+std::optional<MovedKeyframe> FromMessage(const moved_keyframe_t& message);
 
 map_point_t ToMessage(const MapPoint& point);
 std::optional<MapPoint> FromMessage(const map_point_t& message);

@@ -16,7 +16,9 @@ namespace plslam::bus {
 namespace {
 
 constexpr int32_t kMaxMapPages = 1'000'000;
-constexpr size_t kMaxMapEntries = 2'000'000;
+/// Of each list of an update. What a reader holds of an update under way is bounded by what has been sent to it, so this
+/// only keeps counts from overflowing: no map comes near.
+constexpr size_t kMaxMapEntries = 2'000'000'000;
 constexpr size_t kMaxMapWriters = 8;
 constexpr size_t kMaxStages = 64;
 
@@ -51,12 +53,19 @@ bool AppendRemoved(const std::vector<int64_t>& ids, std::vector<int64_t>& to) {
   return true;
 }
 
-bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) {
+/// Moved or whole.
+template <class Message, class Value>
+bool AppendKeyframe(const Message& message, std::vector<Value>& to) {
   const auto keyframe = FromMessage(message);
   if (!keyframe || keyframe->id <= (to.empty() ? -1 : to.back().id)) return false;
   to.push_back(*keyframe);
   return true;
 }
+
+bool AppendOne(const moved_keyframe_t& message, std::vector<MovedKeyframe>& to) {
+  return AppendKeyframe(message, to);
+}
+bool AppendOne(const map_keyframe_t& message, std::vector<MapKeyframe>& to) { return AppendKeyframe(message, to); }
 
 /// Of a landmark; one with the id of the one before goes on with its observations.
 template <class Message, class Landmark>
@@ -91,7 +100,8 @@ bool AppendAll(const std::vector<Message>& messages, std::vector<Value>& to) {
 }
 
 bool Append(const map_update_t& page, MapUpdate& update) {
-  return AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
+  return AppendAll(page.moved_keyframes, update.moved_keyframes) &&
+         AppendRemoved(page.removed_keyframes, update.removed_keyframes) &&
          AppendRemoved(page.removed_points, update.removed_points) &&
          AppendRemoved(page.removed_lines, update.removed_lines) && AppendAll(page.keyframes, update.keyframes) &&
          AppendAll(page.points, update.points) && AppendAll(page.lines, update.lines) &&
@@ -221,6 +231,8 @@ std::vector<map_update_t> CutIntoPages(const MapUpdate& update, int64_t page_byt
                                             update.version, update.base_version));
   }
   UpdatePager pager(std::move(first), head, page_bytes, "the map");
+  CutValues("moved keyframe", update.moved_keyframes, &map_update_t::n_moved_keyframes,
+            &map_update_t::moved_keyframes, pager);
   CutRemoved(update.removed_keyframes, &map_update_t::n_removed_keyframes, &map_update_t::removed_keyframes, pager);
   CutRemoved(update.removed_points, &map_update_t::n_removed_points, &map_update_t::removed_points, pager);
   CutRemoved(update.removed_lines, &map_update_t::n_removed_lines, &map_update_t::removed_lines, pager);

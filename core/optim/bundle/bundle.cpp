@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/optim/bundle/bundle_covariance.h"
-#include "core/optim/bundle/ceres_solver.h"
 #include "core/optim/bundle/line_cost.h"
 #include "core/optim/bundle/line_endpoint_cost.h"
 #include "core/optim/bundle/observation_group.h"
@@ -125,8 +124,7 @@ class Adjustment {
     points_.HoldUndetermined();
     lines_.HoldUndetermined();
     StepControl control(Actions(), options_, stop);
-    const bool dense = CountFree(poses_) <= options_.max_dense_poses;
-    const bool solved = dense ? SolveDensely(control, result) : SolveSparsely(control, result);
+    const bool solved = RunPasses(control, result);
     RestoreLost();
     if (!solved) result.reason = "the solver failed";
     return solved;
@@ -159,22 +157,10 @@ class Adjustment {
     return actions;
   }
 
-  bool SolveDensely(StepControl& control, BundleResult& result) {
+  bool RunPasses(StepControl& control, BundleResult& result) {
     LandmarkElimination<PointCost> points(points_);
     LandmarkElimination<Line> lines(lines_);
     SchurSolver solver(poses_, relative_poses_, {&points, &lines}, options_);
-    return RunPasses(solver, control, result);
-  }
-
-  bool SolveSparsely(StepControl& control, BundleResult& result) {
-    CeresSolver solver(poses_, relative_poses_, points_.ParameterCount() + lines_.ParameterCount(), options_);
-    solver.Add(points_);
-    solver.Add(lines_);
-    return RunPasses(solver, control, result);
-  }
-
-  template <class Solver>
-  bool RunPasses(Solver& solver, StepControl& control, BundleResult& result) {
     for (int refinement = 0; refinement <= options_.max_refinements && !result.stopped; ++refinement) {
       const BundlePass pass = solver.Run(control, refinement == 0 && options_.max_refinements > 0);
       result.stopped = pass.stopped;

@@ -111,7 +111,7 @@ struct BundleResult {
 };
 
 /// Bundle adjustment of poses, points and lines (PL-SLAM §V.B): Levenberg-Marquardt with robust loss, landmarks
-/// eliminated first (Schur complement: `SchurSolver`, or Ceres for many poses), outliers removed between passes.
+/// eliminated first (Schur complement: `SchurSolver`), outliers removed between passes.
 /// Residuals are whitened vectors in both images; points and lines stand side by side. One thread, so equal input
 /// gives equal output.
 ///

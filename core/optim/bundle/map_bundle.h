@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/map/id_map.h"
 #include "core/map/keyframe.h"
 #include "core/map/landmark_types.h"
 #include "core/optim/bundle/bundle.h"
@@ -54,15 +55,15 @@ MapBundle MakeMapBundle(const Map& map, const KeyframeFeatures& features, const 
 template <class Type, class Visit>
 void ForEachObservation(const MapBundle& bundle, const std::vector<int64_t>& ids, const Map& map,
                         const KeyframeFeatures& features, const Visit& visit) {
-  std::map<int64_t, int> poses;
+  IdMap<int> poses;
   for (size_t i = 0; i < bundle.keyframes.size(); ++i) poses[bundle.keyframes[i]] = static_cast<int>(i);
   for (size_t k = 0; k < ids.size(); ++k) {
     for (const Observation& observation : Type::Find(map, ids[k])->observations) {
-      const auto pose = poses.find(observation.keyframe_id);
-      if (pose == poses.end()) continue;
+      const int* pose = poses.Find(observation.keyframe_id);
+      if (pose == nullptr) continue;
       const auto& of_keyframe = Type::Features(features.at(observation.keyframe_id));
       if (static_cast<size_t>(observation.feature) < of_keyframe.size())
-        visit(pose->second, static_cast<int>(k), observation);
+        visit(*pose, static_cast<int>(k), observation);
     }
   }
 }

@@ -41,9 +41,6 @@ class ObservationGroup {
   ObservationGroup(const std::vector<GivenLandmark>& landmarks, const std::vector<Observation>& observations,
                    double huber_delta, std::vector<AdjustedPose>& poses, const StereoCamera& camera);
 
-  /// Numbers of all landmarks.
-  size_t ParameterCount() const { return landmarks_.size() * kSize; }
-
   /// Gives weak priors to the free landmarks that their observations do not determine (at infinity, seen once without
   /// disparity, along a line). They hold them near their start, and are nothing beside what is measured.
   void HoldUndetermined();

@@ -1,31 +1,59 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <utility>
+#include <optional>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "core/geometry/se3.h"
+#include "core/optim/bundle/block_cholesky.h"
 
 namespace plslam {
 
-/// Normal equations H x = -g of the free poses, six rows for each. Only the lower triangle of H's blocks is kept.
-struct PoseSystem {
-  explicit PoseSystem(int pose_count)
-      : H(Eigen::MatrixXd::Zero(6 * pose_count, 6 * pose_count)), g(Eigen::VectorXd::Zero(6 * pose_count)) {}
+/// Normal equations H x = -g of the free poses, six rows for each. Of the blocks of the symmetric H only those on and
+/// below the diagonal are kept. Of few poses H is dense; of many, where most pairs share no landmark, only the blocks
+/// that have been asked for are there.
+class PoseSystem {
+ public:
+  using Block = Eigen::Map<Matrix6d, Eigen::Unaligned, Eigen::OuterStride<>>;
 
-  void SetZero() {
-    H.setZero();
-    g.setZero();
+  enum class Storage { kDense, kSparse };
+  PoseSystem(int pose_count, Storage storage);
+
+  void SetZero();
+  /// The values of `other`; blocks that only this one has become zero, and stay.
+  void Assign(const PoseSystem& other);
+
+  Block Diagonal(int pose) {
+    if (is_dense_) return DenseBlock(pose, pose);
+    return SparseBlock(blocks_.diagonal[static_cast<size_t>(pose)]);
+  }
+  auto Gradient(int pose) { return g_.segment<6>(6 * pose); }
+  /// Of two different poses, the later one's rows.
+  Block Below(int earlier, int later) {
+    if (is_dense_) return DenseBlock(later, earlier);
+    return SparseBlock(blocks_.Below(earlier, later));
   }
 
-  auto Diagonal(int pose) { return H.block<6, 6>(6 * pose, 6 * pose); }
-  auto Gradient(int pose) { return g.segment<6>(6 * pose); }
-  /// Of two different poses, the later one's rows.
-  auto Below(int earlier, int later) { return H.block<6, 6>(6 * later, 6 * earlier); }
+  const Eigen::VectorXd& g() const { return g_; }
+  Eigen::VectorXd DiagonalValues() const;
+  void AddToDiagonal(const Eigen::VectorXd& values);
 
-  Eigen::MatrixXd H;
-  Eigen::VectorXd g;
+  /// x; nullopt where H is not positive definite. What stands in H is lost where it is dense.
+  std::optional<Eigen::VectorXd> Solve();
+
+ private:
+  Block DenseBlock(int row, int column) {
+    return Block(H_.data() + 6 * row + 6 * column * H_.rows(), Eigen::OuterStride<>(H_.rows()));
+  }
+  static Block SparseBlock(Matrix6d& block) { return Block(block.data(), Eigen::OuterStride<>(6)); }
+
+  bool is_dense_;
+  Eigen::VectorXd g_;
+  Eigen::MatrixXd H_;
+  SymmetricBlocks blocks_;
+  BlockCholesky cholesky_;
 };
 
 }  // namespace plslam

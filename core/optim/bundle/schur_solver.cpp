@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 namespace plslam {
 namespace {
 
@@ -33,7 +31,8 @@ SchurSolver::SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& 
       kinds_(kinds),
       options_(options),
       before_(poses.size()),
-      system_(CountFree(poses)),
+      system_(CountFree(poses), CountFree(poses) <= options.max_dense_poses ? PoseSystem::Storage::kDense
+                                                                            : PoseSystem::Storage::kSparse),
       reduced_(system_) {}
 
 BundlePass SchurSolver::Run(StepControl& control, bool trim) {
@@ -84,25 +83,22 @@ double SchurSolver::Loss() const {
 }
 
 bool SchurSolver::IsFlat() const {
-  double steepest = system_.g.size() == 0 ? 0.0 : system_.g.cwiseAbs().maxCoeff();
+  double steepest = system_.g().size() == 0 ? 0.0 : system_.g().cwiseAbs().maxCoeff();
   for (const EliminatedLandmarks* kind : kinds_) steepest = std::max(steepest, kind->Steepest());
   return steepest <= kFlat;
 }
 
 std::optional<double> SchurSolver::Step(const Damping& damping) {
-  reduced_ = system_;
-  const Eigen::VectorXd of_poses = damping.Of(system_.H.diagonal());
-  reduced_.H.diagonal() += of_poses;
+  reduced_.Assign(system_);
+  const Eigen::VectorXd of_poses = damping.Of(system_.DiagonalValues());
+  reduced_.AddToDiagonal(of_poses);
   for (EliminatedLandmarks* kind : kinds_) {
     if (!kind->Eliminate(damping, reduced_)) return std::nullopt;
   }
-  Eigen::VectorXd step(reduced_.g.size());
-  if (step.size() > 0) {
-    const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(reduced_.H);
-    if (root.info() != Eigen::Success) return std::nullopt;
-    step = -root.solve(reduced_.g);
-  }
-  double predicted_reduction = step.dot(of_poses.cwiseProduct(step) - system_.g);
+  const std::optional<Eigen::VectorXd> solution = reduced_.Solve();
+  if (!solution) return std::nullopt;
+  const Eigen::VectorXd& step = *solution;
+  double predicted_reduction = step.dot(of_poses.cwiseProduct(step) - system_.g());
   for (EliminatedLandmarks* kind : kinds_) predicted_reduction += kind->Step(step);
   for (size_t i = 0; i < poses_.size(); ++i) {
     if (!poses_[i].IsFree()) continue;

@@ -26,9 +26,9 @@ class TrustRegion {
   double shrink_ = 2.0;
 };
 
-/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated and a dense system of the poses: what
-/// Ceres does with its dense Schur complement, step for step, in a third of the time, because the sizes of all blocks
-/// are known to the compiler. Time grows with the cube of the free poses: for many there is `CeresSolver`.
+/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement): what Ceres does with its
+/// Schur solvers, step for step, in a third of the time, because the sizes of all blocks are known to the compiler. The
+/// system of the poses that is left is dense for at most `max_dense_poses`, sparse for more.
 class SchurSolver {
  public:
   /// All must outlive it.

@@ -19,7 +19,9 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 MapUpdate SomeUpdate() {
   plslam::test::RandomMap random(3);
-  random.Steps(600);
+  random.Steps(300);
+  random.map().ForgetChanges();
+  random.Steps(300);
   MapUpdate update = ChangedPart(random.map(), random.map().TakeChanges());
   update.version = 7;
   update.base_version = 6;
@@ -46,6 +48,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   const MapUpdate update = SomeUpdate();
   ASSERT_GT(update.removed_points.size() + update.removed_lines.size(), 2U);
   ASSERT_GT(update.points.size(), 20U);
+  ASSERT_GT(update.moved_keyframes.size(), 2U);
   const auto pages = CutIntoPages(update, GetParam());
   for (const map_update_t& page : pages) EXPECT_LE(page.getEncodedSize(), GetParam());
   const auto back = Assemble(pages);
@@ -59,6 +62,8 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   EXPECT_EQ(back->adjustment.n_outliers, 7);
   EXPECT_EQ(back->adjustment.reprojection_after_px, 0.5);
   EXPECT_EQ(back->stage_ms, update.stage_ms);
+  ASSERT_EQ(back->moved_keyframes.size(), update.moved_keyframes.size());
+  EXPECT_EQ(back->moved_keyframes.back().T_w_kf.matrix(), update.moved_keyframes.back().T_w_kf.matrix());
   EXPECT_EQ(back->removed_keyframes, update.removed_keyframes);
   EXPECT_EQ(back->removed_points, update.removed_points);
   EXPECT_EQ(back->removed_lines, update.removed_lines);
@@ -196,6 +201,10 @@ TEST(MapUpdateAssembler, RefusesHostilePages) {
       [](map_update_t& p) { p.keyframes[0].covariance[0] = -1.0; },
       [](map_update_t& p) { p.keyframes[0].previous_id = p.keyframes[0].id; },
       [](map_update_t& p) { std::swap(p.keyframes[0], p.keyframes[1]); },
+      [](map_update_t& p) { p.moved_keyframes[0].id = -1; },
+      [](map_update_t& p) { p.moved_keyframes[0].T_w_kf.position_m[0] = kNan; },
+      [](map_update_t& p) { p.moved_keyframes[0].covariance[0] = -1.0; },
+      [](map_update_t& p) { std::swap(p.moved_keyframes[0], p.moved_keyframes[1]); },
       [](map_update_t& p) { p.points[0].p_w_m[1] = kNan; },
       [](map_update_t& p) { p.points[0].covariance_m2[3] = -1.0F; },
       [](map_update_t& p) { p.points[0].octave = -1; },

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 
 #include "tests/unit/loop/ring_world.h"
@@ -55,6 +56,54 @@ TEST(AdjustWholeMap, PerturbedKeyframesComeBack) {
   EXPECT_GT(before_m, 0.02);
   EXPECT_LT(after_m, 0.3 * before_m);
   EXPECT_EQ(adjusted.poses.front().T_w_kf.matrix(), perturbed.keyframes().begin()->second.T_w_kf.matrix());
+}
+
+// Two adjustments that loops have ended one after the other, and the one that follows.
+TEST(AdjustmentProgress, TheNextAdjustmentBeginsWhereTheOnesBeforeWere) {
+  const Ring ring(25);
+  const Mapper mapper = MapAll(ring.walk.keyframes);
+  KeyframeFeatures features;
+  for (const auto& [id, keyframe] : mapper.map().keyframes()) {
+    features[id] = ring.walk.keyframes.at(static_cast<size_t>(keyframe.session_keyframe_id)).features;
+  }
+  const auto make = [&](int64_t source) {
+    WholeMapProblem problem = MakeWholeMapProblem(Perturbed(mapper.map()), features, FeatureWorld::Camera(), {});
+    problem.map_source = source;
+    return problem;
+  };
+  AdjustmentProgress progress;
+  WholeMapOptions one_step;
+  one_step.bundle.max_iterations = 1;
+  std::vector<CorrectedPose> reached;
+  for (int i = 0; i < 2; ++i) {
+    WholeMapProblem problem = make(5);
+    progress.Apply(problem);
+    reached = AdjustWholeMap(problem, one_step, nullptr).poses;
+    progress.Add(problem, reached);
+  }
+  WholeMapProblem next = make(5);
+  const WholeMapProblem as_given = next;
+  progress.Apply(next);
+  ASSERT_EQ(reached.size(), next.keyframes.size());
+  for (size_t i = 0; i < reached.size(); ++i) {
+    EXPECT_LT((next.bundle.poses[i].T_w_c.Inverse() * reached[i].T_w_kf).Log().norm(), 1e-9) << i;
+  }
+  const auto last_point = static_cast<int>(next.bundle.points.size()) - 1;
+  const PointObservation& first =
+      *std::find_if(next.bundle.point_observations.begin(), next.bundle.point_observations.end(),
+                    [last_point](const PointObservation& seen) { return seen.point == last_point; });
+  const auto place = [&first](const WholeMapProblem& problem) {
+    const SE3& T_w_c = problem.bundle.poses[static_cast<size_t>(first.pose)].T_w_c;
+    return Eigen::Vector3d(T_w_c.Inverse() * problem.bundle.points[static_cast<size_t>(first.point)].p_w);
+  };
+  EXPECT_LT((place(next) - place(as_given)).norm(), 1e-9) << "goes with the first one that sees it";
+  EXPECT_GT((next.bundle.points[static_cast<size_t>(first.point)].p_w -
+             as_given.bundle.points[static_cast<size_t>(first.point)].p_w)
+                .norm(),
+            1e-6);
+  WholeMapProblem of_another = make(6);
+  progress.Apply(of_another);
+  EXPECT_EQ(of_another.bundle.poses[3].T_w_c.matrix(), as_given.bundle.poses[3].T_w_c.matrix());
 }
 
 TEST(MakeWholeMapProblem, EachKeyframeHasSoManyLandmarksAndTheyAreSeenOftenEnough) {

@@ -28,6 +28,7 @@ void ExpectSame(const Map& a, const Map& b) {
     const MapKeyframe* other = b.FindKeyframe(id);
     ASSERT_NE(other, nullptr) << id;
     ASSERT_EQ(keyframe.T_w_kf.matrix(), other->T_w_kf.matrix());
+    ASSERT_EQ(keyframe.covariance, other->covariance) << id;
     ASSERT_EQ(keyframe.parent_id, other->parent_id) << id;
     ASSERT_EQ(a.Children(id), b.Children(id)) << id;
     ASSERT_EQ(a.Neighbours(id, 1), b.Neighbours(id, 1)) << id;
@@ -36,7 +37,10 @@ void ExpectSame(const Map& a, const Map& b) {
     ASSERT_EQ(point.p_w, b.FindPoint(id)->p_w) << id;
     ASSERT_EQ(point.covariance, b.FindPoint(id)->covariance) << id;
   }
-  for (const auto& [id, line] : a.lines()) ASSERT_EQ(line.segment_w.q, b.FindLine(id)->segment_w.q) << id;
+  for (const auto& [id, line] : a.lines()) {
+    ASSERT_EQ(line.segment_w.q, b.FindLine(id)->segment_w.q) << id;
+    ASSERT_EQ(line.covariance_p, b.FindLine(id)->covariance_p) << id;
+  }
 }
 
 /// The owner's side: versions one after another.
@@ -81,6 +85,50 @@ TEST(MapReplica, FollowsWhateverHappens) {
       if (HasFatalFailure()) return;
     }
   }
+}
+
+TEST(MapReplica, ACorrectionIsToldByItsPosesAlone) {
+  test::RandomMap random(3);
+  random.Steps(400);
+  Map& map = random.map();
+  MapUpdate whole = WholeMap(map);
+  whole.version = 1;
+  MapReplica replica;
+  replica.Apply(whole);
+  map.ForgetChanges();
+  std::map<int64_t, SE3> poses;
+  std::map<int64_t, Matrix6d> covariances;
+  for (const auto& [id, keyframe] : map.keyframes()) {
+    poses[id] = SE3(ExpSO3({0.01, 0.2, 0.0}), {1.0, 0.1 * static_cast<double>(id), 0.0}) * keyframe.T_w_kf;
+    covariances[id] = 0.01 * Matrix6d::Identity();
+  }
+  map.Move(poses);
+  map.SetCovariances(covariances);
+  MapUpdate update = ChangedPart(map, map.TakeChanges());
+  EXPECT_EQ(update.moved_keyframes.size(), map.keyframes().size());
+  EXPECT_TRUE(update.keyframes.empty() && update.points.empty() && update.lines.empty());
+  update.base_version = 1;
+  update.version = 2;
+  ASSERT_EQ(replica.Apply(update), Step::kNext);
+  ExpectSame(map, replica.map());
+}
+
+TEST(Map, LandmarksGoWithTheMiddleOneOfThoseThatSeeThem) {
+  Map map;
+  for (int64_t id = 0; id < 3; ++id) {
+    MapKeyframe keyframe;
+    keyframe.id = id;
+    map.Put(keyframe);
+  }
+  MapPoint point;
+  point.id = 0;
+  point.p_w = {1.0, 2.0, 3.0};
+  point.observations = {{0, 4}, {1, 4}, {2, 4}};
+  map.Put(point);
+  map.Move({{0, SE3(Eigen::Quaterniond::Identity(), {9.0, 9.0, 9.0})}});
+  EXPECT_EQ(map.FindPoint(0)->p_w, Eigen::Vector3d(1.0, 2.0, 3.0));
+  map.Move({{1, SE3(Eigen::Quaterniond::Identity(), {1.0, 0.0, 0.0})}});
+  EXPECT_EQ(map.FindPoint(0)->p_w, Eigen::Vector3d(2.0, 2.0, 3.0));
 }
 
 TEST(MapReplica, AGapIsSeenAndTheWholeMapFillsIt) {

@@ -123,6 +123,20 @@ void RandomMap::CloseLoop() {
             1e-4 * Matrix6d::Identity(), static_cast<int32_t>(Draw(100)), static_cast<int32_t>(Draw(20))});
 }
 
+/// Some keyframes, some of them to where they are, and some that are not there.
+void RandomMap::Move() {
+  std::map<int64_t, SE3> poses{{next_keyframe_ + 5, DrawPose()}};
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    if (Draw(3) == 0) poses[id] = Draw(4) == 0 ? keyframe.T_w_kf : DrawPose();
+  }
+  map_.Move(poses);
+  std::map<int64_t, Matrix6d> covariances;
+  for (const auto& [id, keyframe] : map_.keyframes()) {
+    if (Draw(3) == 0) covariances[id] = 1e-3 * static_cast<double>(Draw(100)) * Matrix6d::Identity();
+  }
+  map_.SetCovariances(covariances);
+}
+
 void RandomMap::Step() {
   if (map_.keyframes().empty()) return AddKeyframe();
   switch (Draw(46)) {
@@ -159,6 +173,8 @@ void RandomMap::Step() {
       return;
     case 10:
       return CloseLoop();
+    case 11:
+      return Move();
     default:
       return Draw(2) == 0 ? Change(map_.points(), next_point_) : Change(map_.lines(), next_line_);
   }

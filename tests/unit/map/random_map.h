@@ -26,6 +26,7 @@ class RandomMap {
  private:
   void AddKeyframe();
   void CloseLoop();
+  void Move();
   template <class Landmark>
   void Change(const IdMap<Landmark>& landmarks, int64_t& next_id);
   template <class Landmark>

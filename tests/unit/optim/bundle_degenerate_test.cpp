@@ -15,7 +15,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Parameters of lines, and free poses above which Ceres takes over.
+/// Parameters of lines, and free poses above which their system is sparse.
 class AdjustBundleDegenerate : public testing::TestWithParam<std::tuple<const char*, int>> {
  protected:
   AdjustBundleDegenerate() { std::tie(options_.lines, options_.max_dense_poses) = GetParam(); }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include "core/optim/bundle/ceres_solver.h"
 #include "core/optim/bundle/line_cost.h"
 #include "core/optim/bundle/line_endpoint_cost.h"
 #include "core/optim/bundle/observation_group.h"
@@ -113,51 +112,6 @@ TYPED_TEST(ObservationCost, JacobiansAgreeWithNumericOnes) {
     for (int i = 0; i < kSize; ++i) expect_column(s.landmark.x, i, by_landmark.col(i).eval(), [] {});
   }
   EXPECT_GT(checked, 15);
-}
-
-// What is fixed has no block, and the blocks of what is free are the same.
-TYPED_TEST(ObservationCost, FixedPosesAndLandmarksHaveNoBlock) {
-  constexpr int kSize = TypeParam::Landmark::kSize;
-  constexpr int kRows = TypeParam::kMaxRows;
-  using ByPose = Eigen::Matrix<double, kRows, 6, Eigen::RowMajor>;
-  using ByLandmark = Eigen::Matrix<double, kRows, kSize, Eigen::RowMajor>;
-  Sample<TypeParam> s(true, 2);
-  Eigen::Matrix<double, kRows, 1> r, expected_r;
-  ByPose by_pose, expected_by_pose;
-  ByLandmark by_landmark, expected_by_landmark;
-  ASSERT_TRUE(s.cost.Evaluate(s.pose.view, s.landmark.x.data(), expected_r.data(), expected_by_pose.data(),
-                              expected_by_landmark.data()));
-  const bool finished = false;
-  for (const bool free_pose : {true, false}) {
-    for (const bool free_landmark : {true, false}) {
-      s.pose.column = free_pose ? 0 : -1;
-      s.landmark.free = free_landmark;
-      AdjustedObservation<TypeParam> observation;
-      observation.Bind(s.cost, s.pose, s.landmark, 0);
-      const CeresObservation<TypeParam> function(observation, finished);
-      std::vector<int> sizes;
-      std::vector<const double*> parameters;
-      std::vector<double*> jacobians;
-      if (free_landmark) {
-        sizes.push_back(kSize);
-        parameters.push_back(s.landmark.x.data());
-        jacobians.push_back(by_landmark.data());
-      }
-      if (free_pose) {
-        sizes.push_back(6);
-        parameters.push_back(s.pose.x.data());
-        jacobians.push_back(by_pose.data());
-      }
-      EXPECT_EQ(function.parameter_block_sizes(), sizes);
-      r.setZero();
-      by_pose.setZero();
-      by_landmark.setZero();
-      ASSERT_TRUE(function.Evaluate(parameters.data(), r.data(), jacobians.data()));
-      EXPECT_EQ(r, expected_r);
-      EXPECT_EQ(by_pose, free_pose ? expected_by_pose : ByPose(ByPose::Zero()));
-      EXPECT_EQ(by_landmark, free_landmark ? expected_by_landmark : ByLandmark(ByLandmark::Zero()));
-    }
-  }
 }
 
 // Noise as stated gives residuals of unit variance, correlated or not.

@@ -22,7 +22,7 @@ struct Setting {
   bool all_poses_fixed;
 };
 
-/// A problem with all that may tie poses and landmarks together, and the two solvers on it.
+/// A problem with all that may tie poses and landmarks together, and the two ways to keep its system.
 class SolversOf : public testing::TestWithParam<Setting> {
  protected:
   SolversOf() {
@@ -56,8 +56,7 @@ class SolversOf : public testing::TestWithParam<Setting> {
     return AdjustBundle(world_.problem, options);
   }
   BundleResult SolveDensely() const { return Solve(1000); }
-  /// Also where no pose is free.
-  BundleResult SolveByCeres() const { return Solve(-1); }
+  BundleResult SolveSparsely() const { return Solve(-1); }
 
   static void ExpectAlike(const BundleResult& a, const BundleResult& b) {
     constexpr double kAlike = 1e-8;
@@ -90,14 +89,14 @@ INSTANTIATE_TEST_SUITE_P(Settings, SolversOf,
                          [](const auto& instance) { return instance.param.name; });
 
 // Step for step, with the passes and the outliers of a local adjustment.
-TEST_P(SolversOf, DenseIsAsCeres) { ExpectAlike(SolveDensely(), SolveByCeres()); }
+TEST_P(SolversOf, SparseIsAsDense) { ExpectAlike(SolveDensely(), SolveSparsely()); }
 
-TEST_P(SolversOf, DenseIsAsCeresToTheEnd) {
+TEST_P(SolversOf, SparseIsAsDenseToTheEnd) {
   options_.max_iterations = 100;
   options_.max_refinements = 0;
   options_.function_tolerance = 0.0;
   const BundleResult dense = SolveDensely();
-  const BundleResult sparse = SolveByCeres();
+  const BundleResult sparse = SolveSparsely();
   ASSERT_TRUE(dense.ok && sparse.ok);
   for (size_t i = 0; i < dense.T_w_c.size(); ++i) {
     EXPECT_LT(test::ErrorOf(dense.T_w_c[i], sparse.T_w_c[i]).norm(), 1e-6) << "pose " << i;
@@ -118,7 +117,7 @@ TEST_P(SolversOf, AlikeFromFarAway) {
     options_.max_iterations = 25;
     options_.max_refinements = 0;
     const BundleResult dense = SolveDensely();
-    const BundleResult sparse = SolveByCeres();
+    const BundleResult sparse = SolveSparsely();
     ASSERT_TRUE(dense.ok && sparse.ok);
     EXPECT_EQ(dense.iterations, sparse.iterations) << "seed " << seed;
     EXPECT_NEAR(dense.after.normalised, sparse.after.normalised, 1e-4 * sparse.after.normalised) << "seed " << seed;

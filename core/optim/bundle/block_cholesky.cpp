@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/optim/bundle/block_cholesky.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+
+namespace plslam {
+namespace {
+
+/// Where each row goes.
+std::vector<int> FillReducingOrder(const SymmetricBlocks& matrix) {
+  const auto n = static_cast<int>(matrix.rows.size());
+  std::vector<Eigen::Triplet<double>> pattern;
+  for (int row = 0; row < n; ++row) {
+    pattern.emplace_back(row, row, 1.0);
+    for (const auto& [column, place] : matrix.rows[static_cast<size_t>(row)]) {
+      pattern.emplace_back(row, column, 1.0);
+      pattern.emplace_back(column, row, 1.0);
+    }
+  }
+  Eigen::SparseMatrix<double> graph(n, n);
+  graph.setFromTriplets(pattern.begin(), pattern.end());
+  Eigen::AMDOrdering<int>::PermutationType order;
+  Eigen::AMDOrdering<int>()(graph, order);
+  // Row order.indices()[k] of the matrix comes at place k.
+  std::vector<int> place_of(static_cast<size_t>(n));
+  for (int k = 0; k < n; ++k) place_of[static_cast<size_t>(order.indices()[k])] = k;
+  return place_of;
+}
+
+}  // namespace
+
+Matrix6d& SymmetricBlocks::Below(int earlier, int later) {
+  auto& row = rows[static_cast<size_t>(later)];
+  const auto found = std::lower_bound(row.begin(), row.end(), earlier,
+                                      [](const std::pair<int, size_t>& entry, int id) { return entry.first < id; });
+  if (found != row.end() && found->first == earlier) return below[found->second];
+  row.insert(found, {earlier, below.size()});
+  return below.emplace_back(Matrix6d::Zero());
+}
+
+void SymmetricBlocks::SetZero() {
+  for (Matrix6d& block : diagonal) block.setZero();
+  for (Matrix6d& block : below) block.setZero();
+}
+
+void SymmetricBlocks::Assign(const SymmetricBlocks& other) {
+  diagonal = other.diagonal;
+  for (Matrix6d& block : below) block.setZero();
+  for (size_t row = 0; row < other.rows.size(); ++row) {
+    for (const auto& [column, place] : other.rows[row]) Below(column, static_cast<int>(row)) = other.below[place];
+  }
+}
+
+void BlockCholesky::Analyse(const SymmetricBlocks& matrix) {
+  const size_t n = matrix.rows.size();
+  place_of_ = FillReducingOrder(matrix);
+  // Of each column first the rows of the matrix, then what its children in the elimination tree leave to it.
+  std::vector<std::vector<int>> columns(n);
+  for (size_t row = 0; row < n; ++row) {
+    for (const auto& [column, place] : matrix.rows[row]) {
+      const auto [first, last] = std::minmax(place_of_[row], place_of_[static_cast<size_t>(column)]);
+      columns[static_cast<size_t>(first)].push_back(last);
+    }
+  }
+  first_.assign(1, 0);
+  rows_.clear();
+  for (size_t column = 0; column < n; ++column) {
+    std::vector<int>& rows = columns[column];
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    rows_.insert(rows_.end(), rows.begin(), rows.end());
+    first_.push_back(rows_.size());
+    if (rows.empty()) continue;
+    std::vector<int>& parent = columns[static_cast<size_t>(rows.front())];
+    parent.insert(parent.end(), rows.begin() + 1, rows.end());
+    rows = {};
+  }
+  diagonal_.resize(n);
+  blocks_.resize(rows_.size());
+}
+
+/// Of a block that is there.
+size_t BlockCholesky::PlaceOf(int row, size_t column) const {
+  const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
+  const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column + 1]);
+  return static_cast<size_t>(std::lower_bound(begin, end, row) - rows_.begin());
+}
+
+void BlockCholesky::Fill(const SymmetricBlocks& matrix) {
+  for (Matrix6d& block : blocks_) block.setZero();
+  for (size_t row = 0; row < matrix.rows.size(); ++row) {
+    const int place = place_of_[row];
+    diagonal_[static_cast<size_t>(place)] = matrix.diagonal[row];
+    for (const auto& [column, block] : matrix.rows[row]) {
+      const int other = place_of_[static_cast<size_t>(column)];
+      if (place > other) {
+        blocks_[PlaceOf(place, static_cast<size_t>(other))] = matrix.below[block];
+      } else {
+        blocks_[PlaceOf(other, static_cast<size_t>(place))] = matrix.below[block].transpose();
+      }
+    }
+  }
+}
+
+/// All that columns before it take from it has been taken. Takes from those behind it.
+bool BlockCholesky::FactoriseColumn(size_t column) {
+  const Eigen::LLT<Matrix6d> root(diagonal_[column]);
+  // What is not a number is carried to the last element.
+  if (root.info() != Eigen::Success || !(root.matrixLLT()(5, 5) > 0.0)) return false;
+  diagonal_[column] = root.matrixL();
+  const Matrix6d inverse_root = root.matrixL().solve(Matrix6d::Identity());
+  const size_t begin = first_[column];
+  const size_t end = first_[column + 1];
+  for (size_t k = begin; k < end; ++k) blocks_[k] = (blocks_[k] * inverse_root.transpose()).eval();
+  for (size_t k = begin; k < end; ++k) {
+    const auto target = static_cast<size_t>(rows_[k]);
+    const Matrix6d transposed = blocks_[k].transpose();
+    diagonal_[target].noalias() -= blocks_[k] * transposed;
+    // The rows of this column are among those of the target, and both ascend.
+    size_t place = first_[target];
+    for (size_t j = k + 1; j < end; ++j) {
+      while (rows_[place] != rows_[j]) ++place;
+      blocks_[place].noalias() -= blocks_[j] * transposed;
+    }
+  }
+  return true;
+}
+
+bool BlockCholesky::Factorise(const SymmetricBlocks& matrix) {
+  if (place_of_.size() != matrix.rows.size() || n_analysed_ != matrix.below.size()) {
+    Analyse(matrix);
+    n_analysed_ = matrix.below.size();
+  }
+  Fill(matrix);
+  for (size_t column = 0; column < diagonal_.size(); ++column) {
+    if (!FactoriseColumn(column)) return false;
+  }
+  return true;
+}
+
+Eigen::VectorXd BlockCholesky::Solve(const Eigen::VectorXd& b) const {
+  const size_t n = diagonal_.size();
+  std::vector<Vector6d> x(n);
+  for (size_t row = 0; row < n; ++row) {
+    x[static_cast<size_t>(place_of_[row])] = b.segment<6>(6 * static_cast<Eigen::Index>(row));
+  }
+  for (size_t column = 0; column < n; ++column) {
+    diagonal_[column].triangularView<Eigen::Lower>().solveInPlace(x[column]);
+    for (size_t k = first_[column]; k < first_[column + 1]; ++k) {
+      x[static_cast<size_t>(rows_[k])].noalias() -= blocks_[k] * x[column];
+    }
+  }
+  for (size_t column = n; column-- > 0;) {
+    for (size_t k = first_[column]; k < first_[column + 1]; ++k) {
+      x[column].noalias() -= blocks_[k].transpose() * x[static_cast<size_t>(rows_[k])];
+    }
+    diagonal_[column].triangularView<Eigen::Lower>().transpose().solveInPlace(x[column]);
+  }
+  Eigen::VectorXd solution(b.size());
+  for (size_t row = 0; row < n; ++row) {
+    solution.segment<6>(6 * static_cast<Eigen::Index>(row)) = x[static_cast<size_t>(place_of_[row])];
+  }
+  return solution;
+}
+
+}  // namespace plslam

@@ -9,20 +9,9 @@
 
 #include "core/optim/bundle/observation_group.h"
 #include "core/optim/bundle/pose_system.h"
+#include "core/optim/solver/trust_region.h"
 
 namespace plslam {
-
-/// Levenberg and Marquardt's damping: each diagonal element of the information grows by this share of itself.
-struct Damping {
-  double share = 0.0;
-
-  /// Of the diagonal of an information.
-  template <class Diagonal>
-  Eigen::Matrix<double, Diagonal::RowsAtCompileTime, 1> Of(const Diagonal& diagonal) const {
-    // Bounds as those of Ceres.
-    return share * diagonal.array().max(1e-6).min(1e32);
-  }
-};
 
 /// The landmarks of one feature type in a step of all poses and landmarks. Each ties together only the poses that see
 /// it, and no other landmark, so it is solved for in terms of those poses (Schur complement): what is left is a

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "core/geometry/se3.h"
-#include "core/optim/bundle/block_cholesky.h"
+#include "core/optim/solver/block_cholesky.h"
 
 namespace plslam {
 
@@ -52,8 +52,8 @@ class PoseSystem {
   bool is_dense_;
   Eigen::VectorXd g_;
   Eigen::MatrixXd H_;
-  SymmetricBlocks blocks_;
-  BlockCholesky cholesky_;
+  SymmetricBlocks<6> blocks_;
+  BlockCholesky<6> cholesky_;
 };
 
 }  // namespace plslam

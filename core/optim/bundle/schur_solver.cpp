@@ -7,22 +7,9 @@
 namespace plslam {
 namespace {
 
-// Limits as those of Ceres.
-constexpr double kMinGainRatio = 1e-3;
 constexpr double kFlat = 1e-10;
-constexpr int kMaxWithoutStep = 5;
 
 }  // namespace
-
-void TrustRegion::Accepted(double gain_ratio) {
-  radius_ = std::min(1e16, radius_ / std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * gain_ratio - 1.0, 3)));
-  shrink_ = 2.0;
-}
-
-void TrustRegion::Rejected() {
-  radius_ /= shrink_;
-  shrink_ *= 2.0;
-}
 
 SchurSolver::SchurSolver(std::vector<AdjustedPose>& poses, const RelativePoses& relative,
                          const std::array<EliminatedLandmarks*, 2>& kinds, const BundleOptions& options)
@@ -47,7 +34,7 @@ BundlePass SchurSolver::Run(StepControl& control, bool trim) {
     const std::optional<double> predicted_reduction = Step(region.damping());
     pass.stopped = control.IsStopped();
     if (!predicted_reduction || *predicted_reduction <= 0.0) {
-      if (++without_step == kMaxWithoutStep) {
+      if (++without_step == TrustRegion::kMaxWithoutStep) {
         pass.ok = predicted_reduction.has_value();
         break;
       }
@@ -56,7 +43,7 @@ BundlePass SchurSolver::Run(StepControl& control, bool trim) {
     }
     without_step = 0;
     const double gain = loss - Loss();
-    if (gain > kMinGainRatio * *predicted_reduction) {
+    if (gain > TrustRegion::kMinGainRatio * *predicted_reduction) {
       region.Accepted(gain / *predicted_reduction);
       if (!control.GoesOn()) break;
       if (pass.iterations < options_.max_iterations && !pass.stopped) loss = Linearise();

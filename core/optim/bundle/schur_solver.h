@@ -9,22 +9,9 @@
 #include "core/optim/bundle/eliminated_landmarks.h"
 #include "core/optim/bundle/relative_poses.h"
 #include "core/optim/bundle/step_control.h"
+#include "core/optim/solver/trust_region.h"
 
 namespace plslam {
-
-/// How far steps are trusted, as Ceres has it: K. Madsen, H. B. Nielsen, O. Tingleff, "Methods for non-linear least
-/// squares problems" (2004), 3.2.
-class TrustRegion {
- public:
-  Damping damping() const { return {1.0 / radius_}; }
-  /// `gain_ratio`: gain of the step over what was predicted_reduction.
-  void Accepted(double gain_ratio);
-  void Rejected();
-
- private:
-  double radius_ = 1e4;
-  double shrink_ = 2.0;
-};
 
 /// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement): what Ceres does with its
 /// Schur solvers, step for step, in a third of the time, because the sizes of all blocks are known to the compiler. The

@@ -3,26 +3,10 @@
 
 namespace plslam {
 
-SE3 PoseGroup<SE3>::Load(const double* x) {
-  return SE3::FromUnit(Eigen::Quaterniond(x[6], x[3], x[4], x[5]), Eigen::Vector3d(x[0], x[1], x[2]));
-}
-
-void PoseGroup<SE3>::Store(const SE3& pose, double* x) {
-  Eigen::Map<Eigen::Vector3d>{x} = pose.translation();
-  Eigen::Map<Eigen::Vector4d>{x + 3} = pose.rotation().coeffs();
-}
-
 SE3 PoseGroup<SE3>::Plus(const SE3& pose, const double* step) {
   const Eigen::Map<const Eigen::Vector3d> move(step);
   const Eigen::Map<const Eigen::Vector3d> turn(step + 3);
   return SE3(pose.rotation() * ExpSO3(turn), pose.translation() + pose.rotation() * move);
-}
-
-Vector6d PoseGroup<SE3>::Minus(const SE3& to, const SE3& from) {
-  const SE3 difference = from.Inverse() * to;
-  Vector6d step;
-  step << difference.translation(), SE3(difference.rotation(), Eigen::Vector3d::Zero()).Log().tail<3>();
-  return step;
 }
 
 PoseEdgeError<SE3> PoseGroup<SE3>::Error(const SE3& T_a_b, const SE3& a, const SE3& b) {
@@ -44,19 +28,8 @@ PoseEdgeError<SE3> PoseGroup<SE3>::Error(const SE3& T_a_b, const SE3& a, const S
   return error;
 }
 
-void PoseGroup<SE2>::Store(const SE2& pose, double* x) {
-  x[0] = pose.translation().x();
-  x[1] = pose.translation().y();
-  x[2] = pose.angle();
-}
-
 SE2 PoseGroup<SE2>::Plus(const SE2& pose, const double* step) {
   return SE2(WrapAngle(pose.angle() + step[2]), pose.translation() + pose.R() * Eigen::Vector2d(step[0], step[1]));
-}
-
-Eigen::Vector3d PoseGroup<SE2>::Minus(const SE2& to, const SE2& from) {
-  const SE2 difference = from.Inverse() * to;
-  return {difference.translation().x(), difference.translation().y(), difference.angle()};
 }
 
 PoseEdgeError<SE2> PoseGroup<SE2>::Error(const SE2& T_a_b, const SE2& a, const SE2& b) {

@@ -7,8 +7,8 @@
 
 namespace plslam {
 
-/// All that differs between pose graphs in space and in the plane. Parameters are a pose as numbers; perturbations
-/// stand on the right, to first order [translation; rotation].
+/// All that differs between pose graphs in space and in the plane. Perturbations stand on the right, to first order
+/// [translation; rotation].
 template <class Pose>
 struct PoseGroup;
 
@@ -23,13 +23,8 @@ struct PoseEdgeError {
 template <>
 struct PoseGroup<SE3> {
   static constexpr int kDimension = 3;
-  /// [t; q_xyzw].
-  static constexpr int kParameters = 7;
 
-  static SE3 Load(const double* x);
-  static void Store(const SE3& pose, double* x);
   static SE3 Plus(const SE3& pose, const double* step);
-  static Vector6d Minus(const SE3& to, const SE3& from);
   static SE3 FromRotation(const Eigen::Matrix3d& R, const Eigen::Vector3d& t) { return SE3(R, t); }
   static PoseEdgeError<SE3> Error(const SE3& T_a_b, const SE3& a, const SE3& b);
 };
@@ -37,13 +32,8 @@ struct PoseGroup<SE3> {
 template <>
 struct PoseGroup<SE2> {
   static constexpr int kDimension = 2;
-  /// [t; angle].
-  static constexpr int kParameters = 3;
 
-  static SE2 Load(const double* x) { return SE2(x[2], Eigen::Vector2d(x[0], x[1])); }
-  static void Store(const SE2& pose, double* x);
   static SE2 Plus(const SE2& pose, const double* step);
-  static Eigen::Vector3d Minus(const SE2& to, const SE2& from);
   static SE2 FromRotation(const Eigen::Matrix2d& R, const Eigen::Vector2d& t) {
     return SE2(std::atan2(R(1, 0), R(0, 0)), t);
   }

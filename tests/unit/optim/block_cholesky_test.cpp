@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/optim/bundle/block_cholesky.h"
+#include "core/optim/solver/block_cholesky.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
@@ -10,14 +10,14 @@ namespace plslam {
 namespace {
 
 /// Positive definite: each pose is tied to some of those before it, and held a little.
-SymmetricBlocks Tied(int size, int neighbours, int loops, uint32_t seed) {
+SymmetricBlocks<6> Tied(int size, int neighbours, int loops, uint32_t seed) {
   std::mt19937 random(seed);
   const auto draw = [&random] {
     Matrix6d block;
     for (double& value : block.reshaped()) value = static_cast<double>(random() % 2001) * 1e-3 - 1.0;
     return block;
   };
-  SymmetricBlocks matrix(size);
+  SymmetricBlocks<6> matrix(size);
   for (Matrix6d& block : matrix.diagonal) block.setIdentity();
   const auto tie = [&](int a, int b) {
     const Matrix6d J_a = draw();
@@ -37,7 +37,7 @@ SymmetricBlocks Tied(int size, int neighbours, int loops, uint32_t seed) {
   return matrix;
 }
 
-Eigen::MatrixXd Dense(const SymmetricBlocks& matrix) {
+Eigen::MatrixXd Dense(const SymmetricBlocks<6>& matrix) {
   const auto n = static_cast<Eigen::Index>(matrix.rows.size());
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(6 * n, 6 * n);
   for (Eigen::Index row = 0; row < n; ++row) {
@@ -53,9 +53,9 @@ Eigen::MatrixXd Dense(const SymmetricBlocks& matrix) {
 TEST(BlockCholesky, SolvesAsADenseFactorDoes) {
   for (const auto& [size, neighbours, loops] :
        {std::tuple{1, 0, 0}, {2, 1, 0}, {30, 3, 0}, {40, 5, 12}, {25, 24, 0}}) {
-    const SymmetricBlocks matrix = Tied(size, neighbours, loops, static_cast<uint32_t>(size));
+    const SymmetricBlocks<6> matrix = Tied(size, neighbours, loops, static_cast<uint32_t>(size));
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(6 * size, -1.0, 2.0);
-    BlockCholesky cholesky;
+    BlockCholesky<6> cholesky;
     ASSERT_TRUE(cholesky.Factorise(matrix));
     const Eigen::VectorXd expected = Dense(matrix).llt().solve(b);
     EXPECT_LT((cholesky.Solve(b) - expected).norm(), 1e-9 * expected.norm()) << size << " blocks";
@@ -63,8 +63,8 @@ TEST(BlockCholesky, SolvesAsADenseFactorDoes) {
 }
 
 TEST(BlockCholesky, FollowsChangedValuesAndNewBlocks) {
-  SymmetricBlocks matrix = Tied(30, 3, 0, 1);
-  BlockCholesky cholesky;
+  SymmetricBlocks<6> matrix = Tied(30, 3, 0, 1);
+  BlockCholesky<6> cholesky;
   ASSERT_TRUE(cholesky.Factorise(matrix));
   const Eigen::VectorXd b = Eigen::VectorXd::Ones(180);
   const auto check = [&] {
@@ -79,7 +79,7 @@ TEST(BlockCholesky, FollowsChangedValuesAndNewBlocks) {
 }
 
 TEST(BlockCholesky, AChainIsNotFilled) {
-  BlockCholesky cholesky;
+  BlockCholesky<6> cholesky;
   ASSERT_TRUE(cholesky.Factorise(Tied(500, 1, 0, 2)));
   EXPECT_EQ(cholesky.size(), 499U);
   ASSERT_TRUE(cholesky.Factorise(Tied(500, 1, 3, 2)));
@@ -87,17 +87,17 @@ TEST(BlockCholesky, AChainIsNotFilled) {
 }
 
 TEST(BlockCholesky, RefusesWhatIsNotPositiveDefinite) {
-  SymmetricBlocks matrix = Tied(20, 2, 0, 3);
+  SymmetricBlocks<6> matrix = Tied(20, 2, 0, 3);
   matrix.diagonal[11](4, 4) = -1.0;
-  BlockCholesky cholesky;
+  BlockCholesky<6> cholesky;
   EXPECT_FALSE(cholesky.Factorise(matrix));
   matrix.diagonal[11].setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_FALSE(cholesky.Factorise(matrix));
 }
 
 TEST(SymmetricBlocks, TakeTheValuesOfAnother) {
-  SymmetricBlocks larger = Tied(10, 3, 0, 4);
-  const SymmetricBlocks smaller = Tied(10, 1, 0, 5);
+  SymmetricBlocks<6> larger = Tied(10, 3, 0, 4);
+  const SymmetricBlocks<6> smaller = Tied(10, 1, 0, 5);
   larger.Assign(smaller);
   EXPECT_EQ(Dense(larger), Dense(smaller));
   EXPECT_GT(larger.below.size(), smaller.below.size());

@@ -64,16 +64,6 @@ TYPED_TEST(PoseGraphTest, DerivativesOfTheErrorAreThoseOfDifferences) {
   }
 }
 
-TYPED_TEST(PoseGraphTest, MinusUndoesPlus) {
-  std::mt19937_64 random(6);
-  for (int trial = 0; trial < 20; ++trial) {
-    const TypeParam pose = RandomPose<TypeParam>(random, 1.0);
-    const Tangent<TypeParam> step = 0.3 * Tangent<TypeParam>::Random();
-    const Tangent<TypeParam> back = PoseGroup<TypeParam>::Minus(PoseGroup<TypeParam>::Plus(pose, step.data()), pose);
-    EXPECT_LT((back - step).norm(), 1e-12) << back.transpose() << "\n" << step.transpose();
-  }
-}
-
 TYPED_TEST(PoseGraphTest, LapsDrivenTwiceComeToLieOnTheTruth) {
   const auto world = test::MakePoseGraphWorld<TypeParam>({.poses = 200, .lap = 50, .seed = 3});
   const auto result = OptimisePoseGraph(world.graph, PoseGraphOptions());
@@ -178,11 +168,8 @@ TYPED_TEST(PoseGraphTest, EqualInputGivesEqualBits) {
   const std::vector<double> elsewhere(12345, 1.0);
   const auto second = OptimisePoseGraph(world.graph, PoseGraphOptions());
   for (size_t i = 0; i < first.T_w_kf.size(); ++i) {
-    double a[7];
-    double b[7];
-    PoseGroup<TypeParam>::Store(first.T_w_kf[i], a);
-    PoseGroup<TypeParam>::Store(second.T_w_kf[i], b);
-    EXPECT_TRUE(std::equal(a, a + PoseGroup<TypeParam>::kParameters, b)) << i;
+    EXPECT_EQ(first.T_w_kf[i].translation(), second.T_w_kf[i].translation()) << i;
+    EXPECT_EQ(first.T_w_kf[i].R(), second.T_w_kf[i].R()) << i;
   }
 }
 

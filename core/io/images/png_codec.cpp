@@ -11,8 +11,10 @@
 #include <cstdio>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include "core/io/files/append_bytes.h"
+#include "core/io/images/png_grey.h"
 
 namespace plslam {
 namespace {
@@ -122,6 +124,7 @@ int PngKindOf(const cv::Mat& image) {
 }  // namespace
 
 cv::Mat DecodePng(std::span<const uint8_t> bytes, cv::Size size) {
+  if (std::optional<cv::Mat> grey = DecodeGreyPng(bytes, size)) return *std::move(grey);
   PngReader reader;
   png_structp const png = reader.png();
   png_infop const info = reader.info();

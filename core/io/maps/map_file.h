@@ -38,7 +38,8 @@ struct StoredMap {
 };
 
 /// A map file: magic, format version, length, BLAKE2b checksum, then all values, little endian and to the last bit,
-/// so that what is decoded is encoded to the same bytes again. See docs/map_files.md.
+/// so that what is decoded is encoded to the same bytes again (covariances of landmarks, which a map keeps in single
+/// precision, are rounded once). See docs/map_files.md.
 ///
 /// Throws std::runtime_error where the map breaks what decoding demands.
 std::vector<uint8_t> EncodeMap(const StoredMap& stored);

@@ -6,6 +6,8 @@
 
 #include <random>
 
+#include "core/geometry/se3.h"
+
 namespace plslam {
 namespace {
 

@@ -4,7 +4,14 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/io/files/shared_file.h"
+
 namespace plslam {
+
+PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& options) {
+  return {Vocabulary::Load(FindSharedFile(files.points)), Vocabulary::Load(FindSharedFile(files.lines)), options};
+}
+
 namespace {
 
 constexpr int64_t kNone = -1;

@@ -13,9 +13,15 @@
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
 #include "core/map/map_update.h"
+#include "core/places/place_recogniser.h"
 #include "loop_process/loop_closer.h"
+#include "loop_process/options.h"
 
 namespace plslam {
+
+/// A recogniser without places; `FindSharedFile` finds its vocabularies. Throws std::runtime_error with one sentence
+/// where one cannot be read.
+PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& options);
 
 /// What loop_process does, without threads and messages: keeps a copy of the map, and says when what is to be
 /// answered. The same arrivals give the same answers, in whichever order keyframes, updates of the map and requests

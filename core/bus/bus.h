@@ -15,7 +15,7 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/options.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/wire.h"
 
 namespace plslam {
 class header_t;

@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "core/bus/bus_impl.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/wire.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/repair_request_t.hpp"
 

@@ -6,9 +6,12 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <mutex>
 #include <vector>
+
+#include "core/bus/bus.h"
 
 namespace plslam::bus {
 
@@ -50,5 +53,25 @@ class RunLoop {
   std::atomic<int64_t> queued_bytes_ = 0;
   bool stopped_ = false;
 };
+
+/// For threads that work beside that of `Bus::Run`: runs `work`; what goes wrong in it ends the process where the run
+/// loop sees it.
+template <class Work>
+void RunGuarded(Bus& bus, const Work& work) {
+  std::exception_ptr failure;
+  try {
+    work();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  // Only now, so that the exception is no longer this thread's too.
+  if (failure) bus.Post([failure = std::move(failure)] { std::rethrow_exception(failure); });
+}
+
+/// Steady time, for durations.
+inline double NowMs() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+inline double NowS() { return 1e-3 * NowMs(); }
 
 }  // namespace plslam::bus

@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
-#include "core/errors/yaml_complaint.h"
 
 namespace plslam {
 namespace {

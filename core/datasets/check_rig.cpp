@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/lens_model.h"
+#include "core/geometry/distortion.h"
 
 namespace plslam {
 namespace {

@@ -9,7 +9,7 @@
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
 #include "core/io/files/dataset_error.h"
-#include "core/io/images/stereo_images.h"
+#include "core/io/images/image_file.h"
 
 namespace plslam {
 

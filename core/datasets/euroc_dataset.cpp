@@ -10,9 +10,8 @@
 
 #include "core/datasets/asl_sensor.h"
 #include "core/datasets/dataset_rows.h"
-#include "core/datasets/frame_truth.h"
 #include "core/datasets/image_list.h"
-#include "core/io/files/names_of_folder.h"
+#include "core/io/files/shared_file.h"
 
 namespace plslam {
 namespace {

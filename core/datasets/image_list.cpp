@@ -1,15 +1,52 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/image_list.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/datasets/check_rig.h"
+#include "core/datasets/dataset_rows.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
+namespace {
+
+// Distance in time, then indices: a total order, so that ties are decided the same way everywhere.
+using Candidate = std::tuple<int64_t, size_t, size_t>;
+
+std::vector<Candidate> Candidates(const std::vector<int64_t>& a_ns, const std::vector<int64_t>& b_ns,
+                                  int64_t max_ns) {
+  std::vector<Candidate> candidates;
+  for (size_t a = 0; a < a_ns.size(); ++a) {
+    const auto after = std::lower_bound(b_ns.begin(), b_ns.end(), a_ns[a]);
+    const auto b = static_cast<size_t>(after - b_ns.begin());
+    if (after != b_ns.end() && *after - a_ns[a] <= max_ns) candidates.emplace_back(*after - a_ns[a], a, b);
+    if (b > 0 && a_ns[a] - b_ns[b - 1] <= max_ns) candidates.emplace_back(a_ns[a] - b_ns[b - 1], a, b - 1);
+  }
+  std::sort(candidates.begin(), candidates.end());
+  return candidates;
+}
+
+}  // namespace
+
+std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>& a_ns,
+                                                      const std::vector<int64_t>& b_ns, int64_t max_ns) {
+  std::vector<bool> a_used(a_ns.size());
+  std::vector<bool> b_used(b_ns.size());
+  std::vector<std::pair<size_t, size_t>> pairs;
+  for (const auto& [distance_ns, a, b] : Candidates(a_ns, b_ns, max_ns)) {
+    if (a_used[a] || b_used[b]) continue;
+    a_used[a] = b_used[b] = true;
+    pairs.emplace_back(a, b);
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
 namespace {
 
 constexpr double kUsualBaseline_m = 10.0;
@@ -110,6 +147,34 @@ ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries) {
     if (std::exchange(is_first, false)) first_error = error;
   }
   throw DatasetError(first_error);
+}
+
+namespace {
+
+std::string SpanText(int64_t first_ns, int64_t last_ns) {
+  return fmt::format("{} s to {} s", SecondsText(first_ns), SecondsText(last_ns));
+}
+
+}  // namespace
+
+std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list) {
+  const Trajectory truth = ReadDatasetTrajectory(path, format);
+  std::vector<std::optional<SE3>> poses;
+  poses.reserve(list->entries.size());
+  for (const ImageList::Entry& entry : list->entries) {
+    poses.push_back(InterpolatePose(truth, entry.t_ns, kMaxTruthGap_ns));
+  }
+  const std::string name = std::filesystem::path(path).lexically_relative(list->name).string();
+  const auto n =
+      static_cast<size_t>(std::count_if(poses.begin(), poses.end(), [](const auto& p) { return p.has_value(); }));
+  if (truth.empty()) {
+    list->notes.push_back(name + ": has no poses");
+  } else if (2 * n < poses.size()) {
+    list->notes.push_back(fmt::format("{}: {} poses ({}), {} of {} frames ({}) have one", name, truth.size(),
+                                      SpanText(truth.front().t_ns, truth.back().t_ns), n, poses.size(),
+                                      SpanText(list->entries.front().t_ns, list->entries.back().t_ns)));
+  }
+  return poses;
 }
 
 }  // namespace plslam

@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/datasets/dataset.h"
 #include "core/io/images/image_file.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
+
+/// Pairs of indices (a, b) of two increasing lists of times that are at most `max_ns` apart, each index at most once,
+/// the nearest pairs first served (as TUM's associate.py does), in order of a. Of each a the nearest b before and
+/// after it are considered.
+std::vector<std::pair<size_t, size_t>> AssociateTimes(const std::vector<int64_t>& a_ns,
+                                                      const std::vector<int64_t>& b_ns, int64_t max_ns);
 
 /// A stereo sequence as a list of image files: what every reader of a folder comes down to.
 struct ImageList {
@@ -37,5 +47,10 @@ std::unique_ptr<Dataset> MakeImageListDataset(ImageList list, const std::string&
 /// Size of the images of the first pair whose headers can be read and agree. Throws the first pair's DatasetError
 /// where no pair has one.
 ImageSize LearnImageSize(const std::vector<ImageList::Entry>& entries);
+
+/// True pose of each entry of `list` by InterpolatePose, as the file at `path` has them. Where fewer than half of the
+/// frames get one (clocks of two kinds, truth of another part of the sequence) `list` gets a note with both spans of
+/// time.
+std::vector<std::optional<SE3>> FrameTruth(const std::string& path, TrajectoryFormat format, ImageList* list);
 
 }  // namespace plslam

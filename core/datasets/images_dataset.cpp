@@ -10,7 +10,6 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/dataset_rows.h"
-#include "core/datasets/frame_truth.h"
 #include "core/datasets/image_list.h"
 #include "core/io/images/image_folder.h"
 

@@ -10,7 +10,7 @@
 
 #include "core/datasets/dataset_rows.h"
 #include "core/datasets/image_list.h"
-#include "core/io/files/names_of_folder.h"
+#include "core/io/files/shared_file.h"
 
 namespace plslam {
 namespace {

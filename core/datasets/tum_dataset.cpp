@@ -8,12 +8,10 @@
 #include <string_view>
 #include <utility>
 
-#include "core/datasets/associate_times.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/dataset_rows.h"
-#include "core/datasets/frame_truth.h"
 #include "core/datasets/image_list.h"
-#include "core/io/files/names_of_folder.h"
+#include "core/io/files/shared_file.h"
 
 namespace plslam {
 namespace {

@@ -12,8 +12,6 @@
 
 #include "core/datasets/dataset.h"
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
-#include "core/errors/yaml_complaint.h"
 
 namespace plslam {
 namespace {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/errors/error_text.h"
 
-#include <fmt/format.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -12,9 +13,42 @@
 #include <fstream>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 
+#include <fmt/format.h>
+
 namespace plslam {
+namespace {
+
+/// Cuts the first line off `text`.
+std::string_view TakeLine(std::string_view& text) {
+  const size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+bool IsIndentedByTab(std::string_view line) {
+  const size_t first = line.find_first_not_of(" \t");
+  return first != std::string_view::npos && line[first] != '#' && line.substr(0, first).find('\t') != line.npos;
+}
+
+}  // namespace
+
+std::string YamlComplaint(const std::string& name, std::string_view text, int line, const std::string& what) {
+  if (text.find('\0') != std::string_view::npos) return name + ": is no YAML, but binary: " + Shown(text);
+  std::string_view rest = text, culprit;
+  for (int i = 0; i <= line && !rest.empty(); ++i) {
+    culprit = TakeLine(rest);
+    if (IsIndentedByTab(culprit)) {
+      return fmt::format("{}:{}: is indented by a tab; YAML wants spaces", name, i + 1);
+    }
+  }
+  if (line < 0) return fmt::format("{}: not valid YAML: {}", name, what);
+  return fmt::format("{}:{}: not valid YAML: {} ('{}')", name, line + 1, what, Shown(culprit));
+}
+
 namespace {
 
 constexpr size_t kMaxShown = 60;
@@ -133,6 +167,23 @@ std::string Joined(const std::string& a, const std::string& b) {
 bool IsOfMemory(const std::exception& error) {
   if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return true;
   return std::string_view(error.what()).find("(-4:Insufficient memory)") != std::string_view::npos;
+}
+
+std::string WhyUnreadable(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) return "cannot be read: " + ReasonOf(errno, path);
+  if (S_ISDIR(status.st_mode)) return "cannot be read: it is a folder, not a file";
+  // Not opened to see: a pipe would have lost its reader when it is closed again.
+  if (access(path.c_str(), R_OK) != 0) return "cannot be read: " + ReasonOf(errno, path);
+  return "";
+}
+
+std::ifstream OpenInput(const std::string& path) {
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error(path + ": " + why);
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(path + ": cannot be read: " + ReasonOf(errno, path));
+  return file;
 }
 
 }  // namespace plslam

@@ -2,11 +2,17 @@
 #pragma once
 
 #include <exception>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 namespace plslam {
+
+/// `NAME:LINE: ...` for YAML that cannot be parsed: `line` (from 0; below 0: unknown) and `what` as the parser says
+/// them, with the text of the line. A tab before a key, of which the parser complains at another line in other words,
+/// is found here.
+std::string YamlComplaint(const std::string& name, std::string_view text, int line, const std::string& what);
 
 /// Foreign text in a sentence for the user: printable ASCII as it is, other bytes as \xNN, and not more than 60
 /// characters, the last of them "..." where the text goes on. What stands in a file or on the network must not steer
@@ -40,5 +46,13 @@ auto WithMemoryFor(const std::string& what, F f) {
     throw;
   }
 }
+
+/// Opens a file or a pipe for reading, binary. Throws std::runtime_error "PATH: cannot be read: REASON" where there
+/// is none, where it is a folder, or where permission is missing.
+std::ifstream OpenInput(const std::string& path);
+
+/// Why `OpenInput` would refuse, without the path ("cannot be read: No such file or directory"); empty where it would
+/// not.
+std::string WhyUnreadable(const std::string& path);
 
 }  // namespace plslam

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 

@@ -21,7 +21,7 @@ struct MaskPolygon {
 /// Corners of all polygons of a camera, at most: the masks of both cameras travel in one datagram.
 inline constexpr size_t kMaxMaskCorners = 2000;
 
-/// One camera as calibrated. `model` is a name of core/geometry/lens_model.h: "pinhole" (no distortion), "radtan",
+/// One camera as calibrated. `model` is a name of core/geometry/distortion.h: "pinhole" (no distortion), "radtan",
 /// "rational", "equidistant" or "double_sphere".
 struct CameraCalibration {
   int width_px = 0;

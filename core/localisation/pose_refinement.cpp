@@ -4,7 +4,7 @@
 #include "core/features/matching/descriptor_matcher.h"
 #include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
-#include "core/geometry/rotate_covariance.h"
+#include "core/geometry/triangulation.h"
 #include "core/motion/pose_ransac.h"
 
 namespace plslam {

@@ -2,7 +2,6 @@
 #include "core/localisation/projection_search.h"
 
 #include "core/features/matching/descriptor_matcher.h"
-#include "core/features/matching/expected_octave.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
 

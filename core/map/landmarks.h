@@ -7,9 +7,8 @@
 #include <Eigen/Core>
 
 #include "core/features/features.h"
-#include "core/geometry/rotate_covariance.h"
 #include "core/geometry/se3.h"
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "core/map/id_map.h"
+#include "core/map/keyframe.h"
 #include "core/map/landmarks.h"
 #include "core/map/loop_closure.h"
-#include "core/map/map_keyframe.h"
 
 namespace plslam {
 

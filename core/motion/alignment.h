@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "core/geometry/se3.h"
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/places/vocabulary.h"
-#include "core/errors/input_file.h"
+#include "core/errors/error_text.h"
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -13,8 +13,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/errors/input_file.h"
-#include "core/features/image/cpu_clones.h"
+#include "core/features/image/vector_kernels.h"
 #include "core/io/files/atomic_file.h"
 
 namespace plslam {

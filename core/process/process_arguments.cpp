@@ -14,7 +14,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "core/config/sections.h"
+#include "core/config/config.h"
 
 namespace plslam::bus {
 

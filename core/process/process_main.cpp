@@ -13,8 +13,8 @@
 #include "core/errors/error_text.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_impl.h"
-#include "core/process/process_memory.h"
 #include "core/process/process_signals.h"
+#include "core/process/process_usage.h"
 
 namespace plslam::bus {
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
-#include "core/process/worker.h"
-#include "loop_process/vocabulary_files.h"
+#include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
 
 namespace plslam {

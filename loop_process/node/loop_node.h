@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "core/bus/messages/camera_channel.h"
+#include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_channel.h"

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "core/geometry/rotate_covariance.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "core/geometry/rotate_covariance.h"
+#include "core/geometry/triangulation.h"
 #include "core/localisation/local_map.h"
 #include "core/map/landmark_types.h"
 #include "mapping_process/insertion/observations.h"

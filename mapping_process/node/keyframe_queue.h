@@ -7,9 +7,13 @@
 #include <optional>
 #include <vector>
 
+#include "core/io/maps/map_file.h"
 #include "core/map/keyframe.h"
 
 namespace plslam {
+
+/// The keyframes of a map as trackers send them, for listeners that need their features.
+std::vector<Keyframe> KeyframesOf(const StoredMap& stored);
 
 /// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a
 /// restart a session may be told by several publishers (the tracker that goes on with it, and one who tells of the

@@ -11,12 +11,12 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
-#include "core/process/process_memory.h"
-#include "core/process/worker.h"
+#include "core/process/process_usage.h"
 #include "mapping_process/corrections/closure_check.h"
-#include "mapping_process/node/stored_keyframes.h"
+#include "mapping_process/node/keyframe_queue.h"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 

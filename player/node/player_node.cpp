@@ -10,10 +10,9 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
-#include "core/datasets/camera_mask.h"
+#include "core/bus/run_loop.h"
+#include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
-#include "core/datasets/shifted_dataset.h"
-#include "core/process/worker.h"
 #include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"

@@ -17,7 +17,7 @@
 
 #include "core/config/config.h"
 #include "core/datasets/open_dataset.h"
-#include "loop_process/vocabulary_files.h"
+#include "loop_process/loop_service.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/odometry_run.h"
 #include "tests/support/slam_run.h"

@@ -16,7 +16,7 @@
 
 #include "loop_process/loop_closer.h"
 #include "loop_process/loop_correction.h"
-#include "loop_process/vocabulary_files.h"
+#include "loop_process/loop_service.h"
 #include "tests/support/feature_world.h"
 
 namespace plslam::test {

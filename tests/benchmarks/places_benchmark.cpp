@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "core/places/place_recogniser.h"
 #include "tests/support/data_folder.h"
 #include "tools/evaluate/chart.h"

@@ -13,7 +13,7 @@
 #include <opencv2/core/utility.hpp>
 
 #include "core/datasets/open_dataset.h"
-#include "loop_process/vocabulary_files.h"
+#include "loop_process/loop_service.h"
 #include "tests/support/relocalisation_run.h"
 #include "tools/command_line/run_command_line.h"
 

@@ -15,7 +15,6 @@
 #include "core/config/config.h"
 #include "core/datasets/synthetic/options.h"
 #include "core/datasets/synthetic/simulator.h"
-#include "core/datasets/synthetic/synthetic_dataset.h"
 #include "tests/support/odometry_run.h"
 #include "tools/command_line/run_command_line.h"
 #include "vo_process/stereo/stereo_front_end.h"

@@ -18,7 +18,7 @@
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
-#include "tools/plslam/bus_url.h"
+#include "tools/plslam/run_bus.h"
 
 namespace plslam {
 namespace {

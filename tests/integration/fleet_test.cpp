@@ -13,7 +13,7 @@
 #include "tests/support/data_folder.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/alignment.h"
-#include "tools/plslam/bus_url.h"
+#include "tools/plslam/run_bus.h"
 
 namespace plslam {
 namespace {

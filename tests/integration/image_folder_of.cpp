@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 
 namespace plslam::test {
 namespace {

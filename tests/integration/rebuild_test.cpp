@@ -13,7 +13,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/keyframe_channel.h"
-#include "core/process/worker.h"
+#include "core/bus/run_loop.h"
 #include "plslam/camera_t.hpp"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"

@@ -3,7 +3,7 @@
 
 #include "core/bus/logs/log_reader.h"
 #include "core/bus/messages/map_pages.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/wire.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"

@@ -8,9 +8,9 @@
 
 #include "core/bus/channels.h"
 #include "core/bus/logs/log_reader.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/wire.h"
 #include "core/datasets/open_dataset.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "core/io/trajectories/trajectory.h"
 #include "plslam/tracks_t.hpp"
 #include "tests/integration/image_folder_of.h"

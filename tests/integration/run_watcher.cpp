@@ -3,9 +3,9 @@
 
 #include <chrono>
 
-#include "core/bus/transport/encoded.h"
+#include "core/bus/run_loop.h"
+#include "core/bus/transport/wire.h"
 #include "core/process/process_status.h"
-#include "core/process/worker.h"
 #include "plslam/pose_t.hpp"
 #include "tests/support/sanitized.h"
 

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "core/process/worker.h"
+#include "core/bus/run_loop.h"
 #include "tests/integration/run_watcher.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"

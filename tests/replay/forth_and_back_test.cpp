@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/datasets/open_dataset.h"
-#include "loop_process/vocabulary_files.h"
+#include "loop_process/loop_service.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/loop_run.h"
 #include "tests/support/worse_images.h"

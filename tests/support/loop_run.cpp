@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "vo_process/node/vo_messages.h"
-#include "vo_process/tracking/see_pair.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 namespace {

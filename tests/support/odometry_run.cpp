@@ -8,7 +8,7 @@
 
 #include "tests/support/dense_algebra.h"
 #include "tests/support/steady_ms.h"
-#include "vo_process/tracking/see_pair.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 namespace {

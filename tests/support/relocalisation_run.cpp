@@ -10,7 +10,6 @@
 #include "mapping_process/mapper.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
-#include "vo_process/tracking/see_pair.h"
 
 namespace plslam::test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "tests/support/steady_ms.h"
 #include "vo_process/node/vo_messages.h"
-#include "vo_process/tracking/see_pair.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam::test {
 namespace {

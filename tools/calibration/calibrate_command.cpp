@@ -11,7 +11,7 @@
 
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
-#include "core/geometry/lens_model.h"
+#include "core/geometry/distortion.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_folder.h"

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/calibration/rig_estimate.h"
 
-#include <ceres/ceres.h>
-#include <ceres/rotation.h>
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,13 +8,14 @@
 #include <optional>
 #include <stdexcept>
 
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+#include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 
 #include "core/geometry/distortion.h"
-#include "core/geometry/lens_model.h"
 #include "core/motion/robust.h"
 #include "tools/calibration/coverage.h"
-#include "tools/calibration/lens_projection.h"
 
 namespace plslam {
 namespace {

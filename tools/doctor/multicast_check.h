@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/doctor/bus_address.h"
 #include "tools/doctor/finding.h"
+#include "tools/doctor/socket_check.h"
 
 namespace plslam {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/accuracy/consistency.h"
-#include "core/accuracy/statistics.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
 #include "tools/evaluate/absolute_error.h"

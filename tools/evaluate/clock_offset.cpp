@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/accuracy/statistics.h"
+#include "core/accuracy/consistency.h"
 #include "tools/evaluate/absolute_error.h"
 
 namespace plslam {

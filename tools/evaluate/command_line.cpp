@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "core/io/files/atomic_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/compare/compare_command.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/accuracy/statistics.h"
+#include "core/accuracy/consistency.h"
 #include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/relative_error.h"
 

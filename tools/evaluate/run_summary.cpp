@@ -4,7 +4,7 @@
 #include <fstream>
 #include <stdexcept>
 
-#include "core/errors/input_file.h"
+#include "core/errors/error_text.h"
 
 namespace plslam {
 

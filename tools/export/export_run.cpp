@@ -10,11 +10,10 @@
 #include <stdexcept>
 
 #include "core/io/files/atomic_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_ply.h"
-#include "tools/export/colmap_model.h"
-#include "tools/export/keyframe_images.h"
+#include "tools/export/colmap.h"
 #include "tools/export/map_obj.h"
 #include "tools/export/mcap/export_mcap.h"
 #include "tools/export/run_source.h"

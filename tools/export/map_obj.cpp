@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "core/io/maps/map_colours.h"
+#include "core/io/maps/map_ply.h"
 
 namespace plslam {
 namespace {

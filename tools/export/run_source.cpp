@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/run_source.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <vector>
+
+#include <fmt/format.h>
+
+#include "core/datasets/open_dataset.h"
+#include "core/io/maps/map_camera.h"
 
 namespace plslam {
 namespace {
@@ -45,6 +48,22 @@ RunSource ReadRunSource(const std::string& path, const std::string& map) {
   }
   if (!source.map_path.empty()) source.map = ReadMapFile(source.map_path);
   return source;
+}
+
+KeyframeImages::KeyframeImages(const std::string& dataset, const StereoCamera& camera)
+    : dataset_(OpenDataset(dataset, "")) {
+  rectifier_ = std::make_unique<Rectifier>(dataset_->rig());
+  const std::string difference = CameraDifference(camera, rectifier_->camera());
+  if (!difference.empty()) {
+    throw std::runtime_error(fmt::format("{}: its rectified camera is not that of the map: {}", dataset, difference));
+  }
+  for (int i = 0; i < dataset_->size(); ++i) index_of_[dataset_->t_ns(i)] = i;
+}
+
+std::optional<cv::Mat> KeyframeImages::At(int64_t t_ns) const {
+  const auto index = index_of_.find(t_ns);
+  if (index == index_of_.end()) return std::nullopt;
+  return rectifier_->RectifyLeft(dataset_->Read(index->second).left);
 }
 
 }  // namespace plslam

@@ -1,9 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 
+#include <opencv2/core/mat.hpp>
+
+#include "core/datasets/dataset.h"
+#include "core/geometry/rectifier.h"
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -24,5 +31,24 @@ struct RunSource {
 /// std::runtime_error where there is neither, or more than one map. `map` is taken instead of the map in the folder,
 /// where it is not empty.
 RunSource ReadRunSource(const std::string& path, const std::string& map = "");
+
+/// The rectified left images that a map's keyframes were made of, from the dataset again.
+class KeyframeImages {
+ public:
+  /// Throws std::runtime_error where the dataset cannot be opened, or its rectified camera is not `camera`.
+  KeyframeImages(const std::string& dataset, const StereoCamera& camera);
+
+  /// The image taken at that time, 8-bit grey; nullopt where the dataset has none. Throws DatasetError where it has
+  /// one that cannot be read.
+  std::optional<cv::Mat> At(int64_t t_ns) const;
+
+  /// Left camera as calibrated (l) from rectified left camera (c).
+  SE3 T_l_c() const { return {rectifier_->q_l_c(), Eigen::Vector3d::Zero()}; }
+
+ private:
+  std::unique_ptr<Dataset> dataset_;
+  std::unique_ptr<Rectifier> rectifier_;
+  std::map<int64_t, int> index_of_;
+};
 
 }  // namespace plslam

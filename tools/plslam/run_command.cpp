@@ -12,7 +12,6 @@
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
 #include "tools/plslam/commands.h"
-#include "tools/plslam/output_folder.h"
 #include "tools/plslam/run_bus.h"
 #include "tools/plslam/run_checks.h"
 #include "tools/plslam/run_files.h"

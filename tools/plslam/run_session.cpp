@@ -7,9 +7,9 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/shared_file.h"
-#include "core/process/worker.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"
 

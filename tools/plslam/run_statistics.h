@@ -1,17 +1,132 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <bitset>
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/map/loop_closure.h"
+#include "core/map/map_update.h"
 #include "core/run/frame_tally.h"
-#include "tools/plslam/id_counter.h"
-#include "tools/plslam/stage_times.h"
 
 namespace plslam {
+
+/// Counts different numbers of sessions. They ascend nearly without gaps, so each costs little more than a bit: a set
+/// of landmarks was the greatest part of the memory of a long run's launcher.
+class IdCounter {
+ public:
+  /// Negative ones do not count.
+  void Add(int64_t session, int64_t id);
+  int64_t count() const { return count_; }
+  /// Memory of what has been counted, in bytes; never more than 40 MB: strangers may invent numbers.
+  int64_t bytes() const;
+
+ private:
+  static constexpr int64_t kBlock = 4096;
+  static constexpr size_t kMaxBlocks = 65536;
+
+  std::map<std::pair<int64_t, int64_t>, std::bitset<kBlock>> blocks_;  // by session and id / kBlock
+  int64_t count_ = 0;
+};
+
+/// Median and other quantiles of positive numbers in fixed memory, however many there are: a histogram whose bins
+/// grow by 1 %, so that a quantile is within 0.5 % of the exact one (for values of 1e-4 to 1e6; others are clamped).
+class QuantileSketch {
+ public:
+  void Add(double value);
+  int64_t count() const { return count_; }
+  /// The value below which a share of `q` (0 to 1) of the numbers lies (nearest rank); 0 without numbers.
+  double Quantile(double q) const;
+
+ private:
+  static constexpr int kBins = 2320;  // 1e-4 * 1.01^2320 > 1e6
+
+  std::array<int64_t, kBins> bins_{};
+  int64_t count_ = 0;
+  double min_ = 0.0;
+  double max_ = 0.0;
+};
+
+/// Times in ms by stage. Names come over the wire, where anybody may invent them: those beyond `kMaxStages` do not
+/// count.
+class StageTimes {
+ public:
+  static constexpr size_t kMaxStages = 64;
+
+  void Add(const std::string& stage, double ms) {
+    if (times_.size() < kMaxStages || times_.contains(stage)) times_[stage].Add(ms);
+  }
+  const std::map<std::string, QuantileSketch>& by_name() const { return times_; }
+
+ private:
+  std::map<std::string, QuantileSketch> times_;
+};
+
+/// Counts what loop_process says in a run; how many loops the map has, with those it came with, is in `MapTotals`.
+class LoopStatistics {
+ public:
+  void Add(LoopClosure::Kind kind, double detect_ms, double correct_ms);
+  void AddAnswer(bool found);
+
+  int64_t keyframes() const { return detect_ms_.count() + correct_ms_.count(); }
+  int64_t loops() const { return correct_ms_.count(); }
+  int64_t asked() const { return asked_; }
+  int64_t found() const { return found_; }
+  /// Of keyframes that closed no loop; of those that did, with the correction; of the adjustments of the whole map.
+  const QuantileSketch& detect_ms() const { return detect_ms_; }
+  const QuantileSketch& correct_ms() const { return correct_ms_; }
+  const QuantileSketch& adjust_ms() const { return adjust_ms_; }
+
+ private:
+  QuantileSketch detect_ms_;
+  QuantileSketch correct_ms_;
+  QuantileSketch adjust_ms_;
+  int64_t asked_ = 0;
+  int64_t found_ = 0;
+};
+
+/// Counts the updates of the map by their heads; content is not looked at.
+class MapStatistics {
+ public:
+  /// A version that has been counted changes nothing: the whole map may come again.
+  void Add(const MapUpdate& head);
+
+  /// 0: there is no map.
+  int64_t version() const { return version_; }
+  /// Of the newest version.
+  const MapTotals& totals() const { return totals_; }
+  const CommittedKeyframes& committed() const { return committed_; }
+
+  /// Keyframes that see a landmark, on average; 0 without landmarks.
+  double ObservationsPerPoint() const;
+  double ObservationsPerLine() const;
+
+  /// By stage, ms; of all updates, also those of a process that was killed.
+  const std::map<std::string, QuantileSketch>& stage_ms() const { return stage_ms_.by_name(); }
+  /// Means over the adjustments that had points, of their root mean squares; nothing where there was none.
+  std::optional<double> ReprojectionBefore_px() const { return Mean(before_px_); }
+  std::optional<double> ReprojectionAfter_px() const { return Mean(after_px_); }
+
+ private:
+  std::optional<double> Mean(double sum) const {
+    return n_adjustments_ > 0 ? std::optional(sum / static_cast<double>(n_adjustments_)) : std::nullopt;
+  }
+
+  int64_t source_ = 0;
+  int64_t version_ = 0;
+  CommittedKeyframes committed_;
+  MapTotals totals_;
+  StageTimes stage_ms_;
+  int64_t n_adjustments_ = 0;
+  double before_px_ = 0.0;
+  double after_px_ = 0.0;
+};
 
 /// What one frame's pose message tells of the run.
 struct FrameReport {

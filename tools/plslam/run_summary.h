@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "core/run/run_warnings.h"
-#include "tools/plslam/loop_statistics.h"
-#include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/supervisor.h"
 

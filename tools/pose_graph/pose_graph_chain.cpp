@@ -3,7 +3,7 @@
 
 #include <cstdlib>
 
-#include "core/optim/pose_graph/pose_graph_parts.h"
+#include "core/optim/pose_graph/pose_graph_blocks.h"
 
 namespace plslam {
 namespace {

@@ -13,12 +13,11 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/datasets/camera_mask.h"
+#include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/features/feature_extractor.h"
-#include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "tools/rectify_check/rectify_picture.h"
 #include "tools/rectify_check/row_errors.h"
 

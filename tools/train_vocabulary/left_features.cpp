@@ -7,7 +7,6 @@
 
 #include "core/datasets/open_dataset.h"
 #include "core/features/feature_extractor.h"
-#include "core/features/feature_mask.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/images/image_file.h"
 #include "core/io/images/image_folder.h"

@@ -10,7 +10,7 @@
 #include <string>
 
 #include "viewer_headless/live/http_server.h"
-#include "viewer_headless/report/report_since.h"
+#include "viewer_headless/report/report_json.h"
 
 namespace plslam {
 

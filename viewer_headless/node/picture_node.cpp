@@ -10,10 +10,10 @@
 #include <limits>
 #include <utility>
 
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "plslam/tracks_t.hpp"
 #include "viewer_headless/node/message_values.h"
-#include "viewer_headless/progress.h"
+#include "viewer_headless/outputs.h"
 
 namespace plslam {
 namespace {

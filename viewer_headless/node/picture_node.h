@@ -13,7 +13,7 @@
 #include "core/map/map.h"
 #include "viewer_headless/film.h"
 #include "viewer_headless/options.h"
-#include "viewer_headless/overlay_queue.h"
+#include "viewer_headless/overlay.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/picture_store.h"
 

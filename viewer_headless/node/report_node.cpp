@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "core/bus/run_loop.h"
 #include "core/io/files/atomic_file.h"
-#include "core/process/worker.h"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"

@@ -12,13 +12,12 @@
 #include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/run_loop.h"
 #include "core/process/process_status.h"
-#include "core/process/worker.h"
 #include "core/run/run_counters.h"
 #include "plslam/ground_truth_t.hpp"
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/outputs.h"
-#include "viewer_headless/progress.h"
 
 namespace plslam {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/messages/camera_channel.h"
+#include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/map_channel.h"
 #include "core/geometry/rectifier.h"
 #include "core/io/files/folder_lock.h"

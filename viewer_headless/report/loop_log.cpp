@@ -1,9 +1,71 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "viewer_headless/report/loop_log.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace plslam {
+namespace {
+
+constexpr size_t kMaxCorrections = 40;
+
+}  // namespace
+
+void CorrectionLog::Add(const MapUpdate& update, const Map& map, int64_t frame_id) {
+  // A whole map brings all loops there ever were: what was before, nobody saw.
+  const bool corrected = update.base_version != 0 && !update.loops.empty() && !positions_.empty();
+  if (corrected) {
+    Compare(map, frame_id);
+    for (const LoopEdge& edge : update.loops) {
+      moved_m_[{edge.old_keyframe_id, edge.keyframe_id}] = corrections_.empty() ? 0.0 : corrections_.back().moved_m;
+    }
+    KeepLargest();
+  }
+  if (update.base_version == 0) positions_.clear();
+  Follow(update);
+}
+
+void CorrectionLog::Compare(const Map& map, int64_t frame_id) {
+  ReportCorrection correction;
+  correction.frame_id = frame_id;
+  std::vector<int32_t> ids;
+  std::vector<float> before, after;
+  for (const auto& [id, p_before] : positions_) {
+    const MapKeyframe* keyframe = map.FindKeyframe(id);
+    if (keyframe == nullptr) continue;
+    const Eigen::Vector3d p_after = keyframe->T_w_kf.translation();
+    ids.push_back(static_cast<int32_t>(id));
+    Append(p_before, before);
+    Append(p_after, after);
+    correction.moved_m = std::max(correction.moved_m, (p_after - p_before).norm());
+  }
+  correction.table = {
+      {"keyframe", 1, std::move(ids)}, {"before", 3, std::move(before)}, {"after", 3, std::move(after)}};
+  corrections_.push_back(std::move(correction));
+}
+
+void CorrectionLog::KeepLargest() {
+  if (corrections_.size() <= kMaxCorrections) return;
+  const auto smaller = [](const auto& a, const auto& b) { return a.moved_m < b.moved_m; };
+  corrections_.erase(std::min_element(corrections_.begin(), corrections_.end(), smaller));
+  ++dropped_;
+}
+
+void CorrectionLog::Follow(const MapUpdate& update) {
+  for (const MovedKeyframe& keyframe : update.moved_keyframes) {
+    positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());
+  }
+  for (const int64_t id : update.removed_keyframes) positions_.erase(id);
+  for (const MapKeyframe& keyframe : update.keyframes) {
+    positions_.insert_or_assign(keyframe.id, keyframe.T_w_kf.translation());
+  }
+}
+
+double CorrectionLog::Moved_m(const LoopEdge& edge) const {
+  const auto found = moved_m_.find({edge.old_keyframe_id, edge.keyframe_id});
+  return found == moved_m_.end() ? 0.0 : found->second;
+}
+
 namespace {
 
 constexpr size_t kMaxLoops = 2000;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,21 @@
 #include "viewer_headless/report/report_data.h"
 
 namespace plslam {
+
+/// The row of each keyframe in the tables of a page, by id.
+using RowOfKeyframe = std::map<int64_t, int32_t>;
+
+/// Ids of landmarks and the keyframes that observe them, packed: a landmark of ten observations takes about thirteen
+/// bytes. For each landmark, in ascending order of ids, these numbers: its id less that of the one before (of the
+/// first: less -1), how many keyframes observe it, the row of the first of them less that of the landmark before (of
+/// the first: less 0; as 2n where it is n, as 2n - 1 where it is -n), and for each further keyframe its row less the
+/// one before. Numbers are LEB128: seven bits a byte, the lowest first, the eighth bit where more follow. Keyframes
+/// without a row are left out.
+template <class Landmark>
+std::string PackObservers(const std::vector<const Landmark*>& landmarks, const RowOfKeyframe& rows);
+
+/// A standard deviation in one byte, in steps of 5 %: 0 is unknown, 1 is 0.1 mm and less, 255 is 24 m and more.
+uint8_t PackSigma(double sigma_m);
 
 /// What a page can show of a map at most.
 struct MapLimits {

@@ -7,14 +7,13 @@
 
 #include "core/map/map_update.h"
 #include "viewer_headless/recorder.h"
-#include "viewer_headless/report/correction_log.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/loop_log.h"
 #include "viewer_headless/report/map_times.h"
 #include "viewer_headless/report/picture_store.h"
 #include "viewer_headless/report/process_log.h"
 #include "viewer_headless/report/report_data.h"
-#include "viewer_headless/report/report_since.h"
+#include "viewer_headless/report/report_json.h"
 
 namespace plslam {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/io/files/atomic_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 
 namespace plslam {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "core/bus/messages/map_channel.h"
 #include "core/process/partner_wait.h"
-#include "vo_process/node/tracker_session.h"
+#include "vo_process/node/tracker_state.h"
 #include "vo_process/tracking/odometry.h"
 
 namespace plslam {

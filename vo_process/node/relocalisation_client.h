@@ -8,7 +8,7 @@
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/map/loop_closure.h"
 #include "core/process/partner_wait.h"
-#include "vo_process/node/tracker_session.h"
+#include "vo_process/node/tracker_state.h"
 
 namespace plslam {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/node/tracker_state.h"
 
-#include <spdlog/spdlog.h>
-
 #include <exception>
 #include <filesystem>
 #include <stdexcept>
+
+#include <spdlog/spdlog.h>
 
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"

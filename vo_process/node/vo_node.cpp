@@ -15,10 +15,10 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/loop_channel.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/run_loop.h"
+#include "core/bus/transport/wire.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/archive.h"
-#include "core/process/worker.h"
 #include "core/run/run_warnings.h"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
@@ -26,7 +26,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 #include "vo_process/node/vo_messages.h"
-#include "vo_process/tracking/see_pair.h"
+#include "vo_process/tracking/odometry.h"
 
 namespace plslam {
 namespace {

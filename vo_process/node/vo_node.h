@@ -8,13 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "core/bus/messages/camera_channel.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/process/process.h"
 #include "vo_process/node/map_link.h"
 #include "vo_process/node/relocalisation_client.h"
-#include "vo_process/node/tracker_session.h"
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/stereo_front_end.h"

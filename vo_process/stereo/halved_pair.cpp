@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "core/features/image/halved_image.h"
+#include "core/features/image/image_pyramid.h"
 
 namespace plslam {
 

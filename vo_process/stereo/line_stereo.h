@@ -7,8 +7,8 @@
 
 #include "core/features/features.h"
 #include "core/features/options.h"
-#include "core/geometry/segment.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/geometry/triangulation.h"
 #include "vo_process/stereo/row_field.h"
 
 namespace plslam {

@@ -6,7 +6,6 @@
 
 #include <Eigen/LU>
 
-#include "vo_process/stereo/patch.h"
 #include "vo_process/stereo/slant_refiner.h"
 
 namespace plslam {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/features/image/cpu_clones.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

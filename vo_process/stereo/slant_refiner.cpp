@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "vo_process/stereo/patch.h"
+#include "vo_process/stereo/patch_aligner.h"
 
 namespace plslam {
 namespace {

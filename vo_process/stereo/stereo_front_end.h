@@ -6,10 +6,8 @@
 #include <opencv2/core/mat.hpp>
 
 #include "core/features/feature_extractor.h"
-#include "core/features/feature_mask.h"
-#include "core/features/image/run_both.h"
 #include "core/geometry/rectifier.h"
-#include "core/io/images/stereo_images.h"
+#include "core/io/images/image_file.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/stereo/side_worker.h"

@@ -3,10 +3,10 @@
 
 #include <utility>
 
-#include "vo_process/stereo/correct_disparities.h"
 #include "vo_process/stereo/depth_points.h"
 #include "vo_process/stereo/line_stereo.h"
 #include "vo_process/stereo/point_stereo.h"
+#include "vo_process/stereo/row_field.h"
 
 namespace plslam {
 namespace {

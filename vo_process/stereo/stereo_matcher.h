@@ -7,8 +7,8 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "core/features/feature_extractor.h"
 #include "core/features/features.h"
-#include "core/features/image/run_both.h"
 #include "core/features/options.h"
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/stereo/halved_pair.h"

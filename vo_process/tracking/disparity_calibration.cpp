@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "vo_process/stereo/correct_disparities.h"
+#include "vo_process/stereo/row_field.h"
 
 namespace plslam {
 namespace {

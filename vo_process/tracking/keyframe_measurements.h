@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
-#include "vo_process/tracking/id_index.h"
+#include "vo_process/tracking/landmark_list.h"
 #include "vo_process/tracking/local_landmarks.h"
 
 namespace plslam {

@@ -10,7 +10,7 @@
 #include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
-#include "core/geometry/rotate_covariance.h"
+#include "core/geometry/triangulation.h"
 #include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 

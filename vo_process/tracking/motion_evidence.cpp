@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "vo_process/tracking/image_cells.h"
+#include "vo_process/tracking/row_calibration.h"
 
 namespace plslam {
 namespace {

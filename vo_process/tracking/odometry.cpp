@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/motion/robust.h"
-#include "vo_process/stereo/correct_disparities.h"
+#include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/noise_scale.h"
 
 namespace plslam {

@@ -7,6 +7,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/run/tracking_state.h"
+#include "vo_process/stereo/stereo_front_end.h"
 #include "vo_process/tracking/corner_budget.h"
 #include "vo_process/tracking/disparity_calibration.h"
 #include "vo_process/tracking/frame_aligner.h"
@@ -228,5 +229,20 @@ class Odometry {
   int64_t keyframe_point_id_ = 0;
   int64_t keyframe_line_id_ = 0;
 };
+
+/// Stereo features of the next pair, for `odometry.Track`, with rows that differ as they are known to; what the pair
+/// tells of them is learned. The first pair is looked at twice, since landmarks are created on it: before all for
+/// rows that may differ by much. So are further ones until there was enough to see, and one that changes whether rows
+/// differ. Throws as `StereoFrontEnd::Process`.
+inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, const StereoImages& images,
+                              StageTimer& timer) {
+  odometry.Expect(images.t_ns);
+  const bool looks = odometry.needs_rows();
+  if (looks) timer.Time("rows", [&] { odometry.LearnRows(front_end.LookForRows(images, odometry.rows().skew())); });
+  StereoFeatures features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
+  if (!looks && odometry.LearnRows(features))
+    features = front_end.Process(images, timer, odometry.rows(), odometry.max_points());
+  return features;
+}
 
 }  // namespace plslam

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <span>
 
-#include "core/features/matching/expected_octave.h"
 #include "core/features/matching/hamming.h"
-#include "core/geometry/rotate_covariance.h"
+#include "core/features/matching/segment_projection.h"
+#include "core/geometry/triangulation.h"
 #include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,9 +12,42 @@
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/row_observations.h"
 
 namespace plslam {
+
+// An image in cells, for counting how widely something is spread, and what lies together.
+
+inline constexpr int kCellColumns = 8;
+inline constexpr int kCellRows = 6;
+
+/// Row by row; places outside count to the nearest.
+inline int CellOf(const Eigen::Vector2d& px, const StereoCamera& camera) {
+  const int column = std::clamp(static_cast<int>(kCellColumns * px.x() / camera.width_px), 0, kCellColumns - 1);
+  const int row = std::clamp(static_cast<int>(kCellRows * px.y() / camera.height_px), 0, kCellRows - 1);
+  return row * kCellColumns + column;
+}
+
+/// A match whose patches tell its row without knowing it (corners, not edges): what is learned from of how rows
+/// differ.
+struct RowObservation {
+  /// Which of the points.
+  size_t point = 0;
+  /// As `RowField` tells places.
+  Eigen::Vector2d place_px = Eigen::Vector2d::Zero();
+  double offset_px = 0.0;
+  double variance_px2 = 1.0;
+  /// With so many others in its part of the image, which err alike.
+  double sharing = 1.0;
+};
+
+/// Those of the points of a pair.
+std::vector<RowObservation> RowObservationsOf(const StereoFeatures& features, const StereoCamera& camera);
+
+/// How far an innovation may be off, in standard deviations, to be learned from.
+inline constexpr double kMaxRowDeviation = 4.0;
+
+/// Factor of the variance of an innovation of so many standard deviations (Huber).
+double RowHuberFactor(double deviation);
 
 /// Estimates, while driving, by how much rows of the right image differ from those of the left (`RowField`).
 ///

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 
 #include "vo_process/stereo/row_field.h"
-#include "vo_process/tracking/row_observations.h"
+#include "vo_process/tracking/row_calibration.h"
 
 namespace plslam {
 namespace {

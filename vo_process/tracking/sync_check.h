@@ -9,7 +9,7 @@
 
 #include "core/geometry/stereo_camera.h"
 #include "core/run/run_counters.h"
-#include "vo_process/stereo/pair_skew.h"
+#include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/tracked_frame.h"
 
 namespace plslam {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/messages/convert.h"
 
-#include "core/bus/transport/encoded.h"
-#include "core/geometry/lens_model.h"
+#include "core/bus/transport/wire.h"
+#include "core/geometry/distortion.h"
 
 #include <algorithm>
 #include <cmath>

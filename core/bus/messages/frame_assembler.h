@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/images/stereo_images.h"
+#include "core/io/images/image_file.h"
 
 namespace plslam {
 class image_strip_t;

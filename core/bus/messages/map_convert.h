@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "core/map/keyframe.h"
 #include "core/map/landmarks.h"
-#include "core/map/map_keyframe.h"
 #include "core/map/map_update.h"
 
 namespace plslam {

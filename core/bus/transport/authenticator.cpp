@@ -8,7 +8,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
-#include "core/errors/input_file.h"
+#include "core/errors/error_text.h"
 
 namespace plslam::bus {
 namespace {

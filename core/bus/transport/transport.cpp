@@ -16,7 +16,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "core/bus/transport/datagram_filter.h"
+#include "core/bus/transport/udp_receiver.h"
 #include "core/errors/error_text.h"
 
 namespace plslam::bus {

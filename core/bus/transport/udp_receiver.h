@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,19 @@
 #include "core/bus/transport/wire.h"
 
 namespace plslam::bus {
+
+/// Larger datagrams (bytes, with UDP header and LCM's head) are filtered by their channel: strips of images, pages of
+/// keyframes and maps.
+inline constexpr size_t kUnfilteredBytes = 16'384;
+
+/// Has the kernel drop large LCM packets of channels other than `names` before they take room in the buffer of the
+/// UDP socket `fd` and wake its reader (classic BPF, which needs no privileges: socket(7), SO_ATTACH_FILTER). Images
+/// that only the tracker reads then cost the other processes nothing. Parts of longer messages, and what is no LCM
+/// packet, come as before. Takes the place of the filter before; where the kernel refuses, everything comes.
+void FilterLargeDatagrams(int fd, const std::set<std::string, std::less<>>& names);
+
+/// Everything comes again.
+void RemoveDatagramFilter(int fd);
 
 /// A packet of LCM: magic and number (both 32 bits), name of the channel, 0, message.
 inline constexpr uint32_t kLcmMagic = 0x4c433032;

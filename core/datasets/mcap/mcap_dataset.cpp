@@ -11,13 +11,13 @@
 #include <set>
 #include <utility>
 
-#include "core/datasets/associate_times.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
+#include "core/datasets/image_list.h"
 #include "core/datasets/mcap/mcap_reader.h"
 #include "core/datasets/mcap/ros_messages.h"
 #include "core/errors/error_text.h"
-#include "core/io/trajectories/interpolate_pose.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
 namespace {

@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/datasets/mcap/ros_messages.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/datasets/calibrations/readers.h"
-#include "core/datasets/mcap/cdr_reader.h"
 #include "core/errors/error_text.h"
 #include "core/io/images/image_file.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 
-#include "core/datasets/synthetic/hall.h"
 #include "core/datasets/synthetic/materials.h"
 #include "core/datasets/synthetic/world_builder.h"
 #include "core/datasets/synthetic/worlds.h"

@@ -8,7 +8,6 @@
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/motion.h"
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
 #include "core/io/files/dataset_error.h"
 
 namespace plslam::synthetic {

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/datasets/synthetic/hall.h"
 #include "core/datasets/synthetic/materials.h"
 #include "core/datasets/synthetic/world_builder.h"
 #include "core/datasets/synthetic/worlds.h"

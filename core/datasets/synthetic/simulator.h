@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/bodies.h"
 #include "core/datasets/synthetic/distortion.h"
 #include "core/datasets/synthetic/motion.h"
@@ -15,7 +17,7 @@
 #include "core/datasets/synthetic/world.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
-#include "core/io/images/stereo_images.h"
+#include "core/io/images/image_file.h"
 
 namespace plslam::synthetic {
 
@@ -82,3 +84,11 @@ class Simulator {
 };
 
 }  // namespace plslam::synthetic
+
+namespace plslam {
+
+/// Opens a built-in world from "synthetic:NAME?option=value&..." (the text after "synthetic:" is `description`).
+/// Throws DatasetError with the known names or options where one is unknown.
+std::unique_ptr<Dataset> OpenSyntheticDataset(const std::string& description);
+
+}  // namespace plslam

@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "core/datasets/synthetic/canvas.h"
-#include "core/datasets/synthetic/hall.h"
 #include "core/datasets/synthetic/world_builder.h"
 #include "core/datasets/synthetic/worlds.h"
 

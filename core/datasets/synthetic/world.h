@@ -9,7 +9,7 @@
 
 #include "core/datasets/synthetic/texture.h"
 #include "core/geometry/se3.h"
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam::synthetic {
 

@@ -3,8 +3,7 @@
 
 #include <algorithm>
 
-#include "core/features/image/cpu_clones.h"
-#include "core/features/image/whole_blocks.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/features/image/cpu_clones.h"
-#include "core/features/image/whole_blocks.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "core/features/image/halved_image.h"
-#include "core/features/lines/edge_width.h"
+#include "core/features/image/image_pyramid.h"
 #include "core/features/lines/line_select.h"
+#include "core/features/lines/line_sigma.h"
 
 namespace plslam {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "core/features/image/cpu_clones.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

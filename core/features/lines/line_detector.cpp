@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/features/lines/line_edge_map.h"
 #include "core/features/lines/line_grower.h"
 
 namespace plslam {

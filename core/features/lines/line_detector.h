@@ -9,7 +9,7 @@
 
 #include "core/features/image/gradients.h"
 #include "core/features/options.h"
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 

@@ -3,7 +3,7 @@
 
 #include <bit>
 
-#include "core/features/image/cpu_clones.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 

@@ -1,13 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "core/features/features.h"
-#include "core/geometry/segment.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
+
+/// Octave in which a corner that was found in `octave` from `then_m` away should be found from `now_m` away.
+inline int ExpectedOctave(int octave, double then_m, double now_m, double scale_factor, int levels) {
+  const double steps = std::log(then_m / now_m) / std::log(scale_factor);
+  return std::clamp(octave + static_cast<int>(std::lround(steps)), 0, levels - 1);
+}
 
 /// The part of a segment (camera frame) at least `min_depth_m` in front of the camera; nullopt where there is none.
 std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_m);

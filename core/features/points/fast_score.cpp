@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "core/features/image/cpu_clones.h"
-#include "core/features/image/whole_blocks.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

@@ -6,8 +6,7 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "core/features/image/cpu_clones.h"
-#include "core/features/image/whole_blocks.h"
+#include "core/features/image/vector_kernels.h"
 
 namespace plslam {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <span>
 
-#include "core/features/image/cpu_clones.h"
+#include "core/features/image/vector_kernels.h"
 #include "core/features/matching/buckets.h"
 #include "core/features/points/fast_score.h"
 

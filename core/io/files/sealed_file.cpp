@@ -12,7 +12,6 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
 #include "core/io/files/atomic_file.h"
 
 namespace plslam {

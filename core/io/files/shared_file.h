@@ -3,8 +3,13 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace plslam {
+
+/// What a folder is called, whole and without a slash at the end: as it was given, and, where that is through a link,
+/// as it really is. A dataset's name tells what belongs to it, and either may be the one that the benchmark gave it.
+std::vector<std::filesystem::path> NamesOfFolder(const std::filesystem::path& folder);
 
 /// The folder of the running program; empty where the system does not tell.
 std::filesystem::path ProgramFolder();

@@ -12,7 +12,6 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
 
 namespace plslam {
 namespace {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/images/image_file.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -10,13 +8,14 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/imgproc.hpp>
 #include <span>
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+#include <opencv2/imgproc.hpp>
+
 #include "core/errors/error_text.h"
-#include "core/errors/input_file.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/images/png_codec.h"
 
-#include <png.h>
-#include <zlib.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,7 +10,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/files/append_bytes.h"
+#include <png.h>
+#include <zlib.h>
+
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/bytes.h"
 #include "core/io/images/png_grey.h"
 
 namespace plslam {
@@ -177,6 +178,10 @@ std::string EncodePng(const cv::Mat& image, std::optional<int> compression) {
     png_write_end(png, info);
   });
   return file;
+}
+
+void WritePng(const std::string& path, const cv::Mat& image, std::optional<int> compression) {
+  WriteFileAtomically(path, EncodePng(image, compression));
 }
 
 }  // namespace plslam

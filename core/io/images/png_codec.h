@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
 #include <string>
+
+#include <opencv2/core/mat.hpp>
 
 namespace plslam {
 
@@ -20,5 +21,9 @@ cv::Mat DecodePng(std::span<const uint8_t> bytes, cv::Size size);
 /// level from 0 (none) to 9 (smallest); without it, the fastest for drawings: runs of equal differences to the left.
 /// Throws std::invalid_argument for other images.
 std::string EncodePng(const cv::Mat& image, std::optional<int> compression = std::nullopt);
+
+/// Writes the image as PNG (`EncodePng`), whole or not at all (`WriteFileAtomically`). Throws std::runtime_error
+/// where the file cannot be written, std::invalid_argument where the image is none.
+void WritePng(const std::string& path, const cv::Mat& image, std::optional<int> compression = std::nullopt);
 
 }  // namespace plslam

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/geometry/se3.h"
-#include "core/geometry/segment.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/geometry/triangulation.h"
 #include "core/optim/bundle/options.h"
 
 namespace plslam {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/se2.h"
 #include "core/geometry/se3.h"
+#include "core/optim/pose_graph/pose_graph_group.h"
 
 namespace plslam {
 

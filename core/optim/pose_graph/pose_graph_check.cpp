@@ -7,7 +7,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "core/optim/pose_graph/pose_graph_parts.h"
+#include "core/optim/pose_graph/pose_graph_blocks.h"
 
 namespace plslam {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/bus/messages/camera_channel.h"
+#include "core/bus/messages/frame_channel.h"
 
 #include <gtest/gtest.h>
 

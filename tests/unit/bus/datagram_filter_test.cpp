@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/bus/transport/datagram_filter.h"
+#include "core/bus/transport/udp_receiver.h"
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "core/bus/transport/transport.h"
-#include "core/bus/transport/udp_receiver.h"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {

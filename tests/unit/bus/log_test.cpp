@@ -12,7 +12,7 @@
 #include "core/bus/logs/log_writer.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/frame_channel.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/transport/wire.h"
 #include "core/datasets/log_dataset.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"

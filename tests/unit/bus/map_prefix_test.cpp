@@ -4,8 +4,8 @@
 #include <fstream>
 #include <set>
 
-#include "core/bus/transport/encoded.h"
 #include "core/bus/transport/transport.h"
+#include "core/bus/transport/wire.h"
 #include "plslam/announce_t.hpp"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "core/datasets/camera_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/calibration/board_pictures.h"

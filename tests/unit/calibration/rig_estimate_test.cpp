@@ -10,7 +10,6 @@
 #include "core/geometry/distortion.h"
 #include "tests/unit/calibration/board_pictures.h"
 #include "tools/calibration/coverage.h"
-#include "tools/calibration/lens_projection.h"
 
 namespace plslam {
 namespace {

@@ -10,7 +10,7 @@
 #include <opencv2/core.hpp>
 #include <stdexcept>
 
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 
 namespace plslam::test {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "core/geometry/image_mask.h"
 #include "core/io/images/image_folder.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tests/unit/datasets/dataset_matchers.h"
 

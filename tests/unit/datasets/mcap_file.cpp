@@ -9,7 +9,7 @@
 #include <map>
 #include <vector>
 
-#include "core/io/files/little_endian.h"
+#include "core/io/files/bytes.h"
 #include "tests/unit/datasets/dataset_folders.h"
 
 namespace plslam::test {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/shifted_dataset.h"
+#include "core/datasets/open_dataset.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "core/datasets/open_dataset.h"
 #include "tests/unit/datasets/dataset_matchers.h"
 
 namespace plslam {

@@ -6,7 +6,7 @@
 
 #include <filesystem>
 
-#include "core/datasets/associate_times.h"
+#include "core/datasets/image_list.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tests/unit/datasets/dataset_matchers.h"

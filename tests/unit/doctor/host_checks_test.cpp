@@ -9,9 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "tools/doctor/bus_address.h"
-#include "tools/doctor/clock_check.h"
-#include "tools/doctor/files_check.h"
+#include "tools/doctor/host_checks.h"
 #include "tools/doctor/multicast_check.h"
 #include "tools/doctor/socket_check.h"
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tests/unit/documents/document_commands.h"
-#include "tools/plslam/bus_url.h"
 #include "tools/plslam/child_process.h"
+#include "tools/plslam/run_bus.h"
 
 namespace plslam::test {
 

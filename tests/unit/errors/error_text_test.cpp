@@ -9,8 +9,6 @@
 #include <new>
 #include <system_error>
 
-#include "core/errors/yaml_complaint.h"
-
 namespace plslam {
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/errors/input_file.h"
+#include "core/errors/error_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

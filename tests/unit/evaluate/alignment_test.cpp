@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "core/accuracy/statistics.h"
+#include "core/accuracy/consistency.h"
 #include "tests/unit/evaluate/pairs.h"
 #include "tools/evaluate/absolute_error.h"
 

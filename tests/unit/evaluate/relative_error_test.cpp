@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/accuracy/statistics.h"
+#include "core/accuracy/consistency.h"
 #include "tests/unit/evaluate/pairs.h"
 #include "tools/evaluate/keyframe_error.h"
 

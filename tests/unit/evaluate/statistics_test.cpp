@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/accuracy/statistics.h"
+#include "core/accuracy/consistency.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "core/io/maps/map_camera.h"
 #include "tests/support/shell.h"
 #include "tests/unit/export/small_map.h"
-#include "tools/export/colmap_model.h"
+#include "tools/export/colmap.h"
 
 namespace plslam {
 namespace {

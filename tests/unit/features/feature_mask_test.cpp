@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/features/feature_mask.h"
+#include "core/features/feature_extractor.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam {
 namespace {

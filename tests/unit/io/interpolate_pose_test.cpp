@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/io/trajectories/interpolate_pose.h"
+#include "core/io/trajectories/trajectory.h"
 
 #include <gtest/gtest.h>
 

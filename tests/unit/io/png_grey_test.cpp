@@ -10,7 +10,6 @@
 #include <random>
 
 #include "core/io/images/png_codec.h"
-#include "core/io/images/png_filters.h"
 #include "tests/unit/io/png_kinds.h"
 
 namespace plslam {

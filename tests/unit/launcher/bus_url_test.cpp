@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/bus_url.h"
+#include "tools/plslam/run_bus.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

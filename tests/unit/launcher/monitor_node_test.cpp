@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
+#include "core/bus/run_loop.h"
 #include "core/process/process_usage.h"
-#include "core/process/worker.h"
 #include "plslam/pose_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"

@@ -13,7 +13,7 @@
 #include "core/io/maps/map_file.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/map_file/stored_maps.h"
-#include "tools/plslam/output_folder.h"
+#include "tools/plslam/run_files.h"
 
 namespace plslam {
 namespace {

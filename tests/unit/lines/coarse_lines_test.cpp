@@ -7,7 +7,6 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "core/features/lines/edge_width.h"
 #include "core/features/lines/line_extractor.h"
 #include "core/features/lines/line_sigma.h"
 #include "tests/unit/lines/rendered_edges.h"

@@ -6,7 +6,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "core/geometry/segment.h"
+#include "core/geometry/triangulation.h"
 
 namespace plslam::test {
 

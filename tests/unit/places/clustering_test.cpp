@@ -7,7 +7,6 @@
 #include <set>
 
 #include "tests/unit/places/random_places.h"
-#include "tools/train_vocabulary/majority_vote.h"
 
 namespace plslam {
 namespace {

@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "core/bus/transport/encoded.h"
 #include "core/bus/transport/transport.h"
+#include "core/bus/transport/wire.h"
 #include "core/datasets/open_dataset.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/ground_truth_t.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/process/process_memory.h"
+#include "core/process/process_usage.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,6 @@
 #include <memory>
 #include <thread>
 #include <vector>
-
-#include "core/process/process_usage.h"
 
 namespace plslam::bus {
 namespace {

@@ -13,8 +13,8 @@
 #include "core/process/process_signals.h"
 #include "plslam/status_t.hpp"
 #include "tests/support/text_file.h"
-#include "tools/plslam/bus_url.h"
 #include "tools/plslam/child_process.h"
+#include "tools/plslam/run_bus.h"
 
 namespace plslam {
 namespace {

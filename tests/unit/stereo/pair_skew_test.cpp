@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/stereo/pair_skew.h"
+#include "vo_process/stereo/row_field.h"
 
 #include <gtest/gtest.h>
 

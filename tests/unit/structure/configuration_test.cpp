@@ -5,7 +5,6 @@
 #include <filesystem>
 
 #include "core/config/config.h"
-#include "core/config/sections.h"
 #include "tests/support/data_folder.h"
 #include "tests/unit/structure/configuration_reference.h"
 #include "tests/unit/structure/source_tree.h"

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/datasets/dataset.h"
-#include "core/datasets/synthetic/synthetic_dataset.h"
+#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam::synthetic {
 namespace {

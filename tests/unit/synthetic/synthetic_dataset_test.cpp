@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/synthetic/synthetic_dataset.h"
+#include "core/datasets/synthetic/simulator.h"
 
 #include <cmath>
 #include <map>
@@ -11,7 +11,6 @@
 
 #include "core/datasets/dataset.h"
 #include "core/datasets/synthetic/distortion.h"
-#include "core/datasets/synthetic/simulator.h"
 
 namespace plslam {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/film_path.h"
+#include "viewer_headless/film.h"
 
 #include <gtest/gtest.h>
 

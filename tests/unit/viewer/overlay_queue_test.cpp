@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/overlay_queue.h"
+#include "viewer_headless/overlay.h"
 
 #include <gmock/gmock.h>
 

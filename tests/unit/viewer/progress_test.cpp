@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "viewer_headless/progress.h"
+#include "viewer_headless/outputs.h"
 
 #include <gtest/gtest.h>
 

@@ -7,9 +7,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "core/io/files/base64.h"
+#include "core/io/files/bytes.h"
 #include "viewer_headless/report/report_page.h"
-#include "viewer_headless/report/report_since.h"
 #include "viewer_headless/report/table.h"
 
 namespace plslam {

@@ -8,7 +8,6 @@
 #include "tests/unit/viewer/report_columns.h"
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"
-#include "viewer_headless/report/observers.h"
 
 namespace plslam {
 namespace {

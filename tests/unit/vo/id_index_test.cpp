@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "vo_process/tracking/id_index.h"
+#include "vo_process/tracking/landmark_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

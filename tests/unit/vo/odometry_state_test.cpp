@@ -13,7 +13,6 @@
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/bent_rig.h"
 #include "vo_process/tracking/odometry.h"
-#include "vo_process/tracking/see_pair.h"
 
 namespace plslam {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <iterator>
 
-#include "core/io/files/base64.h"
+#include "core/io/files/bytes.h"
 #include "core/io/images/png_codec.h"
 #include "tools/evaluate/figures/drawing.h"
 

@@ -9,7 +9,7 @@
 
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
@@ -18,7 +18,6 @@
 #include "tools/evaluate/figures/similarity_figure.h"
 #include "tools/evaluate/figures/top_view.h"
 #include "tools/evaluate/run_summary.h"
-#include "tools/export/keyframe_images.h"
 #include "tools/export/run_source.h"
 
 namespace plslam {

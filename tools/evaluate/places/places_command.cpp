@@ -11,7 +11,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_file.h"
+#include "core/io/images/png_codec.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"

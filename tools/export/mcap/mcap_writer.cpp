@@ -12,7 +12,7 @@
 
 #include "core/datasets/mcap/mcap_format.h"
 #include "core/errors/error_text.h"
-#include "core/io/files/little_endian.h"
+#include "core/io/files/bytes.h"
 
 namespace plslam {
 namespace {

@@ -20,10 +20,9 @@
 #include <vector>
 
 #include "core/bus/delivery/history.h"
-#include "core/bus/transport/encoded.h"
+#include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
 #include "core/process/process_usage.h"
-#include "core/process/worker.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/ground_truth_t.hpp"
 #include "plslam/keyframe_t.hpp"

@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "core/bus/messages/map_pages.h"
+#include "core/bus/run_loop.h"
 #include "core/process/process_status.h"
 #include "core/process/process_usage.h"
-#include "core/process/worker.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
 #include "plslam/map_update_t.hpp"

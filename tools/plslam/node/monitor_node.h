@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "core/bus/bus.h"
-#include "tools/plslam/loop_statistics.h"
-#include "tools/plslam/map_statistics.h"
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/run_summary.h"
 #include "tools/plslam/stall_watch.h"

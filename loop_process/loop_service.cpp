@@ -28,6 +28,7 @@ LoopClosure HeadOf(const LoopClosure& closure) {
   head.session = closure.session;
   head.session_keyframe_id = closure.session_keyframe_id;
   head.t_ns = closure.t_ns;
+  head.map_version = closure.map_version;
   return head;
 }
 
@@ -65,7 +66,6 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     committed_.clear();
     due_.clear();
     told_.reset();
-    on_its_way_since_ms_.reset();
     unadjusted_.reset();
   }
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
@@ -87,7 +87,7 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
 /// What an update means for what is to be checked.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
   NoteNewest(update);
-  FollowLoops(update, output);
+  FollowAnswer(update.answer, output);
   if (update.session_keyframe_id < 0) return;
   const bool begins = update.base_version == 0 && !checked_.contains(update.session);
   // What another loop_process has checked, or will never be: of all sessions but for the newest keyframe.
@@ -110,26 +110,13 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
   checked_[update.session] = std::max(checked, update.session_keyframe_id);
 }
 
-/// Any loop that is new in the map is the one told, whatever its ends are called there by now: only this process
-/// tells of loops, and a map that one has changed refuses those computed before.
-void LoopService::FollowLoops(const MapUpdate& update, Output& output) {
-  const size_t n_loops = replica_.map().loops().size();
-  const bool arrived = n_loops > std::exchange(n_loops_, n_loops);
-  if (!told_) return;
-  if (arrived || IsRefused(update)) on_its_way_since_ms_.reset();
-  if (!arrived) return;
-  if (told_->more) Adjust(*told_, output);
+void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
+  const bool is_answered = told_ && answer.session == told_->session &&
+                           answer.session_keyframe_id == told_->session_keyframe_id &&
+                           answer.map_version == told_->map_version;
+  if (!is_answered) return;
+  if (answer.accepted && told_->more) Adjust(*told_, output);
   told_.reset();
-}
-
-/// A map that refuses a loop commits what it has. But another robot's keyframe may be committed because it has been
-/// checked.
-bool LoopService::IsRefused(const MapUpdate& update) const {
-  if (!update.committed) return false;
-  if (update.session == told_->session) return update.session_keyframe_id >= told_->session_keyframe_id;
-  return std::any_of(due_.begin(), due_.end(), [&update](const Due& due) {
-    return due.session == update.session && due.keyframe_id == update.session_keyframe_id;
-  });
 }
 
 /// Those of the session that are in the map, up to the newest, which is answered in any case. (A number alone means
@@ -216,9 +203,7 @@ void LoopService::CheckWhatIsDue(Output& output) {
     Adjust(*unadjusted_, output);
     unadjusted_.reset();
   }
-  // That it was refused may have looked like something else.
-  if (on_its_way_since_ms_ && now_ms_() - *on_its_way_since_ms_ >= kPatience_ms) on_its_way_since_ms_.reset();
-  while (!on_its_way_since_ms_) {
+  while (!told_) {
     const auto next = NextDue();
     if (next == due_.end()) return;
     const auto [session, keyframe_id, since_ms] = *next;
@@ -231,10 +216,7 @@ void LoopService::CheckWhatIsDue(Output& output) {
     closure.map_version = replica_.version();
     const double took_ms = now_ms_() - began_ms;
     (closure.kind == LoopClosure::Kind::kLoop ? closure.correct_ms : closure.detect_ms) = took_ms;
-    if (closure.kind == LoopClosure::Kind::kLoop) {
-      told_ = HeadOf(closure);
-      on_its_way_since_ms_ = now_ms_();
-    }
+    if (closure.kind == LoopClosure::Kind::kLoop) told_ = HeadOf(closure);
     output.closures.push_back(std::move(closure));
   }
 }

@@ -28,8 +28,8 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 /// come in between.
 ///
 /// Each keyframe is checked once, on the map right after it came in, and its features are waited for. While a loop is
-/// on its way into the map, nothing else is checked, until it is there or refused, or for a while where that cannot
-/// be told; whenever it arrives, the adjustment of the whole map follows. A request of a lockstep stream is answered
+/// on its way into the map, nothing else is checked, until the map answers it (`MapUpdate::answer`). The adjustment of
+/// the whole map follows a loop that was accepted. A request of a lockstep stream is answered
 /// on the map that loop_process has had its say about, as of the tracker's last keyframe.
 ///
 /// A map that comes whole (one of the two processes was started again) is checked when the features of all its
@@ -38,7 +38,7 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 /// committed, waits for the adjustment that the loop_process before this one died over.
 class LoopService {
  public:
-  /// How long features that do not come are waited for, and loops of which the map says nothing.
+  /// How long features that do not come are waited for.
   static constexpr double kPatience_ms = 3000.0;
   /// The same of features of a lockstep session, since whoever tells its keyframes was last heard of: as the others
   /// wait in lockstep (`wait_s` of the other processes by default).
@@ -81,8 +81,7 @@ class LoopService {
   };
 
   void Follow(const MapUpdate& update, Output& output);
-  void FollowLoops(const MapUpdate& update, Output& output);
-  bool IsRefused(const MapUpdate& update) const;
+  void FollowAnswer(const LoopAnswer& answer, Output& output);
   void NoteNewest(const MapUpdate& update);
   void AddDue(const MapUpdate& update, int64_t checked);
   void Adjust(const LoopClosure& loop, Output& output);
@@ -110,11 +109,8 @@ class LoopService {
   double lacking_since_ms_ = 0.0;
   /// The loop whose adjustment another loop_process died over.
   std::optional<LoopClosure> unadjusted_;
-  /// The last loop told that the map has not taken over, without edges and poses; it may yet come when it seemed
-  /// refused. And since when it is on its way.
+  /// The loop that was told and that the map has not answered yet, without edges and poses.
   std::optional<LoopClosure> told_;
-  std::optional<double> on_its_way_since_ms_;
-  size_t n_loops_ = 0;  ///< in the map
   std::deque<Keyframe> requests_;
 };
 

@@ -18,9 +18,6 @@ struct PosePair {
 
 using PosePairs = std::vector<PosePair>;
 
-/// Of a true pose that was told for the very frame.
-inline constexpr int64_t kSameMoment_ns = 1'000'000;
-
 /// The error (Q_i^-1 Q_j)^-1 (P_i^-1 P_j) of the motion from pair i to pair j, for truth Q and estimate P.
 SE3 MotionError(const PosePair& i, const PosePair& j);
 

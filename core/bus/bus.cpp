@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/bus/bus.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include <sodium.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "core/bus/bus_impl.h"
-#include "core/bus/delivery/history.h"
 
 namespace plslam::bus {
 namespace {
@@ -25,73 +22,89 @@ int64_t RandomSource() {
   return source;
 }
 
-void CheckPrefix(const std::string& key, const std::string& prefix) {
-  const bool plain = std::all_of(prefix.begin(), prefix.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '/' || c == '.';
-  });
-  if (!plain || prefix.size() > 32) {
-    throw std::runtime_error("bus." + key + ": '" + prefix + "' must be at most 32 letters, digits or _ - / .");
-  }
-}
-
-void CheckFolder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (access(folder.c_str(), W_OK | X_OK) != 0) {
-    throw std::runtime_error("bus.history_dir: " + folder + " is no folder that can be written to");
-  }
-}
-
 }  // namespace
 
 Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
     : options(options_in),
       process(std::move(process_in)),
+      names(options),
+      source(RandomSource()),
       authenticator(options.key_file),
       transport(options.url),
+      outboxes(options, names, authenticator, transport, source),
+      inboxes(options, transport.two_way(), loop, counts,
+              [this](const Channel& channel, int64_t publisher, const OrderedReader::Request& request) {
+                Request(channel, publisher, request);
+              }),
       request_layout_(FindMessageLayout(kRepairRequest.type)),
       announce_layout_(FindMessageLayout(kAnnounce.type)),
       drop_random_(static_cast<uint64_t>(options.drop_seed)) {
-  CheckPrefix("prefix", options.prefix);
-  CheckPrefix("map_prefix", options.map_prefix);
-  source = RandomSource();
   spdlog::default_logger_raw();  // made here, before the thread that may use it
-  temporary_folder = options.history_dir.empty();
-  history_folder = temporary_folder ? TemporaryFolder(source) : options.history_dir;
-  if (!temporary_folder) CheckFolder(history_folder);
   transport.SetReceiver([this](std::string_view channel, ByteView bytes) { OnDatagram(channel, bytes); });
   for (const Channel& control : {kRepairRequest, kAnnounce}) {
-    transport.Listen(WireName(control));
-    if (const std::string name = NameForMap(control); !name.empty()) transport.Listen(name);
+    transport.Listen(names.WireName(control));
+    if (const std::string name = names.NameForMap(control); !name.empty()) transport.Listen(name);
   }
   transport.ListenToEnding(kStatus.name);
   receiver_ = std::thread([this] { ReceiveLoop(); });
 }
 
-std::string Bus::Impl::WireName(const Channel& channel) const {
-  return std::string(PrefixOf(channel.scope)).append(channel.name);
-}
-
-std::string Bus::Impl::NameForMap(const Channel& channel) const {
-  const std::string name = std::string(MapPrefix()).append(channel.name);
-  return name == WireName(channel) ? std::string() : name;
-}
-
-bool Bus::Impl::IsNamed(std::string_view wire_name, const Channel& channel) const {
-  if (!wire_name.ends_with(channel.name)) return false;
-  const std::string_view prefix = wire_name.substr(0, wire_name.size() - channel.name.size());
-  return prefix == options.prefix || prefix == MapPrefix();
-}
-
 Bus::Impl::~Impl() {
   // What was published last may still be asked for; afterwards nobody can answer.
   static constexpr std::chrono::milliseconds kFarewell{300};
-  Flush(kFarewell);
+  outboxes.Flush(kFarewell, false);
   stopping_ = true;
   MayReceive();
   transport.Wake();
   receiver_.join();
-  outboxes.clear();
+}
+
+void Bus::Impl::Subscribe(const Channel& channel, const char* type, std::shared_ptr<Subscription> subscription) {
+  const MessageLayout* layout = FindMessageLayout(type);
+  if (channel.type != type || layout == nullptr) {
+    throw std::logic_error(std::string(channel.name) + " carries " + std::string(channel.type) + ", not " + type);
+  }
+  std::vector<std::string> wire_names = {names.WireName(channel)};
+  const std::string for_map = names.NameForMap(channel);
+  if (channel.scope == Scope::kFromMap && !for_map.empty()) wire_names.push_back(for_map);
+  for (const std::string& wire_name : wire_names) {
+    inboxes.Add(wire_name, channel, layout, subscription);
+    transport.Listen(wire_name);
+  }
+  transport.Wake();
+}
+
+void Bus::Impl::SubscribeRest(Inboxes::Rest rest) {
+  inboxes.AddRest(std::move(rest));
+  transport.ListenToAll();
+}
+
+void Bus::Impl::Publish(const Channel& channel, const char* type, header_t& header,
+                        const std::function<int()>& encoded_size, const Encode& encode) {
+  if (channel.type != type) {
+    throw std::logic_error(std::string(channel.name) + " carries " + std::string(channel.type) + ", not " + type);
+  }
+  const std::optional<int64_t> announce_time = outboxes.Publish(channel, header, encoded_size, encode);
+  if (announce_time && *announce_time < wake_time_) transport.Wake();
+}
+
+BusCounters Bus::Impl::counters() const {
+  BusCounters counters;
+  counters.sent = outboxes.sent();
+  counters.received = counts.received;
+  counters.lost = counts.lost;
+  counters.repaired = counts.repaired;
+  counters.resent = outboxes.resent();
+  counters.rejected = counts.rejected + nonsense + transport.junk();
+  counters.unproven = counts.unproven;
+  counters.duplicates = counts.duplicates;
+  counters.skipped = counts.skipped + passed_over;
+  return counters;
+}
+
+std::string Bus::Impl::Complaints() const {
+  const std::lock_guard lock(rejections_mutex_);
+  return rejections_.Line(SteadyNow_ns());
 }
 
 Bus::Bus(const BusOptions& options, const std::string& process) : impl_(std::make_unique<Impl>(options, process)) {}
@@ -100,7 +113,7 @@ Bus::~Bus() = default;
 int64_t Bus::source() const { return impl_->source; }
 const BusOptions& Bus::options() const { return impl_->options; }
 
-std::string Bus::WireName(const Channel& channel) const { return impl_->WireName(channel); }
+std::string Bus::WireName(const Channel& channel) const { return impl_->names.WireName(channel); }
 
 int64_t Bus::page_bytes() const {
   return impl_->options.max_message_bytes - static_cast<int64_t>(impl_->authenticator.overhead());
@@ -119,15 +132,18 @@ void Bus::Run() {
   impl_->loop.Run();
 }
 void Bus::Stop() {
-  impl_->stopped = true;
+  impl_->outboxes.Stop();
   impl_->loop.Stop();
 }
 void Bus::StopWhenHandled() {
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->takes_more = false;
-  }
-  impl_->loop.Post([this] { Stop(); });
+  // By the receiving thread, so that everything it has handed over stands before the stop in the queue.
+  impl_->inboxes.Close([this] { impl_->loop.Post([this] { Stop(); }); });
+  impl_->transport.Wake();
+}
+
+void Bus::PublishEncoded(const Channel& channel, const char* type, header_t& header,
+                         const std::function<int()>& encoded_size, const Encode& encode) {
+  impl_->Publish(channel, type, header, encoded_size, encode);
 }
 
 void Bus::SubscribeDecoded(const Channel& channel, const char* type, bool best_effort, Deliver deliver) {
@@ -155,49 +171,17 @@ void Bus::SubscribeBytes(const Channel& channel, Reading reading, std::function<
 }
 
 void Bus::SubscribeRest(std::function<void(std::string_view, std::span<const uint8_t>)> take) {
-  {
-    const std::lock_guard lock(impl_->mutex);
-    impl_->rest = std::move(take);
-  }
-  impl_->transport.ListenToAll();
+  impl_->SubscribeRest(std::move(take));
 }
 
 void Bus::CountRejected() { ++impl_->nonsense; }
 void Bus::CountSkipped(int64_t n) { impl_->passed_over += n; }
 
-int Bus::ReaderCount(const Channel& channel) const { return impl_->ReaderCount(channel); }
-
-bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->Flush(limit); }
-bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->Flush(limit, true); }
-
-int64_t Bus::acknowledged() const {
-  const std::lock_guard lock(impl_->mutex);
-  int64_t sum = 0;
-  for (const auto& [name, outbox] : impl_->outboxes) {
-    if (outbox->writer != nullptr) sum += outbox->writer->acknowledged();
-  }
-  return sum;
-}
-
-std::string Bus::Complaints() const {
-  const std::lock_guard lock(impl_->mutex);
-  return impl_->rejections.Line(Impl::Now());
-}
-
-BusCounters Bus::counters() const {
-  const std::lock_guard lock(impl_->mutex);
-  BusCounters counts = impl_->counts;
-  counts.rejected += impl_->nonsense + impl_->transport.junk();
-  counts.skipped += impl_->passed_over;
-  counts.lost += impl_->given_lost;
-  counts.repaired += impl_->given_repaired;
-  for (const auto& [name, inbox] : impl_->inboxes) {
-    for (const auto& [source, reader] : inbox.readers) {
-      counts.lost += reader.lost();
-      counts.repaired += reader.repaired();
-    }
-  }
-  return counts;
-}
+int Bus::ReaderCount(const Channel& channel) const { return impl_->outboxes.ReaderCount(channel); }
+bool Bus::Flush(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(limit, false); }
+bool Bus::FlushToSilent(std::chrono::milliseconds limit) { return impl_->outboxes.Flush(limit, true); }
+int64_t Bus::acknowledged() const { return impl_->outboxes.acknowledged(); }
+BusCounters Bus::counters() const { return impl_->counters(); }
+std::string Bus::Complaints() const { return impl_->Complaints(); }
 
 }  // namespace plslam::bus

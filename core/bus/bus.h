@@ -37,7 +37,7 @@ struct BusCounters {
 };
 
 /// The only door to LCM. Receives on a thread of its own, checks and orders there, and delivers on the thread that
-/// calls `Run`, one message at a time: handlers need no locks.
+/// calls `Run`, one message at a time: handlers need no locks. No lock of the bus is held while a handler runs.
 ///
 /// Publishing is safe from any thread. An ordered message that cannot be sent at once (a reader is behind and the
 /// window is full) makes `Publish` wait, at most `BusOptions::max_wait_ms`; then it is left to repair.

@@ -27,6 +27,11 @@ enum class Scope {
   kFromMap,  ///< sent under one's own, read under both: who lives
 };
 
+/// Whether a publisher minds how fast its readers are. kFree: only as far as the window of an ordered channel goes.
+/// kPaced: readers acknowledge big unordered messages, so that they are not outrun by much. kLockstep: readers have all
+/// the time that they need, as long as they get on.
+enum class Pace { kFree, kPaced, kLockstep };
+
 /// One row of the channel table, which lcmtypes/README.md and the tests read too.
 struct Channel {
   std::string_view name;
@@ -36,6 +41,7 @@ struct Channel {
   Retention retention;
   std::string_view meaning;
   Scope scope = Scope::kRobot;
+  Pace pace = Pace::kFree;
 };
 
 inline constexpr Channel kCamera{
@@ -47,9 +53,12 @@ inline constexpr Channel kStereoFrame{"STEREO_FRAME",
                                       "player",
                                       Delivery::kEvery,
                                       Retention::kUnacknowledged,
-                                      "frames in lockstep, by strips"};
+                                      "frames in lockstep, by strips",
+                                      Scope::kRobot,
+                                      Pace::kLockstep};
 inline constexpr Channel kStereoFrameLive{"STEREO_FRAME_LIVE", "image_strip_t",  "player",
-                                          Delivery::kLatest,   Retention::kNone, "frames in real time, by strips"};
+                                          Delivery::kLatest,   Retention::kNone, "frames in real time, by strips",
+                                          Scope::kRobot,       Pace::kPaced};
 inline constexpr Channel kGroundTruth{"GROUND_TRUTH",   "ground_truth_t", "player",
                                       Delivery::kEvery, Retention::kAll,  "true poses, for evaluation only"};
 inline constexpr Channel kPose{

@@ -27,6 +27,16 @@ struct AdjustmentFigures {
 
 /// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
 /// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
+/// What became of a loop that loop_process told, which is named by what its `LoopClosure` says of keyframe and map.
+struct LoopAnswer {
+  int64_t session = 0;
+  int64_t session_keyframe_id = -1;  ///< -1: no loop has been answered yet
+  int64_t map_version = 0;
+  bool accepted = false;
+
+  bool operator==(const LoopAnswer&) const = default;
+};
+
 struct MapUpdate {
   int64_t source = 0;  ///< publisher: the start of mapping_process whose map it is; set by the receiver
   int64_t version = 0;
@@ -38,6 +48,8 @@ struct MapUpdate {
   int64_t t_ns = 0;
   /// loop_process has said all it has to say about that keyframe, and it is in the map; or there is no loop_process.
   bool committed = false;
+  /// To the newest loop that was told. Every update says it again, so that nobody misses it.
+  LoopAnswer answer;
   /// Applied to the map of the base version, before all else (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;

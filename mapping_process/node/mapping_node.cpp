@@ -58,7 +58,7 @@ MappingNode::~MappingNode() {
   Queue([this] { stopping_ = true; });
   stop_solve_ = true;
   worker_.join();
-  // Of one that was killed alone.
+  // The state file is for a crash alone.
   std::error_code ignored;
   if (!options_.state_file.empty()) std::filesystem::remove(options_.state_file, ignored);
 }
@@ -153,7 +153,7 @@ void MappingNode::BeginMap() {
   PublishStored(KeyframesOf(*stored_));
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Commit();
-  publisher_.Publish(mapper_->Whole());
+  PublishWhole();
   process_.SetState("running");
   TellOfMap(options_.map_file);
 }
@@ -162,7 +162,7 @@ void MappingNode::BeginMap() {
 void MappingNode::GoOnFromState() {
   const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored);
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
-  publisher_.Publish(mapper_->Whole());
+  PublishWhole();
   process_.SetState("running");
   PublishStored(keyframes);
   TellOfMap(options_.state_file);
@@ -213,9 +213,12 @@ void MappingNode::Do(const Work& work) {
     case Work::Kind::kCommit:
       mapper_->Commit();
       return Publish({});
+    case Work::Kind::kRefuse:
+      Answer(work.closure, false);
+      return Publish({});
     case Work::Kind::kPublishWhole:
       // Where nothing is there yet, the first update will be all there is.
-      if (mapper_->version() > 0) publisher_.Publish(mapper_->Whole());
+      if (mapper_->version() > 0) PublishWhole();
       return;
     case Work::Kind::kSave:
       return Save(work.path);
@@ -268,6 +271,7 @@ void MappingNode::Correct(const Work& work) {
   const bool corrects = work.closure.kind != LoopClosure::Kind::kNone;
   const bool corrected = corrects && mapper_->Correct(OfThisMap(work), &reason);
   bool commits = work.commits;
+  if (work.closure.kind == LoopClosure::Kind::kLoop) Answer(work.closure, corrected);
   if (corrects && !corrected) {
     spdlog::warn("a correction of the map is left: {}", reason);
     const std::lock_guard lock(mutex_);
@@ -286,8 +290,20 @@ LoopClosure MappingNode::OfThisMap(const Work& work) const {
   return closure;
 }
 
+/// With the next update, and with each from then on.
+void MappingNode::Answer(const LoopClosure& loop, bool accepted) {
+  answer_ = {loop.session, loop.session_keyframe_id, loop.map_version, accepted};
+}
+
+void MappingNode::PublishWhole() {
+  MapUpdate update = mapper_->Whole();
+  update.answer = answer_;
+  publisher_.Publish(update);
+}
+
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
+  update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState("running");

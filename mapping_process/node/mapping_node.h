@@ -76,7 +76,9 @@ class MappingNode {
   void Save(const std::string& path);
   void TellOfSave(const std::string& failure);
   void KeepState();
+  void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
+  void PublishWhole();
   void CountMap();
   void CountFailures();
 
@@ -104,6 +106,7 @@ class MappingNode {
   std::optional<MapperState> state_;  ///< of one that has crashed
   bool restored_ = false;             ///< there was one
   std::optional<Mapper> mapper_;
+  LoopAnswer answer_;
   int64_t n_ignored_ = 0;
   int64_t n_missing_ = 0;
   int64_t n_failed_ = 0;

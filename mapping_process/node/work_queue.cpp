@@ -139,6 +139,10 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     // loop_process was started again, or was asked again by a mapping_process that was.
     const bool again = newest_.lockstep && (newest_.committed || !IsAboutNewest(work.closure) ||
                                             !newest_.taken.insert(work.closure.kind).second);
+    if (again && work.closure.kind == LoopClosure::Kind::kLoop) {
+      work.kind = Work::Kind::kRefuse;
+      return work;
+    }
     if (again || (work.closure.kind == LoopClosure::Kind::kNone && !commits)) continue;
     work.commits = commits;
     if (commits) {

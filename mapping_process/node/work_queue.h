@@ -42,6 +42,7 @@ class WorkQueue {
       kInsert,        ///< `keyframes`, and adjust the map
       kCorrect,       ///< by `closure`; afterwards commit if `commits`
       kCommit,        ///< loop_process has nothing to say about the newest keyframe
+      kRefuse,        ///< the loop of `closure`, which comes too late: it is answered, and the map stays as it is
       kPublishWhole,  ///< somebody lacks the map
       kSave,          ///< the map, to `path`
       kKeepState,     ///< the map as it is is worth keeping for whoever is started in our place
@@ -80,8 +81,8 @@ class WorkQueue {
   /// What is to be done next, which then counts as done; nullopt: nothing yet. By the same clock as `Add`.
   std::optional<Work> Take(double now_s);
 
-  /// The map has refused a loop, so no adjustment follows: that all is said tells it to loop_process, which waits for
-  /// the loop to arrive. Whether that was not said yet.
+  /// The map has refused a loop, so no adjustment follows, and all is said about the newest keyframe. Whether that was
+  /// not so yet.
   bool Refused();
 
   /// This many keyframes are in the map now, the last of them this one.

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,20 +18,32 @@ std::string TemporaryRoot();
 std::string TemporaryFolder(int64_t source);
 
 /// The sent messages of one ordered channel, by number, for those that ask again. Memory is bounded: beyond
-/// `memory_bytes` a kAll history moves its oldest messages to an LCM log, a kUnacknowledged one forgets them.
+/// `memory_bytes` a kAll history wants its oldest messages moved to a `HistoryLog`, a kUnacknowledged one forgets
+/// them. It never touches the disk itself, so that whoever guards it with a mutex holds that for bookkeeping alone:
+///
+///   Append  ->  while (message = ToMove()) { offset = log.Write(message); Moved(offset); }
+///   Find    ->  the message, or the offset for log.Read
 class History {
  public:
-  /// `path` is the log of kAll, made when it is first needed. Unless `keep_file` it loses its name at once, and its
-  /// folder too, so that nothing is left even of a process that is killed.
-  History(Retention retention, int64_t memory_bytes, std::string channel, std::string path, bool keep_file);
-  ~History();
-  History(const History&) = delete;
-  History& operator=(const History&) = delete;
+  /// A message that is kept: in memory, or else at `offset` of the log.
+  struct Kept {
+    Bytes message;
+    int64_t offset = -1;
+    size_t bytes = 0;
+  };
+
+  History(Retention retention, int64_t memory_bytes) : retention_(retention), memory_limit_(memory_bytes) {}
 
   /// The next message: its number is `next_seq()`.
   void Append(Bytes message);
-  /// nullptr where it is not kept any more, or was never sent.
-  Bytes Get(int64_t seq);
+  /// The oldest message in memory where it is to go to the log; nullptr where memory is within its bound.
+  Bytes ToMove() const;
+  /// That message stands at `offset` of the log, or could not be written (nullopt). Without a log the history begins
+  /// later from then on, which announcements say.
+  void Moved(std::optional<int64_t> offset);
+
+  /// nullopt where it is not kept any more, or was never sent.
+  std::optional<Kept> Find(int64_t seq) const;
   /// kUnacknowledged: everything below `seq` is no longer needed. kAll ignores it.
   void Forget(int64_t seq);
 
@@ -39,27 +52,50 @@ class History {
   int64_t next_seq() const { return memory_first_ + static_cast<int64_t>(memory_.size()); }
   int64_t memory_bytes() const { return bytes_; }
   /// Messages in the log.
-  int64_t spilled() const { return static_cast<int64_t>(offsets_.size()); }
+  int64_t moved() const { return static_cast<int64_t>(moved_.size()); }
 
  private:
-  struct Log;
+  struct Place {
+    int64_t offset = 0;
+    size_t bytes = 0;
+  };
+  bool UsesLog() const { return retention_ == Retention::kAll && !log_failed_; }
   void DropOldest();
-  bool Spill(const Bytes& message);
-  void RemoveFile() const;
-  Bytes ReadSpilled(int64_t seq);
 
   Retention retention_;
   int64_t memory_limit_;
-  std::string channel_;
-  std::string path_;
-  bool keep_file_;
   std::deque<Bytes> memory_;
   int64_t memory_first_ = 0;
   int64_t first_seq_ = 0;
   int64_t bytes_ = 0;
-  std::vector<int64_t> offsets_;  // places in the log of the messages 0, 1, ...
-  std::unique_ptr<Log> log_;
+  std::vector<Place> moved_;  // the messages 0, 1, ... in the log
   bool log_failed_ = false;
+};
+
+/// The LCM log that a history moves its oldest messages to. One thread may write while another reads what has been
+/// written.
+class HistoryLog {
+ public:
+  /// The file is made when it is first needed. Unless `keep_file` it loses its name at once, and its folder too, so
+  /// that nothing is left even of a process that is killed.
+  HistoryLog(std::string channel, std::string path, bool keep_file);
+  ~HistoryLog();
+  HistoryLog(const HistoryLog&) = delete;
+  HistoryLog& operator=(const HistoryLog&) = delete;
+
+  /// The offset of the message in the file; nullopt where the disk does not take it (full, gone).
+  std::optional<int64_t> Write(const Bytes& message);
+  /// nullptr where it cannot be read.
+  Bytes Read(int64_t offset);
+
+ private:
+  struct Files;
+  void RemoveFile() const;
+
+  std::string channel_;
+  std::string path_;
+  bool keep_file_;
+  std::unique_ptr<Files> files_;
 };
 
 }  // namespace plslam::bus

@@ -16,10 +16,6 @@ constexpr int64_t kMaxWindow = 1'000'000;
 
 }  // namespace
 
-OrderedWriter::OrderedWriter(Retention retention, int64_t memory_bytes, std::string channel, std::string path,
-                             bool keep_file)
-    : history_(retention, memory_bytes, std::move(channel), std::move(path), keep_file) {}
-
 std::optional<int64_t> OrderedWriter::InFlight(int64_t delivered) const {
   const int64_t oldest = history_.next_seq() - static_cast<int64_t>(cost_before_.size());
   const int64_t first = delivered + 1;
@@ -101,15 +97,15 @@ OrderedWriter::Answer OrderedWriter::OnRequest(int64_t id, int64_t delivered, in
     for (int64_t seq = std::max(range.first, history_.first_seq()); seq <= last; ++seq) {
       const auto [noted, is_new] = resent_at_.try_emplace(seq, now);
       if (!is_new && now - noted->second < times_.resend_pause_ns) continue;
-      Bytes message = history_.Get(seq);
-      if (message == nullptr) continue;
-      cost += WireCost(message->size());
+      std::optional<History::Kept> kept = history_.Find(seq);
+      if (!kept) continue;
+      cost += WireCost(kept->bytes);
       if (cost > reader.window && !answer.resend.empty()) {
         if (is_new) resent_at_.erase(noted);
         return answer;
       }
       noted->second = now;
-      answer.resend.push_back(std::move(message));
+      answer.resend.push_back(std::move(*kept));
     }
   }
   return answer;

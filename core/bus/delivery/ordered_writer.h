@@ -40,7 +40,7 @@ class OrderedWriter {
     int64_t resend_pause_ns = 2'000'000;  ///< the same message is not sent again sooner (several readers ask)
   };
 
-  OrderedWriter(Retention retention, int64_t memory_bytes, std::string channel, std::string path, bool keep_file);
+  OrderedWriter(Retention retention, int64_t memory_bytes) : history_(retention, memory_bytes) {}
 
   /// For how long after its last word messages are kept for a reader.
   void KeepReadersFor(int64_t ns) { times_.reader_kept_ns = ns; }
@@ -58,11 +58,14 @@ class OrderedWriter {
 
   /// The message `next_seq()` has been sent.
   void Sent(Bytes message, int64_t now);
+  /// The oldest messages that memory has no room for, as `History` says.
+  Bytes ToMove() const { return history_.ToMove(); }
+  void Moved(std::optional<int64_t> offset) { history_.Moved(offset); }
 
   /// A reader's acknowledgement and request; returns the numbers to send again now, at most a window full. The
   /// reader wants an announcement after them (or alone) when `announce` comes back true.
   struct Answer {
-    std::vector<Bytes> resend;
+    std::vector<History::Kept> resend;
     bool announce = false;
   };
   Answer OnRequest(int64_t reader, int64_t delivered, int64_t window, const std::vector<SeqRange>& ranges,

@@ -30,6 +30,10 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.base_version = update.base_version;
   page.session_keyframe_id = update.session_keyframe_id;
   page.committed = update.committed ? 1 : 0;
+  page.answer.session = update.answer.session;
+  page.answer.session_keyframe_id = update.answer.session_keyframe_id;
+  page.answer.map_version = update.answer.map_version;
+  page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
   return page;
@@ -203,7 +207,8 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   const auto adjustment = FromMessage(page.adjustment);
   const bool numbers_ok = page.version >= 1 && page.base_version >= 0 && page.base_version < page.version &&
                           page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
-                          (page.committed == 0 || page.committed == 1);
+                          (page.committed == 0 || page.committed == 1) && page.answer.session_keyframe_id >= -1 &&
+                          page.answer.map_version >= 0 && (page.answer.accepted == 0 || page.answer.accepted == 1);
   if (!totals || !adjustment || !numbers_ok) return std::nullopt;
   MapUpdate update;
   update.source = page.header.source;
@@ -213,6 +218,8 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   update.session_keyframe_id = page.session_keyframe_id;
   update.t_ns = page.header.t_ns;
   update.committed = page.committed != 0;
+  update.answer = {page.answer.session, page.answer.session_keyframe_id, page.answer.map_version,
+                   page.answer.accepted != 0};
   update.totals = *totals;
   update.adjustment = *adjustment;
   for (const stage_t& stage : page.stages) {

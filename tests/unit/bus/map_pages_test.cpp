@@ -28,6 +28,7 @@ MapUpdate SomeUpdate() {
   update.session = 5;
   update.session_keyframe_id = 12;
   update.t_ns = 99;
+  update.answer = {4, 11, 5, true};
   update.adjustment = {3, 4, 5, 6, 7, 1.5, 1.25, 0.75, 0.5};
   update.stage_ms = {{"insert", 1.5}, {"adjust", 20.25}};
   return update;
@@ -58,6 +59,7 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
   EXPECT_EQ(back->session, 5);
   EXPECT_EQ(back->session_keyframe_id, 12);
   EXPECT_EQ(back->t_ns, 99);
+  EXPECT_EQ(back->answer, update.answer);
   EXPECT_EQ(back->totals, update.totals);
   EXPECT_EQ(back->adjustment.n_outliers, 7);
   EXPECT_EQ(back->adjustment.reprojection_after_px, 0.5);
@@ -189,6 +191,8 @@ TEST(MapUpdateAssembler, RefusesHostilePages) {
       [](map_update_t& p) { p.base_version = p.version; },
       [](map_update_t& p) { p.session_keyframe_id = -2; },
       [](map_update_t& p) { p.totals.n_points = -1; },
+      [](map_update_t& p) { p.answer.accepted = 2; },
+      [](map_update_t& p) { p.answer.session_keyframe_id = -2; },
       [](map_update_t& p) { p.adjustment.rms_before = kNan; },
       [](map_update_t& p) { p.adjustment.n_lines = -1; },
       [](map_update_t& p) { p.stages[0].ms = kNan; },

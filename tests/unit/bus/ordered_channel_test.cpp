@@ -16,9 +16,7 @@ using test::kMs;
 using test::MessageOf;
 using test::NumberOf;
 
-OrderedWriter WriterOf(Retention retention = Retention::kAll) {
-  return OrderedWriter(retention, 100'000'000, "CHANNEL", "", false);
-}
+OrderedWriter WriterOf(Retention retention = Retention::kAll) { return OrderedWriter(retention, 100'000'000); }
 
 using Numbers = std::vector<int64_t>;
 
@@ -71,7 +69,7 @@ TEST(OrderedWriter, AnswersARequestWithAtMostAWindow) {
   const auto answer = writer.OnRequest(7, -1, 133'120, {{0, 99}}, 0);
   EXPECT_TRUE(answer.announce);
   ASSERT_EQ(answer.resend.size(), 3U);
-  EXPECT_EQ(NumberOf(answer.resend[2]), 2);
+  EXPECT_EQ(NumberOf(answer.resend[2].message), 2);
 }
 
 TEST(OrderedWriter, ForgetsWhatEveryReaderHas) {
@@ -103,7 +101,7 @@ TEST(OrderedWriter, KeepsItsFirstMessagesForThoseWhoseFirstWordIsLost) {
 }
 
 TEST(OrderedWriter, KeepsItsFirstMessagesWithinTheBoundOfMemory) {
-  OrderedWriter writer(Retention::kUnacknowledged, 10'000'000, "CHANNEL", "", false);
+  OrderedWriter writer(Retention::kUnacknowledged, 10'000'000);
   for (int64_t n = 0; n < 2000; ++n) writer.Sent(MessageOf(n, 60'000), 0);
   EXPECT_LE(writer.history().memory_bytes(), 10'000'000);
 }
@@ -237,7 +235,7 @@ class LossyNetwork {
     ToWriter(now, [this, &readers, &writer, r, request] {
       const auto answer =
           writer.OnRequest(static_cast<int64_t>(r) + 1, request->delivered, 133'120, request->ranges, now_);
-      for (const Bytes& message : answer.resend) Multicast(now_, readers, NumberOf(message), message);
+      for (const History::Kept& kept : answer.resend) Multicast(now_, readers, NumberOf(kept.message), kept.message);
       if (answer.announce) Announce(now_, readers, writer);
     });
   }

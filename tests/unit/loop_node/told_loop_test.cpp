@@ -30,18 +30,22 @@ class ToldLoop : public testing::Test {
     return Publish(keyframe.session, keyframe.keyframe_id, false);
   }
   /// The map, as far as it has changed, with this as its newest keyframe.
-  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool committed) {
+  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool committed, const LoopAnswer& answer = {}) {
     MapUpdate update = mapper_.TakeUpdate();
     update.source = 1;
     update.session = session;
     update.session_keyframe_id = keyframe_id;
     update.committed = committed;
+    update.answer = answer;
     return service_.OnUpdate(update);
   }
   LoopService::Output TakeOver() {
     std::string reason;
     EXPECT_TRUE(mapper_.Correct(loop_, &reason)) << reason;
-    return Publish(loop_.session, loop_.session_keyframe_id, false);
+    return Publish(loop_.session, loop_.session_keyframe_id, false, Answer(true));
+  }
+  LoopAnswer Answer(bool accepted) const {
+    return {loop_.session, loop_.session_keyframe_id, loop_.map_version, accepted};
   }
 
   Ring ring_;
@@ -61,7 +65,7 @@ TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
 }
 
 // Another robot's keyframe had no loop, and so is committed.
-TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsSettled) {
+TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsCommitted) {
   EXPECT_TRUE(Publish(kOtherRobot, 3, true).closures.empty());
   EXPECT_TRUE(Show(next_).closures.empty()) << "nothing is checked on a map that is about to bend";
   const auto output = TakeOver();
@@ -69,9 +73,8 @@ TEST_F(ToldLoop, IsStillOnItsWayWhenAnotherRobotsKeyframeIsSettled) {
   EXPECT_EQ(output.closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, IsAdjustedEvenIfItHadBeenTakenForRefused) {
-  Publish(loop_.session, loop_.session_keyframe_id, true);
-  EXPECT_TRUE(TakeOver().adjustment.has_value());
+TEST_F(ToldLoop, ThatIsRefusedIsNotAdjusted) {
+  EXPECT_FALSE(Publish(loop_.session, loop_.session_keyframe_id, true, Answer(false)).adjustment.has_value());
 }
 
 TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
@@ -83,26 +86,27 @@ TEST_F(ToldLoop, KeyframesThatCameInMeanwhileTakePartInTheAdjustment) {
   EXPECT_EQ(output.adjustment->keyframes.back().keyframe_id, newest);
 }
 
-// The map commits its newest keyframe, of whichever robot, which nobody has checked.
 TEST_F(ToldLoop, ThatIsRefusedFreesTheOthersAtOnce) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const int64_t newest = ring_.walk.keyframes[static_cast<size_t>(next_)].keyframe_id;
-  EXPECT_EQ(Publish(loop_.session, newest, true).closures.size(), 1U);
+  EXPECT_EQ(Publish(loop_.session, newest, true, Answer(false)).closures.size(), 1U);
 }
 
 TEST_F(ToldLoop, ThatIsRefusedWhenAnotherRobotsKeyframeIsTheNewestFreesTheOthersToo) {
   EXPECT_TRUE(Show(next_).closures.empty());
   Publish(kOtherRobot, 3, false);
-  EXPECT_EQ(Publish(kOtherRobot, 3, true).closures.size(), 1U);
+  EXPECT_EQ(Publish(kOtherRobot, 3, true, Answer(false)).closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, OfWhichTheMapSaysNothingIsWaitedForAWhile) {
+TEST_F(ToldLoop, IsWaitedForUntilTheMapAnswersIt) {
   EXPECT_TRUE(Show(next_).closures.empty());
   Publish(kOtherRobot, 3, true);
-  now_ms_ += LoopService::kPatience_ms - 1.0;
+  now_ms_ += 1e6;
   EXPECT_TRUE(service_.OnTick().closures.empty());
-  now_ms_ += 1.0;
-  EXPECT_EQ(service_.OnTick().closures.size(), 1U);
+  LoopAnswer to_another = Answer(false);
+  ++to_another.session_keyframe_id;
+  EXPECT_TRUE(Publish(kOtherRobot, 4, true, to_another).closures.empty());
+  EXPECT_FALSE(Publish(kOtherRobot, 5, true, Answer(false)).closures.empty());
 }
 
 }  // namespace

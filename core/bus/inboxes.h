@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/bus/channels.h"
+#include "core/bus/delivery/ordered_reader.h"
+#include "core/bus/options.h"
+#include "core/bus/run_loop.h"
+#include "core/bus/transport/wire.h"
+
+namespace plslam::bus {
+
+/// One call of `Bus::Subscribe` and its kin.
+struct Subscription {
+  enum class Kind { kOrdered, kAsItComes, kNewest, kOrderedBytes, kBytes, kPacedBytes };
+  Kind kind;
+  std::function<bool(ByteView)> deliver;  ///< on the thread of Run, or (bytes) on the receiving thread
+  std::function<bool()> ready;            ///< kOrderedBytes: whether it can take one now
+};
+
+/// What the receiving thread counts and other threads read.
+struct ReceiverCounts {
+  std::atomic<int64_t> received{0};
+  std::atomic<int64_t> rejected{0};
+  std::atomic<int64_t> unproven{0};
+  std::atomic<int64_t> duplicates{0};
+  std::atomic<int64_t> skipped{0};
+  std::atomic<int64_t> lost{0};
+  std::atomic<int64_t> repaired{0};
+};
+
+/// The receiving half of a bus: orders messages for each publisher, says what to acknowledge and what to ask for
+/// again, and hands messages to subscriptions. All of it belongs to the receiving thread, so handlers of bytes run
+/// without any lock; only `Add`, `AddRest` and `Close` may be called from elsewhere.
+class Inboxes {
+ public:
+  /// Sends an acknowledgement and request about `channel` to `publisher` (0: to all, "I read this channel").
+  using Ask = std::function<void(const Channel& channel, int64_t publisher, const OrderedReader::Request& request)>;
+  using Rest = std::function<void(std::string_view wire_name, ByteView bytes)>;
+
+  /// All references must outlive this object. `two_way`: publishers can be asked.
+  Inboxes(const BusOptions& options, bool two_way, RunLoop& loop, ReceiverCounts& counts, Ask ask);
+
+  /// Takes effect before the next datagram, or when the receiving thread polls next.
+  void Add(const std::string& wire_name, const Channel& channel, const MessageLayout* layout,
+           std::shared_ptr<Subscription> subscription);
+  /// For the bytes that no subscription is for.
+  void AddRest(Rest rest);
+  /// Takes no more messages of ordered channels from when the receiving thread polls next; `then` is called after
+  /// everything that had been taken is in the queue of the run loop.
+  void Close(std::function<void()> then);
+
+  // What follows belongs to the receiving thread.
+
+  /// The layout of messages that somebody subscribes to under this name; nullptr where nobody does.
+  const MessageLayout* LayoutOf(std::string_view wire_name);
+  void TakeRest(std::string_view wire_name, ByteView bytes) const;
+  /// A checked message of a name that has a layout.
+  void Dispatch(std::string_view wire_name, const WireHeader& header, ByteView message, int64_t now);
+  /// What `publisher` says that it has of the channel that is called `wire_name`.
+  void OnAnnounce(std::string_view wire_name, int64_t publisher, int64_t first_seq, int64_t next_seq,
+                  int64_t join_seq, int64_t now);
+  /// Sends what is due and delivers what handlers can take by now; `next` becomes the time when to poll again where
+  /// that is earlier.
+  void Poll(int64_t now, int64_t& next);
+  /// What a log does not have by its end never comes.
+  void OnEnd();
+
+ private:
+  /// The newest message of one publisher of a kLatest channel that waits for one handler.
+  struct LatestSlot {
+    std::mutex mutex;
+    Bytes newest;  // nullptr: none waits
+  };
+  struct Latest {
+    int64_t seq = -1;
+    int64_t heard = 0;
+    std::vector<std::shared_ptr<LatestSlot>> slots;  // one for each subscription
+  };
+  /// One publisher of an ordered channel, and what has been counted of its reader.
+  struct Source {
+    OrderedReader reader;
+    int64_t lost = 0;
+    int64_t repaired = 0;
+  };
+  /// Everything of one subscribed channel.
+  struct Inbox {
+    Channel channel;
+    const MessageLayout* layout = nullptr;
+    std::vector<std::shared_ptr<Subscription>> subscriptions;
+    bool ordered = false;  // somebody wants order and repair
+    std::map<int64_t, Source> sources;
+    std::map<int64_t, Latest> latest;
+    bool paced = false;
+    std::map<int64_t, int64_t> unacknowledged;  // cost by publisher, where paced
+    int64_t next_hello = 0;
+  };
+  struct Addition {
+    std::string wire_name;
+    Channel channel;
+    const MessageLayout* layout = nullptr;
+    std::shared_ptr<Subscription> subscription;
+  };
+
+  void TakeOrders();
+  Source* SourceOf(Inbox& inbox, int64_t publisher, int64_t now);
+  void DispatchPaced(Inbox& inbox, const WireHeader& header, ByteView message);
+  void DispatchOrdered(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void DispatchLatest(Inbox& inbox, const WireHeader& header, ByteView message, int64_t now);
+  void PostNewest(Latest& latest, size_t subscription, const std::shared_ptr<Subscription>& s, Bytes message);
+  void Post(const std::shared_ptr<Subscription>& subscription, Bytes message);
+  bool Ready(const Inbox& inbox) const;
+  bool Drain(Inbox& inbox, Source& source, int64_t now);
+  void PollSource(const Inbox& inbox, int64_t publisher, Source& source, int64_t now);
+  void Count(Source& source);
+
+  const BusOptions& options_;
+  bool two_way_;
+  RunLoop& loop_;
+  ReceiverCounts& counts_;
+  Ask ask_;
+  std::map<std::string, Inbox, std::less<>> inboxes_;  // by name on the wire
+  Rest rest_;
+  bool takes_more_ = true;  // of ordered channels
+
+  // Orders of other threads.
+  std::atomic<bool> has_orders_{false};
+  std::mutex orders_mutex_;
+  std::vector<Addition> additions_;
+  Rest added_rest_;
+  std::function<void()> when_closed_;
+};
+
+}  // namespace plslam::bus

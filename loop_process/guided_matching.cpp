@@ -6,7 +6,7 @@
 
 #include "core/features/matching/descriptor_matcher.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // Descriptors of one node, and their places in the whole list.
@@ -44,4 +44,4 @@ std::vector<int> MatchByNodes(const std::vector<Descriptor>& a, const FeatureNod
   return matches;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

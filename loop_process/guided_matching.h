@@ -7,7 +7,7 @@
 #include "core/features/options.h"
 #include "core/places/vocabulary.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// For each descriptor of `a` the index of its match in `b`, or -1: as `MatchBruteForce`, among those that fall into
 /// the same node of the vocabulary. A hundredth of the comparisons finds about two thirds of the matches.
@@ -15,4 +15,4 @@ std::vector<int> MatchByNodes(const std::vector<Descriptor>& a, const FeatureNod
                               const std::vector<Descriptor>& b, const FeatureNodes& nodes_b,
                               const MatchOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -11,7 +11,7 @@
 
 #include "core/features/matching/hamming.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure) {
   std::set<int64_t> ids;
@@ -115,4 +115,4 @@ void KeyframeMemory::Follow(const Map& map) {
   for (const int64_t session : sessions) DropUntaken(session);
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -12,7 +12,7 @@
 #include "core/map/map.h"
 #include "core/places/place_recogniser.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Names of those keyframes that edges and poses of the closure speak of and the map has, ascending by id.
 std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure);
@@ -67,4 +67,4 @@ class KeyframeMemory {
   std::vector<std::pair<int64_t, Name>> names_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::loop

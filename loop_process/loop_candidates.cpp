@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // Keyframes by which an old one is older.
@@ -126,4 +126,4 @@ std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogn
   return Best(Group(map, places.Query(description, unknown, max_queried), options), max_candidates);
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -9,7 +9,7 @@
 #include "core/places/place_recogniser.h"
 #include "loop_process/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// A place that looks like the keyframe: the most similar keyframe of a group that sees the same landmarks.
 struct LoopCandidate {
@@ -37,4 +37,4 @@ std::vector<LoopCandidate> FindPlaceCandidates(const Map& map, const PlaceRecogn
                                                const PlaceDescription& description, const CandidateOptions& options,
                                                int max_queried, int max_candidates);
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -12,7 +12,7 @@
 #include "loop_process/loop_verification.h"
 #include "loop_process/relocaliser.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // The newest first: that is the one which is asked for.
@@ -69,4 +69,4 @@ Relocalisation LoopCloser::Relocalise(const Map& map, const StereoFeatures& feat
   return FindCamera(map, memory_, features, camera_, options_);
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -13,7 +13,7 @@
 #include "loop_process/options.h"
 #include "loop_process/whole_map.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Loop closing (PL-SLAM §VI): recognises places that were seen before, verifies them, and says how the map must
 /// bend. No clock, no thread, no messages: the same calls give the same answers.
@@ -56,4 +56,4 @@ class LoopCloser {
   LoopSearch last_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::loop

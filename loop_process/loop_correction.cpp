@@ -9,7 +9,7 @@
 #include "core/map/map_graph.h"
 #include "core/optim/pose_graph/map_pose_graph.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // All that the loop brings together, directly or over steps that are not known.
@@ -59,4 +59,4 @@ std::optional<std::vector<CorrectedPose>> CloseLoop(const Map& map, const LoopEd
   return poses;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

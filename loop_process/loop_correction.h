@@ -8,7 +8,7 @@
 #include "core/map/map.h"
 #include "loop_process/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Where keyframes lie when the loop is closed (PL-SLAM §VI.B): those of the part of the map that it is in, or of the
 /// two that it joins, ascending; other parts have nothing to do with it. nullopt where the pose graph contradicts the
@@ -20,4 +20,4 @@ namespace plslam {
 std::optional<std::vector<CorrectedPose>> CloseLoop(const Map& map, const LoopEdge& loop,
                                                     const CorrectionOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numbers>
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 constexpr double kApart = 0.1;
@@ -64,4 +64,4 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
   return search;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

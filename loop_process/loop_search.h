@@ -14,7 +14,7 @@
 #include "loop_process/options.h"
 #include "loop_process/place_search.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// What was looked at for one keyframe, and what came of it.
 struct LoopSearch {
@@ -37,4 +37,4 @@ LoopSearch FindLoop(const Map& map, const KeyframeMemory& memory, const StereoCa
 bool IsRival(const FoundPlace& best, const FoundPlace& other, int64_t other_keyframe_id, MapPaths& paths_to_best,
              const RelocalisationOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -6,7 +6,7 @@
 
 #include "core/io/files/shared_file.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& options) {
   return {Vocabulary::Load(FindSharedFile(files.points)), Vocabulary::Load(FindSharedFile(files.lines)), options};
@@ -245,4 +245,4 @@ void LoopService::AnswerWhatIsDue(Output& output) {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

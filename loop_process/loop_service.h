@@ -17,7 +17,7 @@
 #include "loop_process/loop_closer.h"
 #include "loop_process/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// A recogniser without places; `FindSharedFile` finds its vocabularies. Throws std::runtime_error with one sentence
 /// where one cannot be read.
@@ -114,4 +114,4 @@ class LoopService {
   std::deque<Keyframe> requests_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <set>
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // The paper's gates (§VI.A.2).
@@ -272,4 +272,4 @@ LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const Ster
   return Verification(map, memory, camera, options, paths, old_keyframe_id, keyframe_id).Run();
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

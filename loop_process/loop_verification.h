@@ -13,7 +13,7 @@
 #include "loop_process/options.h"
 #include "loop_process/place_search.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Nearest distance that tolerances are scaled by.
 inline constexpr double kNearestScale_m = 1.0;
@@ -58,4 +58,4 @@ struct LoopEvidence {
 LoopEvidence VerifyLoop(const Map& map, const KeyframeMemory& memory, const StereoCamera& camera,
                         const LoopOptions& options, MapPaths& paths, int64_t old_keyframe_id, int64_t keyframe_id);
 
-}  // namespace plslam
+}  // namespace plslam::loop

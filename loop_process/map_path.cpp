@@ -6,7 +6,7 @@
 
 #include "core/map/map_graph.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 constexpr double kTurn_m = 1.0;
@@ -155,4 +155,4 @@ Matrix6d MapPaths::CovarianceFrom(int64_t keyframe_id) {
   return covariance;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

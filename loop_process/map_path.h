@@ -12,7 +12,7 @@
 #include "core/geometry/se3.h"
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// A path through a map from one keyframe to another.
 struct MapPath {
@@ -80,4 +80,4 @@ class MapPaths {
   std::vector<Matrix6d> covariances_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::loop

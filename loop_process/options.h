@@ -9,7 +9,7 @@
 #include "core/optim/pose_graph/map_pose_graph.h"
 #include "core/places/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Files of the vocabularies.
 struct VocabularyOptions {
@@ -164,4 +164,4 @@ void VisitFields(Visitor& visit, LoopOptions& o) {
   visit("relocalisation", o.relocalisation, "where a camera is of which nothing is known");
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -11,7 +11,7 @@
 #include "core/motion/robust.h"
 #include "loop_process/guided_matching.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // Pairs of points that are all compared.
@@ -148,4 +148,4 @@ std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE
   return found;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

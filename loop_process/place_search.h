@@ -9,7 +9,7 @@
 #include "core/map/map.h"
 #include "core/places/vocabulary.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// A camera found among the landmarks of a place, and what speaks for it. Lines count twice.
 struct FoundPlace {
@@ -56,4 +56,4 @@ std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE
                                     const StereoFeatures& features, const StereoCamera& camera,
                                     const LocalisationOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::loop

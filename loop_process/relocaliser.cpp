@@ -11,7 +11,7 @@
 #include "loop_process/map_path.h"
 #include "loop_process/place_search.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 struct Answer {
@@ -72,4 +72,4 @@ Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const St
   return rivalled ? Relocalisation() : ToRelocalisation(*best);
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

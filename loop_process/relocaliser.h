@@ -8,7 +8,7 @@
 #include "loop_process/keyframe_memory.h"
 #include "loop_process/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// Where a camera is of which nothing is known: the most similar places, each verified like a loop's old side. Not
 /// found where two places far from each other both fit; places in parts of the map that nothing connects do not count
@@ -16,4 +16,4 @@ namespace plslam {
 Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
                           const StereoCamera& camera, const LoopOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::loop

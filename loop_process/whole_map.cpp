@@ -6,7 +6,7 @@
 
 #include "core/optim/bundle/map_bundle.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 using Places = IdMap<int>;
@@ -138,4 +138,4 @@ LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions
   return closure;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

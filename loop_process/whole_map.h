@@ -13,7 +13,7 @@
 #include "core/optim/bundle/bundle.h"
 #include "loop_process/options.h"
 
-namespace plslam {
+namespace plslam::loop {
 
 /// A map as an adjustment of all its keyframes: a value that needs neither map nor features any more. Places in
 /// `bundle.poses` are those of `keyframes`.
@@ -56,4 +56,4 @@ class AdjustmentProgress {
 LoopClosure AdjustWholeMap(const WholeMapProblem& problem, const WholeMapOptions& options,
                            const std::atomic<bool>* stop, std::string* failure = nullptr);
 
-}  // namespace plslam
+}  // namespace plslam::loop

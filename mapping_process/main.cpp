@@ -2,4 +2,4 @@
 #include "core/process/process.h"
 #include "mapping_process/node/mapping_node.h"
 
-int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::MappingSpec()); }
+int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::mapping::MappingSpec()); }

@@ -24,7 +24,7 @@
 #include "mapping_process/insertion/local_window.h"
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Newest keyframes of a session that are never redundant: the tracker's next steps lean on them.
@@ -433,4 +433,4 @@ void Mapper::Recognise(const Keyframe& keyframe, MapKeyframe& entry, Association
   entry.covariance = ComposeCovariance(newest.covariance, newest.T_w_kf.Inverse() * pose->T_w_kf, pose->covariance);
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -21,7 +21,7 @@
 #include "mapping_process/mapper_state.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Owner of the map (PL-SLAM §V): takes keyframes in, adjusts the map around the newest, and tells what changed. No
 /// clock, no thread, no messages: the same calls give the same map.
@@ -131,4 +131,4 @@ class Mapper {
   Failures failures_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::mapping

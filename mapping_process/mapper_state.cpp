@@ -4,7 +4,7 @@
 #include "core/io/files/archive.h"
 #include "core/io/files/sealed_file.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 3, "state of a mapping_process"};
@@ -48,4 +48,4 @@ MapperState ReadStateFile(const std::string& path) {
   return NamingFile(path, [&] { return DecodeState(bytes); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

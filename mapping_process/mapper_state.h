@@ -11,7 +11,7 @@
 #include "mapping_process/insertion/culling.h"
 #include "mapping_process/insertion/tracker_landmarks.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Everything that a `Mapper` knows as of its last update: one that is made of it goes on with the same bits. What a
 /// saved map leaves out is of the running sessions only: recent landmarks, and which landmarks of the tracker became
@@ -36,4 +36,4 @@ MapperState DecodeState(std::span<const uint8_t> bytes);
 void WriteStateFile(const std::string& path, const MapperState& state);
 MapperState ReadStateFile(const std::string& path);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

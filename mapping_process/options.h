@@ -7,7 +7,7 @@
 #include "core/localisation/options.h"
 #include "core/optim/bundle/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// How a keyframe is joined to the map (PL-SLAM §V.A).
 struct InsertionOptions {
@@ -109,4 +109,4 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
       "and before another tracker goes on with one");
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

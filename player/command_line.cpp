@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace plslam {
+namespace plslam::player {
 
 void PlayerCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
@@ -44,4 +44,4 @@ PlayerOptions PlayerCommandLine::Options(const Config& config) const {
   return options;
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

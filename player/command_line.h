@@ -8,7 +8,7 @@
 #include "core/config/config.h"
 #include "player/options.h"
 
-namespace plslam {
+namespace plslam::player {
 
 /// The player's own part of its command line; what is given here wins over the configuration.
 class PlayerCommandLine {
@@ -31,4 +31,4 @@ class PlayerCommandLine {
   bool resume_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -4,7 +4,7 @@
 #include "player/node/player_node.h"
 
 int main(int argc, char** argv) {
-  plslam::PlayerCommandLine command_line;
+  plslam::player::PlayerCommandLine command_line;
   plslam::bus::ProcessSpec spec;
   spec.name = "player";
   spec.description = "Plays a stereo or RGB-D dataset, or a built-in world, onto the bus.";
@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
       "  player 'synthetic:corridor?seed=3' --loop 2 --bounce --exit";
   spec.add_options = [&](void* app) { command_line.AddTo(app); };
   spec.make_node = [&](plslam::bus::Process& process, const plslam::Config& config) {
-    return std::make_shared<plslam::PlayerNode>(process, command_line.Options(config));
+    return std::make_shared<plslam::player::PlayerNode>(process, command_line.Options(config));
   };
   spec.results = {{"frames.sent", "frames sent"}, {"frames.bad", "unreadable"}, {"frames.late", "late"}};
   return plslam::bus::RunProcess(argc, argv, spec);

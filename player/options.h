@@ -6,7 +6,7 @@
 
 #include "core/config/fields.h"
 
-namespace plslam {
+namespace plslam::player {
 
 /// `PlayerOptions::resume_after`: behind the newest frame that a pose on the bus is of.
 inline constexpr const char* kResumeFromBus = "bus";
@@ -55,4 +55,4 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
         "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 constexpr std::string_view kRealtime = "realtime";
@@ -125,4 +125,4 @@ int64_t RealtimeClock::Due_ns(int64_t t_ns, int64_t now_ns) {
   return first_due_ns_ + static_cast<int64_t>(static_cast<double>(t_ns - *first_t_ns_) / speed_);
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -8,7 +8,7 @@
 
 #include "player/options.h"
 
-namespace plslam {
+namespace plslam::player {
 
 /// When frames are sent.
 struct Pace {
@@ -81,4 +81,4 @@ class RealtimeClock {
   int64_t first_due_ns_ = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::player

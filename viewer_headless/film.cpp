@@ -12,7 +12,7 @@
 
 #include "core/map/vertical.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 void FilmPath::Add(const FramePose& pose) {
   FrameRecord frame;
@@ -144,4 +144,4 @@ void Film::Write(const FramePose& pose, const cv::Mat& picture) {
   shown_ = due;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

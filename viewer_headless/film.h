@@ -17,7 +17,7 @@
 #include "viewer_headless/video/run_video.h"
 #include "viewer_headless/video/top_view.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The path of a film so far. What was published stays where it was when the map is corrected, so that path and
 /// landmarks would come apart: positions are kept as odometry saw them, and each moves with a keyframe.
@@ -94,4 +94,4 @@ class Film {
   double shown_ = 0.0;  ///< pictures since `began_ns_`
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

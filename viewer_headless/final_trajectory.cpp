@@ -5,7 +5,7 @@
 #include <iterator>
 #include <set>
 
-namespace plslam {
+namespace plslam::viewer {
 
 std::map<int64_t, FrameCorrections> CorrectionsBySession(const Map& map) {
   std::map<int64_t, FrameCorrections> corrections;
@@ -55,4 +55,4 @@ Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder) {
   return trajectory;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -9,7 +9,7 @@
 #include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// T_w_odom by frame.
 using FrameCorrections = std::map<int64_t, SE3>;
@@ -37,4 +37,4 @@ class FinalPoses {
 /// T_w_c of the map's keyframes of recorded sessions, in the order of time.
 Trajectory KeyframeTrajectory(const Map& map, const Recorder& recorder);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -6,7 +6,7 @@
 
 #include "core/config/fields.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Section `viewer` of the configuration.
 struct ViewerOptions {
@@ -32,4 +32,4 @@ void VisitFields(Visitor& visit, ViewerOptions& o) {
   visit("video", o.video, "film of the run: an MP4 file, or a folder for numbered pictures; empty: none");
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

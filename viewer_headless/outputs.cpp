@@ -14,7 +14,7 @@
 #include "core/io/maps/map_ply.h"
 #include "viewer_headless/final_trajectory.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 std::string ProgressLine(const Recorder& recorder, const ProgressNumbers& numbers) {
   std::string line = fmt::format("frame {}", recorder.frames().size());
@@ -159,4 +159,4 @@ std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder&
   return attempts.TakeFailures();
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

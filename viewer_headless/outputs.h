@@ -10,7 +10,7 @@
 #include "core/map/map.h"
 #include "viewer_headless/recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What the progress line shows beside the recording.
 struct ProgressNumbers {
@@ -55,4 +55,4 @@ void PrepareOutputFolder(const std::string& folder);
 std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder& recorder, const Map& map,
                                       const Eigen::Quaterniond& q_l_c);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -9,7 +9,7 @@
 
 #include "core/geometry/image_mask.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr int kShift = 4;
@@ -169,4 +169,4 @@ std::optional<OverlayQueue::Ready> OverlayQueue::Next() {
   return ready;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -12,7 +12,7 @@
 
 #include "viewer_headless/recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// A tracked point of the rectified left image.
 struct OverlayPoint {
@@ -95,4 +95,4 @@ class OverlayQueue {
   size_t image_bytes_ = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

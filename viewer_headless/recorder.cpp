@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 // Against a publisher that invents frames or names without end.
@@ -102,4 +102,4 @@ bool Recorder::IsComplete() const {
   return n_frames_ && static_cast<int64_t>(frames_.size()) + tally_.skipped >= *n_frames_;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -12,7 +12,7 @@
 #include "core/geometry/se3.h"
 #include "core/run/frame_tally.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Numbers of one frame that the tables and captions show.
 struct FrameCounts {
@@ -121,4 +121,4 @@ class Recorder {
   SentFrames sent_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

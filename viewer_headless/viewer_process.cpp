@@ -8,7 +8,7 @@
 
 #include "viewer_headless/node/viewer_node.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 bus::ProcessSpec ViewerProcess() {
   struct Arguments {
@@ -57,4 +57,4 @@ bus::ProcessSpec ViewerProcess() {
   return spec;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -3,9 +3,9 @@
 
 #include "core/process/process.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The process: options on the command line over those of the configuration.
 bus::ProcessSpec ViewerProcess();
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -2,4 +2,4 @@
 #include "core/process/process.h"
 #include "vo_process/node/vo_node.h"
 
-int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::VoSpec()); }
+int main(int argc, char** argv) { return plslam::bus::RunProcess(argc, argv, plslam::vo::VoSpec()); }

@@ -7,7 +7,7 @@
 #include "core/features/options.h"
 #include "core/motion/options.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
@@ -185,4 +185,4 @@ void VisitFields(Visitor& visit, VoOptions& o) {
         "none");
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -13,7 +13,7 @@
 #include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 // How often it is looked whether what is missing has been waited for long enough.
@@ -198,4 +198,4 @@ bus::ProcessSpec LoopSpec() {
   return spec;
 }
 
-}  // namespace plslam
+}  // namespace plslam::loop

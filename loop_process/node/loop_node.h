@@ -23,6 +23,9 @@
 
 namespace plslam {
 class status_t;
+}  // namespace plslam
+
+namespace plslam::loop {
 
 /// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
 ///
@@ -88,4 +91,4 @@ class LoopNode {
 
 bus::ProcessSpec LoopSpec();
 
-}  // namespace plslam
+}  // namespace plslam::loop

@@ -12,7 +12,7 @@
 
 #include "mapping_process/corrections/loop_edges.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Beyond this sums of squares of coordinates lose metres.
@@ -164,4 +164,4 @@ LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids) 
   return translated;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

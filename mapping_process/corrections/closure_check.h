@@ -7,7 +7,7 @@
 #include "core/map/map.h"
 #include "mapping_process/insertion/landmark_creation.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// The names that a map has given so far, and its version.
 struct GivenNames {
@@ -40,4 +40,4 @@ enum class MapIds {
 /// is found by projection.
 LoopClosure InIdsOf(const Map& map, const LoopClosure& closure, MapIds map_ids = MapIds::kPerhapsSame);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -6,7 +6,7 @@
 
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Keyframes of those that see a landmark with which it is tried to move; they are spread over its life.
@@ -185,4 +185,4 @@ LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const Keyframe
   return {points.PlaceWhatIsSeenWorse(), lines.PlaceWhatIsSeenWorse()};
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

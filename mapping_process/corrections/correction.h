@@ -9,7 +9,7 @@
 #include "core/map/landmark_types.h"
 #include "core/map/loop_closure.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Where each keyframe lies after a correction; keyframes that it does not move are missing. Named ones lie where it
 /// says. Others (newer than the map it was computed on) keep their pose relative to their parent in the spanning
@@ -24,4 +24,4 @@ std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, c
 LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
                              const StereoCamera& camera, Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

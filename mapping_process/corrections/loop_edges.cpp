@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 /// A keyframe of the map in the place of one that was culled, and how the two lie to each other.
@@ -70,4 +70,4 @@ std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map) {
   return edges;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

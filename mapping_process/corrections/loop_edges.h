@@ -6,7 +6,7 @@
 #include "core/map/loop_closure.h"
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// The same edge from its other end.
 LoopEdge Reversed(const LoopEdge& edge);
@@ -16,4 +16,4 @@ LoopEdge Reversed(const LoopEdge& edge);
 /// correction puts them. An edge of which both ends would be one, or of whose end nothing is said, is left out.
 std::vector<LoopEdge> EdgesInMap(const LoopClosure& closure, const Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -7,7 +7,7 @@
 #include "mapping_process/insertion/duplicates.h"
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Keyframes of each side: what the loop's own two do not see, their best neighbours do.
@@ -89,4 +89,4 @@ void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const 
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 #include "core/map/loop_closure.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Keyframes around both ends of a loop: the end, its best neighbours (that share `min_shared` landmarks) and theirs,
 /// up to a number, none on both sides. Empty where an end is no longer in the map.
@@ -31,4 +31,4 @@ void FusePairs(const std::vector<SameLandmarks>& points, const std::vector<SameL
 void MergeSides(const LoopSides& sides, const KeyframeFeatures& features, const StereoCamera& camera,
                 const MappingOptions& options, Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

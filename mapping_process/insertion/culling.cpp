@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 template <class Type>
@@ -92,4 +92,4 @@ std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candid
   return removed;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 #include "mapping_process/insertion/landmark_creation.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Recent landmarks: those younger than some keyframes of their session (PL-SLAM §V.B). Keyframes of other sessions,
 /// which may be elsewhere, say nothing about them.
@@ -45,4 +45,4 @@ class RecentLandmarks {
 std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
                                               KeyframeFeatures& features, Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -4,7 +4,7 @@
 #include "core/localisation/projection_search.h"
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Two landmarks are one where their distance is within so many standard deviations of either measurement.
@@ -92,4 +92,4 @@ void MergeWithNeighbours(int64_t keyframe_id, const KeyframeFeatures& features, 
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

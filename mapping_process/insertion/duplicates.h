@@ -5,7 +5,7 @@
 #include "core/localisation/local_map.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Looks for a keyframe's landmarks in its neighbours and for the neighbours' landmarks in it (PL-SLAM §V.A), by
 /// projection: a feature that shows none yet is one more observation; where it shows another landmark near by, the
@@ -25,4 +25,4 @@ void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow
                const KeyframeFeatures& features, const StereoCamera& camera, const LocalisationOptions& options,
                Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

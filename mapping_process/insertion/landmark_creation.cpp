@@ -5,7 +5,7 @@
 
 #include "core/geometry/triangulation.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Shorter ones have no direction, and no matcher takes them.
@@ -77,4 +77,4 @@ NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features
           CreateKind<LineType>(keyframe_id, features, make_line, ids.next_line, map)};
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -8,7 +8,7 @@
 #include "core/map/landmark_types.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Names for new landmarks: 0, 1, 2, ... of each feature type.
 struct LandmarkIds {
@@ -32,4 +32,4 @@ struct NewLandmarks {
 NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

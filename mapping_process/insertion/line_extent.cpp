@@ -7,7 +7,7 @@
 
 #include "core/features/matching/segment_projection.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr double kBorder_px = 12.0;
@@ -89,4 +89,4 @@ void ExtendAndTrim(const std::vector<int64_t>& line_ids, const KeyframeFeatures&
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 #include "core/localisation/projection_search.h"
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr double kMinOverlap = 0.3;
@@ -191,4 +191,4 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
   return created;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

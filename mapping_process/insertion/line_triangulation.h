@@ -8,7 +8,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "mapping_process/insertion/landmark_creation.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// A segment seen from a keyframe.
 struct SegmentView {
@@ -35,4 +35,4 @@ std::vector<int64_t> TriangulateLines(int64_t keyframe_id, const KeyframeFeature
                                       const StereoCamera& camera, const MappingOptions& options, LandmarkIds& ids,
                                       Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -12,7 +12,7 @@
 #include "core/map/landmark_types.h"
 #include "mapping_process/insertion/observations.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Deviation from which nothing is known of a pose.
@@ -200,4 +200,4 @@ AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& r
   return figures;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 #include "core/optim/bundle/map_bundle.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// The keyframe, its best neighbours and the landmarks they see, at least two keyframes each (PL-SLAM §V.B); other
 /// keyframes that see those are held fixed, and so is the first of the map. Twice as wide for the first keyframes of
@@ -27,4 +27,4 @@ MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, co
 AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& result,
                                   const KeyframeFeatures& features, Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

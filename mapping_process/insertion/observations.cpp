@@ -11,7 +11,7 @@
 #include "core/features/matching/segment_projection.h"
 #include "core/motion/residual.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 template <class Type>
@@ -174,4 +174,4 @@ double ObservationError(const MapLine& line, const StereoLine& seen, const SE3& 
   return Capped(error);
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -7,7 +7,7 @@
 #include "core/map/landmark_types.h"
 #include "core/map/landmarks.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Names the landmark as the one that the feature of `observation` shows, unless its keyframe sees the landmark
 /// already or the feature shows another; then false. Its descriptor is chosen anew (PL-SLAM §V.A: the most
@@ -41,4 +41,4 @@ bool IsNear(const MapLine& line, const StereoLine& seen, const SE3& T_kf_w, cons
 bool IsBehind(const MapPoint& point, const SE3& T_kf_w, const StereoCamera& camera);
 bool IsBehind(const MapLine& line, const SE3& T_kf_w, const StereoCamera& camera);
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -6,7 +6,7 @@
 
 #include "core/map/landmark_types.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 // Keyframes after which a landmark of the tracker that no longer comes is forgotten; it drops them much sooner.
@@ -108,4 +108,4 @@ void TrackerLandmarks::Table::ForgetBefore(int64_t keyframe_id) {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

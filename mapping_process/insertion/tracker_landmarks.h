@@ -8,7 +8,7 @@
 #include "core/localisation/local_map.h"
 #include "core/map/keyframe.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// Landmarks of the tracker (by session and its ids) and the landmarks of the map they became.
 class TrackerLandmarks {
@@ -80,4 +80,4 @@ class TrackerLandmarks {
   int64_t n_learned_ = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::mapping

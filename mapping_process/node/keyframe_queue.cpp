@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, const Map& map) {
@@ -111,4 +111,4 @@ size_t KeyframeQueue::size() const {
                                [](const auto& session) { return session.second.waiting.size(); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -10,7 +10,7 @@
 #include "core/io/maps/map_file.h"
 #include "core/map/keyframe.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// The keyframes of a map as trackers send them, for listeners that need their features.
 std::vector<Keyframe> KeyframesOf(const StoredMap& stored);
@@ -69,4 +69,4 @@ class KeyframeQueue {
   std::map<int64_t, std::vector<int64_t>> told_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -20,7 +20,7 @@
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(200);
@@ -407,4 +407,4 @@ bus::ProcessSpec MappingSpec() {
   return spec;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -25,6 +25,9 @@
 namespace plslam {
 class command_t;
 class status_t;
+}  // namespace plslam
+
+namespace plslam::mapping {
 
 /// mapping_process on the bus: keyframes and what loop_process says of them in, updates of the map out.
 ///
@@ -122,4 +125,4 @@ class MappingNode {
 
 bus::ProcessSpec MappingSpec();
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr double kMsPerS = 1000.0;
@@ -169,4 +169,4 @@ std::vector<WorkQueue::Arrived> WorkQueue::TakeKeyframes(double now_s) {
   return taken;
 }
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -16,7 +16,7 @@
 #include "mapping_process/node/keyframe_queue.h"
 #include "mapping_process/options.h"
 
-namespace plslam {
+namespace plslam::mapping {
 
 /// What the owner of the map has to do, in an order that makes results repeatable. No clock and no thread: times are
 /// given.
@@ -134,4 +134,4 @@ class WorkQueue {
   bool saved_since_state_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 LoadedFrame Load(const Dataset& dataset, const PlayOrder::Item& item) {
@@ -83,4 +83,4 @@ void FrameLoader::Stop() {
   changed_.notify_all();
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

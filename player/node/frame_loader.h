@@ -12,7 +12,7 @@
 #include "core/datasets/dataset.h"
 #include "player/pacing.h"
 
-namespace plslam {
+namespace plslam::player {
 
 /// A frame ready to be sent; or why it cannot be.
 struct LoadedFrame {
@@ -54,4 +54,4 @@ class FrameLoader {
   std::thread worker_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -22,7 +22,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 using std::chrono::milliseconds;
@@ -313,4 +313,4 @@ void PlayerNode::PublishStream(const char* event, int64_t n_frames) {
   process_.bus().Publish(bus::kStream, std::move(message));
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

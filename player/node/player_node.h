@@ -17,6 +17,9 @@
 
 namespace plslam {
 class command_t;
+}  // namespace plslam
+
+namespace plslam::player {
 
 /// Plays a dataset onto the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true poses,
 /// frames and the end of the stream.
@@ -75,4 +78,4 @@ class PlayerNode {
   std::thread sender_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -3,7 +3,7 @@
 
 #include <utility>
 
-namespace plslam {
+namespace plslam::player {
 
 void Turn::Expect(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
@@ -88,4 +88,4 @@ bool Turn::stopped() const {
   return stopped_;
 }
 
-}  // namespace plslam
+}  // namespace plslam::player

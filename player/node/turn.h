@@ -11,7 +11,7 @@
 
 #include "player/pacing.h"
 
-namespace plslam {
+namespace plslam::player {
 
 /// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that
 /// is out, a new reader that needs it again, one that needs frames before it again, or the end of the process.
@@ -62,4 +62,4 @@ class Turn {
   bool stopped_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::player

@@ -108,22 +108,22 @@ void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
 // Empty vocabularies will do where no loops are looked for.
 plslam::PlaceRecogniser Places(bool with_loops, const plslam::PlaceOptions& options) {
   if (!with_loops) {
-    return {plslam::TrainVocabulary({}, plslam::FeatureType::kPoints, {}),
-            plslam::TrainVocabulary({}, plslam::FeatureType::kLines, {}), options};
+    return {plslam::train_vocabulary::TrainVocabulary({}, plslam::FeatureType::kPoints, {}),
+            plslam::train_vocabulary::TrainVocabulary({}, plslam::FeatureType::kLines, {}), options};
   }
-  return plslam::LoadPlaces({}, options);
+  return plslam::loop::LoadPlaces({}, options);
 }
 
 void PrintLoop(const char* what, const plslam::test::LoopOfRun& loop) {
-  const plslam::LoopEvidence& e = loop.evidence;
+  const plslam::loop::LoopEvidence& e = loop.evidence;
   std::printf(
       "    %s frame %3ld sees %3ld score %.3f: %s, inliers %d of %d cells %d share %.2f reverse %d confirming %d "
       "drift %.1f "
       "| moved %.2f m %.1f deg | off by %.3f m %.2f deg%s\n",
-      what, static_cast<long>(loop.frame), static_cast<long>(loop.old_frame), loop.score, LoopVerdictName(e.verdict),
-      e.place.inliers, e.place.matches, e.place.cells, e.place.Share(), e.reverse_inliers, e.confirming, e.drift_chi2,
-      e.edge.T_old_kf.translation().norm(), e.edge.T_old_kf.Log().tail<3>().norm() * 57.3, loop.error_m,
-      loop.error_deg, loop.IsFalse() ? " FALSE" : "");
+      what, static_cast<long>(loop.frame), static_cast<long>(loop.old_frame), loop.score,
+      loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.matches, e.place.cells, e.place.Share(),
+      e.reverse_inliers, e.confirming, e.drift_chi2, e.edge.T_old_kf.translation().norm(),
+      e.edge.T_old_kf.Log().tail<3>().norm() * 57.3, loop.error_m, loop.error_deg, loop.IsFalse() ? " FALSE" : "");
 }
 
 void PrintLoops(const std::string& name, const plslam::test::LoopRun& run, bool verbose) {

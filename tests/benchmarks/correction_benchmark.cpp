@@ -31,15 +31,15 @@ struct Drifted {
     options.with_ids = false;
     return options;
   }
-  static MappingOptions WithoutCulling() {
-    MappingOptions options;
+  static mapping::MappingOptions WithoutCulling() {
+    mapping::MappingOptions options;
     options.culling.redundant_share = 1.01;
     return options;
   }
 
   test::FeatureWorld world = test::MakeRing(kRadius_m, 29'000, 2'500, 3);
   test::Walk walk;
-  Mapper mapper{test::FeatureWorld::Camera(), WithoutCulling()};
+  mapping::Mapper mapper{test::FeatureWorld::Camera(), WithoutCulling()};
   std::string reason;
 };
 
@@ -51,7 +51,7 @@ const Drifted& MapOnce() {
 void Correct(benchmark::State& state, const LoopClosure& closure) {
   for (auto _ : state) {
     state.PauseTiming();
-    Mapper mapper = MapOnce().mapper;
+    mapping::Mapper mapper = MapOnce().mapper;
     std::string reason;
     state.ResumeTiming();
     if (!mapper.Correct(closure, &reason)) state.SkipWithError(reason.c_str());
@@ -89,7 +89,7 @@ void BM_Move(benchmark::State& state) {
     state.PauseTiming();
     plslam::Map map = MapOnce().mapper.map();
     state.ResumeTiming();
-    MoveKeyframes(PosesAfter(closure.poses, map), features, test::FeatureWorld::Camera(), map);
+    mapping::MoveKeyframes(mapping::PosesAfter(closure.poses, map), features, test::FeatureWorld::Camera(), map);
     state.PauseTiming();
     const std::vector<double> errors_m = test::PointErrors_m(map, MapOnce().world);
     state.counters["point_error_m"] = errors_m[errors_m.size() / 2];

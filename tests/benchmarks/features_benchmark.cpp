@@ -90,14 +90,14 @@ void MatchPointsInStereo(benchmark::State& state) {
   StereoOptions options;
   options.point_direct = state.range(1) != 0;
   OrbExtractor extractor{OrbOptions{}};
-  const std::vector<StereoPoint> left = WithoutDepth(extractor.Extract(pair.left), options);
+  const std::vector<StereoPoint> left = vo::WithoutDepth(extractor.Extract(pair.left), options);
   const std::vector<PointFeature> right = extractor.Extract(pair.right);
   double matched = 0.0;
   for (auto _ : state) {
     std::vector<StereoPoint> points = left;
     std::atomic<size_t> begun = 0;
-    MatchPointsStereo(points, right, FindPointCandidates(points, right, PairSkew(), options),
-                      HalvedPair(pair.left, pair.right), RowField(), options, begun);
+    vo::MatchPointsStereo(points, right, vo::FindPointCandidates(points, right, vo::PairSkew(), options),
+                          vo::HalvedPair(pair.left, pair.right), vo::RowField(), options, begun);
     matched = 0.0;
     for (const StereoPoint& p : points) matched += p.HasDepth() ? 1.0 : 0.0;
   }

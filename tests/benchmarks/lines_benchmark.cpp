@@ -96,12 +96,12 @@ void MatchStereoPair(benchmark::State& state, const Scene& scene) {
   const cv::Mat left = Load(scene, true);
   const cv::Mat right = Load(scene, false);
   LineExtractor extractor{LineOptions()};
-  const std::vector<StereoLine> lines = WithoutDepth(extractor.Extract(left));
+  const std::vector<StereoLine> lines = vo::WithoutDepth(extractor.Extract(left));
   const std::vector<LineFeature> right_lines = extractor.Extract(right);
   int with_depth = 0;
   for (auto _ : state) {
     std::vector<StereoLine> matched = lines;
-    MatchLinesStereo(matched, right_lines, left, right, RowField(), StereoOptions());
+    vo::MatchLinesStereo(matched, right_lines, left, right, vo::RowField(), StereoOptions());
     with_depth = 0;
     for (const StereoLine& l : matched) with_depth += l.HasDepth() ? 1 : 0;
   }

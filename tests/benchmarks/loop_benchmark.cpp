@@ -126,15 +126,16 @@ struct MadeUpMap {
 };
 
 // No loop is confirmed by so many keyframes, so that the correction of the map is not in the time.
-LoopOptions Unconfirmed() {
-  LoopOptions options;
+loop::LoopOptions Unconfirmed() {
+  loop::LoopOptions options;
   options.verification.consistent_keyframes = 10;
   return options;
 }
 
 /// Loop closer that has been shown all but the last keyframe of a map, and the map.
 struct Shown {
-  Shown(int n, bool closes) : world(n, closes), closer(FeatureWorld::Camera(), LoadPlaces({}, {}), Unconfirmed()) {
+  Shown(int n, bool closes)
+      : world(n, closes), closer(FeatureWorld::Camera(), loop::LoadPlaces({}, {}), Unconfirmed()) {
     for (const Keyframe& keyframe : world.keyframes) closer.AddKeyframe(keyframe);
     closer.Follow(world.map);
     last = world.keyframes.back();
@@ -142,7 +143,7 @@ struct Shown {
   }
 
   MadeUpMap world;
-  LoopCloser closer;
+  loop::LoopCloser closer;
   Keyframe last;
 };
 
@@ -164,9 +165,9 @@ void BM_Judge(benchmark::State& state, bool closes) {
     shown.closer.AddKeyframe(shown.last);
     benchmark::DoNotOptimize(shown.closer.Check(shown.world.map, 1, shown.last.keyframe_id));
   }
-  const LoopSearch& search = shown.closer.last_search();
+  const loop::LoopSearch& search = shown.closer.last_search();
   state.counters["looked_at"] = static_cast<double>(search.evidence.size());
-  if (!search.evidence.empty()) state.SetLabel(LoopVerdictName(search.evidence.front().verdict));
+  if (!search.evidence.empty()) state.SetLabel(loop::LoopVerdictName(search.evidence.front().verdict));
 }
 BENCHMARK_CAPTURE(BM_Judge, new_place, false)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_Judge, seen_again, true)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
@@ -189,7 +190,7 @@ void BM_CloseLoop(benchmark::State& state) {
   loop.T_old_kf = OnCircle(0, n).Inverse() * OnCircle(n - 1, n);
   loop.covariance = 1e-4 * Matrix6d::Identity();
   bool closed = false;
-  for (auto _ : state) closed = CloseLoop(world.map, loop, {}).has_value();
+  for (auto _ : state) closed = loop::CloseLoop(world.map, loop, {}).has_value();
   if (!closed) state.SkipWithError("the pose graph rejects the loop: this is not the time of closing one");
 }
 BENCHMARK(BM_CloseLoop)->Arg(100)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);

@@ -69,8 +69,8 @@ int main(int argc, char** argv) {
   app.add_option("--carried", trials.min_carried_m, "metres at least");
   return plslam::RunCommandLine(app, argc, argv, [&] {
     cv::setNumThreads(1);
-    const plslam::LoopOptions loops;
-    const plslam::PlaceRecogniser places = plslam::LoadPlaces(loops.vocabularies, loops.places);
+    const plslam::loop::LoopOptions loops;
+    const plslam::PlaceRecogniser places = plslam::loop::LoadPlaces(loops.vocabularies, loops.places);
     Counts all;
     for (const std::string& world : worlds) {
       const auto dataset = plslam::OpenDataset(world, "");

@@ -210,7 +210,7 @@ double MegabytesOf(const Pages& pages) {
 }
 
 /// Sends the last update of the mapper to a copy of the map.
-void TellUpdate(Mapper& mapper, MapReplica& replica) {
+void TellUpdate(mapping::Mapper& mapper, MapReplica& replica) {
   const MapUpdate update = mapper.TakeUpdate();
   std::vector<map_update_t> pages;
   const double cut_ms = Cpu([&] { pages = bus::CutIntoPages(update, 60'000); });
@@ -235,7 +235,7 @@ void Measure(int n) {
   size_t file_bytes = 0;
   const double encode_ms = Cpu([&] { file_bytes = EncodeMap(stored).size(); });
   Row("map encoded", encode_ms, fmt::format("{:.1f} MB", 1e-6 * static_cast<double>(file_bytes)));
-  Mapper mapper(kCamera, {}, std::move(stored));
+  mapping::Mapper mapper(kCamera, {}, std::move(stored));
   MapReplica replica;
   MapUpdate whole = mapper.Whole();
   whole.base_version = 0;
@@ -245,7 +245,7 @@ void Measure(int n) {
 
   const LoopEdge edge = made.Loop();
   std::optional<std::vector<CorrectedPose>> poses;
-  const double graph_ms = Cpu([&] { poses = CloseLoop(mapper.map(), edge, {}); });
+  const double graph_ms = Cpu([&] { poses = loop::CloseLoop(mapper.map(), edge, {}); });
   if (!poses) return fmt::print("  the loop is not believed\n");
   LoopClosure loop;
   loop.kind = LoopClosure::Kind::kLoop;
@@ -254,22 +254,22 @@ void Measure(int n) {
   loop.edges = {edge};
   loop.poses = *poses;
   loop.map_version = mapper.version();
-  loop.names = NamesIn(mapper.map(), loop);
+  loop.names = loop::NamesIn(mapper.map(), loop);
   Row("pose graph", graph_ms, "");
   std::string reason;
   const double loop_ms = Cpu([&] { mapper.Correct(loop, &reason); });
   Row("loop taken over by the map", loop_ms, fmt::format("{:.2f} m off{}", made.Error_m(mapper.map()), reason));
   TellUpdate(mapper, replica);
 
-  std::optional<WholeMapProblem> problem;
-  const double problem_ms = Cpu([&] { problem = MakeWholeMapProblem(replica.map(), features, kCamera, {}); });
+  std::optional<loop::WholeMapProblem> problem;
+  const double problem_ms = Cpu([&] { problem = loop::MakeWholeMapProblem(replica.map(), features, kCamera, {}); });
   Row("global bundle adjustment: problem", problem_ms,
       fmt::format("{} points, {} lines", problem->bundle.points.size(), problem->bundle.lines.size()));
   problem->session = 1;
   problem->session_keyframe_id = n - 1;
   problem->map_version = mapper.version();
   LoopClosure adjusted;
-  const double adjust_ms = Cpu([&] { adjusted = AdjustWholeMap(*problem, {}, nullptr, &reason); });
+  const double adjust_ms = Cpu([&] { adjusted = loop::AdjustWholeMap(*problem, {}, nullptr, &reason); });
   Row("global bundle adjustment", adjust_ms, reason);
   const double correct_ms = Cpu([&] { mapper.Correct(adjusted, &reason); });
   Row("adjustment taken over by the map", correct_ms,

@@ -21,11 +21,11 @@
 
 namespace {
 
-using plslam::FeatureTrack;
-using plslam::OdometryResult;
 using plslam::SE3;
 using plslam::StereoCamera;
 using plslam::StereoPoint;
+using plslam::vo::FeatureTrack;
+using plslam::vo::OdometryResult;
 
 constexpr double kWrong_px = 6.0;
 
@@ -50,11 +50,11 @@ class Judge {
   Judge(const plslam::synthetic::Simulator& simulator, const StereoCamera& camera)
       : simulator_(&simulator), camera_(camera) {}
 
-  void See(int index, const OdometryResult& result) {
+  void See(int index, const vo::OdometryResult& result) {
     const SE3 T_w_c = simulator_->T_w_c(index);
     const SE3 T_c_w = T_w_c.Inverse();
     for (size_t i = 0; i < result.point_tracks.size(); ++i) {
-      const FeatureTrack& track = result.point_tracks[i];
+      const vo::FeatureTrack& track = result.point_tracks[i];
       const StereoPoint& seen = result.features.points[i];
       if (track.landmark_id < 0) continue;
       const auto known = places_.find(track.landmark_id);
@@ -84,7 +84,7 @@ class Judge {
   }
 
  private:
-  struct Place {
+  struct loop::Place {
     Eigen::Vector3d p_w;
     Eigen::Vector2d px;
   };
@@ -135,18 +135,18 @@ class Judge {
 
   const plslam::synthetic::Simulator* simulator_;
   StereoCamera camera_;
-  std::map<int64_t, Place> places_;
+  std::map<int64_t, loop::Place> places_;
   std::map<double, Bin> bins_;
 };
 
-void JudgeWorld(const std::string& world, const plslam::VoOptions& options) {
+void JudgeWorld(const std::string& world, const plslam::vo::VoOptions& options) {
   const plslam::synthetic::Simulator simulator(plslam::synthetic::ParseOptions(world));
   const auto dataset = plslam::OpenSyntheticDataset(world);
-  Judge judge(simulator, plslam::StereoFrontEnd(dataset->rig(), options).camera());
+  Judge judge(simulator, plslam::vo::StereoFrontEnd(dataset->rig(), options).camera());
   int index = 0;
   const auto frames = plslam::test::RunOdometry(
       *dataset, options, 1, 1 << 30,
-      [&](const plslam::StereoImages&, const OdometryResult& result) { judge.See(index++, result); });
+      [&](const plslam::StereoImages&, const vo::OdometryResult& result) { judge.See(index++, result); });
   judge.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
 }
 
@@ -162,7 +162,7 @@ int main(int argc, char** argv) {
     cv::setNumThreads(1);
     plslam::Config config;
     for (const std::string& assignment : overrides) config.Override(assignment);
-    plslam::VoOptions options;
+    plslam::vo::VoOptions options;
     config.Read("vo", options);
     for (const std::string& world : worlds) JudgeWorld(world, options);
     return 0;

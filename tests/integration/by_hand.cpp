@@ -42,8 +42,8 @@ void ByHand::Start(const NetworkHost& host, const std::string& executable, std::
 }
 
 void ByHand::StartPlain(const std::string& executable, const std::vector<std::string>& arguments) {
-  processes_[executable] =
-      std::make_unique<ChildProcess>(BinaryFolder() / executable, arguments, folder_ / (executable + ".log"));
+  processes_[executable] = std::make_unique<launcher::ChildProcess>(BinaryFolder() / executable, arguments,
+                                                                    folder_ / (executable + ".log"));
 }
 
 void ByHand::StartAll(const HostsOfARun& hosts, StatusListener* listener) {
@@ -74,7 +74,7 @@ void ByHand::WaitUntilPlayed(StatusListener* listener) {
 }
 
 int ByHand::Wait(const std::string& executable, int limit_s) {
-  ChildProcess& process = *processes_.at(executable);
+  launcher::ChildProcess& process = *processes_.at(executable);
   const auto end = Clock::now() + Patience(std::chrono::seconds(limit_s));
   while (!process.Poll() && Clock::now() < end) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   if (!process.Poll()) process.Signal(SIGKILL);

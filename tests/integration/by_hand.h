@@ -66,7 +66,7 @@ class ByHand {
   std::string url_;
   std::filesystem::path folder_;
   std::vector<std::string> common_;
-  std::map<std::string, std::unique_ptr<ChildProcess>> processes_;
+  std::map<std::string, std::unique_ptr<launcher::ChildProcess>> processes_;
 };
 
 /// Hears the health of all processes and counts poses, on a host.

@@ -48,7 +48,7 @@
 // PLSLAM_CHAOS_SEED and PLSLAM_CHAOS_EVENTS choose others than the default, PLSLAM_CHAOS_ONLY=N plays the Nth of them
 // alone.
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 namespace fs = std::filesystem;
@@ -434,4 +434,4 @@ TEST(Chaos, WhenTheDiskGetsFullTheResultIsCompleteOrItsLackIsTold) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -20,7 +20,7 @@
 #include "tests/support/text_file.h"
 #include "tools/plslam/run_bus.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using test::RunWatcher;
@@ -448,4 +448,4 @@ TEST(RunFailure, LauncherThatIsKilledTakesAllWithIt) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -78,12 +78,13 @@ class Rebuild : public testing::Test {
     }
   }
 
-  std::unique_ptr<ChildProcess> Start(const std::string& program, std::vector<std::string> arguments) const {
+  std::unique_ptr<launcher::ChildProcess> Start(const std::string& program,
+                                                std::vector<std::string> arguments) const {
     arguments.insert(arguments.end(), {"--url", watcher_.url()});
-    return std::make_unique<ChildProcess>(test::BinaryFolder() / program, arguments,
-                                          run_.folder() / (program + ".log"));
+    return std::make_unique<launcher::ChildProcess>(test::BinaryFolder() / program, arguments,
+                                                    run_.folder() / (program + ".log"));
   }
-  std::unique_ptr<ChildProcess> StartMapper() const {
+  std::unique_ptr<launcher::ChildProcess> StartMapper() const {
     return Start("mapping_process",
                  {"--set", "mapping.loops.enabled=false", "--set", "mapping.culling.redundant_share=1.01", "--set",
                   "mapping.state_file=" + StateFile()});
@@ -91,10 +92,11 @@ class Rebuild : public testing::Test {
   std::string StateFile() const { return (run_.folder() / "state.plmap").string(); }
 
   /// Seconds until this process says that its map has so many keyframes; negative where it does not.
-  double Until(const std::string& process, const ChildProcess& child, const std::string& counter, int count) const {
+  double Until(const std::string& process, const launcher::ChildProcess& child, const std::string& counter,
+               int count) const {
     const double began_s = bus::NowS();
     const bool there = watcher_.WaitFor(
-        [&](const Heard& heard) {
+        [&](const doctor::Heard& heard) {
           const auto status = heard.status.find(process);
           return status != heard.status.end() && status->second.pid == child.pid() &&
                  heard.Counter(process, counter) >= count;
@@ -124,7 +126,7 @@ TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
   ASSERT_GT(with_state_s, 0.0);
   std::cout << n << " keyframes: mapping_process has its map rebuilt after " << with_state_s << " s\n";
   EXPECT_LT(with_state_s, 10.0);
-  const Heard heard = watcher_.Get();
+  const doctor::Heard heard = watcher_.Get();
   ASSERT_EQ(heard.mapped.size(), 1U);
   EXPECT_EQ(heard.mapped.begin()->second.size(), static_cast<size_t>(n));
 

@@ -16,7 +16,7 @@
 #include "tests/support/network_host.h"
 #include "tools/plslam/child_process.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using test::ByHand;
@@ -122,4 +122,4 @@ TEST(Relay, JoinsMachinesWithoutMulticast) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -17,7 +17,7 @@
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/report_recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using test::WholeRun;
@@ -46,7 +46,7 @@ std::string Script(const std::string& name) { return (test::SourceFolder() / "te
 
 /// `node ARGUMENTS...` ends well; what it prints is printed.
 void RunNode(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
-  ChildProcess process(Find("node"), arguments, log);
+  launcher::ChildProcess process(Find("node"), arguments, log);
   // Drawing the map without a graphics card takes long where others are at work.
   const auto ended = [&] { return process.Poll().has_value(); };
   if (!WholeRun::WaitFor(ended)) WholeRun::WaitFor(ended);
@@ -106,7 +106,7 @@ TEST(Report, PageThatWatchesIsToldOfTheEnd) {
   run.Start({"run", "synthetic:room?frames=5000&size=160x120", "--pace", "realtime", "--serve", port});
   ASSERT_TRUE(WholeRun::WaitFor([&] { return run.Logs().find("live page: ") != std::string::npos; })) << run.Logs();
   const std::filesystem::path log = run.folder() / "end.log";
-  ChildProcess page(
+  launcher::ChildProcess page(
       Find("node"),
       {Script("check_end.mjs"), Find("chromedriver"), Find("chromium"), "http://127.0.0.1:" + port + "/"}, log);
   const auto text = [&log] {
@@ -241,4 +241,4 @@ TEST(Report, AHundredThousandPointsStayFluid) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -147,8 +147,9 @@ TEST(Resources, FoldersThatCannotBeWrittenAreNamed) {
   const fs::path file = out.folder() / "a file";
   std::ofstream(file) << "in the way";
   const std::string log = (out.folder() / "log").string();
-  ChildProcess child(test::BinaryFolder() / "plslam", {"run", kWorld, "--out", (file / "out").string()}, log);
-  std::optional<ChildExit> end;
+  launcher::ChildProcess child(test::BinaryFolder() / "plslam", {"run", kWorld, "--out", (file / "out").string()},
+                               log);
+  std::optional<launcher::ChildExit> end;
   ASSERT_TRUE(WholeRun::WaitFor([&] {
     end = child.Poll();
     return end.has_value();
@@ -193,11 +194,11 @@ TEST(Resources, TwoOfOneNameOnOneBusAreTold) {
   const WholeRun folder;
   const RunWatcher watcher;
   const auto start = [&](const char* log) {
-    return std::make_unique<ChildProcess>(test::BinaryFolder() / "vo_process",
-                                          std::vector<std::string>{"--url", watcher.url()}, folder.folder() / log);
+    return std::make_unique<launcher::ChildProcess>(
+        test::BinaryFolder() / "vo_process", std::vector<std::string>{"--url", watcher.url()}, folder.folder() / log);
   };
   const auto first = start("first.log"), second = start("second.log");
-  EXPECT_TRUE(watcher.WaitFor([](const Heard& heard) {
+  EXPECT_TRUE(watcher.WaitFor([](const doctor::Heard& heard) {
     return heard.status.contains("vo") &&
            heard.status.at("vo").reason.find("another vo runs on this bus: process ") == 0;
   }));

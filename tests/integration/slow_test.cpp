@@ -61,7 +61,7 @@ constexpr int kRate_Hz = 10;
 #endif
 
 /// Times between the poses of one frame and the next, sorted.
-std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
+std::vector<double> Gaps_s(const doctor::Heard& heard, int64_t from, int64_t to) {
   std::vector<double> gaps;
   double last = 0.0;
   for (const auto& [frame, at_s] : heard.pose_at_s) {
@@ -94,7 +94,7 @@ TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
     ASSERT_TRUE(watcher.WaitForFrame(frames - 10, frames)) << run.Logs();
   }
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
-  const Heard heard = watcher.Get();
+  const doctor::Heard heard = watcher.Get();
   const std::vector<double> gaps = Gaps_s(heard, 10, frames - 10);
   ASSERT_GT(gaps.size(), 10U);
   const double median = gaps[gaps.size() / 2], worst = gaps.back();
@@ -122,8 +122,8 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
   ASSERT_TRUE(watcher.WaitForFrame(5)) << run.Logs();
   {
     const TenPercent throttle(run.PidOf("vo_process"));
-    ASSERT_TRUE(
-        watcher.WaitFor([&](const Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
+    ASSERT_TRUE(watcher.WaitFor(
+        [&](const doctor::Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
         << run.Logs();
   }
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
@@ -145,16 +145,16 @@ TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   const RunWatcher watcher;
   const auto start = [&](const std::string& program, std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--url", watcher.url()});
-    return std::make_unique<ChildProcess>(test::BinaryFolder() / program, arguments,
-                                          folder.folder() / (program + ".log"));
+    return std::make_unique<launcher::ChildProcess>(test::BinaryFolder() / program, arguments,
+                                                    folder.folder() / (program + ".log"));
   };
-  std::map<std::string, std::unique_ptr<ChildProcess>> processes;
+  std::map<std::string, std::unique_ptr<launcher::ChildProcess>> processes;
   processes["viewer_headless"] = start("viewer_headless", {"--out", folder.out().string(), "--quiet"});
   processes["mapping_process"] = start("mapping_process", {"--set", "mapping.loops.wait_s=1"});
   processes["loop_process"] = start("loop_process", {});
   processes["vo_process"] = start("vo_process", {"--set", "vo.map.wait_s=1", "--set", "vo.relocalisation.wait_s=1"});
   for (const char* each : {"viewer", "mapping", "loop", "vo"}) {
-    ASSERT_TRUE(watcher.WaitFor([&](const Heard& heard) { return heard.status.contains(each); })) << each;
+    ASSERT_TRUE(watcher.WaitFor([&](const doctor::Heard& heard) { return heard.status.contains(each); })) << each;
   }
   processes["player"] = start("player", {fmt::format("synthetic:room?size=320x200&frames={}", frames)});
   ASSERT_TRUE(watcher.WaitForFrame(15));
@@ -162,13 +162,13 @@ TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   ASSERT_TRUE(WholeRun::WaitFor([&] { return processes[executable]->Poll().has_value(); }));
   EXPECT_TRUE(watcher.WaitForFrame(frames - 1))
       << name << " is gone, and no pose came behind frame " << watcher.Get().newest_frame;
-  const Heard heard = watcher.Get();
+  const doctor::Heard heard = watcher.Get();
   EXPECT_EQ(heard.frames.size(), static_cast<size_t>(frames));
   EXPECT_EQ(heard.lost_frames, 0);
   for (auto& [program, process] : processes) process->Signal(SIGINT);
   for (auto& [program, started] : processes) {
     if (program == executable) continue;
-    ChildProcess* process = started.get();
+    launcher::ChildProcess* process = started.get();
     EXPECT_TRUE(WholeRun::WaitFor([&] { return process->Poll().has_value(); })) << program;
     EXPECT_EQ(process->Poll()->code, 0) << program;
   }

@@ -42,7 +42,7 @@ WholeRun::~WholeRun() {
 
 void WholeRun::Start(std::vector<std::string> arguments) {
   if (arguments[0] != "relay") arguments.insert(arguments.end(), {"--out", out().string()});
-  process_ = std::make_unique<ChildProcess>(BinaryFolder() / "plslam", arguments, folder_ / "plslam.log");
+  process_ = std::make_unique<launcher::ChildProcess>(BinaryFolder() / "plslam", arguments, folder_ / "plslam.log");
 }
 
 int WholeRun::Wait(int limit_s) {

@@ -39,7 +39,7 @@ class WholeRun {
   std::string Read(const std::string& file_of_out) const;
   /// Logs of all processes, for messages of failed tests.
   std::string Logs() const;
-  const ChildProcess& process() const { return *process_; }
+  const launcher::ChildProcess& process() const { return *process_; }
   bool ended() const { return process_->Poll().has_value(); }
   /// Process id of a running executable that this run started; -1 where there is none.
   pid_t PidOf(const std::string& executable) const;
@@ -48,7 +48,7 @@ class WholeRun {
 
  private:
   std::filesystem::path folder_;
-  std::unique_ptr<ChildProcess> process_;
+  std::unique_ptr<launcher::ChildProcess> process_;
 };
 
 /// Runs `command` on a file system of its own of so many KiB; `command` is a line for sh, and `folder` is where the

@@ -35,7 +35,7 @@ TEST_P(ForthAndBack, EndsWhereItBegan) {
   LoopRunOptions options;
   options.forth_and_back = true;
   const LoopRun run =
-      RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), LoadPlaces({}, {}), options);
+      RunLoops(WorseImages(*dataset, {.noise_sigma = GetParam().noise_sigma}), loop::LoadPlaces({}, {}), options);
   const auto& frames = run.slam.final;
   ASSERT_GT(frames.size(), 100u);
   const double gap_m = (frames.back().T_odom_l.translation() - frames.front().T_odom_l.translation()).norm();

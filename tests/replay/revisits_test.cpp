@@ -13,7 +13,7 @@ namespace {
 TEST(Revisits, OfARealRoomAreClosed) {
   PLSLAM_REQUIRE_DATA(folder, "euroc_V1_01_sparse");
   const auto dataset = OpenDataset(folder.string(), "");
-  const LoopRun run = RunLoops(*dataset, LoadPlaces({}, {}), {});
+  const LoopRun run = RunLoops(*dataset, loop::LoadPlaces({}, {}), {});
   EXPECT_GE(run.revisits.keyframes, 15);
   EXPECT_GE(run.revisits.closed_keyframes, run.revisits.keyframes - 2);
   for (const LoopOfRun& loop : run.loops) EXPECT_FALSE(loop.IsFalse()) << "frame " << loop.frame;

@@ -77,17 +77,17 @@ class Run {
   void Ask(const StereoFeatures& features, int64_t frame);
   void Correct(const LoopClosure& closure);
   void CountRevisits();
-  LoopOfRun Describe(const LoopEvidence& evidence) const;
+  LoopOfRun Describe(const loop::LoopEvidence& evidence) const;
   std::optional<SE3> TrueRelation(int64_t old_frame, int64_t frame) const;
   std::vector<OdometryFrame> AsTheMapHasIt() const;
   double Ate() const { return AbsoluteTrajectoryError(AsTheMapHasIt()); }
 
   const Dataset& dataset_;
   const LoopRunOptions& options_;
-  StereoFrontEnd front_end_;
-  Odometry odometry_;
-  Mapper mapper_;
-  LoopCloser closer_;
+  vo::StereoFrontEnd front_end_;
+  vo::Odometry odometry_;
+  mapping::Mapper mapper_;
+  loop::LoopCloser closer_;
   SE3 T_l_c_;
   std::vector<OdometryFrame> in_odom_;
   LoopRun run_;
@@ -95,8 +95,8 @@ class Run {
 
 void Run::Frame(const Moment& moment) {
   const StereoImages images = dataset_.Read(moment.index);
-  StageTimer timer(NowMs);
-  const OdometryResult result = odometry_.Track(moment.t_ns, SeePair(front_end_, odometry_, images, timer));
+  vo::StageTimer timer(NowMs);
+  const vo::OdometryResult result = odometry_.Track(moment.t_ns, vo::SeePair(front_end_, odometry_, images, timer));
   OdometryFrame frame;
   frame.t_ns = moment.t_ns;
   frame.state = result.state;
@@ -109,7 +109,7 @@ void Run::Frame(const Moment& moment) {
   const int64_t index = static_cast<int64_t>(in_odom_.size()) - 1;
   if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;
-  Keyframe keyframe = ToKeyframe(result);
+  Keyframe keyframe = vo::ToKeyframe(result);
   keyframe.session = kSession;
   keyframe.t_ns = moment.t_ns;
   keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;
@@ -159,7 +159,7 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   if (!loop.more) return;
   const double t4 = NowMs();
   const LoopClosure adjusted =
-      AdjustWholeMap(closer_.WholeMap(mapper_.map(), loop), closer_.options().adjustment, nullptr);
+      loop::AdjustWholeMap(closer_.WholeMap(mapper_.map(), loop), closer_.options().adjustment, nullptr);
   run_.adjust_ms.push_back(NowMs() - t4);
   Correct(adjusted);
   run_.ate_adjusted_m.push_back(Ate());
@@ -180,7 +180,7 @@ std::optional<SE3> Run::TrueRelation(int64_t old_frame, int64_t frame) const {
   return (*old_truth * T_l_c_).Inverse() * (*truth * T_l_c_);
 }
 
-LoopOfRun Run::Describe(const LoopEvidence& evidence) const {
+LoopOfRun Run::Describe(const loop::LoopEvidence& evidence) const {
   LoopOfRun loop;
   loop.evidence = evidence;
   const MapKeyframe* keyframe = mapper_.map().FindKeyframe(evidence.edge.keyframe_id);
@@ -190,7 +190,7 @@ LoopOfRun Run::Describe(const LoopEvidence& evidence) const {
   loop.frame = keyframe->frame_id;
   loop.old_frame = old->frame_id;
   const auto truth = TrueRelation(old->frame_id, keyframe->frame_id);
-  if (!truth || evidence.verdict == LoopVerdict::kNotFound) return loop;
+  if (!truth || evidence.verdict == loop::LoopVerdict::kNotFound) return loop;
   const SE3 error = truth->Inverse() * evidence.edge.T_old_kf;
   loop.error_m = error.translation().norm();
   loop.error_deg = error.Log().tail<3>().norm() * 180.0 / std::numbers::pi;
@@ -198,7 +198,7 @@ LoopOfRun Run::Describe(const LoopEvidence& evidence) const {
 }
 
 void Run::Note(const LoopClosure& closure) {
-  const LoopSearch& search = closer_.last_search();
+  const loop::LoopSearch& search = closer_.last_search();
   for (size_t i = 0; i < search.evidence.size(); ++i) {
     LoopOfRun loop = Describe(search.evidence[i]);
     loop.score = search.candidates[i].score;

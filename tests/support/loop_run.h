@@ -15,7 +15,7 @@ struct LoopOfRun {
   int64_t session_keyframe_id = -1;
   int64_t frame = -1;
   int64_t old_frame = -1;
-  LoopEvidence evidence;
+  loop::LoopEvidence evidence;
   double score = 0.0;
   /// Against the truth; negative where there is none.
   double error_m = -1.0;
@@ -56,9 +56,9 @@ struct LoopRun {
 };
 
 struct LoopRunOptions {
-  VoOptions vo;
-  MappingOptions mapping;
-  LoopOptions loops;
+  vo::VoOptions vo;
+  mapping::MappingOptions mapping;
+  loop::LoopOptions loops;
   int stride = 1;
   int max_frames = 1 << 30;
   /// After the last frame all of them once more, in reverse order.

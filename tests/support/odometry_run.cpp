@@ -13,7 +13,7 @@
 namespace plslam::test {
 namespace {
 
-OdometryFrame Summarise(const OdometryResult& result, const SE3& T_l_c) {
+OdometryFrame Summarise(const vo::OdometryResult& result, const SE3& T_l_c) {
   OdometryFrame frame;
   frame.state = result.state;
   frame.T_odom_l = result.T_odom_c * T_l_c.Inverse();
@@ -31,19 +31,19 @@ OdometryFrame Summarise(const OdometryResult& result, const SE3& T_l_c) {
 
 }  // namespace
 
-std::vector<OdometryFrame> RunOdometry(const Dataset& dataset, const VoOptions& options, int stride, int max_frames,
-                                       const std::function<void(const StereoImages&, const OdometryResult&)>& visit,
-                                       int first) {
-  StereoFrontEnd front_end(dataset.rig(), options);
-  Odometry odometry(front_end.camera(), options);
+std::vector<OdometryFrame> RunOdometry(
+    const Dataset& dataset, const vo::VoOptions& options, int stride, int max_frames,
+    const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit, int first) {
+  vo::StereoFrontEnd front_end(dataset.rig(), options);
+  vo::Odometry odometry(front_end.camera(), options);
   const SE3 T_l_c(Rectifier(dataset.rig()).q_l_c(), Eigen::Vector3d::Zero());
   std::vector<OdometryFrame> frames;
   for (int i = first; i < dataset.size() && static_cast<int>(frames.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
-    StageTimer timer(SteadyMs);
-    OdometryResult result;
+    vo::StageTimer timer(SteadyMs);
+    vo::OdometryResult result;
     timer.Time("total", [&] {
-      StereoFeatures features = SeePair(front_end, odometry, images, timer);
+      StereoFeatures features = vo::SeePair(front_end, odometry, images, timer);
       result = timer.Time("track", [&] { return odometry.Track(images.t_ns, std::move(features)); });
     });
     OdometryFrame frame = Summarise(result, T_l_c);

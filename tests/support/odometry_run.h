@@ -32,14 +32,14 @@ struct OdometryFrame {
   double late_s = 0.0;
   /// What is taken from disparities at the centres of the thirds of the image.
   Eigen::Vector3d disparity_offset_px = Eigen::Vector3d::Zero();
-  std::vector<StageTime> stages;
+  std::vector<vo::StageTime> stages;
 };
 
 /// Front end and odometry over a dataset in this process: what vo_process does, without messages. `visit`, if given,
 /// sees each frame's whole result with its images. `first` is the frame to begin with.
 std::vector<OdometryFrame> RunOdometry(
-    const Dataset& dataset, const VoOptions& options, int stride = 1, int max_frames = 1 << 30,
-    const std::function<void(const StereoImages&, const OdometryResult&)>& visit = nullptr, int first = 0);
+    const Dataset& dataset, const vo::VoOptions& options, int stride = 1, int max_frames = 1 << 30,
+    const std::function<void(const StereoImages&, const vo::OdometryResult&)>& visit = nullptr, int first = 0);
 
 /// Root mean square of the position error after the best rigid alignment, over frames that are not lost and have a
 /// truth. Negative where there are fewer than 3.

@@ -18,28 +18,28 @@ constexpr int64_t kMapSession = 1;
 
 /// What the three processes hold after the dataset.
 struct Mapped {
-  Odometry odometry;
+  vo::Odometry odometry;
   Map map;
-  LoopCloser closer;
+  loop::LoopCloser closer;
   int64_t t_ns = 0;
 };
 
-StereoFeatures See(StereoFrontEnd& front_end, const StereoImages& images, Odometry& odometry) {
-  StageTimer timer([] { return 0.0; });
-  return SeePair(front_end, odometry, images, timer);
+StereoFeatures See(vo::StereoFrontEnd& front_end, const StereoImages& images, vo::Odometry& odometry) {
+  vo::StageTimer timer([] { return 0.0; });
+  return vo::SeePair(front_end, odometry, images, timer);
 }
 
-Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, StereoFrontEnd& front_end, const VoOptions& vo,
-               const MappingOptions& mapping, const LoopOptions& loops) {
-  Odometry odometry(front_end.camera(), vo);
-  Mapper mapper(front_end.camera(), mapping);
+Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::StereoFrontEnd& front_end,
+               const vo::VoOptions& vo, const mapping::MappingOptions& mapping, const loop::LoopOptions& loops) {
+  vo::Odometry odometry(front_end.camera(), vo);
+  mapping::Mapper mapper(front_end.camera(), mapping);
   int64_t newest = -1;
-  LoopCloser closer(front_end.camera(), places, loops);
+  loop::LoopCloser closer(front_end.camera(), places, loops);
   for (int i = 0; i < dataset.size(); ++i) {
     const StereoImages images = dataset.Read(i);
-    const OdometryResult result = odometry.Track(images.t_ns, See(front_end, images, odometry));
+    const vo::OdometryResult result = odometry.Track(images.t_ns, See(front_end, images, odometry));
     if (!result.keyframe) continue;
-    Keyframe keyframe = ToKeyframe(result);
+    Keyframe keyframe = vo::ToKeyframe(result);
     keyframe.session = kMapSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = i;
@@ -78,15 +78,15 @@ bool IsRight(const SE3& T_w_c, const SE3& truth, const RelocalisationTrials& tri
          error.tail<3>().norm() * 180.0 / std::numbers::pi < trials.max_error_deg;
 }
 
-void Try(const Dataset& dataset, StereoFrontEnd& front_end, const Mapped& mapped, const RelocalisationTrials& trials,
-         RelocalisationTrial& trial) {
-  Odometry odometry = mapped.odometry;
+void Try(const Dataset& dataset, vo::StereoFrontEnd& front_end, const Mapped& mapped,
+         const RelocalisationTrials& trials, RelocalisationTrial& trial) {
+  vo::Odometry odometry = mapped.odometry;
   int64_t t_ns = mapped.t_ns;
   const int64_t step_ns = dataset.t_ns(1) - dataset.t_ns(0);
   for (int i = 0; i < trials.covered_frames; ++i) odometry.Track(t_ns += step_ns, {});
   for (int i = 0; i < trials.seen_frames; ++i) {
     const int frame = trial.to_frame + i;
-    const OdometryResult result = odometry.Track(t_ns += step_ns, See(front_end, dataset.Read(frame), odometry));
+    const vo::OdometryResult result = odometry.Track(t_ns += step_ns, See(front_end, dataset.Read(frame), odometry));
     const bool lost = result.state == TrackingState::kLost;
     const SE3 truth = PlaceInMap(dataset, mapped.map, frame);
     const bool right = !lost && IsRight(odometry.T_w_odom() * result.T_odom_c, truth, trials);
@@ -106,10 +106,12 @@ void Try(const Dataset& dataset, StereoFrontEnd& front_end, const Mapped& mapped
 }  // namespace
 
 std::vector<RelocalisationTrial> RunRelocalisationTrials(const Dataset& dataset, const PlaceRecogniser& places,
-                                                         const VoOptions& vo, const MappingOptions& mapping,
-                                                         const LoopOptions& loops, const RelocalisationTrials& trials,
-                                                         int n_trials, uint64_t seed) {
-  StereoFrontEnd front_end(dataset.rig(), vo);
+                                                         const vo::VoOptions& vo,
+                                                         const mapping::MappingOptions& mapping,
+                                                         const loop::LoopOptions& loops,
+                                                         const RelocalisationTrials& trials, int n_trials,
+                                                         uint64_t seed) {
+  vo::StereoFrontEnd front_end(dataset.rig(), vo);
   const Mapped mapped = MakeMap(dataset, places, front_end, vo, mapping, loops);
   std::mt19937_64 random(seed);
   std::vector<RelocalisationTrial> results;

@@ -39,8 +39,10 @@ struct RelocalisationTrials {
 /// Makes a map of the dataset, and then, from its end, trials drawn by `seed`: nothing is seen for a while, then the
 /// frames from elsewhere on. Loop_process is asked as vo_process asks it. In this process, as in lockstep.
 std::vector<RelocalisationTrial> RunRelocalisationTrials(const Dataset& dataset, const PlaceRecogniser& places,
-                                                         const VoOptions& vo, const MappingOptions& mapping,
-                                                         const LoopOptions& loops, const RelocalisationTrials& trials,
-                                                         int n_trials, uint64_t seed);
+                                                         const vo::VoOptions& vo,
+                                                         const mapping::MappingOptions& mapping,
+                                                         const loop::LoopOptions& loops,
+                                                         const RelocalisationTrials& trials, int n_trials,
+                                                         uint64_t seed);
 
 }  // namespace plslam::test

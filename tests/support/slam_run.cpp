@@ -54,19 +54,19 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
   return in_odom;
 }
 
-SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride,
+SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::MappingOptions& mapping, int stride,
                 int max_frames) {
-  StereoFrontEnd front_end(dataset.rig(), vo);
-  Odometry odometry(front_end.camera(), vo);
-  Mapper mapper(front_end.camera(), mapping);
+  vo::StereoFrontEnd front_end(dataset.rig(), vo);
+  vo::Odometry odometry(front_end.camera(), vo);
+  mapping::Mapper mapper(front_end.camera(), mapping);
   const SE3 T_c_l(Rectifier(dataset.rig()).q_l_c().conjugate(), Eigen::Vector3d::Zero());
   SlamRun run;
   std::vector<OdometryFrame> in_odom;
   constexpr int64_t kSession = 1;
   for (int i = 0; i < dataset.size() && static_cast<int>(run.live.size()) < max_frames; i += stride) {
     const StereoImages images = dataset.Read(i);
-    StageTimer timer(SteadyMs);
-    const OdometryResult result = odometry.Track(images.t_ns, SeePair(front_end, odometry, images, timer));
+    vo::StageTimer timer(SteadyMs);
+    const vo::OdometryResult result = odometry.Track(images.t_ns, vo::SeePair(front_end, odometry, images, timer));
     OdometryFrame frame;
     frame.t_ns = images.t_ns;
     frame.state = result.state;
@@ -80,7 +80,7 @@ SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOption
     frame.T_odom_l = odometry.T_w_odom() * frame.T_odom_l;
     run.live.push_back(frame);
     if (!result.keyframe) continue;
-    Keyframe keyframe = ToKeyframe(result);
+    Keyframe keyframe = vo::ToKeyframe(result);
     keyframe.session = kSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;

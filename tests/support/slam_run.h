@@ -32,7 +32,7 @@ std::vector<OdometryFrame> CarriedByKeyframes(std::vector<OdometryFrame> in_odom
 
 /// Front end, odometry and mapping over a dataset in this process, as in lockstep: the map of a keyframe takes effect
 /// when the next keyframe has been made.
-SlamRun RunSlam(const Dataset& dataset, const VoOptions& vo, const MappingOptions& mapping, int stride = 1,
-                int max_frames = 1 << 30);
+SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::MappingOptions& mapping,
+                int stride = 1, int max_frames = 1 << 30);
 
 }  // namespace plslam::test

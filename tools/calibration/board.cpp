@@ -10,7 +10,7 @@
 
 #include "tools/calibration/markers.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 constexpr int kMaxSide = 100;
@@ -155,4 +155,4 @@ std::string BoardPdf(const Board& board) {
              objects.size() + 1, table, start);
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

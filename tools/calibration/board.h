@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-namespace plslam {
+namespace plslam::calibration {
 
 /// A flat calibration board. Frame: x right, y down, origin in the upper left corner of the pattern, z = 0; metres.
 struct Board {
@@ -48,4 +48,4 @@ std::vector<BlackRectangle> BoardPattern(const Board& board);
 /// their size.
 std::string BoardPdf(const Board& board);
 
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -20,7 +20,7 @@
 #include "tools/calibration/coverage.h"
 #include "tools/calibration/rig_estimate.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 namespace fs = std::filesystem;
@@ -215,4 +215,4 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   sub->callback([=] { *command = [options] { return Calibrate(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

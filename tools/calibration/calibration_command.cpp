@@ -15,7 +15,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/dataset_error.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 struct CalibrationOptions {
@@ -75,4 +75,4 @@ void AddCalibrationCommand(CLI::App* app, std::function<int()>* command) {
   sub->callback([=] { *command = [options] { return Convert(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

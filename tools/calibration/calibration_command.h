@@ -3,11 +3,13 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
+namespace CLI {}
 
 namespace plslam {
+class App;
+}  // namespace plslam
+
+namespace plslam::calibration {
 
 /// Adds `plslam calibration`, which reads the calibration of another program and writes a camera.yaml.
 void AddCalibrationCommand(CLI::App* app, std::function<int()>* command);
@@ -15,4 +17,4 @@ void AddCalibrationCommand(CLI::App* app, std::function<int()>* command);
 /// Adds `plslam calibrate`, which calibrates a rig from pictures of a board.
 void AddCalibrateCommand(CLI::App* app, std::function<int()>* command);
 
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 std::vector<int> Counts(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns, int rows) {
@@ -46,4 +46,4 @@ std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels
   return names;
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -8,7 +8,7 @@
 
 #include "core/io/images/image_file.h"
 
-namespace plslam {
+namespace plslam::calibration {
 
 /// The cell of a pixel, row by row, where the image is divided into `columns` by `rows`.
 size_t CellOf(const Eigen::Vector2d& pixel, const ImageSize& size, int columns, int rows);
@@ -23,4 +23,4 @@ std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pix
 /// less than a fifth of its even share.
 std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size);
 
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -8,7 +8,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 constexpr int kMinCorners = 8;
@@ -132,4 +132,4 @@ BoardView FindBoard(const Board& board, const cv::Mat& image) {
   return board.kind == Board::Kind::kChess ? FindChess(board, image) : FindCharuco(board, image);
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

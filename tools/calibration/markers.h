@@ -8,7 +8,7 @@
 
 #include "tools/calibration/board.h"
 
-namespace plslam {
+namespace plslam::calibration {
 
 /// Cells along the side of a marker with its border.
 inline constexpr int kMarkerCells = 7;
@@ -35,4 +35,4 @@ struct BoardView {
 /// halves look alike, either way round.
 BoardView FindBoard(const Board& board, const cv::Mat& image);
 
-}  // namespace plslam
+}  // namespace plslam::calibration

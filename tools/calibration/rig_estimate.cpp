@@ -17,7 +17,7 @@
 #include "core/motion/robust.h"
 #include "tools/calibration/coverage.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 constexpr int kMinPairs = 10;
@@ -444,4 +444,4 @@ std::vector<int> ChoosePairs(const std::vector<BoardPair>& pairs, const ImageSiz
   return chosen;
 }
 
-}  // namespace plslam
+}  // namespace plslam::calibration

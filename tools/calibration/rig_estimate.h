@@ -13,7 +13,7 @@
 #include "tools/calibration/board.h"
 #include "tools/calibration/markers.h"
 
-namespace plslam {
+namespace plslam::calibration {
 
 /// Pixel of a point (camera frame, z > 0) with the parameters fx fy cx cy and then the lens model's coefficients. The
 /// same lenses as core/geometry/distortion.h, which has derivatives by the point only: this is a template, so that
@@ -82,4 +82,4 @@ std::vector<int> ChoosePairs(const std::vector<BoardPair>& pairs, const ImageSiz
 RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs, const ImageSize& size,
                         const std::string& model);
 
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -20,7 +20,7 @@
 #include "tools/doctor/node/listen_node.h"
 #include "tools/doctor/socket_check.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 struct DoctorOptions {
@@ -154,4 +154,4 @@ void AddDoctorCommand(CLI::App* app, std::function<int()>* command) {
   sub->callback([=] { *command = [options] { return Doctor(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -3,13 +3,15 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
+namespace CLI {}
 
 namespace plslam {
+class App;
+}  // namespace plslam
+
+namespace plslam::doctor {
 
 /// Adds the subcommand `doctor`, which, when chosen, sets `*command` to what returns the exit code.
 void AddDoctorCommand(CLI::App* app, std::function<int()>* command);
 
-}  // namespace plslam
+}  // namespace plslam::doctor

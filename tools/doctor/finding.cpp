@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace plslam {
+namespace plslam::doctor {
 
 const char* VerdictName(Verdict verdict) {
   switch (verdict) {
@@ -49,4 +49,4 @@ std::string FindingsToText(const Findings& findings, bool only_bad) {
   return text;
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

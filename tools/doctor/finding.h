@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::doctor {
 
 /// kAdvice: it works, and would work better. kProblem: something does not work.
 enum class Verdict { kGood, kAdvice, kProblem };
@@ -34,4 +34,4 @@ bool HasProblem(const Findings& findings);
 /// One line for each finding and one below it for its command; `only_bad` leaves out what is good.
 std::string FindingsToText(const Findings& findings, bool only_bad);
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 constexpr double kSkew_s = 0.05;
@@ -134,4 +134,4 @@ Findings CheckProcesses(const Heard& heard, const OwnSide& own) {
   return findings;
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

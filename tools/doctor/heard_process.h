@@ -9,7 +9,7 @@
 
 #include "tools/doctor/finding.h"
 
-namespace plslam {
+namespace plslam::doctor {
 
 /// How a message is signed, seen from here.
 enum class Signature {
@@ -58,4 +58,4 @@ struct OwnSide {
 /// What keeps the processes heard from working with each other and with this host.
 Findings CheckProcesses(const Heard& heard, const OwnSide& own);
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -18,7 +18,7 @@
 #include "core/io/files/shared_file.h"
 #include "core/places/vocabulary.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 /// NTP slews by up to 500 ppm; beyond 5 ms over a few seconds the clock was set.
@@ -133,4 +133,4 @@ Findings CheckPrograms() {
                   "scripts/build release plslam_programs   # or install the package again")};
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

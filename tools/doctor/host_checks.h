@@ -7,7 +7,7 @@
 
 #include "tools/doctor/finding.h"
 
-namespace plslam {
+namespace plslam::doctor {
 
 /// The clocks of this host at one moment.
 struct ClockSample {
@@ -34,4 +34,4 @@ Findings CheckVocabulary(const std::string& name, const std::string& kind, const
 /// Whether the programs of the system stand beside this one.
 Findings CheckPrograms();
 
-}  // namespace plslam
+}  // namespace plslam::doctor

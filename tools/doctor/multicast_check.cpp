@@ -15,7 +15,7 @@
 
 #include "core/bus/transport/transport.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 constexpr char kCheck[] = "multicast";
@@ -134,4 +134,4 @@ Findings CheckMulticast(const BusAddress& address) {
                                    device, address.ttl, reach))};
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

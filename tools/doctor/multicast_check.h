@@ -7,7 +7,7 @@
 #include "tools/doctor/finding.h"
 #include "tools/doctor/socket_check.h"
 
-namespace plslam {
+namespace plslam::doctor {
 
 /// A network device that is there.
 struct NetworkDevice {
@@ -29,4 +29,4 @@ Findings CheckRoute(const BusAddress& address, const std::string& route_device,
 /// The same on this host as it is, and whether a datagram to the group comes back to it.
 Findings CheckMulticast(const BusAddress& address);
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -23,7 +23,7 @@
 
 #include "core/bus/transport/transport.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 int Number(const std::string& url, std::string_view text, int min, int max) {
@@ -243,4 +243,4 @@ Findings CheckPort(const BusAddress& address) {
                   fmt::format("plslam relay --port {} --address 0.0.0.0 &   # on {}", address.port, address.host))};
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

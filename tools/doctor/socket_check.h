@@ -7,7 +7,7 @@
 
 #include "tools/doctor/finding.h"
 
-namespace plslam {
+namespace plslam::doctor {
 
 /// What an LCM URL says, as far as a check of the network needs it.
 struct BusAddress {
@@ -41,4 +41,4 @@ Findings CheckReceiveBuffer(const BusAddress& address);
 /// kMulticast: whether the port can be shared with LCM. kRelay: whether an LCM relay answers there.
 Findings CheckPort(const BusAddress& address);
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -11,7 +11,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/bytes.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 const Eigen::Vector2d kHalfPixel(0.5, 0.5);
@@ -212,4 +212,4 @@ void WriteColmapBinary(const std::string& folder, const ColmapModel& model) {
   WriteFileAtomically(folder + "/points3D.bin", PointsBytes(model));
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

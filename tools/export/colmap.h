@@ -10,7 +10,7 @@
 #include "core/io/maps/map_file.h"
 #include "core/io/maps/map_ply.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// A feature of an image, in pixels as COLMAP counts them: the centre of the first one is (0.5, 0.5).
 struct ColmapFeature {
@@ -62,4 +62,4 @@ ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera);
 void WriteColmapText(const std::string& folder, const ColmapModel& model);
 void WriteColmapBinary(const std::string& folder, const ColmapModel& model);
 
-}  // namespace plslam
+}  // namespace plslam::exports

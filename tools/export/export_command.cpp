@@ -10,7 +10,7 @@
 
 #include "tools/export/export_run.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 struct ExportArguments {
@@ -82,4 +82,4 @@ void AddExportCommand(CLI::App* app, std::function<int()>* command) {
   sub->callback([=] { *command = [arguments] { return Export(*arguments); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

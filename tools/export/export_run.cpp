@@ -19,7 +19,7 @@
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 /// What is known while files are written.
@@ -86,8 +86,8 @@ void ExportColmapText(OngoingExport& e) {
 }
 
 void ExportG2o(OngoingExport& e) {
-  const G2oGraph<SE3> graph = G2oOf(e.map());
-  WriteG2o(e.Path("pose_graph.g2o"), graph);
+  const pose_graph::G2oGraph<SE3> graph = pose_graph::G2oOf(e.map());
+  pose_graph::WriteG2o(e.Path("pose_graph.g2o"), graph);
   e.Told("pose_graph.g2o", fmt::format("{} poses, {} edges", graph.graph.poses.size(), graph.graph.edges.size()));
 }
 
@@ -113,7 +113,7 @@ void ExportPoses(TrajectoryFormat format, OngoingExport& e) {
   if (!e.source.frames.empty()) WritePoses("trajectory", format, e.source.frames, "frames", e);
   if (!e.source.map || e.map().keyframes().empty()) return;
   const SE3 T_c_l = e.images ? e.images->T_l_c().Inverse() : SE3();
-  for (auto& [suffix, keyframes] : TrajectoriesOf(e.map())) {
+  for (auto& [suffix, keyframes] : pose_graph::TrajectoriesOf(e.map())) {
     for (TrajectoryPose& pose : keyframes) pose.T_a_b = pose.T_a_b * T_c_l;
     WritePoses("keyframes" + suffix, format, keyframes, "keyframes", e);
   }
@@ -194,4 +194,4 @@ std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   return e.files;
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::exports {
 
 /// A format that runs and maps can be exported to.
 struct ExportFormat {
@@ -36,4 +36,4 @@ struct ExportedFile {
 /// needs.
 std::vector<ExportedFile> ExportRun(const ExportRequest& request);
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -9,7 +9,7 @@
 
 #include "core/io/maps/map_ply.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 /// Numbers vertices as the format does, from 1.
@@ -71,4 +71,4 @@ std::string MapObj(const Map& map) {
   return obj.Take();
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

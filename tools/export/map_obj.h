@@ -5,7 +5,7 @@
 
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// The map as a Wavefront OBJ file: text, in metres in w. Three objects: `points` (p elements), `lines` and
 /// `keyframes` (l elements), of which the last is the way through the keyframes' positions, a polyline for each
@@ -13,4 +13,4 @@ namespace plslam {
 /// black; programs that do not know vertex colours pass over them.
 std::string MapObj(const Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::exports

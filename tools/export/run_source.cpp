@@ -11,7 +11,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/maps/map_camera.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,4 +66,4 @@ std::optional<cv::Mat> KeyframeImages::At(int64_t t_ns) const {
   return rectifier_->RectifyLeft(dataset_->Read(index->second).left);
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -14,7 +14,7 @@
 #include "core/io/maps/map_file.h"
 #include "core/io/trajectories/trajectory.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// What a map file, or the folder of a run, has in it.
 struct RunSource {
@@ -51,4 +51,4 @@ class KeyframeImages {
   std::map<int64_t, int> index_of_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::exports

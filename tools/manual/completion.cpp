@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace plslam {
+namespace plslam::manual {
 namespace {
 
 std::string Joined(const std::vector<std::string>& words, const char* separator) {
@@ -12,7 +12,7 @@ std::string Joined(const std::vector<std::string>& words, const char* separator)
 }
 
 /// What stands behind an option: words of a list, folders, or files.
-std::string ValuesOf(const HelpEntry& option) {
+std::string BashValues(const HelpEntry& option) {
   if (!option.choices.empty()) return fmt::format("words='{}' files=", Joined(option.choices, " "));
   return option.value.starts_with("DIR") ? "words= files=d" : "words= files=f";
 }
@@ -24,7 +24,7 @@ std::string Branch(const HelpPage& page, const std::string& pattern) {
   for (const HelpEntry& option : page.options) {
     names.insert(names.end(), option.names.begin(), option.names.end());
     if (!option.TakesValue()) continue;
-    values += fmt::format("        {}) {} ;;\n", Joined(option.names, "|"), ValuesOf(option));
+    values += fmt::format("        {}) {} ;;\n", Joined(option.names, "|"), BashValues(option));
   }
   std::string text = fmt::format("    {})\n      options='{}'\n", pattern, Joined(names, " "));
   if (!page.arguments.empty()) text += "      files=f\n";
@@ -75,7 +75,7 @@ std::string Quoted(const std::string& text) {
 }
 
 /// What completes the value of an option: required, and words of a list, folders or files.
-std::string ValuesOf(const HelpEntry& option) {
+std::string FishValues(const HelpEntry& option) {
   if (!option.TakesValue()) return "";
   if (!option.choices.empty())
     return fmt::format(" -x -a {}", Quoted(fmt::format("{}", fmt::join(option.choices, " "))));
@@ -90,7 +90,7 @@ std::string OptionLines(const std::string& program, const std::string& condition
     for (const std::string& name : option.names) {
       text += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
     }
-    text += fmt::format("{} -d {}\n", ValuesOf(option), Quoted(option.meaning));
+    text += fmt::format("{} -d {}\n", FishValues(option), Quoted(option.meaning));
   }
   return text;
 }
@@ -197,4 +197,4 @@ _{2} "$@"
                      own.command, functions, FunctionOf(own.command), commands, SpecificationsOf(own), branches);
 }
 
-}  // namespace plslam
+}  // namespace plslam::manual

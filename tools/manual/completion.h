@@ -6,7 +6,7 @@
 
 #include "tools/manual/help_page.h"
 
-namespace plslam {
+namespace plslam::manual {
 
 // Completion of a program for each shell: options, commands, the values of options that have a list, folders and
 // files; for zsh and fish with the meanings of options. `pages[0]` is the program's own help, the others those of its
@@ -16,4 +16,4 @@ std::string BashCompletion(const std::vector<HelpPage>& pages);
 std::string ZshCompletion(const std::vector<HelpPage>& pages);
 std::string FishCompletion(const std::vector<HelpPage>& pages);
 
-}  // namespace plslam
+}  // namespace plslam::manual

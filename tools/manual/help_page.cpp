@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-namespace plslam {
+namespace plslam::manual {
 namespace {
 
 /// CLI11 puts meanings at this column, or on a line of their own where the name is longer.
@@ -129,4 +129,4 @@ HelpPage ParseHelp(const std::string& command, const std::string& text) {
   return page;
 }
 
-}  // namespace plslam
+}  // namespace plslam::manual

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::manual {
 
 /// An option, argument or command as `--help` shows it.
 struct HelpEntry {
@@ -37,4 +37,4 @@ struct HelpPage {
 /// manual would lack something.
 HelpPage ParseHelp(const std::string& command, const std::string& text);
 
-}  // namespace plslam
+}  // namespace plslam::manual

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-namespace plslam {
+namespace plslam::manual {
 namespace {
 
 /// Text as troff prints it: backslashes and hyphens as they are, no line taken for a request.
@@ -92,4 +92,4 @@ std::string ManualPage(const std::vector<HelpPage>& pages, const std::string& ve
   return out + others + "\n";
 }
 
-}  // namespace plslam
+}  // namespace plslam::manual

@@ -16,7 +16,7 @@
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
 
-namespace plslam {
+namespace plslam::manual {
 namespace {
 
 namespace fs = std::filesystem;
@@ -61,7 +61,7 @@ void WriteAll(const fs::path& folder, const std::string& version, const std::vec
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::manual
 
 int main(int argc, char** argv) {
   try {

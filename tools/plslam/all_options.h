@@ -12,16 +12,16 @@
 #include "viewer_headless/options.h"
 #include "vo_process/options.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// Option structs of all processes, one for each section of a configuration.
 struct AllOptions {
   bus::BusOptions bus;
-  PlayerOptions player;
-  VoOptions vo;
-  MappingOptions mapping;
-  LoopOptions loop;
-  ViewerOptions viewer;
+  player::PlayerOptions player;
+  vo::VoOptions vo;
+  mapping::MappingOptions mapping;
+  loop::LoopOptions loop;
+  viewer::ViewerOptions viewer;
 };
 
 struct OptionSection {
@@ -40,4 +40,4 @@ inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
           {"viewer", "What is written and drawn.", ListFields(all.viewer)}};
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

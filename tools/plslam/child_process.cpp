@@ -15,7 +15,7 @@
 
 #include "core/errors/error_text.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 double Seconds(const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); }
@@ -120,4 +120,4 @@ void ChildProcess::Signal(int signal) const {
   if (!exit_) kill(pid_, signal);
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// Who ends a process, beside itself.
 enum class EndedBy {
@@ -51,4 +51,4 @@ class ChildProcess {
   std::optional<double> peak_memory_mb_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -20,7 +20,7 @@
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/relay/tcpq_relay.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 /// What the processes would take of the file and the overrides, checked as they check it.
@@ -227,4 +227,4 @@ void AddRelayCommand(CLI::App* app, Command* command) {
   sub->callback([=] { *command = [options] { return Relay(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

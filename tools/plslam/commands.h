@@ -3,11 +3,13 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
+namespace CLI {}
 
 namespace plslam {
+class App;
+}  // namespace plslam
+
+namespace plslam::launcher {
 
 /// What the command line chose to do; its result is the exit code.
 using Command = std::function<int()>;
@@ -22,4 +24,4 @@ void AddRelayCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
 void AddConfigCommand(CLI::App* app, Command* command);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -14,7 +14,7 @@
 
 int main(int argc, char** argv) {
   CLI::App app("Runs, records and replays stereo visual SLAM with points and lines.", "plslam");
-  app.set_version_flag("--version", plslam::VersionText());
+  app.set_version_flag("--version", plslam::launcher::VersionText());
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"
@@ -26,12 +26,13 @@ int main(int argc, char** argv) {
       "  plslam doctor\n"
       "plslam COMMAND --help tells the options of each. Exit code 0: done; 1: not done, and one sentence on standard "
       "error says why; 2, with --strict: a run that is done, with warnings.");
-  plslam::Command command;
+  plslam::launcher::Command command;
   for (const auto add :
-       {plslam::AddRunCommand, plslam::AddReplayCommand, plslam::AddRecordCommand, plslam::AddSaveCommand,
-        plslam::AddExportCommand, plslam::AddRelayCommand, plslam::AddProcessesCommand, plslam::AddConfigCommand,
-        plslam::AddDoctorCommand, plslam::AddRectifyCheckCommand, plslam::AddCalibrationCommand,
-        plslam::AddCalibrateCommand}) {
+       {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
+        plslam::launcher::AddSaveCommand, plslam::exports::AddExportCommand, plslam::launcher::AddRelayCommand,
+        plslam::launcher::AddProcessesCommand, plslam::launcher::AddConfigCommand, plslam::doctor::AddDoctorCommand,
+        plslam::rectify_check::AddRectifyCheckCommand, plslam::calibration::AddCalibrationCommand,
+        plslam::calibration::AddCalibrateCommand}) {
     add(&app, &command);
   }
   // What is logged does not mix with what a command prints.

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using Arguments = std::vector<std::string>;
@@ -167,4 +167,4 @@ std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Res
   return arguments;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -12,7 +12,7 @@
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/supervisor.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// How far a process stands back where processors are few (`ChildProcess`).
 struct Niceness {
@@ -65,4 +65,4 @@ struct Restart {
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace plslam {
+namespace plslam::launcher {
 
 namespace {
 
@@ -61,4 +61,4 @@ void ProgressLine::Say(const std::string& sentence) {
   std::fputs(fmt::format("plslam: {}\n", sentence).c_str(), stderr);
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// What a run shows while it goes.
 struct Progress {
@@ -45,4 +45,4 @@ class ProgressLine {
   bool drawn_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -13,7 +13,7 @@
 #include "core/bus/transport/transport.h"
 #include "core/config/config.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 constexpr char kGroup[] = "239.255.76.67";
@@ -66,4 +66,4 @@ bus::BusOptions RunBus::OptionsFor(const RunOptions& options) const {
   return result;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

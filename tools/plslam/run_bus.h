@@ -9,7 +9,7 @@
 #include "tools/plslam/relay/tcpq_relay.h"
 #include "tools/plslam/run_options.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// A UDP port that nothing else on this machine uses; it stays ours until the end of the scope, so that two launchers
 /// never pick the same one. Others may share it (LCM does) but the kernel gives it to nobody who asks for any port.
@@ -65,4 +65,4 @@ class RunBus {
   std::string url_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -23,7 +23,7 @@
 #include "player/options.h"
 #include "tools/plslam/process_table.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using std::filesystem::path;
@@ -87,7 +87,7 @@ void ReadConfiguration(RunOptions* options) {
   arguments.overrides = options->overrides;
   const Config config = arguments.MakeConfig();
   bus::BusOptions bus;
-  PlayerOptions player;
+  player::PlayerOptions player;
   config.Read("bus", bus);
   config.Read("player", player);
   const auto take = [](std::string* option, const std::string& configured) {
@@ -132,4 +132,4 @@ void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

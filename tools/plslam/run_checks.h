@@ -5,7 +5,7 @@
 
 #include "tools/plslam/run_options.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// What would be found out only when the run is over, or would cost a file: that a file to write can be written
 /// there, and is none of those that are read. Throws std::runtime_error with one sentence.
@@ -29,4 +29,4 @@ std::filesystem::file_time_type FileTimeNow(const RunOptions& options);
 /// taken for that of this run: what was written before `began`. What no run writes stays.
 void RemoveOldOutputs(const RunOptions& options, std::filesystem::file_time_type began);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

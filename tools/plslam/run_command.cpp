@@ -18,7 +18,7 @@
 #include "tools/plslam/run_session.h"
 #include "tools/plslam/version.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 /// Hands signals on to the session while there is one.
@@ -220,4 +220,4 @@ void AddReplayCommand(CLI::App* app, Command* command) {
   sub->callback([=] { *command = [options] { return Run(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

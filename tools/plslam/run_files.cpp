@@ -17,7 +17,7 @@
 #include "tools/plslam/process_table.h"
 #include "viewer_headless/report/report_page.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using std::filesystem::path;
@@ -156,11 +156,11 @@ void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::jso
   if (!std::filesystem::is_regular_file(report)) return;
   std::ifstream stream(report, std::ios::binary);
   const std::string page{std::istreambuf_iterator<char>(stream), {}};
-  WriteFileAtomically(report.string(), FillWarnings(page, JsonText(warnings)));
+  WriteFileAtomically(report.string(), viewer::FillWarnings(page, JsonText(warnings)));
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {
   WriteFileAtomically((out / "summary.json").string(), JsonText(summary) + "\n");
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

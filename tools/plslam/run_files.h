@@ -9,7 +9,7 @@
 
 #include "core/io/files/folder_lock.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// The folder of a run's outputs, which for the life of this object no other run writes into. Unless it is kept, what
 /// was made here goes again at the end: folders, and logs of processes that came to nothing. What earlier runs have
@@ -63,4 +63,4 @@ void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::jso
 /// Writes `summary.json` (beside it first, then renamed). Throws std::runtime_error where that fails.
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

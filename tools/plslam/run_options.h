@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// What `plslam run` was asked for.
 struct RunOptions {
@@ -45,4 +45,4 @@ struct RunOptions {
   int max_restarts = 5;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -13,7 +13,7 @@
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using std::chrono::milliseconds;
@@ -323,4 +323,4 @@ RunSummary RunSession::Summary() const {
   return summary;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

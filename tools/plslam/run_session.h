@@ -15,7 +15,7 @@
 #include "tools/plslam/stall_watch.h"
 #include "tools/plslam/supervisor.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// One run of the whole system: starts the processes of the table, the player when the others are ready, waits until
 /// the viewer has handled the end of the stream, has the map saved where that is asked for, and stops everything. A
@@ -96,4 +96,4 @@ class RunSession {
   double wall_s_ = 0.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

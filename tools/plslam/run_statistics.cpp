@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plslam {
+namespace plslam::launcher {
 
 void IdCounter::Add(int64_t session, int64_t id) {
   if (id < 0) return;
@@ -104,4 +104,4 @@ void RunStatistics::AddLandmark(int64_t session, int64_t landmark_id, bool is_li
   (is_line ? lines_ : points_).Add(session, landmark_id);
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

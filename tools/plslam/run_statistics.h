@@ -15,7 +15,7 @@
 #include "core/map/map_update.h"
 #include "core/run/frame_tally.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// Counts different numbers of sessions. They ascend nearly without gaps, so each costs little more than a bit: a set
 /// of landmarks was the greatest part of the memory of a long run's launcher.
@@ -177,4 +177,4 @@ class RunStatistics {
   IdCounter lines_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

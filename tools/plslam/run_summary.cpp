@@ -10,7 +10,7 @@
 #include "core/process/process_signals.h"
 #include "tools/plslam/yaml_to_json.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using nlohmann::json;
@@ -324,4 +324,4 @@ std::string SummaryToText(const json& s, bool verbose) {
   return verbose ? text + TablesToText(s) : text;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -12,7 +12,7 @@
 #include "tools/plslam/run_statistics.h"
 #include "tools/plslam/supervisor.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// Sums over all processes of a run.
 struct MessageCounts {
@@ -57,4 +57,4 @@ nlohmann::json SummaryToJson(const RunSummary& summary);
 /// processes.
 std::string SummaryToText(const nlohmann::json& summary, bool verbose = false);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace plslam {
+namespace plslam::launcher {
 
 void StallWatch::Begin(TimePoint now) { news_at_ = viewer_at_ = now; }
 
@@ -27,4 +27,4 @@ std::string StallWatch::Look(const SignsOfLife& signs, TimePoint now) {
   return "";
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// What a run that is being played shows of itself.
 struct SignsOfLife {
@@ -41,4 +41,4 @@ class StallWatch {
   TimePoint viewer_at_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

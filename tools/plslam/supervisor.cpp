@@ -9,7 +9,7 @@
 
 #include "core/process/process_signals.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 std::string HowItEnded(int exit_code, int signal) {
@@ -216,4 +216,4 @@ std::string LastLine(const std::filesystem::path& path) {
   return last;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

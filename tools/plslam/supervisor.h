@@ -12,7 +12,7 @@
 
 #include "tools/plslam/child_process.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 /// What a supervised process did, over all its starts.
 struct ProcessReport {
@@ -136,4 +136,4 @@ class Supervisor {
 /// The last line of a text file that is not empty; empty where there is none.
 std::string LastLine(const std::filesystem::path& file);
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/version.h"
 
-namespace plslam {
+namespace plslam::launcher {
 
 std::string VersionText() {
   const std::string commit = PLSLAM_COMMIT;
   return commit.empty() ? PLSLAM_VERSION : PLSLAM_VERSION " (" + commit + ")";
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -5,7 +5,7 @@
 
 #include <charconv>
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 template <class T>
@@ -46,4 +46,4 @@ nlohmann::json YamlToJson(const std::string& yaml) {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

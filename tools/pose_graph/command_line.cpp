@@ -15,7 +15,7 @@
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 struct Arguments {
@@ -132,4 +132,4 @@ int RunPoseGraph(int argc, char** argv) {
   });
 }
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -9,7 +9,7 @@
 
 #include "core/optim/pose_graph/map_pose_graph.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 constexpr int64_t kSecond_ns = 1'000'000'000;
@@ -59,4 +59,4 @@ G2oGraph<SE3> G2oOf(const Map& map) {
   return {std::move(of_map.keyframe_ids), std::move(of_map.problem), std::vector<bool>(n, true)};
 }
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

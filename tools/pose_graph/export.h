@@ -8,7 +8,7 @@
 #include "core/map/map.h"
 #include "tools/pose_graph/g2o.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 
 /// Poses of a graph; the number of the vertex stands for the time, in seconds.
 Trajectory TrajectoryOf(const G2oGraph<SE3>& graph);
@@ -29,4 +29,4 @@ std::vector<SessionTrajectory> TrajectoriesOf(const Map& map);
 /// The pose graph of a map; vertices have the numbers of the keyframes.
 G2oGraph<SE3> G2oOf(const Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

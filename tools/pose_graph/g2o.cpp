@@ -14,7 +14,7 @@
 #include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 constexpr double kMaxNormError = 0.01;
@@ -241,4 +241,4 @@ G2oFile ReadG2o(const std::string& path) {
 void WriteG2o(const std::string& path, const G2oGraph<SE3>& graph) { Write(path, graph); }
 void WriteG2o(const std::string& path, const G2oGraph<SE2>& graph) { Write(path, graph); }
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -11,10 +11,13 @@
 #include "core/optim/pose_graph/pose_graph.h"
 
 namespace plslam {
+struct G2oRows;
+}  // namespace plslam
+
+namespace plslam::pose_graph {
 
 /// How g2o writes a pose: its tags and numbers.
 template <class Pose>
-struct G2oRows;
 
 template <>
 struct G2oRows<SE3> {
@@ -80,4 +83,4 @@ G2oFile ReadG2o(const std::string& path);
 void WriteG2o(const std::string& path, const G2oGraph<SE3>& graph);
 void WriteG2o(const std::string& path, const G2oGraph<SE2>& graph);
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -5,7 +5,7 @@
 
 #include "core/optim/pose_graph/pose_graph_blocks.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 /// Edges of a spanning forest, by pose.
@@ -76,4 +76,4 @@ std::vector<Pose> ChainedPoses(const PoseGraph<Pose>& graph, std::vector<bool> k
 template std::vector<SE3> ChainedPoses(const PoseGraph<SE3>&, std::vector<bool>);
 template std::vector<SE2> ChainedPoses(const PoseGraph<SE2>&, std::vector<bool>);
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

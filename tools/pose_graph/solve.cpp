@@ -11,7 +11,7 @@
 #include "core/optim/pose_graph/pose_graph_group.h"
 #include "tools/pose_graph/pose_graph_chain.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 template <class Pose>
@@ -76,4 +76,4 @@ SolveReport SolveG2o(G2oFile& file, const SolveOptions& options) {
   return std::visit([&](auto& graph) { return Solve(graph, options); }, file.content);
 }
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -6,7 +6,7 @@
 
 #include "tools/pose_graph/g2o.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 
 struct SolveOptions {
   /// Poses to begin with: the file's (chained where it has none), chained along the edges, or by chordal relaxation.
@@ -36,4 +36,4 @@ struct SolveReport {
 /// Solves the graph in place.
 SolveReport SolveG2o(G2oFile& file, const SolveOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::pose_graph

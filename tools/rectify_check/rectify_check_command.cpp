@@ -21,7 +21,7 @@
 #include "tools/rectify_check/rectify_picture.h"
 #include "tools/rectify_check/row_errors.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 namespace {
 
 struct CheckOptions {
@@ -179,4 +179,4 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
   sub->callback([=] { *command = [options] { return Check(*options); }; });
 }
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

@@ -3,13 +3,15 @@
 
 #include <functional>
 
-namespace CLI {
-class App;
-}
+namespace CLI {}
 
 namespace plslam {
+class App;
+}  // namespace plslam
+
+namespace plslam::rectify_check {
 
 /// Adds the subcommand `rectify-check`, which, when chosen, sets `*command` to what returns the exit code.
 void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command);
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

@@ -8,7 +8,7 @@
 
 #include "core/geometry/image_mask.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 namespace {
 
 constexpr int kGap = 6;
@@ -76,4 +76,4 @@ cv::Mat DrawRectification(const MaskedImage& left, const MaskedImage& right, con
   return picture;
 }
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

@@ -8,7 +8,7 @@
 
 #include "tools/rectify_check/row_errors.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 
 /// An 8-bit grey image, and its mask (`Rectifier::left_mask`).
 struct MaskedImage {
@@ -22,4 +22,4 @@ struct MaskedImage {
 cv::Mat DrawRectification(const MaskedImage& left, const MaskedImage& right, const std::vector<RowMatch>& matches,
                           const std::string& caption);
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

@@ -10,7 +10,7 @@
 
 #include "core/features/matching/descriptor_matcher.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 namespace {
 
 constexpr int kMinMatches = 30;
@@ -134,4 +134,4 @@ RowVerdict CheckRows(const RowErrors& e) {
   return {true, fmt::format("rows agree to {:.2f} px: well rectified", e.median_abs_px)};
 }
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

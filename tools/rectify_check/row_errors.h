@@ -7,7 +7,7 @@
 #include "core/features/features.h"
 #include "core/geometry/stereo_camera.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 
 /// The same point in the two rectified images of a pair.
 struct RowMatch {
@@ -50,4 +50,4 @@ struct RowVerdict {
 
 RowVerdict CheckRows(const RowErrors& errors);
 
-}  // namespace plslam
+}  // namespace plslam::rectify_check

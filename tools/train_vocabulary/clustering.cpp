@@ -6,7 +6,7 @@
 
 #include "core/features/image/vector_kernels.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 
 void MajorityVote::Add(const Descriptor& descriptor) {
   Descriptor carry = descriptor;
@@ -122,4 +122,4 @@ std::vector<DescriptorCluster> ClusterDescriptors(const std::vector<Descriptor>&
   return clusters;
 }
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

@@ -8,7 +8,7 @@
 
 #include "core/features/features.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 
 /// The descriptor that has each bit set which more than half of the added ones have: the centre of a cluster whose
 /// distance is the Hamming distance.
@@ -44,4 +44,4 @@ std::vector<DescriptorCluster> ClusterDescriptors(const std::vector<Descriptor>&
                                                   const std::vector<int32_t>& members, int k, int max_iterations,
                                                   std::mt19937_64& random);
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

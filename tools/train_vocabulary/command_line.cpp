@@ -15,7 +15,7 @@
 #include "tools/train_vocabulary/left_features.h"
 #include "tools/train_vocabulary/vocabulary_trainer.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 namespace {
 
 struct Arguments {
@@ -96,4 +96,4 @@ int RunTrainVocabulary(int argc, char** argv) {
   return RunCommandLine(app, argc, argv, [&] { return Train(arguments); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

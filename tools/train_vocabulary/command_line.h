@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 
 /// The program `train_vocabulary`: reads images, trains, writes the vocabulary and says what it has become. Returns
 /// the exit code: 0, or 1 after one sentence on stderr.
 int RunTrainVocabulary(int argc, char** argv);
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

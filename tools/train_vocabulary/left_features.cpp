@@ -11,7 +11,7 @@
 #include "core/io/images/image_file.h"
 #include "core/io/images/image_folder.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 namespace {
 
 /// Full names of the images in the folder itself; none where it is no such folder.
@@ -57,4 +57,4 @@ void ForEachImageOf(const std::string& source, int stride, const FeatureOptions&
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

@@ -9,7 +9,7 @@
 #include "core/features/features.h"
 #include "core/features/options.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 
 /// Number of images so far, and of all.
 using ImageProgress = std::function<void(int, int)>;
@@ -24,4 +24,4 @@ void ForEachLeftImage(const Dataset& dataset, int stride, const FeatureOptions& 
 void ForEachImageOf(const std::string& source, int stride, const FeatureOptions& options,
                     const std::function<void(const ImageFeatures&)>& use, const ImageProgress& progress);
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

@@ -11,7 +11,7 @@
 
 #include "tools/train_vocabulary/clustering.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 namespace {
 
 /// A node whose children are still to be made.
@@ -87,4 +87,4 @@ Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, F
   return Vocabulary(std::move(tree));
 }
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

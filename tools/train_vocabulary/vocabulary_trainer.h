@@ -8,7 +8,7 @@
 #include "core/features/features.h"
 #include "core/places/vocabulary.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 
 /// Shape of a vocabulary.
 struct TrainingOptions {
@@ -27,4 +27,4 @@ struct TrainingOptions {
 Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, FeatureType kind,
                            const TrainingOptions& options, const std::function<void(double)>& progress = {});
 
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

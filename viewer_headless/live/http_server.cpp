@@ -20,7 +20,7 @@
 #include <thread>
 #include <utility>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -198,4 +198,4 @@ int HttpServer::port() const {
   return info == nullptr ? 0 : info->port;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

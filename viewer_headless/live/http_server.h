@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// A question that reached the server: only GET (and HEAD) to this machine by one of its own names does.
 struct HttpRequest {
@@ -43,4 +43,4 @@ class HttpServer {
   std::unique_ptr<Impl> impl_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

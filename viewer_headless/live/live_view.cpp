@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using std::chrono::milliseconds;
@@ -110,4 +110,4 @@ void LiveView::AnswerTheLast(const std::function<std::string(const ReportSince&)
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

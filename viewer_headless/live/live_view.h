@@ -12,7 +12,7 @@
 #include "viewer_headless/live/http_server.h"
 #include "viewer_headless/report/report_json.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The report's page while the run goes on: `/` is the page, `/data.json?since=...` what is new since (ReportSince),
 /// which waits until the owner of the data, on its own thread, calls `Answer`. `/end` waits for the end of the run
@@ -63,4 +63,4 @@ class LiveView {
   std::optional<HttpServer> server_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -3,7 +3,7 @@
 
 #include "core/bus/messages/convert.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 std::optional<FramePose> ToFramePose(const pose_t& message) {
   const std::optional<SE3> T_odom_c = bus::FromMessage(message.T_odom_c);
@@ -46,4 +46,4 @@ ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame
   return sample;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

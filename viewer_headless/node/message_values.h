@@ -10,7 +10,7 @@
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/process_log.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Messages as the plain values of this folder; nullopt where poses or covariances are none.
 std::optional<FramePose> ToFramePose(const pose_t& message);
@@ -18,4 +18,4 @@ OverlayFeatures ToOverlayFeatures(const tracks_t& message);
 /// Heard at `t_s` by the listener's clock, when `frame_id` was the newest frame.
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

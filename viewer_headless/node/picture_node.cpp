@@ -15,7 +15,7 @@
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/outputs.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr int kOverlayCompression = 3;
@@ -193,4 +193,4 @@ std::string PictureNode::LackOfFilm(bool lockstep, int64_t missing) {
   return *film_problem_;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

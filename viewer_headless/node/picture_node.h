@@ -17,7 +17,7 @@
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/picture_store.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Brings image, features and pose of frames together and hands the pictures to whom they are for: files in
 /// `overlays/`, the report, the film of the run. In lockstep every frame has its picture, but for those from before
@@ -86,4 +86,4 @@ class PictureNode {
   std::unique_ptr<bus::FrameSubscriber> frames_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -14,7 +14,7 @@
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kLiveTick(50);
@@ -86,4 +86,4 @@ void ReportNode::Write() {
   WriteFileAtomically(options_.out + "/report.html", FillTemplate(*page_, Json(ReportSince())));
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -14,7 +14,7 @@
 #include "viewer_headless/options.h"
 #include "viewer_headless/report/report_recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Collects what the report needs beside poses and map, writes `report.html`, and serves the live page.
 class ReportNode {
@@ -58,4 +58,4 @@ class ReportNode {
   std::unique_ptr<LiveView> live_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

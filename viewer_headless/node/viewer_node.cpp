@@ -19,7 +19,7 @@
 #include "viewer_headless/node/message_values.h"
 #include "viewer_headless/outputs.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr std::chrono::milliseconds kTick(250);
@@ -256,4 +256,4 @@ void ViewerNode::ShowProgress(bool last) {
   std::fflush(stdout);
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

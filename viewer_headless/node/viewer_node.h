@@ -24,7 +24,7 @@
 #include "viewer_headless/options.h"
 #include "viewer_headless/recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Listens to a run, shows a progress line on a terminal, and writes the files of docs/viewer.md when the stream has
 /// ended, camera and every pose are there, in lockstep every picture, and the map has taken in the last keyframe
@@ -92,4 +92,4 @@ class ViewerNode {
   std::deque<std::pair<double, int64_t>> history_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

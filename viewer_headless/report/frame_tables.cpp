@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <map>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 /// Odometry's path in the map's frame as it was when each session began.
@@ -84,4 +84,4 @@ Table FrameTable(const Recorder& recorder, int64_t stride, int64_t first_row) {
   return columns.Take(n_stages);
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -11,7 +11,7 @@
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Frames in a report at most; of longer runs every 2nd, 4th, 8th, ... frame of the recording is there.
 inline constexpr size_t kMaxReportFrames = 20'000;
@@ -40,4 +40,4 @@ struct PathOfRun {
 };
 PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quaterniond& q_l_c, int64_t stride);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

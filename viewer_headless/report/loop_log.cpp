@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr size_t kMaxCorrections = 40;
@@ -116,4 +116,4 @@ std::vector<ReportLoop> LoopLog::Loops(const Map& map, const CorrectionLog& corr
   return loops;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

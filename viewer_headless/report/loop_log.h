@@ -13,7 +13,7 @@
 #include "viewer_headless/report/picture_store.h"
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Watches the map and keeps where its keyframes were before and after each correction that brought new loops, in
 /// bounded memory: when there are more, the smallest corrections go.
@@ -64,4 +64,4 @@ class LoopLog {
 /// Loops whose pictures are shown at most.
 inline constexpr size_t kMaxLoopPictures = 80;
 
-}  // namespace plslam
+}  // namespace plslam::viewer

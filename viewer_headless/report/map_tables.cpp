@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr double kLeastSigma_m = 1e-4;
@@ -196,4 +196,4 @@ ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::st
   return tables;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

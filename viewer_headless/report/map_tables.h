@@ -9,7 +9,7 @@
 #include "core/map/map.h"
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The row of each keyframe in the tables of a page, by id.
 using RowOfKeyframe = std::map<int64_t, int32_t>;
@@ -38,4 +38,4 @@ struct MapLimits {
 /// out, and the covisibility edges with fewest shared landmarks, or who observes the landmarks; `notes` then says so.
 ReportMap MapTables(const Map& map, const MapLimits& limits, std::vector<std::string>* notes);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr size_t kMaxRows = 4000;
@@ -50,4 +50,4 @@ Table MapTimes::Times() const {
           {"after_px", 1, std::move(after_px)}};
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

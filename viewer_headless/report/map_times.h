@@ -8,7 +8,7 @@
 #include "core/map/map_update.h"
 #include "viewer_headless/report/table.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Stage times of mapping_process by update of the map, in bounded memory: beyond 4000 rows every second one goes.
 class MapTimes {
@@ -34,4 +34,4 @@ class MapTimes {
   int64_t heard_ = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

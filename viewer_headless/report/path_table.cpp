@@ -9,7 +9,7 @@
 #include "viewer_headless/outputs.h"
 #include "viewer_headless/report/frame_tables.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
@@ -155,4 +155,4 @@ PathOfRun PathTable(const Recorder& recorder, const Map& map, const Eigen::Quate
   return path;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

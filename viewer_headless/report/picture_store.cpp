@@ -7,7 +7,7 @@
 
 #include "core/io/images/jpeg_codec.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr int kPictureWidth_px = 512;
@@ -72,4 +72,4 @@ std::string PictureStore::Keyframe(int64_t frame_id) const {
   return found == keyframes_.end() ? std::string() : found->second;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

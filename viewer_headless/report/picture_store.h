@@ -8,7 +8,7 @@
 
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The pictures of a run that a report has room for. Of every `stride`-th frame the left image with its features, and
 /// the right image, smaller; the stride doubles whenever there are more than `max_pictures`. Of every keyframe a
@@ -44,4 +44,4 @@ class PictureStore {
   std::map<int64_t, std::string> keyframes_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

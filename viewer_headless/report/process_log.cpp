@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr size_t kMaxProcesses = 16;
@@ -77,4 +77,4 @@ std::vector<ReportProcess> ProcessLog::Processes() const {
   return processes;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

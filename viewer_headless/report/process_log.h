@@ -9,7 +9,7 @@
 
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What one status of a process says.
 struct ProcessSample {
@@ -54,4 +54,4 @@ class ProcessLog {
   double first_t_s_ = 0.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -12,7 +12,7 @@
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/report/table.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What the head of the report says.
 struct RunFacts {
@@ -127,4 +127,4 @@ struct ReportData {
   std::vector<std::string> notes;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

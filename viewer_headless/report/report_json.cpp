@@ -12,7 +12,7 @@
 #include "core/io/files/bytes.h"
 #include "viewer_headless/report/report_page.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 std::string ReportSince::Text() const {
   return fmt::format("{}.{}.{}.{}.{}", run, stride, rows, map_version, picture);
@@ -202,4 +202,4 @@ std::string ReportJson(const ReportData& data) {
   return SafeInPage(json.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

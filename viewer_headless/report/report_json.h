@@ -8,7 +8,7 @@
 
 #include "viewer_headless/report/report_data.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What a live page has already, so that it is sent only what is new. Travels as text, "3.1.250.17.96".
 struct ReportSince {
@@ -29,4 +29,4 @@ struct ReportSince {
 /// are not finite are null. Features of pictures stand in 32nds of a pixel, disparity 65535 for none.
 std::string ReportJson(const ReportData& data);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

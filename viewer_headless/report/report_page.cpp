@@ -7,7 +7,7 @@
 
 #include "core/io/files/shared_file.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr std::string_view kDataPlace = "\"PLSLAM_RUN_DATA\"";
@@ -51,4 +51,4 @@ std::string FillWarnings(const std::string& page, std::string_view json) {
   return Fill(page, kWarningsPlace, SafeInPage(json), "report.html has no place for the warnings of its run");
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The page that shows a report, as the build has bundled it: `report_template.html` in `share/plslam` beside the
 /// folder of this program. nullopt where it was built without (docs/viewer.md).
@@ -22,4 +22,4 @@ std::string FillTemplate(const std::string& page, std::string_view json);
 /// alone knows the whole run, its files evaluated. Throws std::runtime_error where the page has no place for them.
 std::string FillWarnings(const std::string& page, std::string_view json);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

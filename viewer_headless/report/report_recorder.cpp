@@ -7,7 +7,7 @@
 
 #include "viewer_headless/report/map_tables.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 /// Of a power of two: "2nd", "4th".
@@ -126,4 +126,4 @@ ReportData ReportRecorder::Build(const Recorder& recorder, const Map& map, const
   return data;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -15,7 +15,7 @@
 #include "viewer_headless/report/report_data.h"
 #include "viewer_headless/report/report_json.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What the run is and how its head stands, beside poses and map.
 struct RunHead {
@@ -66,4 +66,4 @@ class ReportRecorder {
   bool finished_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <limits>
 
-namespace plslam {
+namespace plslam::viewer {
 
 size_t Rows(const Table& table) {
   if (table.empty()) return 0;
@@ -48,4 +48,4 @@ void AppendRow(const std::vector<float>& row, size_t width, std::vector<float>& 
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -9,7 +9,7 @@
 #include <variant>
 #include <vector>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Numbers of one kind, `width` of them in each row.
 struct Column {
@@ -47,4 +47,4 @@ void KeepEverySecond(std::vector<T>& values) {
   values.resize((values.size() + 1) / 2);
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

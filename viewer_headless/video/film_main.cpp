@@ -23,5 +23,5 @@ int main(int argc, char** argv) {
   // It ends when its input ends: a signal to all of a group lets the viewer finish the film. A file that may not grow
   // is an error like a full disk.
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) signal(number, SIG_IGN);
-  return plslam::WriteFilm(file, stdin, stdout);
+  return plslam::viewer::WriteFilm(file, stdin, stdout);
 }

@@ -17,7 +17,7 @@
 #include "core/io/files/shared_file.h"
 #include "viewer_headless/video/film_stream.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 // An encoder that takes longer for a picture does nothing any more.
@@ -153,4 +153,4 @@ void FilmProcess::Finish() {
   End();
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

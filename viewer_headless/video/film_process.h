@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// The program plslam_film, beside this one.
 std::filesystem::path FilmProgram();
@@ -55,4 +55,4 @@ class FilmProcess {
   bool begun_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -20,7 +20,7 @@
 
 #include "viewer_headless/video/film_stream.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 struct FilmFormat {
@@ -140,4 +140,4 @@ int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out) {
   return 0;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

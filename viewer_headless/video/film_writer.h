@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// plslam_film: reads pictures from `in` as film_stream.h tells, writes them into the MP4 file (H.264, else MPEG-4)
 /// by OpenCV's FFmpeg, and answers on `out`. The file has its name when it is whole; while it is written it ends in
@@ -12,4 +12,4 @@ namespace plslam {
 /// no film was begun.
 int WriteFilm(const std::string& file, std::FILE* in, std::FILE* out);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

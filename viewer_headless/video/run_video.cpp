@@ -12,7 +12,7 @@
 #include "core/io/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr double kWide = 2.0;
@@ -76,4 +76,4 @@ cv::Mat Join(const cv::Mat& picture, const cv::Mat& map) {
   return joined;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -8,7 +8,7 @@
 
 #include "viewer_headless/video/film_process.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// A film of a run, picture by picture: an MP4 file (H.264, else MPEG-4) where OpenCV's FFmpeg can write one
 /// (FilmProcess), and else, or where the name does not end in ".mp4", a folder of numbered PNG files. The first
@@ -56,4 +56,4 @@ cv::Mat Join(const cv::Mat& picture, const cv::Mat& map);
 /// The size of a map that `Join` puts beside a picture of this size.
 cv::Size MapSizeBeside(const cv::Size& picture);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

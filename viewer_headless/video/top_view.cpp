@@ -7,7 +7,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 constexpr double kMargin = 1.3;
@@ -142,4 +142,4 @@ cv::Mat DrawTopView(const TopViewScene& scene, const TopViewWindow& window, cons
   return picture;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -5,7 +5,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// What is seen from above: positions in metres, in the levelled frame (LevelRotation): y is down, and left out.
 struct TopViewScene {
@@ -42,4 +42,4 @@ class TopViewWindow {
 /// finite are left out.
 cv::Mat DrawTopView(const TopViewScene& scene, const TopViewWindow& window, const cv::Size& size);
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 /// Newest keyframe of the session that is in the map, as the session counts; -1: none.
@@ -45,4 +45,4 @@ bool MapLink::Adopt(Odometry& odometry) {
   return true;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A tracker's link to the map of mapping_process: its copy of the map, how far the map has got with the keyframes of
 /// the session, and the lockstep wait for it.
@@ -52,4 +52,4 @@ class MapLink {
   bus::MapSubscriber subscriber_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

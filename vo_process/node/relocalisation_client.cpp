@@ -5,7 +5,7 @@
 
 #include "core/bus/channels.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kAskAgain_s = 2.0;
@@ -47,4 +47,4 @@ void RelocalisationClient::OnLoopProcess(int64_t source, double now_s) {
   if (is_new && loop_sources_.size() > 1 && request_ && wait_.awaited()) publisher_.Publish(request_->frame);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

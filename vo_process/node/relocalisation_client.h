@@ -10,7 +10,7 @@
 #include "core/process/partner_wait.h"
 #include "vo_process/node/tracker_state.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Asks loop_process where in the map a camera is.
 ///
@@ -53,4 +53,4 @@ class RelocalisationClient {
   std::set<int64_t> loop_sources_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -10,7 +10,7 @@
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace archive {
 
 template <class Archive, Is<Keyframe> T>
@@ -78,4 +78,4 @@ void TrackerCheckpoint::Drop() const {
   if (!path_.empty()) std::filesystem::remove(path_, ignored);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -12,7 +12,7 @@
 #include "core/map/keyframe.h"
 #include "plslam/pose_t.hpp"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// The stream that a tracker is tracking, as of its newest frame. Another camera, or time that goes back, begins
 /// another session.
@@ -101,4 +101,4 @@ class TrackerCheckpoint {
   bool has_failed_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include "core/bus/messages/convert.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 void CopyPixel(const Eigen::Vector2d& px, float (&to)[2]) {
@@ -121,4 +121,4 @@ Keyframe ToKeyframe(const OdometryResult& result) {
   return keyframe;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "vo_process/stereo/stage_timer.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 // What odometry says, as messages; headers and frame ids are the caller's.
 
@@ -31,4 +31,4 @@ struct RelocalisationQuestion {
   double asked_s = 0.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

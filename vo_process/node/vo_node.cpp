@@ -28,7 +28,7 @@
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Frames kept while the tracker waits; earlier ones are given up.
@@ -592,4 +592,4 @@ bus::ProcessSpec VoSpec() {
   return spec;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

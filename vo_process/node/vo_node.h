@@ -23,6 +23,9 @@ class header_t;
 class relocalisation_t;
 class status_t;
 class stream_t;
+}  // namespace plslam
+
+namespace plslam::vo {
 
 /// vo_process on the bus.
 ///
@@ -147,4 +150,4 @@ class VoNode {
 
 bus::ProcessSpec VoSpec();
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -7,7 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kMinKnown = 5;
@@ -66,4 +66,4 @@ void AttachDepthToPoints(std::vector<StereoPoint>& points, const cv::Mat& depth1
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

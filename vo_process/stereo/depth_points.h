@@ -9,7 +9,7 @@
 #include "core/features/options.h"
 #include "core/geometry/stereo_camera.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Sets virtual disparities d = b f / Z from a depth map aligned with the left image (16 bits, 0 = unknown).
 ///
@@ -20,4 +20,4 @@ namespace plslam {
 void AttachDepthToPoints(std::vector<StereoPoint>& points, const cv::Mat& depth16, double depth_units_per_m,
                          const StereoCamera& camera, const StereoOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include "core/features/image/image_pyramid.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 std::vector<cv::Mat> HalvedImages(const cv::Mat& image) {
   std::vector<cv::Mat> levels{image};
@@ -29,4 +29,4 @@ HalvedPair::HalvedPair(const std::vector<cv::Mat>& left, const std::vector<cv::M
 
 const HalvedPair::Level& HalvedPair::LevelFor(double scale) const { return NearestLevel(levels_, scale); }
 
-}  // namespace plslam
+}  // namespace plslam::vo

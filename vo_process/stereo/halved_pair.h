@@ -6,7 +6,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-namespace plslam {
+namespace plslam::vo {
 
 /// An image at full, half and quarter size, as far as there is something left of it; the first is shared, not copied.
 std::vector<cv::Mat> HalvedImages(const cv::Mat& image);
@@ -40,4 +40,4 @@ class HalvedPair {
   std::vector<Level> levels_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

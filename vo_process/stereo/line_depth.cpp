@@ -7,7 +7,7 @@
 #include "core/features/lines/line_sigma.h"
 #include "vo_process/stereo/line_stereo.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kMinDepthSamples = 8;
@@ -190,4 +190,4 @@ void AttachDepthToLines(std::vector<StereoLine>& lines, const cv::Mat& depth16, 
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 
 #include "core/features/lines/line_sigma.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kPlaces = 16;
@@ -289,4 +289,4 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

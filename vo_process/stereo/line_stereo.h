@@ -11,7 +11,7 @@
 #include "core/geometry/triangulation.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// How alike two rectified images are along a segment of the left one and its counterpart in the right one, whose
 /// columns are smaller by a disparity that runs evenly from `disparity_p_px` at p to `disparity_q_px` at q, and whose
@@ -44,4 +44,4 @@ void MatchLinesStereo(std::vector<StereoLine>& left, const std::vector<LineFeatu
 void AttachDepthToLines(std::vector<StereoLine>& lines, const cv::Mat& depth16, double depth_units_per_m,
                         const StereoCamera& camera, const StereoOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 
 #include "vo_process/stereo/slant_refiner.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kMaxAlignIterations = 8;
@@ -155,4 +155,4 @@ std::optional<PatchAlignment> PatchAligner::Align(const Eigen::Vector2d& left_px
   return std::nullopt;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

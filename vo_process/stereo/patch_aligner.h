@@ -12,7 +12,7 @@
 #include "vo_process/stereo/halved_pair.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 // Square patches of grey levels for alignment; used by patch_aligner.cpp, patch_tracker.cpp and slant_refiner.cpp
 // only.
@@ -103,4 +103,4 @@ class PatchAligner {
   RowField rows_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "vo_process/stereo/patch_aligner.h"
 #include "vo_process/stereo/row_search.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kNone = 257;  // above any distance of 256 bits
@@ -166,4 +166,4 @@ void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFe
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -10,7 +10,7 @@
 #include "vo_process/stereo/halved_pair.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// `points` as stereo points without depth, with `sigma_px` set from their scales.
 std::vector<StereoPoint> WithoutDepth(std::vector<PointFeature> points, const StereoOptions& options);
@@ -41,4 +41,4 @@ void MatchPointsStereo(std::vector<StereoPoint>& left, const std::vector<PointFe
                        const std::vector<PointCandidate>& candidates, const HalvedPair& pair, const RowField& rows,
                        const StereoOptions& options, std::atomic<size_t>& begun);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// What it does to a stereo pair that the right image is taken a little later (or earlier) than the left one, while
 /// the camera moves: the pair is then one of two cameras that are apart by the baseline and by that motion. Depth and
@@ -192,4 +192,4 @@ inline void TakeSkewAway(const PairSkew& skew, StereoFeatures& features) {
   });
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

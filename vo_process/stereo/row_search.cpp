@@ -8,7 +8,7 @@
 
 #include "core/features/image/vector_kernels.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kWindowHalf = 5;
@@ -151,4 +151,4 @@ std::optional<RowMatch> RowSearch::Find(const Eigen::Vector2d& left_px, double s
                   std::sqrt(static_cast<double>(second))};
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

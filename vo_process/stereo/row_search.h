@@ -10,7 +10,7 @@
 #include "vo_process/stereo/halved_pair.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Where along its row the patch of a left pixel is found in the right image, to the pixel of its level.
 struct RowMatch {
@@ -44,4 +44,4 @@ class RowSearch {
   std::vector<float> score_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -7,7 +7,7 @@
 #include <exception>
 #include <utility>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 std::exception_ptr ErrorOf(const std::function<void()>& job) {
@@ -83,4 +83,4 @@ void SideWorker::Loop() {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 #include <mutex>
 #include <thread>
 
-namespace plslam {
+namespace plslam::vo {
 
 /// One thread that works beside the caller's: the right image while the caller does the left. It keeps off the core
 /// that the caller runs on: a scheduler that packs threads (virtual machines, power saving) would let the two take
@@ -37,4 +37,4 @@ class SideWorker {
   std::thread thread_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

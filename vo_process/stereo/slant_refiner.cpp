@@ -10,7 +10,7 @@
 
 #include "vo_process/stereo/patch_aligner.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kSlopeSigma = 0.2;
@@ -148,4 +148,4 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
   return std::nullopt;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -7,7 +7,7 @@
 
 #include "vo_process/stereo/halved_pair.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Where a place in a left patch lies in the right image, all in pixels of the level.
 struct SlantedAlignment {
@@ -36,4 +36,4 @@ std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, co
                                               const Eigen::Vector2d& off_center, const Eigen::Vector2d& shift,
                                               const RowPrior& row);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Wall time of one stage of a frame.
 struct StageTime {
@@ -46,4 +46,4 @@ class StageTimer {
   std::vector<StageTime> stages_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -7,7 +7,7 @@
 
 #include "vo_process/stereo/stereo_matcher.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Of an octave of the points: with eight of them, corners are compared up to 14 pixels away.
@@ -153,4 +153,4 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
   });
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

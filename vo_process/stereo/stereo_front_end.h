@@ -13,7 +13,7 @@
 #include "vo_process/stereo/side_worker.h"
 #include "vo_process/stereo/stage_timer.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// From a recorded stereo pair to stereo features: rectification, points of the left image and lines of both, stereo
 /// matching (PL-SLAM §IV.A-B), shared between two threads. For RGB-D rigs the depth map takes the right image's
@@ -52,4 +52,4 @@ class StereoFrontEnd {
   SideWorker worker_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 #include "vo_process/stereo/point_stereo.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 /// To the row that a right feature has in the left image.
@@ -81,4 +81,4 @@ StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double dept
   return features;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -15,7 +15,7 @@
 #include "vo_process/stereo/point_stereo.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Stereo matches of both feature types of one pair (PL-SLAM §IV.A-B): row buckets, mutual best, ratio test, or a
 /// search along the row, then sub-pixel disparity by comparing the images, with its standard deviation. All left
@@ -58,4 +58,4 @@ StereoFeatures MatchStereo(ImageFeatures left, ImageFeatures right, const cv::Ma
 StereoFeatures AttachDepth(ImageFeatures left, const cv::Mat& depth, double depth_units_per_m,
                            const StereoCamera& camera, const StereoOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Of the strongest corners, the share that is of use below which more are looked for, and above which no longer. Snow
@@ -61,4 +61,4 @@ void CornerBudget::Observe(const TrackedFrame& frame) {
   if (of_use < enough) factor_ = std::min(1.0 / std::max(of_use, 1e-3), kMaxFactor);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -3,7 +3,7 @@
 
 #include "vo_process/tracking/tracked_frame.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// How many corners are looked for in the images of the next pair.
 ///
@@ -31,4 +31,4 @@ class CornerBudget {
   double factor_ = 1.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // A comparison is made as soon as parallax fixes the disparity to this deviation.
@@ -142,4 +142,4 @@ void DisparityCalibration::Learn(const std::vector<Measurement>& measurements) {
   share_ = std::clamp(share_ + (IsBelieved() ? kShareOfAFrame : -kShareOfAFrame), 0.0, 1.0);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -12,7 +12,7 @@
 #include "vo_process/tracking/disparity_check.h"
 #include "vo_process/tracking/tracked_frame.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Estimates, while driving, what is left of calibration errors in the disparities, and takes it away.
 ///
@@ -100,4 +100,4 @@ class DisparityCalibration {
   DisparityCheck check_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

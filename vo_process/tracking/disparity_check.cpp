@@ -11,7 +11,7 @@
 
 #include "core/motion/robust.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // A stretch ends when this share of its points is left: the longer, the more parallax. Halves of the fewest points
@@ -250,4 +250,4 @@ void DisparityCheck::Judge() {
   verdict_ = differ ? Verdict::kContradicts : Verdict::kAgrees;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

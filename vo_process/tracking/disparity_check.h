@@ -11,7 +11,7 @@
 #include "vo_process/options.h"
 #include "vo_process/tracking/tracked_frame.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Of an error b0 + b1 x + b2 x^2 of the disparities, x = (u - cx) / f: what each coefficient counts at a column.
 Eigen::Vector3d DisparityErrorTerms(const StereoCamera& camera, double u_px);
@@ -125,4 +125,4 @@ class DisparityCheck {
   std::vector<PairView> begin_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include "core/motion/pose_ransac.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Landmarks unseen for longer do not take part before the pose is known.
@@ -149,4 +149,4 @@ bool FrameAligner::IsStrong(const std::optional<Alignment>& alignment, int match
   return weight >= options_.tracking.weak_inliers && weight >= options_.tracking.min_inlier_ratio * matched;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

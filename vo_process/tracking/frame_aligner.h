@@ -9,7 +9,7 @@
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/motion_model.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Pose of a frame among landmarks.
 struct Alignment {
@@ -73,4 +73,4 @@ class FrameAligner {
   VoOptions options_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

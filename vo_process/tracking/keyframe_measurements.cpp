@@ -8,7 +8,7 @@
 
 #include "core/features/matching/segment_projection.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Share of a measurement's variance that neighbouring frames have in common (place of a corner in its patch, say).
@@ -240,4 +240,4 @@ bool KeyframeMeasurements::Expect(const LineLandmark& landmark, StereoLine& feat
   return feature.HasDepth();
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -12,7 +12,7 @@
 #include "vo_process/tracking/landmark_list.h"
 #include "vo_process/tracking/local_landmarks.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Features of a keyframe and the landmarks they belong to, in their order.
 struct KeyframeContent {
@@ -84,4 +84,4 @@ class KeyframeMeasurements {
   std::deque<Frame> frames_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

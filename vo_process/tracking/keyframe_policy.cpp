@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kReference = 30.0;
@@ -71,4 +71,4 @@ KeyframeDecision KeyframePolicy::Decide(const KeyframeCandidate& candidate) {
 
 void KeyframePolicy::Restart() { frames_ = 0; }
 
-}  // namespace plslam
+}  // namespace plslam::vo

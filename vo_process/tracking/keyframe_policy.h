@@ -6,7 +6,7 @@
 #include "core/geometry/se3.h"
 #include "vo_process/options.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Differential entropy h = 3 (1 + log 2 pi) + 0.5 log |cov| of a motion (PL-SLAM §IV.D), in nats. From eigenvalues,
 /// so determinants far below the smallest double are fine. nullopt for a covariance that is not finite or not
@@ -70,4 +70,4 @@ class KeyframePolicy {
   int first_tracked_ = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

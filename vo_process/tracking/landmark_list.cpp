@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "vo_process/tracking/landmark_list.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Vector3d& position,
                       Eigen::Matrix3d& covariance) {
@@ -20,4 +20,4 @@ bool FuseMeasurements(std::span<const LinearMeasurement> measurements, Eigen::Ve
   return true;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

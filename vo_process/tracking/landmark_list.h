@@ -15,7 +15,7 @@
 #include "vo_process/tracking/tracked_frame.h"
 #include "vo_process/tracking/tracker_local_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Values by id, several of one id in the order in which they came: filled first, then only asked, which costs one
 /// block of memory where std::map takes one for each value.
@@ -168,4 +168,4 @@ void DropStale(const LandmarkOptions& options, std::vector<Landmark>& landmarks)
   });
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

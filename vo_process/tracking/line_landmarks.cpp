@@ -14,7 +14,7 @@
 #include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // How far a segment may grow at one observation, in lengths of its own.
@@ -235,4 +235,4 @@ void LineLandmarks::FoundOne(const SE3& T_odom_c, const StereoLine& seen, Featur
   landmarks_.push_back(landmark);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -10,7 +10,7 @@
 #include "vo_process/tracking/tracked_frame.h"
 #include "vo_process/tracking/tracker_local_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A line segment that odometry tracks.
 struct LineLandmark {
@@ -108,4 +108,4 @@ class LineLandmarks {
   std::vector<LineLandmark> landmarks_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -7,7 +7,7 @@
 #include "vo_process/tracking/line_landmarks.h"
 #include "vo_process/tracking/point_landmarks.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Matches of both feature types.
 struct FrameMatches {
@@ -81,4 +81,4 @@ struct LocalLandmarks {
   }
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 
 #include "vo_process/tracking/row_calibration.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kMinInOctave = 3;
@@ -100,4 +100,4 @@ int FeaturePlaces::Owner(const StereoLine& line, int times) const {
   return owners[1] == owners[2] ? owners[1] : -1;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 #include "vo_process/tracking/local_landmarks.h"
 #include "vo_process/tracking/tracked_frame.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 // What speaks for a motion that a part of the image shows: how wide the part is, whether its features go the same
 // way, and which motion the features around a place follow.
@@ -56,4 +56,4 @@ class FeaturePlaces {
   std::vector<Place> places_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

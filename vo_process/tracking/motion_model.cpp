@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Intervals up to which constant velocity is extrapolated, in multiples of the one it was measured over.
@@ -75,4 +75,4 @@ void MotionModel::Slow(double dt_s) {
   velocity_ *= 0.5;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -4,7 +4,7 @@
 #include "core/geometry/se3.h"
 #include "vo_process/options.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// What is expected before looking: motion since the last frame, T_prev_c, with the covariance of its right
 /// perturbation.
@@ -71,4 +71,4 @@ class MotionModel {
   Extent left_behind_ = Extent::Zero();
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 
 #include "core/map/map_graph.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Motions between keyframes that are learned from: those of about the last hundred frames.
@@ -64,4 +64,4 @@ Matrix6d MotionUncertainty::Of(const SE3& T_prev_c, const Matrix6d& covariance, 
   return scale * covariance + common * Drift(T_prev_c);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 #include "core/geometry/se3.h"
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// How uncertain a motion is, errors included that frames have in common: the covariances that are published, which a
 /// filter may add up as if frames were independent. The tracker itself goes by its own, which say how well a frame
@@ -42,4 +42,4 @@ class MotionUncertainty {
   double variance_scale_ = 1.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

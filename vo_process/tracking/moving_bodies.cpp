@@ -11,7 +11,7 @@
 #include "vo_process/tracking/landmark_list.h"
 #include "vo_process/tracking/motion_evidence.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Exclusive inliers (points + 2 x lines) that make a second motion, and those that one that is known needs to be
@@ -587,4 +587,4 @@ void MovingBodies::LeaveOut(TrackerLocalMap& local_map) {
   LeaveOutOwned(owned_lines_, local_map.lines);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

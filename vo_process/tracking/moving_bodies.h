@@ -16,7 +16,7 @@
 #include "vo_process/tracking/motion_model.h"
 #include "vo_process/tracking/tracker_local_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A rigid thing that moves through the world: its landmarks lie in a frame of its own, which was the odometry frame
 /// when it was found, and the camera moves in that frame as it does in the world.
@@ -169,4 +169,4 @@ class MovingBodies {
   OwnedIds owned_lines_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

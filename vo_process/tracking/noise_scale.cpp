@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr size_t kMinOfEach = 20;
@@ -59,4 +59,4 @@ void AddLineModelError(double sigma_px, StereoFeatures& features) {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

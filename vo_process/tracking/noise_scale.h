@@ -4,7 +4,7 @@
 #include "core/features/features.h"
 #include "vo_process/tracking/frame_aligner.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// How much surer points claim to be than they are, by what lines say.
 ///
@@ -41,4 +41,4 @@ class NoiseScale {
 /// objects, or that two detections cut from neighbouring edges. `sigma_px` is across the segment, in either image.
 void AddLineModelError(double sigma_px, StereoFeatures& features);
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -10,7 +10,7 @@
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/noise_scale.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kMinInterval_s = 1e-3;
@@ -479,4 +479,4 @@ bool Odometry::KeepOdometry(const TrackedFrame& frame, const MotionPrediction& p
   return true;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -21,7 +21,7 @@
 #include "vo_process/tracking/row_calibration.h"
 #include "vo_process/tracking/sync_check.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A frame that became a keyframe: motion since the one before.
 struct KeyframeStep {
@@ -245,4 +245,4 @@ inline StereoFeatures SeePair(StereoFrontEnd& front_end, Odometry& odometry, con
   return features;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -12,7 +12,7 @@
 #include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kImageMargin_px = 4.0;
@@ -181,4 +181,4 @@ void PointLandmarks::FoundOne(const SE3& T_odom_c, const StereoPoint& seen, Feat
   landmarks_.push_back(landmark);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -10,7 +10,7 @@
 #include "vo_process/tracking/tracked_frame.h"
 #include "vo_process/tracking/tracker_local_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A point that odometry tracks.
 struct PointLandmark {
@@ -110,4 +110,4 @@ class PointLandmarks {
   std::vector<PointLandmark> landmarks_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

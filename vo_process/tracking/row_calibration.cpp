@@ -10,7 +10,7 @@
 
 #include "core/motion/robust.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Patches that tell the row less well have little to say, and their errors are not of the normal kind.
@@ -151,4 +151,4 @@ RowField::Turn RowCalibration::TurnShown() const {
   return {pitch_px / camera_.f_px, 2.0 * state_(1) / camera_.width_px};
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -13,7 +13,7 @@
 #include "vo_process/options.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 // An image in cells, for counting how widely something is spread, and what lies together.
 
@@ -105,4 +105,4 @@ class RowCalibration {
   double median_without_px_ = 0.0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

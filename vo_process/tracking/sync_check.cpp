@@ -9,7 +9,7 @@
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/row_calibration.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // Points of a frame that move up or down by more than this between frames, for the frame to tell anything.
@@ -166,4 +166,4 @@ void SyncCheck::Remember(const TrackedFrame& frame, double dt_s) {
   seen_ = std::move(now);
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -12,7 +12,7 @@
 #include "vo_process/stereo/row_field.h"
 #include "vo_process/tracking/tracked_frame.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Estimates, while driving, by how much later than the left image the right one is taken.
 ///
@@ -117,4 +117,4 @@ class SyncCheck {
   std::vector<Seen> seen_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 #include "core/features/features.h"
 #include "core/features/matching/descriptor_matcher.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// Which landmark a feature belongs to.
 struct FeatureTrack {
@@ -71,4 +71,4 @@ struct Search {
   int max_unseen_frames = 0;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

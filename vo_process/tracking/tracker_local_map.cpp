@@ -7,7 +7,7 @@
 #include "core/localisation/local_map.h"
 #include "core/map/landmark_types.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 // The tracker drops its landmarks long before so many keyframes have passed.
@@ -79,4 +79,4 @@ std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, c
   return local_map;
 }
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::vo {
 
 /// A landmark of the map and the landmarks of the tracker that keyframes have shown to be the same.
 template <class Landmark>
@@ -66,4 +66,4 @@ class KeyframeLog {
   std::deque<Entry> entries_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -28,7 +28,7 @@ RigCalibration KnownRig(const std::string& model) {
   return rig;
 }
 
-std::vector<SE3> BoardPoses(const Board& board, int n, unsigned seed) {
+std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   const Eigen::Vector3d middle(0.5 * board.SquareColumns() * board.square_m,
@@ -44,13 +44,13 @@ std::vector<SE3> BoardPoses(const Board& board, int n, unsigned seed) {
   return poses;
 }
 
-BoardView SeenBoard(const Board& board, const CameraCalibration& camera, const SE3& T_camera_board, double sigma_px,
-                    unsigned seed) {
+calibration::BoardView SeenBoard(const calibration::Board& board, const CameraCalibration& camera,
+                                 const SE3& T_camera_board, double sigma_px, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, sigma_px);
   const Distortion distortion(camera);
-  const std::vector<Eigen::Vector2d> corners = BoardCorners(board);
-  BoardView view;
+  const std::vector<Eigen::Vector2d> corners = calibration::BoardCorners(board);
+  calibration::BoardView view;
   for (size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3d p = T_camera_board * Eigen::Vector3d(corners[i].x(), corners[i].y(), 0.0);
     if (p.z() < 0.05) continue;
@@ -63,7 +63,7 @@ BoardView SeenBoard(const Board& board, const CameraCalibration& camera, const S
     view.pixels.emplace_back(pixel.x() + noise(random), pixel.y() + noise(random));
   }
   const bool whole = view.corners.size() == corners.size();
-  if (board.kind == Board::Kind::kChess ? !whole : view.corners.size() < 8) return {};
+  if (board.kind == calibration::Board::Kind::kChess ? !whole : view.corners.size() < 8) return {};
   return view;
 }
 
@@ -80,7 +80,7 @@ CameraRays RaysOf(const CameraCalibration& camera) {
   return rays;
 }
 
-cv::Mat RenderBoard(const Board& board, const CameraRays& rays, const SE3& T_camera_board, double sigma,
+cv::Mat RenderBoard(const calibration::Board& board, const CameraRays& rays, const SE3& T_camera_board, double sigma,
                     unsigned seed) {
   const CameraCalibration& camera = rays.camera;
   constexpr int kSamples = 3;
@@ -88,7 +88,7 @@ cv::Mat RenderBoard(const Board& board, const CameraRays& rays, const SE3& T_cam
   const double width_m = board.SquareColumns() * board.square_m, height_m = board.SquareRows() * board.square_m;
   cv::Mat print(static_cast<int>(std::lround(height_m / kGrain_m)), static_cast<int>(std::lround(width_m / kGrain_m)),
                 CV_8UC1, cv::Scalar(230));
-  for (const BlackRectangle& r : BoardPattern(board)) {
+  for (const calibration::BlackRectangle& r : calibration::BoardPattern(board)) {
     const Eigen::Vector2d from = r.upper_left_m / kGrain_m, to = (r.upper_left_m + r.size_m) / kGrain_m;
     for (int y = static_cast<int>(std::lround(from.y())); y < static_cast<int>(std::lround(to.y())); ++y) {
       for (int x = static_cast<int>(std::lround(from.x())); x < static_cast<int>(std::lround(to.x())); ++x) {

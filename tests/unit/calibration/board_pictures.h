@@ -14,11 +14,11 @@ namespace plslam::test {
 RigCalibration KnownRig(const std::string& model);
 
 /// `n` poses of the board in the left camera: all over the image, near and far, tilted by up to 45 degrees.
-std::vector<SE3> BoardPoses(const Board& board, int n, unsigned seed);
+std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned seed);
 
 /// What a detector with noise of `sigma_px` in each coordinate sees of the board, as far as it is in the image.
-BoardView SeenBoard(const Board& board, const CameraCalibration& camera, const SE3& T_camera_board, double sigma_px,
-                    unsigned seed);
+calibration::BoardView SeenBoard(const calibration::Board& board, const CameraCalibration& camera,
+                                 const SE3& T_camera_board, double sigma_px, unsigned seed);
 
 /// A camera, and the rays (x, y at z = 1) of the corners of all its pixels.
 struct CameraRays {
@@ -32,7 +32,7 @@ CameraRays RaysOf(const CameraCalibration& camera);
 
 /// The board as the camera sees it, on grey, 3 x 3 samples a pixel (rays are taken as linear within it), with noise
 /// of `sigma` grey levels.
-cv::Mat RenderBoard(const Board& board, const CameraRays& rays, const SE3& T_camera_board, double sigma,
+cv::Mat RenderBoard(const calibration::Board& board, const CameraRays& rays, const SE3& T_camera_board, double sigma,
                     unsigned seed);
 
 }  // namespace plslam::test

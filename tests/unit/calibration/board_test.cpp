@@ -9,7 +9,7 @@
 #include "tests/unit/calibration/board_pictures.h"
 #include "tools/calibration/markers.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 using testing::HasSubstr;
@@ -79,4 +79,4 @@ TEST(BoardPdf, HasThePrintSizeAndAllSquares) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -11,7 +11,7 @@
 #include "tests/support/text_file.h"
 #include "tests/unit/calibration/board_pictures.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 namespace fs = std::filesystem;
@@ -90,4 +90,4 @@ TEST_F(CalibrateProgram, PrintsABoard) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -11,7 +11,7 @@
 #include "tests/unit/calibration/board_pictures.h"
 #include "tools/calibration/coverage.h"
 
-namespace plslam {
+namespace plslam::calibration {
 namespace {
 
 using testing::HasSubstr;
@@ -155,4 +155,4 @@ TEST(Coverage, PictureAndWords) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::calibration

@@ -13,7 +13,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 namespace fs = std::filesystem;
@@ -141,4 +141,4 @@ TEST_F(DoctorProgram, BadArgumentsAreOneSentence) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 using testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST(HeardProcess, FailuresLossAndClocks) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -13,7 +13,7 @@
 #include "tools/doctor/multicast_check.h"
 #include "tools/doctor/socket_check.h"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 using testing::HasSubstr;
@@ -166,4 +166,4 @@ TEST(Files, VocabularyThatIsMissingOrDamaged) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::doctor

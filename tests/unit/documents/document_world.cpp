@@ -107,7 +107,7 @@ DocumentWorld::Running DocumentWorld::Start(const DocumentCommand& command, bool
   // With exec, so that an interruption reaches the program; not where the shell has more to do than to start one.
   const bool simple = text.find_first_of("|&;<>") == std::string::npos || text.find('\'') != std::string::npos;
   std::ofstream(script) << environment_ << (simple ? "exec " : "set -e\n") << text << "\n";
-  return {command, log, std::make_unique<ChildProcess>("/bin/bash", std::vector<std::string>{script}, log)};
+  return {command, log, std::make_unique<launcher::ChildProcess>("/bin/bash", std::vector<std::string>{script}, log)};
 }
 
 std::string DocumentWorld::Finish(Running& running) const {

@@ -29,14 +29,14 @@ class DocumentWorld {
   struct Running {
     DocumentCommand command;
     std::filesystem::path log;
-    std::unique_ptr<ChildProcess> process;
+    std::unique_ptr<launcher::ChildProcess> process;
   };
 
   void MakeFilesFor(const std::string& command);
   Running Start(const DocumentCommand& command, bool block_has_vo);
   std::string Finish(Running& running) const;
 
-  PrivatePort port_;
+  launcher::PrivatePort port_;
   std::filesystem::path folder_;
   std::string environment_;
   int started_ = 0;

@@ -5,7 +5,7 @@
 #include "core/io/files/dataset_error.h"
 #include "tools/export/mcap/ros_messages.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 CameraCalibration CameraWith(const std::string& model, const std::vector<double>& distortion) {
@@ -49,4 +49,4 @@ TEST(CameraInfo, OfADoubleSphereIsNotTakenForAnotherLens) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::exports

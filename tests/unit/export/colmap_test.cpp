@@ -10,7 +10,7 @@
 #include "tests/unit/export/small_map.h"
 #include "tools/export/colmap.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 using test::Shell;
@@ -209,4 +209,4 @@ TEST(MapCamera, WhatCannotBeIsToldInASentence) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -11,7 +11,7 @@
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/g2o.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 using testing::HasSubstr;
@@ -39,8 +39,8 @@ TEST(ExportRun, AMapGivesAllFormats) {
                                                    "keyframes.tum", "keyframes.kitti", "keyframes_times.txt",
                                                    "keyframes.euroc", "run.mcap", "foxglove_layout.json"));
   for (const ExportedFile& file : files) EXPECT_TRUE(std::filesystem::exists(file.path)) << file.path;
-  const G2oFile graph = ReadG2o(folder.Path("out/pose_graph.g2o"));
-  EXPECT_EQ(std::get<G2oGraph<SE3>>(graph.content).ids.size(), 3U);
+  const pose_graph::G2oFile graph = pose_graph::ReadG2o(folder.Path("out/pose_graph.g2o"));
+  EXPECT_EQ(std::get<pose_graph::G2oGraph<SE3>>(graph.content).ids.size(), 3U);
   const Trajectory keyframes =
       ReadTrajectory(folder.Path("out/keyframes.kitti"), folder.Path("out/keyframes_times.txt"));
   ASSERT_EQ(keyframes.size(), 3U);
@@ -76,7 +76,7 @@ TEST(ExportRun, EachSessionHasAFileOfKeyframes) {
   again.id = 1000;
   again.session = 3;
   stored.map.Put(again);
-  const auto sessions = TrajectoriesOf(stored.map);
+  const auto sessions = pose_graph::TrajectoriesOf(stored.map);
   ASSERT_EQ(sessions.size(), 2U);
   EXPECT_EQ(sessions[0].suffix, "");
   EXPECT_EQ(sessions[0].keyframes.size(), 3U);
@@ -128,4 +128,4 @@ TEST(ExportProgram, TellsItsFilesAndItsErrors) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::exports

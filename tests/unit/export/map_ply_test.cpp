@@ -6,7 +6,7 @@
 #include <cstring>
 #include <sstream>
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 struct Vertex {
@@ -106,4 +106,4 @@ TEST(MapPly, EmptyMap) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -9,7 +9,7 @@
 #include "tests/unit/export/small_map.h"
 #include "tools/export/map_obj.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 /// Read by VTK, which MeshLab's and ParaView's users know.
@@ -60,4 +60,4 @@ TEST(MapObj, EmptyMapAndOneKeyframe) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -6,7 +6,7 @@
 #include "tests/unit/features/texture.h"
 #include "vo_process/stereo/stereo_matcher.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kExtractorCamera{
@@ -81,4 +81,4 @@ TEST(AttachDepth, GivesBothKindsTheirDisparity) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 
 #include "tools/plslam/node/save_node.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 /// Whether a socket that shares ports, as LCM's do, gets this one.
@@ -50,4 +50,4 @@ TEST(NobodyHeard, NamesUrlPrefixAndWhatHelps) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

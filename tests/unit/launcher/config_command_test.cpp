@@ -7,7 +7,7 @@
 #include "tools/plslam/all_options.h"
 #include "tools/plslam/commands.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using testing::HasSubstr;
@@ -37,7 +37,7 @@ TEST(ConfigCommand, PrintsAFileThatProcessesTake) {
   for (const OptionSection& section : SectionsOf(read)) config.ReadFields(section.name, section.fields);
   EXPECT_EQ(read.vo.features.orb.max_points, 813);
   EXPECT_EQ(read.viewer.overlay_every, 7);
-  EXPECT_EQ(read.loop.vocabularies.points, LoopOptions().vocabularies.points);
+  EXPECT_EQ(read.loop.vocabularies.points, loop::LoopOptions().vocabularies.points);
 }
 
 TEST(ConfigCommand, RefusesWhatProcessesWouldRefuse) {
@@ -50,4 +50,4 @@ TEST(ConfigCommand, RefusesWhatProcessesWouldRefuse) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -21,7 +21,7 @@
 #include "plslam/stream_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using bus::test::Eventually;
@@ -199,4 +199,4 @@ TEST(HistoryKeeper, FolderThatCannotBeWrittenIsTold) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

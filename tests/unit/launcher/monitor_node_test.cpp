@@ -14,7 +14,7 @@
 #include "plslam/stream_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using bus::test::Eventually;
@@ -139,4 +139,4 @@ TEST_F(MonitorNodeTest, ViewerOfAnotherHostIsNoSignOfLife) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

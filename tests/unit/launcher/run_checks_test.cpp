@@ -15,7 +15,7 @@
 #include "tests/unit/map_file/stored_maps.h"
 #include "tools/plslam/run_files.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using std::filesystem::exists;
@@ -177,4 +177,4 @@ TEST(OldOutputs, FilesThatAreWrittenAtOnceAreOfThisRun) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -6,7 +6,7 @@
 
 #include <set>
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 TEST(DefaultOut, IsCalledAsTheLocation) {
@@ -33,4 +33,4 @@ TEST(DefaultOut, OfDifferentLocationsDiffers) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -12,7 +12,7 @@
 
 #include "tools/plslam/progress_line.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 FrameReport Frame(int64_t id, int state, int64_t keyframe = -1) {
@@ -159,4 +159,4 @@ TEST(ProgressLine, FitsTheWidth) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

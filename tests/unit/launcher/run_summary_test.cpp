@@ -10,7 +10,7 @@
 #include "tools/plslam/run_files.h"
 #include "tools/plslam/yaml_to_json.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using nlohmann::json;
@@ -328,4 +328,4 @@ TEST(YamlToJson, BrokenYamlStaysText) { EXPECT_EQ(YamlToJson("a: [1"), json("a: 
 TEST(YamlToJson, EmptyIsNull) { EXPECT_TRUE(YamlToJson("").is_null()); }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

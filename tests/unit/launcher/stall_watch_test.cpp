@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using std::chrono::seconds;
@@ -74,4 +74,4 @@ TEST_F(StallWatchTest, ViewerThatTalksButNeverFinishes) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -17,7 +17,7 @@
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -399,4 +399,4 @@ TEST(ChildProcess, SaysWhetherTheProgramOrItsLogIsAtFault) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -32,8 +32,8 @@ class RunningRelay {
     relay_.Stop();
     thread_.join();
   }
-  TcpqRelay& operator*() { return relay_; }
-  TcpqRelay* operator->() { return &relay_; }
+  launcher::TcpqRelay& operator*() { return relay_; }
+  launcher::TcpqRelay* operator->() { return &relay_; }
 
   BusOptions Options() const {
     BusOptions options;
@@ -42,7 +42,7 @@ class RunningRelay {
   }
 
  private:
-  TcpqRelay relay_;
+  launcher::TcpqRelay relay_;
   std::thread thread_;
 };
 
@@ -200,26 +200,26 @@ TEST(TcpqRelay, CutsOffWhoSpeaksNonsense) {
 }
 
 TEST(TcpqRelay, TakenPortIsOneSentence) {
-  const TcpqRelay first(0);
+  const launcher::TcpqRelay first(0);
   try {
-    const TcpqRelay second(first.port());
+    const launcher::TcpqRelay second(first.port());
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("cannot be listened on"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(TcpqRelay(0, "no address"), std::runtime_error);
+  EXPECT_THROW(launcher::TcpqRelay(0, "no address"), std::runtime_error);
 }
 
 TEST(ChannelPattern, MatchesWholeNames) {
-  EXPECT_TRUE(ChannelPattern(".*").Matches("POSE"));
-  EXPECT_TRUE(ChannelPattern("POSE").Matches("POSE"));
-  EXPECT_FALSE(ChannelPattern("POSE").Matches("POSES"));
-  EXPECT_TRUE(ChannelPattern("POSE|TRACKS").Matches("TRACKS"));
-  EXPECT_FALSE(ChannelPattern("POSE|TRACKS").Matches("XTRACKS"));
-  EXPECT_TRUE(ChannelPattern("robot[.]1/POSE").Matches("robot.1/POSE"));
-  EXPECT_FALSE(ChannelPattern("(a+)\\1").Matches("aa"));
-  EXPECT_FALSE(ChannelPattern("a{1000}{1000}").Matches("a"));
-  EXPECT_FALSE(ChannelPattern("(").Matches("("));
+  EXPECT_TRUE(launcher::ChannelPattern(".*").Matches("POSE"));
+  EXPECT_TRUE(launcher::ChannelPattern("POSE").Matches("POSE"));
+  EXPECT_FALSE(launcher::ChannelPattern("POSE").Matches("POSES"));
+  EXPECT_TRUE(launcher::ChannelPattern("POSE|TRACKS").Matches("TRACKS"));
+  EXPECT_FALSE(launcher::ChannelPattern("POSE|TRACKS").Matches("XTRACKS"));
+  EXPECT_TRUE(launcher::ChannelPattern("robot[.]1/POSE").Matches("robot.1/POSE"));
+  EXPECT_FALSE(launcher::ChannelPattern("(a+)\\1").Matches("aa"));
+  EXPECT_FALSE(launcher::ChannelPattern("a{1000}{1000}").Matches("a"));
+  EXPECT_FALSE(launcher::ChannelPattern("(").Matches("("));
 }
 
 TEST(MulticastWorks, SaysWhyNot) {

@@ -7,7 +7,7 @@
 #include "tests/support/data_folder.h"
 #include "vo_process/stereo/line_stereo.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 size_t CountLong(const std::vector<LineFeature>& lines) {
@@ -56,4 +56,4 @@ TEST(LinesOnRealImages, StereoAndTrackingFindMostLines) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

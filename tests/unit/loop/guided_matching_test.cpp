@@ -17,7 +17,7 @@ std::vector<Descriptor> Random(uint64_t first, int n) {
 }
 
 TEST(MatchByNodes, IsBruteForceWithinEachNode) {
-  const Vocabulary vocabulary = TrainVocabulary({Random(0, 3000)}, FeatureType::kPoints, {});
+  const Vocabulary vocabulary = train_vocabulary::TrainVocabulary({Random(0, 3000)}, FeatureType::kPoints, {});
   const std::vector<Descriptor> a = Random(0, 400);
   std::vector<Descriptor> b = Random(100, 400);
   for (size_t i = 0; i < b.size(); ++i) b[i][i % 4] ^= 0x11ULL << (i % 50);
@@ -26,7 +26,7 @@ TEST(MatchByNodes, IsBruteForceWithinEachNode) {
   vocabulary.Transform(a, nodes_a);
   vocabulary.Transform(b, nodes_b);
   const MatchOptions options;
-  const std::vector<int> matches = MatchByNodes(a, nodes_a, b, nodes_b, options);
+  const std::vector<int> matches = loop::MatchByNodes(a, nodes_a, b, nodes_b, options);
   // The slow way: each one against all of its node.
   int found = 0;
   for (size_t i = 0; i < a.size(); ++i) {
@@ -45,8 +45,8 @@ TEST(MatchByNodes, IsBruteForceWithinEachNode) {
 }
 
 TEST(MatchByNodes, NothingToMatch) {
-  EXPECT_TRUE(MatchByNodes({}, {}, Random(0, 3), {{0, 0, 0}}, {}).empty());
-  EXPECT_EQ(MatchByNodes(Random(0, 1), {{0}}, {}, {}, {}), std::vector<int>{-1});
+  EXPECT_TRUE(loop::MatchByNodes({}, {}, Random(0, 3), {{0, 0, 0}}, {}).empty());
+  EXPECT_EQ(loop::MatchByNodes(Random(0, 1), {{0}}, {}, {}, {}), std::vector<int>{-1});
 }
 
 }  // namespace

@@ -12,11 +12,11 @@ namespace {
 PlaceRecogniser SmallPlaces() {
   std::vector<std::vector<Descriptor>> images;
   for (uint64_t i = 0; i < 60; ++i) images.push_back({DescriptorOf(i), DescriptorOf(1000 + i)});
-  TrainingOptions options;
+  train_vocabulary::TrainingOptions options;
   options.depth = 2;
   options.min_descriptors = 2;
-  return {TrainVocabulary(images, FeatureType::kPoints, options),
-          TrainVocabulary(images, FeatureType::kLines, options), PlaceOptions()};
+  return {train_vocabulary::TrainVocabulary(images, FeatureType::kPoints, options),
+          train_vocabulary::TrainVocabulary(images, FeatureType::kLines, options), PlaceOptions()};
 }
 
 Keyframe Named(int64_t session, int64_t number) {
@@ -37,10 +37,10 @@ MapKeyframe InMap(int64_t id, int64_t session, int64_t number) {
   return keyframe;
 }
 
-size_t PointsOf(const KeyframeMemory& memory, int64_t id) { return memory.features().at(id).points.size(); }
+size_t PointsOf(const loop::KeyframeMemory& memory, int64_t id) { return memory.features().at(id).points.size(); }
 
 TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
-  KeyframeMemory memory(SmallPlaces());
+  loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   memory.Add(Named(1, 0));
   memory.Follow(map);
@@ -59,7 +59,7 @@ TEST(KeyframeMemory, FeaturesBeforeTheMapAndAfterIt) {
 }
 
 TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
-  KeyframeMemory memory(SmallPlaces());
+  loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 4; ++i) {
     map.Put(InMap(i, 1, i));
@@ -78,8 +78,8 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
 
 // Another camera's, say.
 TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
-  constexpr int64_t kMost = KeyframeMemory::kMostUntaken;
-  KeyframeMemory memory(SmallPlaces());
+  constexpr int64_t kMost = loop::KeyframeMemory::kMostUntaken;
+  loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   const auto add = [&memory](int64_t session, int64_t number) {
     Keyframe keyframe = Named(session, 0);
@@ -103,8 +103,8 @@ TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
 }
 
 TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
-  constexpr int64_t kMany = KeyframeMemory::kMostUntaken + 10;
-  KeyframeMemory memory(SmallPlaces());
+  constexpr int64_t kMany = loop::KeyframeMemory::kMostUntaken + 10;
+  loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < kMany; ++i) {
     Keyframe keyframe = Named(1, 0);
@@ -123,7 +123,7 @@ TEST(KeyframeMemory, OfASessionThatAMapHadAllWaitForThatWhichStartsAnew) {
 }
 
 TEST(KeyframeMemory, MapThatStartsAnewTakesThemAgainUnderOtherIds) {
-  KeyframeMemory memory(SmallPlaces());
+  loop::KeyframeMemory memory(SmallPlaces());
   Map map;
   for (int64_t i = 0; i < 5; ++i) {
     map.Put(InMap(i, 1, i));

@@ -32,11 +32,11 @@ SE3 Corrected(const LoopClosure& loop, int64_t a, int64_t b) {
   return T_w_a.Inverse() * T_w_b;
 }
 
-std::string Told(const LoopSearch& search) {
+std::string Told(const loop::LoopSearch& search) {
   std::string text = "looked at:";
-  for (const LoopEvidence& e : search.evidence) {
+  for (const loop::LoopEvidence& e : search.evidence) {
     text += fmt::format(" {} {} inliers {} cells {} share {} back {} confirming {};", e.edge.old_keyframe_id,
-                        LoopVerdictName(e.verdict), e.place.inliers, e.place.cells, e.place.Share(),
+                        loop::LoopVerdictName(e.verdict), e.place.inliers, e.place.cells, e.place.Share(),
                         e.reverse_inliers, e.confirming);
   }
   return text;
@@ -85,7 +85,7 @@ TEST(LoopCloser, NewOneSaysWhatTheOldOneWouldHaveSaid) {
   while (loop.kind == Kind::kNone && shown < ring.size()) loop = closing.Show(ring.walk.keyframes[shown++]);
   ASSERT_EQ(loop.kind, Kind::kLoop);
   // Started anew: everything comes at once, the map first.
-  LoopCloser anew(FeatureWorld::Camera(), places, {});
+  loop::LoopCloser anew(FeatureWorld::Camera(), places, {});
   const Keyframe& last = ring.walk.keyframes[shown - 1];
   EXPECT_EQ(anew.Check(closing.mapper.map(), last.session, last.keyframe_id).kind, Kind::kNone);
   for (int i = 0; i < shown; ++i) anew.AddKeyframe(ring.walk.keyframes[i]);
@@ -197,7 +197,7 @@ TEST(LoopCloser, KeyframesWithoutAnythingOrWithNonsense) {
 
 TEST(LoopCloser, SwitchedOffSaysNothing) {
   const Ring ring;
-  LoopOptions options;
+  loop::LoopOptions options;
   options.enabled = false;
   EXPECT_TRUE(CloseLoops(ring, options).loops.empty());
 }

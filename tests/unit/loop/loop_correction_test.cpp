@@ -67,7 +67,7 @@ LoopEdge EdgeBetween(int64_t a, int64_t b, const SE3& T_a_b) {
 TEST(CloseLoop, DriftOfALapIsSharedOut) {
   Lap lap(80, SmallDrift());
   const auto before_m = (lap.map.FindKeyframe(79)->T_w_kf.translation() - lap.truth[79].translation()).norm();
-  const auto poses = CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
+  const auto poses = loop::CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
   ASSERT_TRUE(poses.has_value());
   ASSERT_EQ(poses->size(), 80U);
   EXPECT_EQ(poses->front().T_w_kf.matrix(), lap.map.FindKeyframe(0)->T_w_kf.matrix());
@@ -78,7 +78,7 @@ TEST(CloseLoop, DriftOfALapIsSharedOut) {
 
 TEST(CloseLoop, WithoutDriftNothingMoves) {
   Lap lap(40, Vector6d::Zero());
-  const auto poses = CloseLoop(lap.map, EdgeBetween(0, 39, lap.truth[0].Inverse() * lap.truth[39]), {});
+  const auto poses = loop::CloseLoop(lap.map, EdgeBetween(0, 39, lap.truth[0].Inverse() * lap.truth[39]), {});
   ASSERT_TRUE(poses.has_value());
   EXPECT_LT(lap.WorstError_m(*poses), 1e-9);
 }
@@ -86,14 +86,14 @@ TEST(CloseLoop, WithoutDriftNothingMoves) {
 TEST(CloseLoop, OneThatALoopBeforeContradictsIsNone) {
   Lap lap(80, SmallDrift());
   // Closed before, and the map shows it.
-  const auto closed = CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
+  const auto closed = loop::CloseLoop(lap.map, EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]), {});
   ASSERT_TRUE(closed.has_value());
   for (const CorrectedPose& pose : *closed) lap.map.SetPose(pose.keyframe_id, pose.T_w_kf, Matrix6d::Zero());
   lap.map.Add(EdgeBetween(0, 79, lap.truth[0].Inverse() * lap.truth[79]));
   const SE3 T_2_78 = lap.truth[2].Inverse() * lap.truth[78];
-  EXPECT_TRUE(CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78), {}).has_value());
+  EXPECT_TRUE(loop::CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78), {}).has_value());
   const SE3 wrong(Eigen::Quaterniond::Identity(), {2.8, 0.0, 0.0});
-  EXPECT_FALSE(CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78 * wrong), {}).has_value());
+  EXPECT_FALSE(loop::CloseLoop(lap.map, EdgeBetween(2, 78, T_2_78 * wrong), {}).has_value());
 }
 
 // Keyframes 0 to 19, and 20 to 34 of another session that lies anywhere.
@@ -127,7 +127,7 @@ TEST(CloseLoop, PartThatBeganLaterComesToTheOlderAsAWhole) {
   const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
   // Said either way round.
   for (const LoopEdge& edge : {EdgeBetween(5, 22, T_5_22), EdgeBetween(22, 5, T_5_22.Inverse())}) {
-    const auto poses = CloseLoop(both.map, edge, {});
+    const auto poses = loop::CloseLoop(both.map, edge, {});
     ASSERT_TRUE(poses.has_value());
     ExpectLaterPartMovedAsAWhole(both.map, T_5_22, *poses, 1e-7);
   }
@@ -141,7 +141,7 @@ TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
   first.relative_covariance.diagonal() << 100.0, 100.0, 100.0, 1.0, 1.0, 1.0;
   both.map.Put(first);
   const SE3 T_5_22(ExpSO3({0.0, 0.1, 0.0}), {0.3, 0.0, 0.1});
-  const auto poses = CloseLoop(both.map, EdgeBetween(5, 22, T_5_22), {});
+  const auto poses = loop::CloseLoop(both.map, EdgeBetween(5, 22, T_5_22), {});
   ASSERT_TRUE(poses.has_value());
   ExpectLaterPartMovedAsAWhole(both.map, T_5_22, *poses, 1e-6);
 }
@@ -149,12 +149,12 @@ TEST(CloseLoop, WhatComesAfterAStepThatIsNotKnownMovesAsAWhole) {
 // Another robot's, say, which goes on meanwhile.
 TEST(CloseLoop, OfAPartThatItDoesNotTouchNothingIsSaid) {
   const Lap both = LapAndAnother();
-  const auto in_first = CloseLoop(both.map, EdgeBetween(0, 19, both.truth[0].Inverse() * both.truth[19]), {});
+  const auto in_first = loop::CloseLoop(both.map, EdgeBetween(0, 19, both.truth[0].Inverse() * both.truth[19]), {});
   ASSERT_TRUE(in_first.has_value());
   ASSERT_EQ(in_first->size(), 20U);
   EXPECT_EQ(in_first->back().keyframe_id, 19);
   const SE3 T_20_34 = both.map.FindKeyframe(20)->T_w_kf.Inverse() * both.map.FindKeyframe(34)->T_w_kf;
-  const auto in_second = CloseLoop(both.map, EdgeBetween(20, 34, T_20_34 * SE3::Exp(SmallDrift())), {});
+  const auto in_second = loop::CloseLoop(both.map, EdgeBetween(20, 34, T_20_34 * SE3::Exp(SmallDrift())), {});
   ASSERT_TRUE(in_second.has_value());
   ASSERT_EQ(in_second->size(), 15U);
   for (const CorrectedPose& pose : *in_second) {
@@ -167,7 +167,7 @@ TEST(CloseLoop, CovarianceThatIsNoneIsNoLoop) {
   Lap lap(10, Vector6d::Zero());
   LoopEdge edge = EdgeBetween(0, 9, SE3());
   edge.covariance.setZero();
-  EXPECT_FALSE(CloseLoop(lap.map, edge, {}).has_value());
+  EXPECT_FALSE(loop::CloseLoop(lap.map, edge, {}).has_value());
 }
 
 }  // namespace

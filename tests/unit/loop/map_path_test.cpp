@@ -71,7 +71,7 @@ TEST(MapPaths, AreTheShortest) {
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
   const auto lengths = AllLengths(map);
   for (const int64_t to : {0, 13, 29}) {
-    MapPaths paths(map, to);
+    loop::MapPaths paths(map, to);
     for (int64_t from = 0; from < 30; ++from) {
       const auto path = paths.From(from);
       ASSERT_TRUE(path.has_value());
@@ -89,20 +89,20 @@ TEST(MapPaths, CovarianceOfAChainIsThatOfItsStepsOneAfterTheOther) {
     const MapKeyframe& keyframe = *map.FindKeyframe(i);
     forwards = ComposeCovariance(forwards, keyframe.T_prevkf_kf, keyframe.relative_covariance);
   }
-  EXPECT_LT((MapPaths(map, 11).CovarianceFrom(0) - forwards).norm(), 1e-9 * forwards.norm());
+  EXPECT_LT((loop::MapPaths(map, 11).CovarianceFrom(0) - forwards).norm(), 1e-9 * forwards.norm());
   // The path back is the same motion turned round.
   const SE3 T_0_11 = map.FindKeyframe(0)->T_w_kf.Inverse() * map.FindKeyframe(11)->T_w_kf;
   const Matrix6d backwards = InverseCovariance(T_0_11, forwards);
-  EXPECT_LT((MapPaths(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
+  EXPECT_LT((loop::MapPaths(map, 0).CovarianceFrom(11) - backwards).norm(), 1e-9 * backwards.norm());
 }
 
 // Also where paths have been asked for before that share their ends.
 TEST(MapPaths, CovarianceIsTheSameInWhateverOrderWaysAreAskedFor) {
   Map map = RandomMap(30, 3);
   map.Add({2, 27, SE3(), 1e-4 * Matrix6d::Identity(), 10, 10});
-  MapPaths paths(map, 13);
+  loop::MapPaths paths(map, 13);
   for (const int64_t from : {0, 29, 5, 13, 28, 1}) {
-    const Matrix6d alone = MapPaths(map, 13).CovarianceFrom(from);
+    const Matrix6d alone = loop::MapPaths(map, 13).CovarianceFrom(from);
     EXPECT_EQ(alone, paths.CovarianceFrom(from)) << from;
     EXPECT_EQ(alone.isZero(), from == 13);
   }
@@ -114,7 +114,7 @@ TEST(MapPaths, ReachIsTheFarthestPointOfTheWay) {
     map.Put(After(map, i, SE3(Eigen::Quaterniond::Identity(), {i < 3 ? 1.0 : -1.0, 0.0, 0.0})));
   }
   // Out two metres and back: 0, 1, 2, 1, 0.
-  const auto path = MapPaths(map, 4).From(0);
+  const auto path = loop::MapPaths(map, 4).From(0);
   ASSERT_TRUE(path.has_value());
   EXPECT_NEAR(path->length_m, 4.0, 1e-12);
   EXPECT_NEAR(path->reach_m, 2.0, 1e-12);
@@ -126,11 +126,11 @@ TEST(MapPaths, NoWayBetweenPartsThatNothingConnects) {
   stranger.id = 4;
   stranger.session = 2;
   map.Put(stranger);
-  EXPECT_FALSE(MapPaths(map, 4).From(0).has_value());
-  EXPECT_FALSE(MapPaths(map, 0).From(99).has_value());
-  EXPECT_FALSE(MapPaths(map, 99).From(0).has_value());
-  EXPECT_TRUE(MapPaths(map, 4).CovarianceFrom(0).isZero());
-  EXPECT_EQ(MapPaths(map, 4).From(4)->length_m, 0.0);
+  EXPECT_FALSE(loop::MapPaths(map, 4).From(0).has_value());
+  EXPECT_FALSE(loop::MapPaths(map, 0).From(99).has_value());
+  EXPECT_FALSE(loop::MapPaths(map, 99).From(0).has_value());
+  EXPECT_TRUE(loop::MapPaths(map, 4).CovarianceFrom(0).isZero());
+  EXPECT_EQ(loop::MapPaths(map, 4).From(4)->length_m, 0.0);
 }
 
 // Of an id that was forged, say.
@@ -141,7 +141,7 @@ TEST(MapPaths, IdsFarApartAndMissingOnes) {
   far.id = int64_t{1} << 61;
   far.previous_id = far.parent_id = 29;
   map.Put(far);
-  MapPaths paths(map, far.id);
+  loop::MapPaths paths(map, far.id);
   for (int64_t id = 0; id < 40; ++id) {
     EXPECT_EQ(paths.From(id).has_value(), map.FindKeyframe(id) != nullptr && id > 0) << id;
   }
@@ -175,20 +175,20 @@ void ShareLandmarks(Map& map, int64_t a, int64_t b, int n) {
 TEST(MapPaths, AStepThatIsNotKnownIsNoWay) {
   for (const auto& [sigma_m, sigma_rad] : {std::pair(10.0, 1.0), std::pair(1.5, 0.01), std::pair(0.01, 0.4)}) {
     const Map map = ChainWithStep(3, sigma_m, sigma_rad);
-    EXPECT_FALSE(MapPaths(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
-    EXPECT_FALSE(MapPaths(map, 0).From(3).has_value());
-    EXPECT_TRUE(MapPaths(map, 5).CovarianceFrom(2).isZero());
-    EXPECT_TRUE(MapPaths(map, 5).From(3).has_value());
-    EXPECT_TRUE(MapPaths(map, 2).From(0).has_value());
+    EXPECT_FALSE(loop::MapPaths(map, 5).From(0).has_value()) << sigma_m << " m " << sigma_rad;
+    EXPECT_FALSE(loop::MapPaths(map, 0).From(3).has_value());
+    EXPECT_TRUE(loop::MapPaths(map, 5).CovarianceFrom(2).isZero());
+    EXPECT_TRUE(loop::MapPaths(map, 5).From(3).has_value());
+    EXPECT_TRUE(loop::MapPaths(map, 2).From(0).has_value());
   }
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(MapPaths(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
+  EXPECT_FALSE(loop::MapPaths(ChainWithStep(3, nan, 0.01), 5).From(0).has_value());
 }
 
 // A fast car's, or of a session of which many keyframes never came.
 TEST(MapPaths, AStepThatIsLongMayErrByMore) {
-  EXPECT_TRUE(MapPaths(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
-  EXPECT_TRUE(MapPaths(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
+  EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 0.1, 0.03), 5).From(0).has_value());
+  EXPECT_TRUE(loop::MapPaths(ChainWithStep(3, 1.0, 0.03, 20.0), 5).From(0).has_value());
 }
 
 TEST(MapPaths, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
@@ -198,11 +198,11 @@ TEST(MapPaths, LandmarksThatAreSharedAreAWayOverAStepThatIsNotKnown) {
     keyframe.parent_id = parent_id;
     map.Put(keyframe);
     ShareLandmarks(map, parent_id, 3, Map::kParent - 1);
-    EXPECT_FALSE(MapPaths(map, 5).From(0).has_value()) << "a false landmark or two";
+    EXPECT_FALSE(loop::MapPaths(map, 5).From(0).has_value()) << "a false landmark or two";
     ShareLandmarks(map, parent_id, 3, Map::kParent);
-    ASSERT_TRUE(MapPaths(map, 5).From(0).has_value());
-    EXPECT_NEAR(MapPaths(map, 5).From(0)->length_m, 5.0, 1e-12);
-    EXPECT_LT(MapPaths(map, 5).CovarianceFrom(0).norm(), 0.1);
+    ASSERT_TRUE(loop::MapPaths(map, 5).From(0).has_value());
+    EXPECT_NEAR(loop::MapPaths(map, 5).From(0)->length_m, 5.0, 1e-12);
+    EXPECT_LT(loop::MapPaths(map, 5).CovarianceFrom(0).norm(), 0.1);
   }
 }
 

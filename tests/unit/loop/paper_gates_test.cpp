@@ -14,19 +14,19 @@ namespace {
 
 constexpr double kPaperTurn_rad = 3.0 * std::numbers::pi / 180.0;
 
-LoopOptions WithGates(const std::string& gates) {
-  LoopOptions options;
+loop::LoopOptions WithGates(const std::string& gates) {
+  loop::LoopOptions options;
   options.verification.gates = gates;
   return options;
 }
 
 /// Everything that was looked at while a ring was walked, no loop being taken over.
-std::vector<LoopEvidence> LookedAt(const Ring& ring, const std::string& gates) {
+std::vector<loop::LoopEvidence> LookedAt(const Ring& ring, const std::string& gates) {
   Closing closing(PlacesOf(ring.world), WithGates(gates));
-  std::vector<LoopEvidence> all;
+  std::vector<loop::LoopEvidence> all;
   for (const Keyframe& keyframe : ring.walk.keyframes) {
     closing.Show(keyframe);
-    const LoopSearch& search = closing.closer.last_search();
+    const loop::LoopSearch& search = closing.closer.last_search();
     all.insert(all.end(), search.evidence.begin(), search.evidence.end());
   }
   return all;
@@ -47,13 +47,14 @@ TEST(PaperGates, RingThatComesBackIsClosedFromNear) {
 TEST(PaperGates, AreTheThreeTestsOfThePaper) {
   int accepted = 0;
   int refused = 0;
-  for (const LoopEvidence& e : LookedAt(Ring(), "paper")) {
-    if (e.verdict == LoopVerdict::kNotFound) continue;
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), "paper")) {
+    if (e.verdict == loop::LoopVerdict::kNotFound) continue;
     const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(e.place.pose.covariance);
     const bool passes = eigen.eigenvalues().maxCoeff() < 0.01 && e.edge.T_old_kf.translation().norm() <= 0.5 &&
                         e.edge.T_old_kf.Log().tail<3>().norm() <= kPaperTurn_rad &&
                         2 * e.place.inliers > e.place.matches;
-    EXPECT_EQ(e.verdict, passes ? LoopVerdict::kAccepted : LoopVerdict::kPaperGates) << LoopVerdictName(e.verdict);
+    EXPECT_EQ(e.verdict, passes ? loop::LoopVerdict::kAccepted : loop::LoopVerdict::kPaperGates)
+        << loop::LoopVerdictName(e.verdict);
     ++(passes ? accepted : refused);
   }
   EXPECT_GT(accepted, 0);
@@ -63,13 +64,13 @@ TEST(PaperGates, AreTheThreeTestsOfThePaper) {
 // A loop seen from farther away is a loop, too.
 TEST(PaperGates, RefuseFromFarWhatTheDefaultBelieves) {
   int far = 0;
-  for (const LoopEvidence& e : LookedAt(Ring(), "default")) {
-    if (e.verdict == LoopVerdict::kAccepted && e.edge.T_old_kf.translation().norm() > 0.5) ++far;
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), "default")) {
+    if (e.verdict == loop::LoopVerdict::kAccepted && e.edge.T_old_kf.translation().norm() > 0.5) ++far;
   }
   EXPECT_GT(far, 0);
-  for (const LoopEvidence& e : LookedAt(Ring(), "paper")) {
+  for (const loop::LoopEvidence& e : LookedAt(Ring(), "paper")) {
     if (e.edge.T_old_kf.translation().norm() <= 0.5) continue;
-    EXPECT_NE(e.verdict, LoopVerdict::kAccepted) << e.edge.T_old_kf.translation().norm() << " m";
+    EXPECT_NE(e.verdict, loop::LoopVerdict::kAccepted) << e.edge.T_old_kf.translation().norm() << " m";
   }
 }
 

@@ -19,10 +19,10 @@ Vocabulary Train(const std::vector<Landmark>& landmarks, FeatureType kind) {
     if (i % 12 == 0) images.emplace_back();
     images.back().push_back(landmarks[i].descriptor);
   }
-  TrainingOptions options;
+  train_vocabulary::TrainingOptions options;
   options.depth = 3;
   options.min_descriptors = 4;
-  return TrainVocabulary(images, kind, options);
+  return train_vocabulary::TrainVocabulary(images, kind, options);
 }
 
 WalkOptions WithoutIds(uint64_t seed) {
@@ -42,8 +42,8 @@ Ring::Ring(int keyframes, uint64_t seed)
     : world(MakeRing(kWorldRadius_m, 1500, 150, seed)),
       walk(MakeWalk(world, RingPath(kWorldRadius_m, kStep_m, keyframes), WithoutIds(seed))) {}
 
-Closing::Closing(const PlaceRecogniser& places, const LoopOptions& options)
-    : mapper(FeatureWorld::Camera(), MappingOptions()), closer(FeatureWorld::Camera(), places, options) {}
+Closing::Closing(const PlaceRecogniser& places, const loop::LoopOptions& options)
+    : mapper(FeatureWorld::Camera(), mapping::MappingOptions()), closer(FeatureWorld::Camera(), places, options) {}
 
 LoopClosure Closing::Show(const Keyframe& keyframe) {
   EXPECT_TRUE(MapOne(keyframe, mapper));
@@ -58,7 +58,7 @@ void Closing::TakeOver(const LoopClosure& loop) {
   loops.push_back(loop);
 }
 
-Closing CloseLoops(const Ring& ring, const LoopOptions& options) {
+Closing CloseLoops(const Ring& ring, const loop::LoopOptions& options) {
   Closing closing(PlacesOf(ring.world), options);
   for (const Keyframe& keyframe : ring.walk.keyframes) closing.TakeOver(closing.Show(keyframe));
   return closing;

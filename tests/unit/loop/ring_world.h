@@ -24,16 +24,16 @@ struct Ring {
 
 /// A mapper and a loop closer that have been shown the first `n` keyframes, as in lockstep, every loop taken over.
 struct Closing {
-  Mapper mapper;
-  LoopCloser closer;
+  mapping::Mapper mapper;
+  loop::LoopCloser closer;
   std::vector<LoopClosure> loops;
 
-  Closing(const PlaceRecogniser& places, const LoopOptions& options);
+  Closing(const PlaceRecogniser& places, const loop::LoopOptions& options);
   /// The answer to this keyframe, before the map has taken it over.
   LoopClosure Show(const Keyframe& keyframe);
   void TakeOver(const LoopClosure& loop);
 };
 
-Closing CloseLoops(const Ring& ring, const LoopOptions& options = {});
+Closing CloseLoops(const Ring& ring, const loop::LoopOptions& options = {});
 
 }  // namespace plslam::test

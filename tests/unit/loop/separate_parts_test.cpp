@@ -63,7 +63,7 @@ void PutLandmarks(const Map& from, int64_t n, int64_t shift, int64_t landmark_sh
 /// A lap of the ring, and its beginning once more as another session that came before, with an origin of its own.
 struct TwoParts {
   Map map;
-  LoopCloser closer;
+  loop::LoopCloser closer;
   int64_t newest = -1;  ///< as its session counts; the first whose loop is found where there is nothing but the lap
 
   explicit TwoParts(const Ring& ring) : closer(FeatureWorld::Camera(), PlacesOf(ring.world), {}) {
@@ -86,14 +86,14 @@ struct TwoParts {
   }
 };
 
-bool SeesFirstPart(const LoopEvidence& evidence) { return evidence.edge.old_keyframe_id < kFirstId; }
+bool SeesFirstPart(const loop::LoopEvidence& evidence) { return evidence.edge.old_keyframe_id < kFirstId; }
 
 TEST(SeparateParts, WhatAnotherPartShowsDoesNotContradictALoop) {
   const Ring ring;
   TwoParts parts(ring);
   const LoopClosure loop = parts.closer.Check(parts.map, ring.walk.keyframes.front().session, parts.newest);
-  const LoopSearch& search = parts.closer.last_search();
-  ASSERT_TRUE(std::any_of(search.evidence.begin(), search.evidence.end(), [](const LoopEvidence& evidence) {
+  const loop::LoopSearch& search = parts.closer.last_search();
+  ASSERT_TRUE(std::any_of(search.evidence.begin(), search.evidence.end(), [](const loop::LoopEvidence& evidence) {
     return SeesFirstPart(evidence) && evidence.place.inliers > 40;
   })) << "the other part shows the place too";
   ASSERT_EQ(loop.kind, LoopClosure::Kind::kLoop);

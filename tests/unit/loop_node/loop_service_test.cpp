@@ -8,7 +8,7 @@
 #include "tests/support/feature_world.h"
 #include "tests/unit/places/random_places.h"
 
-namespace plslam {
+namespace plslam::loop {
 namespace {
 
 using test::FeatureWorld;
@@ -352,4 +352,4 @@ TEST_F(Service, ALiveQuestionIsAnsweredAtOnceAndANewerOneTakesItsPlace) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::loop

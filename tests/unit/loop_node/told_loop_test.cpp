@@ -23,14 +23,15 @@ class ToldLoop : public testing::Test {
   }
 
   /// The map has one more keyframe of the robot.
-  LoopService::Output Show(int i) {
+  loop::LoopService::Output Show(int i) {
     const Keyframe& keyframe = ring_.walk.keyframes[static_cast<size_t>(i)];
     service_.OnKeyframe(keyframe);
     EXPECT_TRUE(MapOne(keyframe, mapper_));
     return Publish(keyframe.session, keyframe.keyframe_id, false);
   }
   /// The map, as far as it has changed, with this as its newest keyframe.
-  LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool committed, const LoopAnswer& answer = {}) {
+  loop::LoopService::Output Publish(int64_t session, int64_t keyframe_id, bool committed,
+                                    const LoopAnswer& answer = {}) {
     MapUpdate update = mapper_.TakeUpdate();
     update.source = 1;
     update.session = session;
@@ -39,7 +40,7 @@ class ToldLoop : public testing::Test {
     update.answer = answer;
     return service_.OnUpdate(update);
   }
-  LoopService::Output TakeOver() {
+  loop::LoopService::Output TakeOver() {
     std::string reason;
     EXPECT_TRUE(mapper_.Correct(loop_, &reason)) << reason;
     return Publish(loop_.session, loop_.session_keyframe_id, false, Answer(true));
@@ -51,8 +52,9 @@ class ToldLoop : public testing::Test {
   Ring ring_;
   int next_ = 0;
   double now_ms_ = 0.0;
-  Mapper mapper_{FeatureWorld::Camera(), MappingOptions()};
-  LoopService service_{LoopCloser(FeatureWorld::Camera(), PlacesOf(ring_.world), {}), [this] { return now_ms_; }};
+  mapping::Mapper mapper_{FeatureWorld::Camera(), mapping::MappingOptions()};
+  loop::LoopService service_{loop::LoopCloser(FeatureWorld::Camera(), PlacesOf(ring_.world), {}),
+                             [this] { return now_ms_; }};
   LoopClosure loop_;
 };
 

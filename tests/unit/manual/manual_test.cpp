@@ -11,7 +11,7 @@
 #include "tools/manual/help_page.h"
 #include "tools/manual/manual_page.h"
 
-namespace plslam {
+namespace plslam::manual {
 namespace {
 
 namespace fs = std::filesystem;
@@ -211,4 +211,4 @@ TEST_F(Shell, EveryProgramHasAManualAndCompletion) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::manual

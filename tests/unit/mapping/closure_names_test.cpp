@@ -7,7 +7,7 @@
 
 #include "loop_process/keyframe_memory.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using testing::ElementsAre;
@@ -46,7 +46,7 @@ LoopClosure ClosureOn(const Map& map) {
   for (int64_t id = 0; id < 3; ++id) closure.poses.push_back({id, PoseOf(10 + id)});
   closure.points = {{3, 4}};
   closure.lines = {{5, 6}};
-  closure.names = NamesIn(map, closure);
+  closure.names = loop::NamesIn(map, closure);
   return closure;
 }
 
@@ -61,7 +61,7 @@ TEST(ClosureNames, AreOfAllKeyframesThatItSpeaksOf) {
   LoopClosure closure = ClosureOn(Before());
   EXPECT_THAT(closure.names, ElementsAre(KeyframeName{0, 7, 0}, KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
   closure.poses.clear();
-  EXPECT_THAT(NamesIn(Before(), closure), ElementsAre(KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
+  EXPECT_THAT(loop::NamesIn(Before(), closure), ElementsAre(KeyframeName{1, 7, 1}, KeyframeName{2, 8, 0}));
 }
 
 TEST(ClosureNames, OnItsOwnMapNothingChanges) {
@@ -152,4 +152,4 @@ TEST(ClosureNames, AnIdThatAnotherKeyframeHasNowDiffers) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

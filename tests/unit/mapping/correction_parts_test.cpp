@@ -11,7 +11,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -198,4 +198,4 @@ TEST(MapParts, AreTiedByTreeSessionAndLoops) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -13,7 +13,7 @@
 #include "mapping_process/mapper_state.h"
 #include "tests/unit/mapping/loop_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::Encoded;
@@ -346,4 +346,4 @@ TEST_P(Correction, WhatCorrectsTheMapAsItWasBeforeALoopIsRefused) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

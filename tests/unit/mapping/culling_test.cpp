@@ -6,7 +6,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -181,4 +181,4 @@ TEST_F(Culling, TheTieToThePreviousKeyframeIsBridged) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

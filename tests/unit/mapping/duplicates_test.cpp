@@ -6,7 +6,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -103,4 +103,4 @@ TEST_F(Duplicates, TwoPointsThatOneKeyframeSeesApartStayTwo) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -159,7 +159,7 @@ class TriangulateLines : public testing::Test {
     m_.features[keyframe_id].lines.back().disparity_q_px = -1.0;
   }
   std::vector<int64_t> Triangulate() {
-    return plslam::TriangulateLines(2, m_.features, FeatureWorld::Camera(), MappingOptions(), ids_, m_.map);
+    return plslam::mapping::TriangulateLines(2, m_.features, FeatureWorld::Camera(), MappingOptions(), ids_, m_.map);
   }
 
   std::vector<Descriptor> descriptors_;
@@ -202,4 +202,4 @@ TEST_F(TriangulateLines, LinesWithDepthAreLeftToOthers) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -10,7 +10,7 @@
 #include "mapping_process/mapper.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::FeatureWorld;
@@ -134,4 +134,4 @@ TEST_F(Window, IsAsWideAsEverLaterOn) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 SE3 At(double x_m, double yaw_rad) {
@@ -99,4 +99,4 @@ TEST(LoopEdges, ReversedTwiceIsTheSame) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

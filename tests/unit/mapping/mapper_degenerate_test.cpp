@@ -7,7 +7,7 @@
 #include "mapping_process/mapper.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::FeatureWorld;
@@ -248,4 +248,4 @@ std::string NameOfIds(const testing::TestParamInfo<bool>& with_ids) {
 INSTANTIATE_TEST_SUITE_P(Ids, Degenerate, testing::Bool(), NameOfIds);
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -12,7 +12,7 @@
 #include "tests/support/long_tests.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::FeatureWorld;
@@ -112,4 +112,4 @@ INSTANTIATE_TEST_SUITE_P(Keyframes, MapperLong,
                          NameOfCulled);
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

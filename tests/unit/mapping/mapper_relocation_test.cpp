@@ -9,7 +9,7 @@
 #include "tests/support/dense_algebra.h"
 #include "tests/unit/mapping/loop_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::FeatureWorld;
@@ -251,4 +251,4 @@ TEST_F(Parts, TwoPartsBecomeOneByALoop) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -6,7 +6,7 @@
 #include "mapping_process/mapper.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::FeatureWorld;
@@ -148,4 +148,4 @@ TEST_F(Sessions, TwoSessionsAlternate) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

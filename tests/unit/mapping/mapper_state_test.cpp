@@ -12,7 +12,7 @@
 
 #include "tests/unit/mapping/loop_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using Bytes = std::vector<uint8_t>;
@@ -210,4 +210,4 @@ TEST(MapperState, BytesThatAreCutOffAnywhereAreRefused) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

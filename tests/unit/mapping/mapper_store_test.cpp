@@ -7,7 +7,7 @@
 #include "core/io/maps/map_file.h"
 #include "tests/unit/mapping/loop_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::Encoded;
@@ -103,4 +103,4 @@ TEST_F(Stored, AMapThatIsOnlyLocalisedInStaysAsItIs) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

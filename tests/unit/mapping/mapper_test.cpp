@@ -8,7 +8,7 @@
 
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::Encoded;
@@ -184,4 +184,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, MapperWalk,
                          NameOfWalk);
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -190,7 +190,7 @@ std::vector<SE3> CorridorPath(int n, double step_m) {
   return path;
 }
 
-bool MapOne(const Keyframe& keyframe, Mapper& mapper, std::string* reason) {
+bool MapOne(const Keyframe& keyframe, mapping::Mapper& mapper, std::string* reason) {
   std::string ignored;
   if (!mapper.Insert(keyframe, reason == nullptr ? &ignored : reason)) return false;
   mapper.Adjust(nullptr);
@@ -198,8 +198,8 @@ bool MapOne(const Keyframe& keyframe, Mapper& mapper, std::string* reason) {
   return true;
 }
 
-Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& options) {
-  Mapper mapper(FeatureWorld::Camera(), options);
+mapping::Mapper MapAll(const std::vector<Keyframe>& keyframes, const mapping::MappingOptions& options) {
+  mapping::Mapper mapper(FeatureWorld::Camera(), options);
   for (const Keyframe& keyframe : keyframes) MapOne(keyframe, mapper);
   return mapper;
 }

@@ -44,8 +44,8 @@ FeatureWorld MakeCorridor(double length_m, double points_per_m, double lines_per
 std::vector<SE3> CorridorPath(int n, double step_m);
 
 /// Insert, adjust, cull, as mapping_process does for each keyframe of a lockstep stream.
-bool MapOne(const Keyframe& keyframe, Mapper& mapper, std::string* reason = nullptr);
-Mapper MapAll(const std::vector<Keyframe>& keyframes, const MappingOptions& options = {});
+bool MapOne(const Keyframe& keyframe, mapping::Mapper& mapper, std::string* reason = nullptr);
+mapping::Mapper MapAll(const std::vector<Keyframe>& keyframes, const mapping::MappingOptions& options = {});
 
 /// What is wrong with a map, in words, empty where nothing is: numbers that are not finite, covariances that cannot
 /// be, observations of keyframes or features that do not exist or show another landmark, a tree that is none.

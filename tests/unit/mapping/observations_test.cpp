@@ -8,7 +8,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -176,4 +176,4 @@ TEST(ObservationsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

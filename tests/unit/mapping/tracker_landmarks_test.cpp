@@ -6,7 +6,7 @@
 #include "tests/unit/localisation/handmade_map.h"
 #include "tests/unit/mapping/mapping_world.h"
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using test::DescriptorOf;
@@ -132,4 +132,4 @@ TEST_F(AssociationTest, SearchLeavesWhatIsAssociatedAndAddsWhatIsFound) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 constexpr double kLater_ms = KeyframeQueue::kPatience_ms + 1.0;
@@ -143,4 +143,4 @@ TEST(KeyframeQueue, GoesOnBehindWhatWasRestored) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

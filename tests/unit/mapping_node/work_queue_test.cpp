@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::mapping {
 namespace {
 
 using Kind = WorkQueue::Work::Kind;
@@ -390,4 +390,4 @@ TEST(WorkQueueState, EachKeyframeOfABatchCounts) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::mapping

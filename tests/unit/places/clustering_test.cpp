@@ -8,7 +8,7 @@
 
 #include "tests/unit/places/random_places.h"
 
-namespace plslam {
+namespace plslam::train_vocabulary {
 namespace {
 
 Descriptor SlowMajority(const std::vector<Descriptor>& descriptors) {
@@ -87,4 +87,4 @@ TEST(Clustering, FewerDescriptorsThanClustersAndNone) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::train_vocabulary

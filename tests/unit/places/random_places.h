@@ -34,11 +34,11 @@ inline std::vector<std::vector<Descriptor>> RandomImages(int images, int descrip
 
 inline Vocabulary SmallVocabulary(FeatureType kind) {
   std::mt19937_64 random(5);
-  TrainingOptions options;
+  train_vocabulary::TrainingOptions options;
   options.branching = 6;
   options.depth = 3;
   options.min_descriptors = 4;
-  return TrainVocabulary(RandomImages(40, 60, random), kind, options);
+  return train_vocabulary::TrainVocabulary(RandomImages(40, 60, random), kind, options);
 }
 
 /// Points and lines anywhere in an image, with descriptors like those of `SmallVocabulary`.

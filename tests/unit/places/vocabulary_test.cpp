@@ -84,19 +84,19 @@ TEST(Training, IsTheSameAtEveryRunAndAnotherWithAnotherSeed) {
   EXPECT_NE(a.checksum(), test::SmallVocabulary(FeatureType::kLines).checksum());
   std::mt19937_64 random(5);
   const auto images = test::RandomImages(40, 60, random);
-  TrainingOptions options;
-  const Vocabulary first = TrainVocabulary(images, FeatureType::kPoints, options);
+  train_vocabulary::TrainingOptions options;
+  const Vocabulary first = train_vocabulary::TrainVocabulary(images, FeatureType::kPoints, options);
   options.seed = 2;
-  EXPECT_NE(first.checksum(), TrainVocabulary(images, FeatureType::kPoints, options).checksum());
+  EXPECT_NE(first.checksum(), train_vocabulary::TrainVocabulary(images, FeatureType::kPoints, options).checksum());
 }
 
 TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
   std::mt19937_64 random(9);
   const auto images = test::RandomImages(30, 40, random);
-  TrainingOptions options;
+  train_vocabulary::TrainingOptions options;
   options.branching = 4;
   options.depth = 2;
-  const Vocabulary vocabulary = TrainVocabulary(images, FeatureType::kPoints, options);
+  const Vocabulary vocabulary = train_vocabulary::TrainVocabulary(images, FeatureType::kPoints, options);
   std::vector<int> with_word(vocabulary.words(), 0);
   for (const auto& image : images) {
     std::map<int, bool> has;
@@ -111,9 +111,10 @@ TEST(Training, WeightsAreLogarithmsOfImagesOverImagesWithTheWord) {
 TEST(Training, WordsThatAllImagesHaveAreLeftOut) {
   std::mt19937_64 random(10);
   const std::vector<Descriptor> two = test::RandomDescriptors(2, random);
-  TrainingOptions options;
+  train_vocabulary::TrainingOptions options;
   options.min_descriptors = 2;
-  const Vocabulary vocabulary = TrainVocabulary({{two[0], two[1]}, {two[0]}}, FeatureType::kPoints, options);
+  const Vocabulary vocabulary =
+      train_vocabulary::TrainVocabulary({{two[0], two[1]}, {two[0]}}, FeatureType::kPoints, options);
   EXPECT_EQ(vocabulary.words(), 2);
   EXPECT_TRUE(vocabulary.Transform({two[0], two[0]}).words.empty());
   EXPECT_EQ(vocabulary.Transform({two[1]}).words.size(), 1U);
@@ -124,7 +125,8 @@ TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
   const Descriptor descriptor = test::RandomDescriptor(random);
   const std::vector<std::vector<Descriptor>> equal(3, std::vector<Descriptor>(100, descriptor));
   for (const auto& images : {std::vector<std::vector<Descriptor>>{}, {{}, {}}, equal}) {
-    const Vocabulary vocabulary = TrainVocabulary(images, FeatureType::kLines, TrainingOptions{});
+    const Vocabulary vocabulary =
+        train_vocabulary::TrainVocabulary(images, FeatureType::kLines, train_vocabulary::TrainingOptions{});
     EXPECT_EQ(vocabulary.words(), 1);
     EXPECT_TRUE(vocabulary.Transform({descriptor}).words.empty());
   }
@@ -133,11 +135,12 @@ TEST(Training, NothingAndEqualDescriptorsGiveOneWordOfNoWeight) {
 TEST(Training, ProgressRisesToTheEnd) {
   std::mt19937_64 random(12);
   double last = 0.0;
-  TrainVocabulary(test::RandomImages(20, 50, random), FeatureType::kPoints, TrainingOptions{}, [&](double share) {
-    EXPECT_GE(share, last);
-    EXPECT_LE(share, 1.0);
-    last = share;
-  });
+  train_vocabulary::TrainVocabulary(test::RandomImages(20, 50, random), FeatureType::kPoints,
+                                    train_vocabulary::TrainingOptions{}, [&](double share) {
+                                      EXPECT_GE(share, last);
+                                      EXPECT_LE(share, 1.0);
+                                      last = share;
+                                    });
   EXPECT_GT(last, 0.99);
 }
 

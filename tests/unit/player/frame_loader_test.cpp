@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 // Ten frames, the fourth of which cannot be read, and the ninth breaks the reader if `breaks`.
@@ -72,4 +72,4 @@ TEST(FrameLoader, StopsInTheMiddle) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::player

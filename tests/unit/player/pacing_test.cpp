@@ -6,7 +6,7 @@
 
 #include <stdexcept>
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 using testing::ElementsAre;
@@ -126,4 +126,4 @@ TEST(RealtimeClock, FramesAreDueAtTheirDistanceAndLateBeyondHalfAPeriod) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::player

@@ -29,7 +29,7 @@
 #include "plslam/stream_t.hpp"
 #include "tests/unit/datasets/dataset_folders.h"
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 using std::chrono::seconds;
@@ -154,7 +154,7 @@ class Player {
     node_.reset();
   }
   // What the run loop threw; empty where it ended by itself.
-  std::string Join() {
+  std::string viewer::Join() {
     thread_.join();
     return error_;
   }
@@ -380,4 +380,4 @@ TEST_F(PlayerNodeTest, StopsWhileWaitingForAReader) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::player

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::player {
 namespace {
 
 using std::chrono::milliseconds;
@@ -106,4 +106,4 @@ TEST(Turn, StopEndsEveryWait) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::player

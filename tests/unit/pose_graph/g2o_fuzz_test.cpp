@@ -10,7 +10,7 @@
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tools/pose_graph/solve.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 using Random = std::mt19937_64;
@@ -88,4 +88,4 @@ TEST(G2oFuzz, DamagedFilesAreRefusedOrSolvedWithFiniteNumbers) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::pose_graph

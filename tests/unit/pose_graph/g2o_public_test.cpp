@@ -9,7 +9,7 @@
 #include "tools/pose_graph/export.h"
 #include "tools/pose_graph/solve.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 struct PublicGraph {
@@ -69,4 +69,4 @@ INSTANTIATE_TEST_SUITE_P(Small, PublicPoseGraphs,
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -12,7 +12,7 @@
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tools/pose_graph/pose_graph_chain.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 using testing::HasSubstr;
@@ -150,4 +150,4 @@ TEST_F(G2o, ErrorsNameFileLineAndCulprit) {
 TEST(G2oFiles, ThatAreNotThereAreNamed) { EXPECT_THROW(ReadG2o("/no/such/file.g2o"), std::runtime_error); }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -10,7 +10,7 @@
 #include "tools/pose_graph/command_line.h"
 #include "tools/pose_graph/g2o.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 using testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST_F(PoseGraphProgram, WhatIsWrongIsSaidInOneSentence) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::pose_graph

@@ -5,7 +5,7 @@
 
 #include "tests/unit/optim/pose_graph_world.h"
 
-namespace plslam {
+namespace plslam::pose_graph {
 namespace {
 
 SE2 Step(double x) { return SE2(0.0, {x, 0.0}); }
@@ -40,4 +40,4 @@ TEST(ChainedPoses, WithoutNoiseTheyAreTheTruth) {
 TEST(ChainedPoses, Nothing) { EXPECT_TRUE(ChainedPoses(PoseGraph<SE3>()).empty()); }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::pose_graph

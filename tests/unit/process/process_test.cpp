@@ -16,7 +16,7 @@
 #include "tools/plslam/child_process.h"
 #include "tools/plslam/run_bus.h"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 using testing::HasSubstr;
@@ -316,4 +316,4 @@ TEST_F(ProcessTest, EndsWithTheProcessThatStartedIt) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -11,7 +11,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 
-namespace plslam {
+namespace plslam::rectify_check {
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,4 +80,4 @@ TEST_F(RectifyCheckProgram, ARealRigAndTheSameWithAWrongCalibration) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::rectify_check

@@ -9,7 +9,7 @@
 
 #include "vo_process/stereo/point_stereo.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kDepthCamera{
@@ -72,4 +72,4 @@ TEST(AttachDepthToPoints, EmptyMapAndBadArguments) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 #include "tests/unit/lines/rendered_edges.h"
 #include "vo_process/stereo/line_stereo.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr double kUnits = 5000.0;
@@ -117,4 +117,4 @@ TEST(LineDepth, SegmentsOutsideOrNotFiniteGiveNone) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

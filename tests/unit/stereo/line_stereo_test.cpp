@@ -9,7 +9,7 @@
 #include "core/features/lines/line_sigma.h"
 #include "tests/unit/lines/rendered_edges.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const cv::Size kSize(200, 140);
@@ -218,4 +218,4 @@ TEST(LineSigma, GrowsOutwardsAndShrinksWithLengthAndContrast) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

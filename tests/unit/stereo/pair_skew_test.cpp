@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kSkewCamera{
@@ -40,4 +40,4 @@ TEST(PairSkew, WithoutABaselineThereIsNoDepth) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 
 #include "tests/unit/features/texture.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kPairWidth = 260;
@@ -110,4 +110,4 @@ TEST(PatchAligner, FlatBorderTinyAndFarOffStartsGiveNothing) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "tests/unit/features/texture.h"
 #include "tests/unit/stereo/stereo_points.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::Match;
@@ -97,4 +97,4 @@ TEST(WithoutDepth, SigmaGrowsWithTheScale) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

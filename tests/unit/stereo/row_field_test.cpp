@@ -8,7 +8,7 @@
 #include "tests/unit/features/texture.h"
 #include "vo_process/stereo/stereo_matcher.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kRowCamera{
@@ -118,4 +118,4 @@ TEST(MatchStereo, PatchesTellTheirRowsWhateverIsExpected) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

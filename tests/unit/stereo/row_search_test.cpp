@@ -9,7 +9,7 @@
 
 #include "tests/unit/features/texture.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 /// Normalised correlation of the 11x11 patches at (u, v) and (w, v), the textbook way.
@@ -91,4 +91,4 @@ TEST(RowSearch, FlatBorderAndEmptyRange) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

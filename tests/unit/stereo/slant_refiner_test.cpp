@@ -13,7 +13,7 @@
 #include "tests/unit/features/texture.h"
 #include "vo_process/stereo/patch_aligner.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kSlantedWidth = 300;
@@ -231,4 +231,4 @@ TEST(PatchAlignerOnSlant, CleanRoadsAndWallsAreWithinTheModelError) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,13 +11,13 @@ namespace plslam::test {
 void Match(std::vector<StereoPoint>& points, const std::vector<PointFeature>& right_points, const cv::Mat& left,
            const cv::Mat& right, const StereoOptions& options) {
   std::atomic<size_t> begun = 0;
-  MatchPointsStereo(points, right_points, FindPointCandidates(points, right_points, PairSkew(), options),
-                    HalvedPair(left, right), RowField(), options, begun);
+  vo::MatchPointsStereo(points, right_points, vo::FindPointCandidates(points, right_points, vo::PairSkew(), options),
+                        vo::HalvedPair(left, right), vo::RowField(), options, begun);
 }
 
 std::vector<StereoPoint> Match(const cv::Mat& left, const cv::Mat& right, const StereoOptions& options) {
   OrbExtractor extractor{OrbOptions{}};
-  std::vector<StereoPoint> points = WithoutDepth(extractor.Extract(left), options);
+  std::vector<StereoPoint> points = vo::WithoutDepth(extractor.Extract(left), options);
   Match(points, extractor.Extract(right), left, right, options);
   return points;
 }

@@ -6,7 +6,7 @@
 
 namespace plslam::test {
 std::string ConfigurationReference() {
-  AllOptions defaults;
+  launcher::AllOptions defaults;
   std::string text = R"(# Configuration
 
 One YAML file serves all processes (`--config FILE`); each reads its own section and `bus`. Single options are set over
@@ -19,7 +19,7 @@ and in `summary.json`; `plslam config --config FILE --set KEY=VALUE` prints it b
 
 This file is generated from the option structs by `scripts/document`; a test compares.
 )";
-  for (const OptionSection& section : SectionsOf(defaults)) {
+  for (const launcher::OptionSection& section : launcher::SectionsOf(defaults)) {
     text +=
         "\n## " + section.name + "\n\n" + section.meaning + "\n\n" + FieldsToMarkdown(section.name, section.fields);
   }
@@ -27,12 +27,12 @@ This file is generated from the option structs by `scripts/document`; a test com
 }
 
 std::string ConfigurationFile() {
-  AllOptions defaults;
+  launcher::AllOptions defaults;
   std::string yaml =
       "# All options at their defaults, which serve cars, quadrotors, hand-held cameras and RGB-D alike. Copy what "
       "you change: "
       "what a file\n# leaves out keeps its default.\n";
-  for (const OptionSection& section : SectionsOf(defaults)) {
+  for (const launcher::OptionSection& section : launcher::SectionsOf(defaults)) {
     yaml += "\n# " + section.meaning + "\n" + FieldsToYaml(section.name, section.fields, true);
   }
   return yaml;

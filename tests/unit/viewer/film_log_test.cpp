@@ -10,7 +10,7 @@
 #include "tests/support/text_file.h"
 #include "viewer_headless/film.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 /// What the log gets while it lives.
@@ -91,4 +91,4 @@ TEST(Film, PicturesStandAtTheirTimesByTheRateOfTheCamera) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

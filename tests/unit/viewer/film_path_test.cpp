@@ -5,7 +5,7 @@
 
 #include "tests/unit/viewer/frame_poses.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 /// Keyframe `id` of the session of SomePose at a frame, moved sideways.
@@ -72,4 +72,4 @@ TEST(FilmPath, AnotherSessionStaysWhereItIs) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -12,7 +12,7 @@
 #include "tests/support/text_file.h"
 #include "viewer_headless/video/run_video.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::HasSubstr;
@@ -135,4 +135,4 @@ TEST(Film, SizesThatAreNoneAreRefused) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

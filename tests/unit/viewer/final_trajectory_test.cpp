@@ -6,7 +6,7 @@
 #include "tests/unit/viewer/frame_poses.h"
 #include "viewer_headless/outputs.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 SE3 Pose(double x, double y, double z, double yaw_rad) {
@@ -145,4 +145,4 @@ TEST(BuildTrajectories, FinalAndLivePosesOfTheSameFrames) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

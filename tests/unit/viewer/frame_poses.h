@@ -3,7 +3,7 @@
 
 #include "viewer_headless/recorder.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Frame `id` at 10 Hz, `id` metres ahead.
 inline FramePose SomePose(int64_t id, TrackingState state = TrackingState::kTracking) {
@@ -20,4 +20,4 @@ inline FramePose SomePose(int64_t id, TrackingState state = TrackingState::kTrac
   return pose;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

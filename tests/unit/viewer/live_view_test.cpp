@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::HasSubstr;
@@ -246,4 +246,4 @@ TEST(LiveView, IsNotHeardBeyondThisMachine) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

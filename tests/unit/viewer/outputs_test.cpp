@@ -6,7 +6,7 @@
 #include "tests/support/text_file.h"
 #include "tests/unit/viewer/frame_poses.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::ElementsAre;
@@ -166,4 +166,4 @@ TEST(Outputs, FullDiskIsToldAndLeavesNoHalfFile) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

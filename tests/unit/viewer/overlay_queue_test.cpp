@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 const cv::Mat kImage(4, 4, CV_8UC1, cv::Scalar(0));
@@ -108,4 +108,4 @@ TEST(OverlayQueue, EmptyImageIsNoPart) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

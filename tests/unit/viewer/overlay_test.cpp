@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 cv::Mat Grey() { return {120, 640, CV_8UC1, cv::Scalar(100)}; }
@@ -92,4 +92,4 @@ TEST(Overlay, SegmentOfNoLengthIsHarmless) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

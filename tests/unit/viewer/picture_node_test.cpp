@@ -10,7 +10,7 @@
 #include "tests/unit/viewer/some_rig.h"
 #include "viewer_headless/outputs.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 FramePose PoseOf(int64_t frame_id) {
@@ -120,4 +120,4 @@ TEST(PictureNode, WhatWouldHaveComeAfterAnInterruptIsNotMissed) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

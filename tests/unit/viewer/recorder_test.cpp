@@ -7,7 +7,7 @@
 
 #include "tests/unit/viewer/frame_poses.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 TEST(Recorder, KeepsFramesInOrderHoweverTheyCome) {
@@ -115,4 +115,4 @@ TEST(Recorder, StateNames) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

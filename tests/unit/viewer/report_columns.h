@@ -5,7 +5,7 @@
 
 #include "viewer_headless/report/table.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Numbers of the column of that name; none where there is no such column, or of another type.
 template <class Number>
@@ -15,4 +15,4 @@ std::vector<Number> Numbers(const Table& table, const std::string& name) {
   return std::get<std::vector<Number>>(column->values);
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -11,7 +11,7 @@
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/table.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::HasSubstr;
@@ -115,4 +115,4 @@ TEST(ReportSince, NonsenseIsRefused) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

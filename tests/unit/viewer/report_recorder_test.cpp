@@ -7,7 +7,7 @@
 #include "tests/unit/viewer/frame_poses.h"
 #include "tests/unit/viewer/report_columns.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::ElementsAre;
@@ -368,4 +368,4 @@ TEST_F(ReportRecorderTest, LoopsOfTheRunAreNotThoseTheMapCameWith) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -9,7 +9,7 @@
 #include "viewer_headless/report/frame_tables.h"
 #include "viewer_headless/report/map_tables.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::ElementsAre;
@@ -226,4 +226,4 @@ TEST(MapTables, EmptyMap) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -3,7 +3,7 @@
 
 #include "core/geometry/calibration.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 /// Two pinhole cameras of 320 x 240 pixels side by side.
 inline RigCalibration SomeRig() {
@@ -19,4 +19,4 @@ inline RigCalibration SomeRig() {
   return rig;
 }
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -8,7 +8,7 @@
 #include "viewer_headless/video/run_video.h"
 #include "viewer_headless/video/top_view.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 TEST(RunVideo, AFolderOfPicturesWhereTheNameSaysSo) {
@@ -122,4 +122,4 @@ TEST(TopView, TheWindowNeverShrinks) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

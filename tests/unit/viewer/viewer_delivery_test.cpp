@@ -8,7 +8,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "tests/unit/viewer/viewer_fixture.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using ViewerDelivery = ViewerFixture;
@@ -106,4 +106,4 @@ TEST_F(ViewerDelivery, StreamThatIsSaidAgainForAPlayerThatHasEndedIsNoOther) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -21,7 +21,7 @@
 #include "tests/unit/viewer/some_rig.h"
 #include "viewer_headless/node/viewer_node.h"
 
-namespace plslam {
+namespace plslam::viewer {
 
 inline constexpr int64_t kFrames = 12;
 
@@ -135,4 +135,4 @@ class ViewerFixture : public testing::Test {
   std::unique_ptr<bus::Process> process_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -21,7 +21,7 @@
 #include "viewer_headless/live/http_server.h"
 #include "viewer_headless/report/report_page.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 int FreePort() {
@@ -279,4 +279,4 @@ TEST_F(ViewerNodeTest, UnwritableFolderIsToldAtTheStart) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

@@ -6,7 +6,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
 
-namespace plslam {
+namespace plslam::viewer {
 namespace {
 
 using testing::HasSubstr;
@@ -47,4 +47,4 @@ TEST(ViewerProgram, HelpShowsItsOptions) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::viewer

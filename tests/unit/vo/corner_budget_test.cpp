@@ -5,7 +5,7 @@
 
 #include "core/io/files/archive.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 /// `n` corners, the strongest `n_snow` of them seen in one image alone.
@@ -81,4 +81,4 @@ TEST(CornerBudget, IsKeptForARestart) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -14,7 +14,7 @@
 #include "tests/support/steady_ms.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -175,4 +175,4 @@ TEST(DisparityCalibration, WrongDisparitiesOfImagesAreFound) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 TEST(MotionEntropy, EqualsDeterminantWhereThatIsSafe) {
@@ -47,4 +47,4 @@ TEST(EntropyRatio, FallsAsUncertaintyGrowsWhateverTheSign) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

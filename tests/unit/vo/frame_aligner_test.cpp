@@ -9,7 +9,7 @@
 
 #include "tests/support/feature_world.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -81,4 +81,4 @@ TEST(FrameAligner, AfterALossMoreIsBetter) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -6,7 +6,7 @@
 
 #include <string>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using ::testing::ElementsAre;
@@ -26,4 +26,4 @@ TEST(IdIndex, HasNothingForOtherIds) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -9,7 +9,7 @@
 
 #include "tests/unit/vo/small_scene.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::kCamera;
@@ -352,4 +352,4 @@ TEST(KeyframeMeasurements, NothingCollectedChangesNothing) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 KeyframeCandidate Standing() {
@@ -93,4 +93,4 @@ TEST(KeyframePolicy, UnknownDepthDoesNotDivideByZero) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

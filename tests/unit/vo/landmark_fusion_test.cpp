@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const Eigen::Matrix3d kPrior = Eigen::Vector3d(0.04, 0.09, 0.25).asDiagonal();
@@ -54,4 +54,4 @@ TEST(FuseMeasurements, NanLeavesTheLandmarkAsItWas) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 StereoFeatures OneLine(const Segment2& segment) {
@@ -40,4 +40,4 @@ TEST(AddLineModelError, HorizontalLineStaysFinite) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

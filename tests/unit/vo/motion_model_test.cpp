@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const Matrix6d kExact = Matrix6d::Zero();
@@ -110,4 +110,4 @@ TEST(MotionModel, UncertaintiesOfLostFramesAddUpToThatOfTheGap) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include <random>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int64_t kSession = 7;
@@ -93,4 +93,4 @@ TEST(MotionUncertainty, WhatWasNotMeasuredIsNeverMadeMoreCertain) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

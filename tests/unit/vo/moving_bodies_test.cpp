@@ -12,7 +12,7 @@
 #include "tests/unit/vo/feature_path.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -197,4 +197,4 @@ TEST(MovingBodies, OneThatStandsForAWhileIsTheWorldAgain) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 constexpr int kManyFrames = 200;
@@ -87,4 +87,4 @@ TEST(NoiseScale, MultipliesAllDeviationsOfPointsOnly) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

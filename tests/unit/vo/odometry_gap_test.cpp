@@ -8,7 +8,7 @@
 #include "tests/unit/vo/feature_path.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -136,4 +136,4 @@ TEST(OdometryGaps, LinesThatAreSeenForLongKeepTheirEnds) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 
 #include "tests/unit/vo/perfect_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -231,4 +231,4 @@ TEST(OdometryAndMap, NamesStayUniqueWhereTheStrangePlaceIsEntered) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

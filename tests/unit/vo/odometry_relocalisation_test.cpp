@@ -5,7 +5,7 @@
 
 #include "tests/unit/vo/perfect_map.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -138,4 +138,4 @@ TEST_F(Relocalisation, AMapThatStaysIsFollowedByWhatIsSeen) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -14,7 +14,7 @@
 #include "tests/unit/vo/bent_rig.h"
 #include "vo_process/tracking/odometry.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 std::vector<uint8_t> Bits(const OdometryResult& result) {
@@ -91,4 +91,4 @@ TEST(OdometryState, BytesThatAreCutOffAreRefused) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

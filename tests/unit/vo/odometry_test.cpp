@@ -9,7 +9,7 @@
 #include "tests/support/feature_world.h"
 #include "tests/unit/vo/feature_path.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using test::FeatureWorld;
@@ -259,4 +259,4 @@ TEST(Odometry, SameInputSameBits) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -30,7 +30,7 @@ class PerfectMap {
   explicit PerfectMap(const FeatureWorld& world, const Eigen::Vector3d& shift_w = Eigen::Vector3d::Zero())
       : world_(world), shift_w_(shift_w) {}
 
-  void Add(int64_t session, int frame, const OdometryResult& result) {
+  void Add(int64_t session, int frame, const vo::OdometryResult& result) {
     MapKeyframe keyframe;
     keyframe.id = next_id_++;
     keyframe.session = session;

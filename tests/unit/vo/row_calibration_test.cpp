@@ -9,7 +9,7 @@
 #include "tests/support/odometry_run.h"
 #include "tests/unit/vo/bent_rig.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kRowRig{
@@ -163,4 +163,4 @@ TEST(RowCalibration, BentRigsAreFollowed) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

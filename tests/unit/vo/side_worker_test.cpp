@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 int CoresOfThisThread() {
@@ -57,4 +57,4 @@ TEST(SideWorker, ThrowsWhatEitherThrowsAndGoesOn) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

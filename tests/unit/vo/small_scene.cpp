@@ -38,7 +38,7 @@ StereoPoint SeePoint(const Eigen::Vector3d& uvd, bool depth) {
   return seen;
 }
 
-TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) {
+vo::TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) {
   std::mt19937 random(view.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> share(0.0, 0.2);
@@ -48,7 +48,7 @@ TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) {
     return kCamera.ProjectStereo(T_c_odom * p_odom) + view.noise_px * noise;
   };
   StereoFeatures features;
-  std::vector<FeatureTrack> point_tracks, line_tracks;
+  std::vector<vo::FeatureTrack> point_tracks, line_tracks;
   for (size_t i = 0; i < scene.points.size(); ++i) {
     const auto id = static_cast<int64_t>(i);
     const StereoPoint seen = SeePoint(measure(scene.points[i]), view.depth);
@@ -67,19 +67,19 @@ TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) {
     features.lines.push_back(seen);
     line_tracks.push_back({id, 1, 100 + id});
   }
-  TrackedFrame frame(std::move(features));
+  vo::TrackedFrame frame(std::move(features));
   frame.point_tracks = std::move(point_tracks);
   frame.line_tracks = std::move(line_tracks);
   return frame;
 }
 
-LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset) {
+vo::LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset) {
   for (Eigen::Vector3d& p : scene.points) p += offset;
   for (Segment3& line : scene.lines) line = {line.p + offset, line.q + offset};
-  VoOptions options;
+  vo::VoOptions options;
   options.landmarks.max_relative_depth_sigma = 1.0;
-  LocalLandmarks landmarks(kCamera, options);
-  TrackedFrame frame = See(scene, SE3());
+  vo::LocalLandmarks landmarks(kCamera, options);
+  vo::TrackedFrame frame = See(scene, SE3());
   for (auto* tracks : {&frame.point_tracks, &frame.line_tracks}) tracks->assign(tracks->size(), {});
   landmarks.Found(SE3(), frame);
   EXPECT_EQ(landmarks.points.landmarks().size(), scene.points.size());

@@ -33,10 +33,10 @@ struct View {
 
 StereoLine SeeLine(const Eigen::Vector3d& p, const Eigen::Vector3d& q, bool depth);
 StereoPoint SeePoint(const Eigen::Vector3d& uvd, bool depth);
-TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view = {});
+vo::TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view = {});
 
 /// Landmarks where the scene has them, but for `offset`, in its order.
-LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
+vo::LocalLandmarks LandmarksOf(Scene scene, const Eigen::Vector3d& offset = Eigen::Vector3d::Zero());
 
 /// Distances of a feature's ends from where the line is in the left image, and errors of the disparities there.
 Eigen::Vector4d LineError(const StereoLine& seen, const Segment3& truth_odom, const SE3& T_odom_c);

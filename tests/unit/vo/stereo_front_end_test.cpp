@@ -7,7 +7,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 RigCalibration Rig(int width, int height) {
@@ -108,4 +108,4 @@ TEST(StereoFrontEnd, StagesAreTimedByTheGivenClock) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -11,7 +11,7 @@
 #include "tests/support/odometry_run.h"
 #include "vo_process/stereo/row_field.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 const StereoCamera kSyncRig{
@@ -130,4 +130,4 @@ TEST(SyncCheck, WorldsInStepAreLeftAlone) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

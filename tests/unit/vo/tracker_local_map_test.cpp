@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using testing::ElementsAre;
@@ -137,4 +137,4 @@ TEST(KeyframeLog, KeyframesLongPastAreForgotten) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 class TrackerStateFile : public testing::Test {
@@ -76,4 +76,4 @@ TEST_F(TrackerStateFile, CutOffAndMissingOnesAreToldByName) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

@@ -19,7 +19,7 @@
 #include "tests/support/slam_run.h"
 #include "tests/unit/bus/bus_fixture.h"
 
-namespace plslam {
+namespace plslam::vo {
 namespace {
 
 using bus::test::RunningBus;
@@ -252,4 +252,4 @@ TEST_F(VoNodeTest, ACameraThatWentOnElsewhereCountsAsLostUntilALateAnswerPutsItI
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::vo

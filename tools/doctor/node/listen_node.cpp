@@ -9,7 +9,7 @@
 #include "core/bus/transport/transport.h"
 #include "plslam/status_t.hpp"
 
-namespace plslam {
+namespace plslam::doctor {
 namespace {
 
 /// The row of a channel with any prefix; nullptr where it is none of ours. The longest name counts: STEREO_FRAME is
@@ -101,4 +101,4 @@ Heard ListenToAll(const std::string& url, const std::string& key_file, std::chro
   return std::move(listener).Result();
 }
 
-}  // namespace plslam
+}  // namespace plslam::doctor

@@ -19,7 +19,7 @@
 #include "tools/export/mcap/run_tables.h"
 #include "tools/pose_graph/export.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 using nlohmann::json;
@@ -238,4 +238,4 @@ McapContent ExportMcap(const RunSource& source, const std::string& dataset, cons
   return Exporter(source, dataset, path).Write();
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

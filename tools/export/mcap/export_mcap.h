@@ -6,7 +6,7 @@
 
 #include "tools/export/run_source.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// What an MCAP file has got.
 struct McapContent {
@@ -23,4 +23,4 @@ McapContent ExportMcap(const RunSource& source, const std::string& dataset, cons
 /// A layout for Foxglove and Lichtblick that shows these topics.
 std::string FoxgloveLayout();
 
-}  // namespace plslam
+}  // namespace plslam::exports

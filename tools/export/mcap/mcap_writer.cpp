@@ -14,7 +14,7 @@
 #include "core/errors/error_text.h"
 #include "core/io/files/bytes.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 /// Large enough that compression works, small enough that a reader comes to its first message at once.
@@ -214,4 +214,4 @@ void McapWriter::Close() {
   closed_ = true;
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

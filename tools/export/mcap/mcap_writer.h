@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace plslam {
+namespace plslam::exports {
 
 /// Writes an MCAP file (mcap.dev, version 0), profile `ros2`: chunks compressed by zstd, each with an index by
 /// channel, and a summary with schemas, channels, chunk indices and statistics; all checksums are there. Memory grows
@@ -70,4 +70,4 @@ class McapWriter {
   bool closed_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -15,7 +15,7 @@
 #include "core/io/files/bytes.h"
 #include "core/io/maps/map_ply.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 /// Fields by type, in the order in which they stand in a message. Types of a member are named with their package.
@@ -320,4 +320,4 @@ std::string RosDiagnosticMessage(const RosDiagnostic& diagnostic) {
   return std::move(cdr).Take();
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

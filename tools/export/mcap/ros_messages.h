@@ -15,7 +15,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "core/map/map.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// A message of ROS 2 as its middleware has it on the wire: CDR (OMG DDS-XTypes, plain CDR), little endian. Numbers
 /// are aligned to their size, counted behind the four bytes that name the encoding; members follow each other without
@@ -108,4 +108,4 @@ struct RosDiagnostic {
 };
 std::string RosDiagnosticMessage(const RosDiagnostic& diagnostic);
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -6,7 +6,7 @@
 #include "core/io/files/text_rows.h"
 #include "core/io/trajectories/pose_covariance.h"
 
-namespace plslam {
+namespace plslam::exports {
 namespace {
 
 namespace fs = std::filesystem;
@@ -62,4 +62,4 @@ RunTables ReadRunTables(const std::string& folder) {
           ReadFrames(path / "poses.csv")};
 }
 
-}  // namespace plslam
+}  // namespace plslam::exports

@@ -8,7 +8,7 @@
 #include "core/io/trajectories/trajectory.h"
 #include "tools/export/mcap/ros_messages.h"
 
-namespace plslam {
+namespace plslam::exports {
 
 /// What the folder of a run has besides its trajectory; what is not there is empty.
 struct RunTables {
@@ -24,4 +24,4 @@ struct RunTables {
 /// Throws std::runtime_error with file and line.
 RunTables ReadRunTables(const std::string& folder);
 
-}  // namespace plslam
+}  // namespace plslam::exports

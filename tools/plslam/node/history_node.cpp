@@ -31,7 +31,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 struct KeptChannel {
@@ -243,4 +243,4 @@ bool HistoryKeeper::Republish(const Entry& entry) {
   return ReadAll(store_->file, bytes, entry.offset) && kept.publish(bus_, kept.channel, bytes);
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -15,6 +15,9 @@
 
 namespace plslam {
 class camera_t;
+}  // namespace plslam
+
+namespace plslam::launcher {
 
 /// Keeps what the other processes have said on the channels whose publishers keep everything (poses, keyframes,
 /// loops, true poses, begin and end of streams), and says it in their place when one of them has died: its history
@@ -64,4 +67,4 @@ class HistoryKeeper {
   std::thread worker_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -17,7 +17,7 @@
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
-namespace plslam {
+namespace plslam::launcher {
 namespace {
 
 // A queue that is worth telling; status comes every second.
@@ -176,4 +176,4 @@ MessageCounts MonitorNode::messages() const {
   return sum;
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

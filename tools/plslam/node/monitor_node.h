@@ -13,6 +13,9 @@
 
 namespace plslam {
 class status_t;
+}  // namespace plslam
+
+namespace plslam::launcher {
 
 /// What a process last said of itself.
 struct ProcessStatus {
@@ -92,4 +95,4 @@ class MonitorNode {
   bool lockstep_ = false;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -10,7 +10,7 @@
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
-namespace plslam {
+namespace plslam::launcher {
 
 std::string NobodyHeard(const bus::BusOptions& options, std::chrono::seconds waited) {
   return fmt::format(
@@ -51,4 +51,4 @@ void SaveNode::Send(const std::filesystem::path& path) {
   bus_.Publish(bus::kCommand, command);
 }
 
-}  // namespace plslam
+}  // namespace plslam::launcher

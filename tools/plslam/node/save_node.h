@@ -10,6 +10,9 @@
 
 namespace plslam {
 class status_t;
+}  // namespace plslam
+
+namespace plslam::launcher {
 
 /// The sentence for a bus on which no mapping_process has been heard for so long.
 std::string NobodyHeard(const bus::BusOptions& options, std::chrono::seconds waited);
@@ -45,4 +48,4 @@ class SaveNode {
   std::string reason_;
 };
 
-}  // namespace plslam
+}  // namespace plslam::launcher

@@ -29,7 +29,7 @@ class LoopCloser {
   bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
 
   /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in.
-  /// `Judge` does it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to check.
+  /// `Check` does it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to check.
   void Follow(const Map& map) { memory_.Follow(map); }
 
   /// What to say of a keyframe, given the map right after it was inserted and adjusted: kNone, or kLoop with the
@@ -46,7 +46,7 @@ class LoopCloser {
   Relocalisation Relocalise(const Map& map, const StereoFeatures& features) const;
 
   const LoopOptions& options() const { return options_; }
-  /// What the last `Judge` looked at, for reports and experiments.
+  /// What the last `Check` looked at, for reports and experiments.
   const LoopSearch& last_search() const { return last_; }
 
  private:

@@ -28,8 +28,8 @@ PlaceRecogniser LoadPlaces(const VocabularyOptions& files, const PlaceOptions& o
 /// come in between.
 ///
 /// Each keyframe is checked once, on the map right after it came in, and its features are waited for. While a loop is
-/// on its way into the map, nothing else is checked, until the map answers it (`MapUpdate::answer`). The adjustment of
-/// the whole map follows a loop that was accepted. A request of a lockstep stream is answered
+/// on its way into the map, nothing else is checked, until the map answers it (`MapUpdate::answer`). The adjustment
+/// of the whole map follows a loop that was accepted. A request of a lockstep stream is answered
 /// on the map that loop_process has had its say about, as of the tracker's last keyframe.
 ///
 /// A map that comes whole (one of the two processes was started again) is checked when the features of all its

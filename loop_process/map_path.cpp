@@ -67,7 +67,7 @@ void MapPaths::Connect(int64_t a, int64_t b, int loop) {
 }
 
 void MapPaths::SortEdgesByNode() {
-  ends_of_ = PlacesByBucket(2 * edges_.size(), nodes_.size(), [this](int end) {
+  ends_of_ = IndicesByBucket(2 * edges_.size(), nodes_.size(), [this](int end) {
     const Edge& edge = edges_[end / 2];
     return end % 2 == 0 ? edge.a : edge.b;
   });

@@ -64,11 +64,11 @@ struct VerificationOptions {
   double max_disagreement = 0.05;
   /// The same of rotations.
   double max_disagreement_deg = 2.0;
-  /// Deviation of drift along the shortest path through the map.
+  /// Sigma of drift along the shortest path through the map.
   double drift_per_m = 0.005;
   /// The same of rotation.
   double drift_deg_per_m = 0.02;
-  /// Factor on the deviations of the motions along that way.
+  /// Factor on the sigmas of the motions along that way.
   double covariance_scale = 5.0;
   /// Chi-square, 6 degrees of freedom, of a correction under that drift, above which a loop is not believed.
   double max_drift_chi2 = 25.0;
@@ -76,7 +76,7 @@ struct VerificationOptions {
 
 /// How a loop is closed in the pose graph (PL-SLAM §VI.B).
 struct CorrectionOptions {
-  /// Least deviation of a loop, all axes.
+  /// Least sigma of a loop, all axes.
   double loop_sigma_m = 0.01;
   /// The same of rotation.
   double loop_sigma_deg = 0.1;
@@ -93,7 +93,7 @@ struct WholeMapOptions {
   int points_per_keyframe = 200;
   /// The same of lines.
   int lines_per_keyframe = 30;
-  /// Deviation of the tracker's motion between keyframes, relative to what the tracker says of it.
+  /// Sigma of the tracker's motion between keyframes, relative to what the tracker says of it.
   double relative_sigma = 1.0;
   BundleOptions bundle;
 

@@ -38,8 +38,8 @@ WholeMapProblem MakeWholeMapProblem(const Map& map, const KeyframeFeatures& feat
 /// that a map with a loop a minute is adjusted to the end, too.
 class AdjustmentProgress {
  public:
-  /// Moves the keyframes of a problem that was made of the map as much, and landmarks with the first one that sees them.
-  /// Nothing where what was reached is of the map of another mapping_process.
+  /// Moves the keyframes of a problem that was made of the map as much, and landmarks with the first one that sees
+  /// them. Nothing where what was reached is of the map of another mapping_process.
   void Apply(WholeMapProblem& problem) const;
 
   /// The adjustment of a problem, to which this was applied, has come to these poses.

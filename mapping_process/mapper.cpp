@@ -46,7 +46,7 @@ Matrix6d UsableCovariance(const Matrix6d& covariance) {
   return usable ? covariance : Matrix6d(Matrix6d::Identity());
 }
 
-// What a tracker that was lost says of its motion is doubted: an error far beyond its deviations becomes one of them.
+// What a tracker that was lost says of its motion is doubted: an error far beyond its sigmas becomes one of them.
 Matrix6d Widened(const Matrix6d& covariance, const SE3& error) {
   constexpr double kDoubted2 = 50.0;
   const Vector6d e = error.Log();
@@ -302,7 +302,7 @@ namespace {
 constexpr int kMinWeight = 20;
 // Associations from which a keyframe is recognised wherever it is.
 constexpr int kRecognisedWeight = 40;
-// Squared error of the tracker's motion, in its deviations, that no motion has.
+// Squared error of the tracker's motion, in its sigmas, that no motion has.
 constexpr double kElsewhere2 = 400.0;
 
 // How much two sources say of the same features, and differently; weights as of associations.

@@ -57,8 +57,8 @@ class Mapper {
   /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move
   /// with them. Of a loop, its edges become part of the map, the landmarks of both sides that are the same become
   /// one, more of these are searched, and the map is adjusted around it. After an adjustment of the whole map,
-  /// landmarks that keyframes see worse than before are placed anew. kNone does nothing. False, and nothing done, where it
-  /// cannot be one of this map; `reason` says why.
+  /// landmarks that keyframes see worse than before are placed anew. kNone does nothing. False, and nothing done,
+  /// where it cannot be one of this map; `reason` says why.
   bool Correct(const LoopClosure& closure, std::string* reason);
 
   /// Nothing more is to be said about the newest keyframe; until the next `Insert`, updates carry that.

@@ -17,7 +17,7 @@ struct InsertionOptions {
   int local_keyframes = 15;
   /// Neighbours that new landmarks are searched in.
   int fuse_keyframes = 5;
-  /// Largest deviation of a disparity, relative, with which a landmark is made.
+  /// Largest sigma of a disparity, relative, with which a landmark is made.
   double max_relative_depth_sigma = 0.3;
   /// Least angle of the planes of two views at which a segment is triangulated.
   double min_plane_angle_deg = 2.0;
@@ -37,7 +37,7 @@ struct WindowOptions {
   int max_line_observations = 1300;
   /// Landmarks that a neighbour shares with the new keyframe.
   int min_shared = 15;
-  /// Deviation of the tracker's motion between keyframes, relative to what the tracker says of it.
+  /// Sigma of the tracker's motion between keyframes, relative to what the tracker says of it.
   double relative_sigma = 1.0;
 };
 

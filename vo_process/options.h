@@ -11,11 +11,11 @@ namespace plslam::vo {
 
 /// Life of the landmarks that odometry tracks.
 struct LandmarkOptions {
-  /// Deviation of lines from the model of a straight edge in space, added to that of their fit.
+  /// Sigma of lines from the model of a straight edge in space, added to that of their fit.
   double line_model_sigma_px = 0.1;
-  /// Largest factor of the deviations of points where lines show that they are too small; 1 leaves them.
+  /// Largest factor of the sigmas of points where lines show that they are too small; 1 leaves them.
   double max_point_scale = 16.0;
-  /// Largest deviation of a disparity, relative, with which a landmark is created.
+  /// Largest sigma of a disparity, relative, with which a landmark is created.
   double max_relative_depth_sigma = 0.3;
   /// Growth of a landmark's covariance before each new observation of it.
   double forgetting = 1.02;

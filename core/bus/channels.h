@@ -28,8 +28,8 @@ enum class Scope {
 };
 
 /// Whether a publisher minds how fast its readers are. kFree: only as far as the window of an ordered channel goes.
-/// kPaced: readers acknowledge big unordered messages, so that they are not outrun by much. kLockstep: readers have all
-/// the time that they need, as long as they get on.
+/// kPaced: readers acknowledge big unordered messages, so that they are not outrun by much. kLockstep: readers have
+/// all the time that they need, as long as they get on.
 enum class Pace { kFree, kPaced, kLockstep };
 
 /// One row of the channel table, which lcmtypes/README.md and the tests read too.

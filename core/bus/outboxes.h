@@ -54,8 +54,8 @@ class Outboxes {
   Outboxes(const BusOptions& options, const ChannelNames& names, const Authenticator& authenticator,
            Transport& transport, int64_t source);
 
-  /// Fills in the header and sends, from any thread; waits for readers as `Bus::Publish` says. Returns when the channel
-  /// wants its announcement sent, in nanoseconds; nullopt where it sends none.
+  /// Fills in the header and sends, from any thread; waits for readers as `Bus::Publish` says. Returns when the
+  /// channel wants its announcement sent, in nanoseconds; nullopt where it sends none.
   std::optional<int64_t> Publish(const Channel& channel, header_t& header, const std::function<int()>& encoded_size,
                                  const Encode& encode);
   /// As `Bus::Flush` and `Bus::FlushToSilent`.

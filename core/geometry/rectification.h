@@ -44,7 +44,7 @@ class RectifiedView {
 /// ones of the widest view without an empty border at the size of the left image, magnified at most 1.3 times unless
 /// the view would be wider than 100 degrees then (a fisheye of 190 degrees has no rectified image).
 ///
-/// A pair that is rectified already (all deviations below 0.01 px) passes through untouched: `identity`.
+/// A pair that is rectified already (all sigmas below 0.01 px) passes through untouched: `identity`.
 struct Rectification {
   StereoCamera camera;
   /// Left camera as calibrated (l) from rectified left camera (c). They share their centre.

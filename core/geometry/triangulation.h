@@ -51,7 +51,7 @@ Gaussian3 TriangulatePoint(const StereoCamera& camera, const Eigen::Vector3d& uv
 Segment3 BackprojectSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                             double disparity_q_px);
 
-/// The same with covariances. `sigma_px` is the deviation of an endpoint in the image across the segment; along it
+/// The same with covariances. `sigma_px` is the sigma of an endpoint in the image across the segment; along it
 /// the endpoint slides by `sigma_along_px`, as detectors cut the same edge at different places.
 UncertainSegment3 TriangulateSegment(const StereoCamera& camera, const Segment2& left, double disparity_p_px,
                                      double disparity_q_px, double sigma_px, double sigma_along_px,
@@ -61,7 +61,7 @@ UncertainSegment3 TriangulateSegment(const StereoCamera& camera, const Segment2&
 /// pair: an error of e pixels across the segment is one of about e / sin(angle) in its disparity.
 double AngleToBaseline_rad(const Segment2& segment);
 
-/// Deviation of the disparity on a segment at this angle when both images see it with `sigma_px` across; infinity for
+/// Sigma of the disparity on a segment at this angle when both images see it with `sigma_px` across; infinity for
 /// a parallel one.
 double SegmentDisparitySigma_px(double angle_to_baseline_rad, double sigma_px);
 

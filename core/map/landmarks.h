@@ -20,8 +20,8 @@ struct Observation {
   bool operator==(const Observation&) const = default;
 };
 
-/// The keyframe that a landmark goes with when a correction moves keyframes: the middle one of those that see it, which
-/// is nearest to them all; -1 where none does.
+/// The keyframe that a landmark goes with when a correction moves keyframes: the middle one of those that see it,
+/// which is nearest to them all; -1 where none does.
 inline int64_t AnchorOf(const std::vector<Observation>& observations) {
   return observations.empty() ? -1 : observations[observations.size() / 2].keyframe_id;
 }

@@ -88,8 +88,8 @@ struct MapTotals {
 /// landmarks, so whoever has the same keyframes and landmarks has the same graphs.
 ///
 /// Observations of keyframes that are not in the map are ignored. Observations that do not ascend, or of negative
-/// features, are std::invalid_argument. Covariances of landmarks are kept in single precision, as messages carry them:
-/// so a copy that has followed all updates and one that came whole are the same, bit for bit.
+/// features, are std::invalid_argument. Covariances of landmarks are kept in single precision, as messages carry
+/// them: so a copy that has followed all updates and one that came whole are the same, bit for bit.
 class Map {
  public:
   /// Edges of the covisibility graph and of the essential graph: landmarks that two keyframes share.
@@ -143,8 +143,8 @@ class Map {
                   const Eigen::Matrix3d& covariance_q);
 
   /// A correction: moves keyframes, and each landmark rigidly with its anchor (`AnchorOf`), covariances turned along.
-  /// What has not been changed otherwise since the last `TakeChanges` counts as moved, so that a correction of a large
-  /// map is told by the poses alone. Keyframes that are not in the map, or are there already, are passed over.
+  /// What has not been changed otherwise since the last `TakeChanges` counts as moved, so that a correction of a
+  /// large map is told by the poses alone. Keyframes that are not in the map, or are there already, are passed over.
   void Move(const std::map<int64_t, SE3>& T_w_kf);
   /// Covariances alone.
   void SetCovariances(const std::map<int64_t, Matrix6d>& covariances);
@@ -173,7 +173,8 @@ class Map {
   struct Touched {
     std::vector<int64_t> keyframes, points, lines;
   };
-  /// What `Move` works with: how the moved keyframes went, and of which of them it cannot be told by their move alone.
+  /// What `Move` works with: how the moved keyframes went, and of which of them it cannot be told by their move
+  /// alone.
   struct Moves {
     std::map<int64_t, SE3> T_new_old;  // of w
     std::set<int64_t> retold;

@@ -58,7 +58,7 @@ struct MotionEstimate {
   int iterations = 0;
   /// Root mean square of the normalised inlier residuals (about 1 when the sigmas are honest).
   double rms = 0.0;
-  /// Typical residual of each feature type in its own deviations: the root of the median squared norm over what is
+  /// Typical residual of each feature type in its own sigmas: the root of the median squared norm over what is
   /// expected of it (1 when the sigmas are honest), of all correspondences; 0 where there are none.
   double point_deviation = 0.0;
   double line_deviation = 0.0;

@@ -8,7 +8,7 @@
 namespace plslam {
 namespace {
 
-// Squared deviation charged for what has fallen behind the camera, so that hiding a correspondence never pays.
+// Squared sigma charged for what has fallen behind the camera, so that hiding a correspondence never pays.
 constexpr double kHidden = 1e4;
 
 template <class Correspondence, class Prepared>

@@ -22,7 +22,7 @@ struct MotionOptions {
   /// Rounds of the second step, each with new inliers.
   int max_refinements = 3;
   bool landmark_covariance = true;
-  /// Deviation of the motion (per median depth, or in rad) above which it is unknown.
+  /// Sigma of the motion (per median depth, or in rad) above which it is unknown.
   double max_relative_sigma = 0.5;
 };
 

@@ -88,7 +88,7 @@ class Ransac {
   Random random_;
 };
 
-// Gates in pixels, not in deviations: what an uncertain landmark could explain is no evidence for a pose.
+// Gates in pixels, not in sigmas: what an uncertain landmark could explain is no evidence for a pose.
 MotionOptions PixelGates(double inlier_px) {
   MotionOptions options;
   options.landmark_covariance = false;

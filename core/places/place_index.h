@@ -15,7 +15,7 @@ struct PlaceWeights {
   double lines = 0.5;
 };
 
-/// Weights for all places that are compared with `query` (PL-SLAM §VI.A.1). With n features of a kind and dispersion
+/// Weights for all places that are compared with `query` (PL-SLAM §VI.A.1). With n features of a type and dispersion
 /// d:
 ///
 ///   paper       half by n, half by d: s_t of the paper

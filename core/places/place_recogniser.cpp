@@ -11,10 +11,10 @@
 namespace plslam {
 namespace {
 
-void CheckKind(const Vocabulary& vocabulary, FeatureType kind) {
-  if (vocabulary.kind() == kind) return;
-  throw std::invalid_argument(std::string("a vocabulary of ") + FeatureTypeName(vocabulary.kind()) +
-                              " stands where one of " + FeatureTypeName(kind) + " is needed");
+void CheckType(const Vocabulary& vocabulary, FeatureType type) {
+  if (vocabulary.type() == type) return;
+  throw std::invalid_argument(std::string("a vocabulary of ") + FeatureTypeName(vocabulary.type()) +
+                              " stands where one of " + FeatureTypeName(type) + " is needed");
 }
 
 bool Worse(const PlaceMatch& a, const PlaceMatch& b) {
@@ -54,8 +54,8 @@ PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const Plac
       options_(options),
       point_index_(points_.words()),
       line_index_(lines_.words()) {
-  CheckKind(points_, FeatureType::kPoints);
-  CheckKind(lines_, FeatureType::kLines);
+  CheckType(points_, FeatureType::kPoints);
+  CheckType(lines_, FeatureType::kLines);
   WeightsFor({}, options_);
 }
 

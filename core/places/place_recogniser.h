@@ -29,7 +29,7 @@ struct PlaceMatch {
 /// may run side by side.
 class PlaceRecogniser {
  public:
-  /// Throws std::invalid_argument where a vocabulary is of the other kind, or the merge is unknown.
+  /// Throws std::invalid_argument where a vocabulary is of the other type, or the merge is unknown.
   PlaceRecogniser(Vocabulary points, Vocabulary lines, const PlaceOptions& options);
 
   const Vocabulary& point_vocabulary() const { return points_; }

@@ -167,7 +167,7 @@ Header CheckedHeader(std::string_view bytes, const std::string& name) {
   }
   const std::string_view content = bytes.substr(0, bytes.size() - kChecksumBytes);
   if (Checksum(content) != bytes.substr(content.size())) Refuse(name, "is damaged: its checksum does not fit");
-  if (header.kind > 1 || header.images < 0) Refuse(name, "is damaged: its kind or number of images is impossible");
+  if (header.kind > 1 || header.images < 0) Refuse(name, "is damaged: its type or number of images is impossible");
   return header;
 }
 
@@ -201,7 +201,7 @@ Vocabulary::Vocabulary(VocabularyTree tree) : Vocabulary(std::move(tree), "") {
 Vocabulary Vocabulary::FromBytes(std::string_view bytes, const std::string& name) {
   const Header header = CheckedHeader(bytes, name);
   VocabularyTree tree;
-  tree.kind = static_cast<FeatureType>(header.kind);
+  tree.type = static_cast<FeatureType>(header.kind);
   tree.images = header.images;
   std::vector<uint8_t> children(header.nodes);
   tree.centers.resize(header.nodes);
@@ -226,7 +226,7 @@ Vocabulary Vocabulary::Load(const std::string& path) { return FromBytes(ReadWhol
 std::string Vocabulary::ToBytes() const {
   const VocabularyTree& t = *tree_;
   Header header;
-  header.kind = static_cast<uint32_t>(t.kind);
+  header.kind = static_cast<uint32_t>(t.type);
   header.images = t.images;
   header.nodes = static_cast<uint32_t>(t.nodes());
   header.words = static_cast<uint32_t>(t.words());

@@ -39,7 +39,7 @@ class Vocabulary {
   void Save(const std::string& path) const;
   std::string ToBytes() const;
 
-  FeatureType kind() const { return tree_->kind; }
+  FeatureType type() const { return tree_->type; }
   int words() const { return tree_->words(); }
   const VocabularyTree& tree() const { return *tree_; }
   /// The checksum of its file, 64 hex digits: two vocabularies with the same are the same.

@@ -13,7 +13,7 @@ namespace plslam {
 enum class FeatureType : uint8_t { kPoints = 0, kLines = 1 };
 
 /// "points" or "lines".
-const char* FeatureTypeName(FeatureType kind);
+const char* FeatureTypeName(FeatureType type);
 
 /// Bounds of what a vocabulary may be; a file beyond them is refused.
 struct VocabularyLimits {
@@ -28,7 +28,7 @@ struct VocabularyLimits {
 /// parents. `child_begin[i]` to `child_begin[i + 1]` are the children of node i; none: it is a leaf. Leaves are
 /// numbered in the order of the nodes, 0, 1, 2, ...: these numbers are the words.
 struct VocabularyTree {
-  FeatureType kind = FeatureType::kPoints;
+  FeatureType type = FeatureType::kPoints;
   /// Images that it was trained on.
   int64_t images = 0;
   /// Centre of each node; that of the root means nothing.

@@ -18,6 +18,9 @@ namespace {
 
 // How often it is looked whether what is missing has been waited for long enough.
 constexpr std::chrono::milliseconds kTick(200);
+// Arrivals that wait before more are slowed down, and for how long each then is: statuses still go out in between.
+constexpr size_t kMostArrivals = 2000;
+constexpr std::chrono::milliseconds kHold(200);
 
 }  // namespace
 
@@ -34,7 +37,7 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
-  judge_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { CheckUntilStopped(); }); });
+  checker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { CheckUntilStopped(); }); });
   adjuster_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { AdjustUntilStopped(); }); });
 }
 
@@ -45,7 +48,7 @@ LoopNode::~LoopNode() {
   }
   stop_adjustment_ = true;
   changed_.notify_all();
-  judge_.join();
+  checker_.join();
   adjuster_.join();
 }
 
@@ -64,9 +67,12 @@ void LoopNode::OnStatus(const status_t& message) {
   if (has_camera_) Queue(SignOfLife{message.header.source});
 }
 
+/// Where the worker is far behind, the thread of the bus slows down: the bus then takes no more, and publishers keep
+/// what they have sent.
 void LoopNode::Queue(Arrival arrival) {
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, kHold, [this] { return stopping_ || arrivals_.size() < kMostArrivals; });
     arrivals_.push_back(std::move(arrival));
     process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
   }
@@ -84,6 +90,7 @@ void LoopNode::CheckUntilStopped() {
       if (has_come) {
         arrival = std::move(arrivals_.front());
         arrivals_.pop_front();
+        if (arrivals_.size() + 1 >= kMostArrivals) changed_.notify_all();
         process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
         if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
       }

@@ -29,8 +29,9 @@ namespace plslam::loop {
 
 /// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
 ///
-/// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that judging
-/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for the camera.
+/// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that checking
+/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for the
+/// camera.
 class LoopNode {
  public:
   LoopNode(bus::Process& process, const LoopOptions& options);
@@ -69,19 +70,19 @@ class LoopNode {
   // Shared with the workers.
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Arrival> arrivals_;
+  std::deque<Arrival> arrivals_;  ///< bounded: see `Queue`
   std::optional<StereoCamera> camera_;
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
   int64_t n_dropped_ = 0;  ///< adjustments, under way or not, for loops found meanwhile
 
-  std::optional<LoopService> service_;  // the judging worker's
+  std::optional<LoopService> service_;  // the checking worker's
   int64_t n_loops_ = 0;
   int64_t n_answers_ = 0;
   int64_t n_found_ = 0;
   int64_t n_failed_ = 0;  // the adjusting worker's
-  std::thread judge_;
+  std::thread checker_;
   std::thread adjuster_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;

@@ -61,17 +61,17 @@ std::vector<int64_t> FixedKeyframes(const std::vector<int64_t>& free, const std:
   return MostCounted(counts, max_count);
 }
 
-// Which keyframes of the window are held: those behind the first `n_free`, and the first of the map. Where nothing
-// else holds the window in place, its oldest keyframe does.
-std::vector<bool> Held(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
+// Which keyframes of the window are constant: those behind the first `n_free`, and the first of the map. Where
+// nothing else holds the window in place, its oldest keyframe does.
+std::vector<bool> ConstantOnes(const std::vector<int64_t>& keyframes, size_t n_free, const Map& map) {
   const int64_t first = map.keyframes().begin()->first;
-  std::vector<bool> held(keyframes.size());
-  for (size_t i = 0; i < keyframes.size(); ++i) held[i] = i >= n_free || keyframes[i] == first;
-  if (std::find(held.begin(), held.end(), true) == held.end()) {
+  std::vector<bool> constant(keyframes.size());
+  for (size_t i = 0; i < keyframes.size(); ++i) constant[i] = i >= n_free || keyframes[i] == first;
+  if (std::find(constant.begin(), constant.end(), true) == constant.end()) {
     const auto oldest = std::min_element(keyframes.begin(), keyframes.end());
-    held[static_cast<size_t>(oldest - keyframes.begin())] = true;
+    constant[static_cast<size_t>(oldest - keyframes.begin())] = true;
   }
-  return held;
+  return constant;
 }
 
 // Whether a landmark that is not adjusted goes with this keyframe: the newest that sees it.
@@ -151,8 +151,8 @@ MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFea
       SeenTwice<LineType>(keyframes, map, size, options.max_lines, factor * options.max_line_observations);
   const std::vector<int64_t> fixed = FixedKeyframes(keyframes, points, lines, map, n_fixed);
   keyframes.insert(keyframes.end(), fixed.begin(), fixed.end());
-  const std::vector<bool> held = Held(keyframes, n_free, map);
-  return MakeMapBundle(map, features, camera, std::move(keyframes), held, std::move(points), std::move(lines),
+  const std::vector<bool> constant = ConstantOnes(keyframes, n_free, map);
+  return MakeMapBundle(map, features, camera, std::move(keyframes), constant, std::move(points), std::move(lines),
                        options.relative_sigma);
 }
 
@@ -165,8 +165,8 @@ MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, co
   for (const int64_t id : landmarks.points) see(map.FindPoint(id)->observations);
   for (const int64_t id : landmarks.lines) see(map.FindLine(id)->observations);
   std::vector<int64_t> keyframes(seeing.begin(), seeing.end());
-  const std::vector<bool> held(keyframes.size(), true);
-  return MakeMapBundle(map, features, camera, std::move(keyframes), held, landmarks.points, landmarks.lines, 0.0);
+  const std::vector<bool> constant(keyframes.size(), true);
+  return MakeMapBundle(map, features, camera, std::move(keyframes), constant, landmarks.points, landmarks.lines, 0.0);
 }
 
 AdjustmentFigures ApplyAdjustment(const MapBundle& window, const BundleResult& result,

@@ -12,13 +12,13 @@
 namespace plslam::mapping {
 
 /// The keyframe, its best neighbours and the landmarks they see, at least two keyframes each (PL-SLAM §V.B); other
-/// keyframes that see those are held fixed, and so is the first of the map. Twice as wide for the first keyframes of
+/// keyframes that see those are constant, and so is the first of the map. Twice as wide for the first keyframes of
 /// a session that begins among those of another (docs/reliability.md, "What a kill costs").
 MapBundle MakeLocalWindow(int64_t keyframe_id, const Map& map, const KeyframeFeatures& features,
                           const StereoCamera& camera, const WindowOptions& options);
 
-/// These landmarks of the map, and the keyframes that see them, held fixed: poses are known better than the places of the
-/// landmarks (after an adjustment of the whole map that somebody else has made).
+/// These landmarks of the map, and the keyframes that see them, constant: poses are known better than the places of
+/// the landmarks (after an adjustment of the whole map that somebody else has made).
 MapBundle MakeLandmarkWindow(const LandmarksNamed& landmarks, const Map& map, const KeyframeFeatures& features,
                              const StereoCamera& camera);
 

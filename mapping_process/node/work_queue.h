@@ -55,9 +55,9 @@ class WorkQueue {
     std::string path;
   };
 
-  /// `state_every`: keyframes after which the state is worth keeping; in a large map an eighth of its keyframes, so that
-  /// all that is ever written grows with the map and not with its square. It is, too, after the map was saved, before a
-  /// new session and before another publisher goes on with one. 0: never.
+  /// `state_every`: keyframes after which the state is worth keeping; in a large map an eighth of its keyframes, so
+  /// that all that is ever written grows with the map and not with its square. It is, too, after the map was saved,
+  /// before a new session and before another publisher goes on with one. 0: never.
   explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
       : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
@@ -81,8 +81,8 @@ class WorkQueue {
   /// What is to be done next, which then counts as done; nullopt: nothing yet. By the same clock as `Add`.
   std::optional<Work> Take(double now_s);
 
-  /// The map has refused a loop, so no adjustment follows, and all is said about the newest keyframe. Whether that was
-  /// not so yet.
+  /// The map has refused a loop, so no adjustment follows, and all is said about the newest keyframe. Whether that
+  /// was not so yet.
   bool Refused();
 
   /// This many keyframes are in the map now, the last of them this one.

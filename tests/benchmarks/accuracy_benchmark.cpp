@@ -4,7 +4,8 @@
 //
 //   accuracy_benchmark DATASET... [--set vo.tracking.reference=previous_frame] [--stride N] [--frames N]
 //   accuracy_benchmark DATASET... --pieces N
-//   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S] [--covered F]
+//   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S]
+// [--covered F]
 
 #include <algorithm>
 #include <cstdio>
@@ -136,7 +137,7 @@ void PrintLoops(const std::string& name, const plslam::test::LoopRun& run, bool 
       "95%% "
       "%.2f | loop %.1f correct %.1f adjust %.1f max %.1f\n",
       run.loops.size(), wrong, run.looked_at.size(), truly, run.revisits.total, run.revisits.closed,
-      run.revisits.closed_keyframes, run.revisits.keyframes, Mean(run.judge_ms), Quantile(run.judge_ms, 0.95),
+      run.revisits.closed_keyframes, run.revisits.keyframes, Mean(run.check_ms), Quantile(run.check_ms, 0.95),
       Median(run.loop_ms), Median(run.correct_ms), Median(run.adjust_ms), Quantile(run.adjust_ms, 1.0));
   for (size_t i = 0; i < run.loops.size(); ++i) {
     PrintLoop("LOOP", run.loops[i]);

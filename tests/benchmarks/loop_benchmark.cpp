@@ -158,7 +158,7 @@ Shown& ShownOf(int n, bool closes) {
 }
 
 // Nothing looks alike; or the circle closes, and the place is verified from both sides.
-void BM_Judge(benchmark::State& state, bool closes) {
+void BM_Check(benchmark::State& state, bool closes) {
   Shown& shown = ShownOf(static_cast<int>(state.range(0)), closes);
   for (auto _ : state) {
     // Comes anew each time, so that it is described each time.
@@ -169,8 +169,8 @@ void BM_Judge(benchmark::State& state, bool closes) {
   state.counters["looked_at"] = static_cast<double>(search.evidence.size());
   if (!search.evidence.empty()) state.SetLabel(loop::LoopVerdictName(search.evidence.front().verdict));
 }
-BENCHMARK_CAPTURE(BM_Judge, new_place, false)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(BM_Judge, seen_again, true)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Check, new_place, false)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_Check, seen_again, true)->RangeMultiplier(10)->Range(100, 10000)->Unit(benchmark::kMillisecond);
 
 void BM_CloseLoop(benchmark::State& state) {
   const int n = static_cast<int>(state.range(0));

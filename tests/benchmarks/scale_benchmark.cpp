@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a loop over a large map costs, stage by stage, by the number of keyframes. Maps are made up: keyframes twice
-// round a circle whose odometry has drifted, each with points and lines that the ones around it see, too, measured with
-// noise; the newest keyframe has been recognised where the first lap began.
+// round a circle whose odometry has drifted, each with points and lines that the ones around it see, too, measured
+// with noise; the newest keyframe has been recognised where the first lap began.
 //
 //   scale_benchmark 1000 3000 10000
 

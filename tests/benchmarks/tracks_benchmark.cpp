@@ -45,9 +45,9 @@ struct Bin {
   int n_d = 0;
 };
 
-class Judge {
+class TrackScore {
  public:
-  Judge(const plslam::synthetic::Simulator& simulator, const StereoCamera& camera)
+  TrackScore(const plslam::synthetic::Simulator& simulator, const StereoCamera& camera)
       : simulator_(&simulator), camera_(camera) {}
 
   void See(int index, const vo::OdometryResult& result) {
@@ -139,15 +139,15 @@ class Judge {
   std::map<double, Bin> bins_;
 };
 
-void JudgeWorld(const std::string& world, const plslam::vo::VoOptions& options) {
+void ScoreWorld(const std::string& world, const plslam::vo::VoOptions& options) {
   const plslam::synthetic::Simulator simulator(plslam::synthetic::ParseOptions(world));
   const auto dataset = plslam::OpenSyntheticDataset(world);
-  Judge judge(simulator, plslam::vo::StereoFrontEnd(dataset->rig(), options).camera());
+  TrackScore score(simulator, plslam::vo::StereoFrontEnd(dataset->rig(), options).camera());
   int index = 0;
   const auto frames = plslam::test::RunOdometry(
       *dataset, options, 1, 1 << 30,
-      [&](const plslam::StereoImages&, const vo::OdometryResult& result) { judge.See(index++, result); });
-  judge.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
+      [&](const plslam::StereoImages&, const vo::OdometryResult& result) { score.See(index++, result); });
+  score.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
 }
 
 }  // namespace
@@ -164,7 +164,7 @@ int main(int argc, char** argv) {
     for (const std::string& assignment : overrides) config.Override(assignment);
     plslam::vo::VoOptions options;
     config.Read("vo", options);
-    for (const std::string& world : worlds) JudgeWorld(world, options);
+    for (const std::string& world : worlds) ScoreWorld(world, options);
     return 0;
   });
 }

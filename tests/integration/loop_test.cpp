@@ -72,7 +72,7 @@ TEST(Loops, AreClosedAndTheSameAtEveryRun) {
   EXPECT_GE(summary["loops"], 1) << first.Logs();
   EXPECT_EQ(summary["tracked_frames"], summary["frames"]);
   EXPECT_LT(summary["accuracy"]["ate_m"], 0.02) << summary["accuracy"].dump(1);
-  EXPECT_EQ(summary["loop_closing"]["keyframes"], summary["keyframes"]) << "each is judged once";
+  EXPECT_EQ(summary["loop_closing"]["keyframes"], summary["keyframes"]) << "each is checked once";
   const RecordedRun a = ReadRecordedRun(first.log()), b = ReadRecordedRun(second.log());
   EXPECT_EQ(a.Gaps("LOOP_CLOSURE"), 0);
   EXPECT_EQ(a.map_totals.loops, summary["loops"]);

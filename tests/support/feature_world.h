@@ -13,7 +13,7 @@
 namespace plslam::test {
 
 /// A world of points and segments with descriptors of their own, seen without images: stereo features as a perfect
-/// front end would find them, with Gaussian noise of the stated deviations.
+/// front end would find them, with Gaussian noise of the stated sigmas.
 class FeatureWorld {
  public:
   struct Counts {
@@ -38,7 +38,7 @@ class FeatureWorld {
   const std::vector<Point>& points() const { return points_; }
   const std::vector<Line>& lines() const { return lines_; }
 
-  /// What the camera at `T_w_c` sees. `noise_px` is the deviation of each coordinate; 0 gives the exact projections.
+  /// What the camera at `T_w_c` sees. `noise_px` is the sigma of each coordinate; 0 gives the exact projections.
   StereoFeatures Observe(const SE3& T_w_c, double noise_px, uint64_t seed) const;
 
   static StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.12, 640, 480}; }

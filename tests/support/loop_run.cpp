@@ -149,10 +149,10 @@ void Run::TakeKeyframe(Keyframe keyframe) {
   closer_.AddKeyframe(keyframe);
   const double t3 = NowMs();
   const LoopClosure loop = closer_.Check(mapper_.map(), kSession, keyframe.keyframe_id);
-  run_.judge_ms.push_back(NowMs() - t3);
+  run_.check_ms.push_back(NowMs() - t3);
   Note(loop);
   if (loop.kind != LoopClosure::Kind::kLoop) return;
-  run_.loop_ms.push_back(run_.judge_ms.back());
+  run_.loop_ms.push_back(run_.check_ms.back());
   run_.ate_before_m.push_back(Ate());
   Correct(loop);
   run_.ate_corrected_m.push_back(Ate());

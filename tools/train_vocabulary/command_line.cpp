@@ -70,9 +70,9 @@ std::vector<std::vector<Descriptor>> ReadDescriptors(const Arguments& a) {
 
 int Train(const Arguments& a) {
   const std::vector<std::vector<Descriptor>> images = ReadDescriptors(a);
-  const FeatureType kind = a.kind == "points" ? FeatureType::kPoints : FeatureType::kLines;
+  const FeatureType type = a.kind == "points" ? FeatureType::kPoints : FeatureType::kLines;
   const Vocabulary vocabulary =
-      TrainVocabulary(images, kind, a.training, [](double share) { ShowProgress("training", share); });
+      TrainVocabulary(images, type, a.training, [](double share) { ShowProgress("training", share); });
   if (vocabulary.words() < 2) throw std::runtime_error("these images have too few descriptors for a vocabulary");
   vocabulary.Save(a.out);
   fmt::print("{}: {} words from {} images, {} bytes, checksum {}\n", a.out, vocabulary.words(),

@@ -70,10 +70,10 @@ std::vector<int64_t> ImagesWithWord(const std::vector<std::vector<Descriptor>>& 
 
 }  // namespace
 
-Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, FeatureType kind,
+Vocabulary TrainVocabulary(const std::vector<std::vector<Descriptor>>& images, FeatureType type,
                            const TrainingOptions& options, const std::function<void(double)>& progress) {
   VocabularyTree tree;
-  tree.kind = kind;
+  tree.type = type;
   tree.images = static_cast<int64_t>(images.size());
   const std::string objection = LinkNodes(Grow(Concatenate(images), options, progress, tree), tree);
   if (!objection.empty()) throw std::invalid_argument("this vocabulary cannot be kept: " + objection);

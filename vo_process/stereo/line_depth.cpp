@@ -23,7 +23,7 @@ struct DepthSample {
   double inverse_m;
 };
 
-/// What one inverse depth errs by: the deviation of a depth over its square (`StereoOptions::depth_noise_per_m`),
+/// What one inverse depth errs by: the sigma of a depth over its square (`StereoOptions::depth_noise_per_m`),
 /// which is the same at all depths.
 struct DepthSensor {
   double units_per_m;

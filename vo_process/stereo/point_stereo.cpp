@@ -29,8 +29,8 @@ class RowIndex {
   explicit RowIndex(const std::vector<PointFeature>& points) {
     int rows = 0;
     for (const PointFeature& p : points) rows = std::max(rows, Row(p) + 1);
-    rows_ = PlacesByBucket(points.size(), static_cast<size_t>(rows),
-                           [&points](int i) { return Row(points[static_cast<size_t>(i)]); });
+    rows_ = IndicesByBucket(points.size(), static_cast<size_t>(rows),
+                            [&points](int i) { return Row(points[static_cast<size_t>(i)]); });
   }
 
   template <class Visit>

@@ -12,14 +12,14 @@
 namespace plslam::vo {
 namespace {
 
-// A comparison is made as soon as parallax fixes the disparity to this deviation.
+// A comparison is made as soon as parallax fixes the disparity to this sigma.
 constexpr double kMaxImpliedSigma_px = 0.7;
 // Comparisons of one frame share the errors of its pose: they count as at most so many independent ones.
 constexpr double kIndependentPerFrame = 30.0;
 constexpr double kMaxDeviation = 4.0;
 constexpr double kHuber = 1.5;
 constexpr int kIterations = 4;
-// Deviations of the scale error: at first, and of its change from frame to frame.
+// Sigmas of the scale error: at first, and of its change from frame to frame.
 constexpr double kScaleSigma = 0.02;
 constexpr double kScaleDrift = 0.003;
 // How fast an estimate that is believed is taken away.

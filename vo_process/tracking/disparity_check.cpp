@@ -21,7 +21,7 @@ constexpr size_t kMinPoints = 20;
 // Most new landmarks are not seen again: they say nothing of how long a stretch is.
 constexpr int kMinAge = 1;
 constexpr int kIterations = 3;
-// Of three residuals in their own deviations.
+// Of three residuals in their own sigmas.
 constexpr double kHuber = 2.5;
 constexpr double kMaxDeviation = 5.0;
 // How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as
@@ -29,7 +29,7 @@ constexpr double kMaxDeviation = 5.0;
 constexpr double kPriorSigma_px = 0.3;
 // Stretches before there is a verdict.
 constexpr int64_t kMinStretches = 3;
-// Halves differ where half of their difference is more than so many deviations and more than such a share of the
+// Halves differ where half of their difference is more than so many sigmas and more than such a share of the
 // estimate; those that have differed until both are as small as the second pair.
 constexpr double kDifferSigmas = 3.0;
 constexpr double kDifferShare = 0.3;
@@ -226,7 +226,7 @@ double DisparityCheck::Sigma_px(const Eigen::Matrix3d& covariance) const {
   return std::sqrt(variance / static_cast<double>(std::size(kThirds)));
 }
 
-// Halves that differ: by how much in their own deviations, and as a share of the estimate.
+// Halves that differ: by how much in their own sigmas, and as a share of the estimate.
 bool DisparityCheck::Differ(const Division& division, double sigmas, double share) const {
   const double half_px = Size_px(0.5 * (Solve(division.first) - Solve(division.second)));
   const Eigen::Matrix3d covariance =

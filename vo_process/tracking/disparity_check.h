@@ -16,7 +16,7 @@ namespace plslam::vo {
 /// Of an error b0 + b1 x + b2 x^2 of the disparities, x = (u - cx) / f: what each coefficient counts at a column.
 Eigen::Vector3d DisparityErrorTerms(const StereoCamera& camera, double u_px);
 
-/// Deviations that are expected of the coefficients, given that of b0.
+/// Sigmas that are expected of the coefficients, given that of b0.
 Eigen::Vector3d DisparityErrorSigmas(double sigma_px);
 
 /// Whether an error of the disparities, as `DisparityCalibration` estimates it, is one of the cameras.

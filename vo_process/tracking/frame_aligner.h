@@ -20,7 +20,7 @@ struct Alignment {
   FrameMatches matches;
   /// Few inliers: the prior took part.
   bool weak = false;
-  /// Typical residuals of each feature type in their own deviations, as in `MotionEstimate`.
+  /// Typical residuals of each feature type in their own sigmas, as in `MotionEstimate`.
   double point_deviation = 0.0;
   double line_deviation = 0.0;
 };

@@ -124,7 +124,7 @@ IdIndex<KeyframeMeasurements::Seen<Feature>> KeyframeMeasurements::Collect(
 template <class Landmark, class Feature>
 void KeyframeMeasurements::ImproveAll(const std::vector<Landmark>& landmarks, const IdIndex<Seen<Feature>>& collected,
                                       std::vector<Feature>& features, std::vector<FeatureTrack>& tracks) const {
-  const IdIndex<size_t> feature_of = PlacesBy(&FeatureTrack::landmark_id, tracks);
+  const IdIndex<size_t> feature_of = IndicesBy(&FeatureTrack::landmark_id, tracks);
   for (const Landmark& landmark : landmarks) {
     const Observations<Feature> seen = collected.Find(landmark.id);
     if (seen.size() < kMinObservations) continue;

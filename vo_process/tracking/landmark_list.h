@@ -42,7 +42,7 @@ class IdIndex {
 
 /// Where in `list` each id stands; those below zero name nothing.
 template <class Element>
-IdIndex<size_t> PlacesBy(int64_t Element::*id, const std::vector<Element>& list) {
+IdIndex<size_t> IndicesBy(int64_t Element::*id, const std::vector<Element>& list) {
   std::vector<std::pair<int64_t, size_t>> places;
   places.reserve(list.size());
   for (size_t i = 0; i < list.size(); ++i) {
@@ -91,8 +91,8 @@ KnownDescriptors RecentDescriptors(const std::vector<Landmark>& landmarks, int m
 template <class Known, class Landmark, class Set>
 void AdoptEach(const std::vector<Adopted<Known>>& adopted, int64_t& next_id, std::vector<Landmark>& landmarks,
                const Set& set) {
-  const IdIndex<size_t> by_id = PlacesBy(&Landmark::id, landmarks);
-  const IdIndex<size_t> by_map_id = PlacesBy(&Landmark::map_id, landmarks);
+  const IdIndex<size_t> by_id = IndicesBy(&Landmark::id, landmarks);
+  const IdIndex<size_t> by_map_id = IndicesBy(&Landmark::map_id, landmarks);
   std::vector<char> taken(landmarks.size(), 0);
   std::vector<char> drop(landmarks.size(), 0);
   std::vector<size_t> same;

@@ -24,7 +24,7 @@ inline constexpr double kExpectedChi2 = 25.0;
 double SquaredDeviation(const MotionPrediction& prediction, const SE3& T_odom_predicted, const SE3& T_odom_c);
 
 /// Constant velocity. Uncertain is how fast the camera was, what it was accelerated by since, and what of its motion
-/// is not gone on with: across gaps and while lost, all of these last, so deviations grow with the time since the
+/// is not gone on with: across gaps and while lost, all of these last, so sigmas grow with the time since the
 /// last measured frame, and covariances of one frame after the other add up to that.
 class MotionModel {
  public:

@@ -23,7 +23,7 @@ constexpr double kMinInlierRatio = 0.5;
 constexpr double kMinJoinedRatio = 0.7;
 // Two bodies whose motions differ by less than this, where the smaller one is, may be parts of one.
 constexpr double kAlike_px = 2.0;
-// A match speaks against a pose where it is off by more than this, or by so many deviations of its disparity.
+// A match speaks against a pose where it is off by more than this, or by so many sigmas of its disparity.
 constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
 // How far a feature of a body may be from where it was, or would be if it stood.

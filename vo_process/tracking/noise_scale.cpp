@@ -11,7 +11,7 @@ constexpr size_t kMinOfEach = 20;
 // Where the residuals of points are larger by less than this, nothing is wrong: medians of a hundred lines differ as
 // much.
 constexpr double kAllowedRatio = 1.1;
-// What points err in common moves the pose with it and is not in their residuals, so deviations grow by more than
+// What points err in common moves the pose with it and is not in their residuals, so sigmas grow by more than
 // these show.
 constexpr double kCommonPower = 1.5;
 // Share of the way, in logarithms, that one frame goes.
@@ -33,7 +33,7 @@ void NoiseScale::Observe(const Alignment& alignment) {
     scale_ = std::pow(scale_, 1.0 - kForgottenShare);
     return;
   }
-  // As it would be with the deviations that the points claim.
+  // As it would be with the sigmas that the points claim.
   const double ratio = scale_ * alignment.point_deviation / (kAllowedRatio * alignment.line_deviation);
   if (!(ratio > 0.0) || !std::isfinite(ratio)) return;
   const double wanted = std::pow(ratio, kCommonPower);

@@ -28,7 +28,7 @@ constexpr double kOtherRows_px = 1.0;
 constexpr double kOtherDeviations = 3.0;
 constexpr double kMemoryOfOthers = 0.1;
 // Residuals that are smaller than expected make the result surer, but not beyond this share of the standard
-// deviations. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
+// sigmas. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
 constexpr double kMinNoise = 0.3;
 constexpr int kIterations = 3;
 // To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer

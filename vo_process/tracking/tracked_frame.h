@@ -41,7 +41,7 @@ struct TrackedFrame {
         line_tracks(features.lines.size()) {}
 
   StereoFeatures features;
-  /// Factor that the deviations of the points have grown by (`NoiseScale`).
+  /// Factor that the sigmas of the points have grown by (`NoiseScale`).
   double point_sigma_scale = 1.0;
   PointGrid point_grid;
   /// In the order of `features.points` and `features.lines`.

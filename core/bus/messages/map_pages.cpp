@@ -16,8 +16,8 @@ namespace plslam::bus {
 namespace {
 
 constexpr int32_t kMaxMapPages = 1'000'000;
-/// Of each list of an update. What a reader holds of an update under way is bounded by what has been sent to it, so this
-/// only keeps counts from overflowing: no map comes near.
+/// Of each list of an update. What a reader holds of an update under way is bounded by what has been sent to it, so
+/// this only keeps counts from overflowing: no map comes near.
 constexpr size_t kMaxMapEntries = 2'000'000'000;
 constexpr size_t kMaxMapWriters = 8;
 constexpr size_t kMaxStages = 64;

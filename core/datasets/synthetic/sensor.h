@@ -22,7 +22,7 @@ class Sensor {
   int height_;
   uint64_t seed_;
   std::vector<float> vignette_;
-  /// 4096 values of a normal distribution (sum of twelve uniform ones), with exactly the wanted mean and deviation.
+  /// 4096 values of a normal distribution (sum of twelve uniform ones), with exactly the wanted mean and sigma.
   std::vector<float> noise_;
 };
 

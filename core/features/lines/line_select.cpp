@@ -126,8 +126,8 @@ class Merger {
       if (!(piece.length > 0.0) || !piece.direction.allFinite()) continue;
       pieces_.push_back(piece);
     }
-    bins_ = PlacesByBucket(pieces_.size(), kBins,
-                           [this](int i) { return DirectionBin(pieces_[static_cast<size_t>(i)].direction); });
+    bins_ = IndicesByBucket(pieces_.size(), kBins,
+                            [this](int i) { return DirectionBin(pieces_[static_cast<size_t>(i)].direction); });
   }
 
   std::vector<DetectedSegment> Merge() {

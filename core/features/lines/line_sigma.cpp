@@ -48,7 +48,7 @@ int EdgeWidth_px(const Gradients& gradients, const Segment2& segment) {
 
 namespace {
 
-/// Deviation of one edge place times its contrast: image noise of about 2 grey levels, and the correlation of
+/// Sigma of one edge place times its contrast: image noise of about 2 grey levels, and the correlation of
 /// neighbours through the gradient filter.
 constexpr double kNoise = 3.0;
 constexpr double kFloor_px = 0.03;

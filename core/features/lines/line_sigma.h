@@ -18,7 +18,7 @@ int EdgeWidth_px(const Gradients& gradients, const Segment2& segment);
 /// Standard deviation, in pixels across the segment, of the line fitted through it, at a place `t` along it: 0 in the
 /// middle, +-1 at the endpoints, beyond them outside.
 ///
-/// A straight line through n independent edge places of deviation s has s / sqrt(n) in the middle and twice that at
+/// A straight line through n independent edge places of sigma s has s / sqrt(n) in the middle and twice that at
 /// the ends: s^2 / n (1 + 3 t^2). s is image noise over contrast; a floor stands for what does not average out (edges
 /// that are not quite straight, rectification, sampling). Constants calibrated on rendered edges with noise. A line
 /// of a halved image has half of the noise, half of the places, and pixels of twice the size.

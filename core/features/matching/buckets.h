@@ -46,7 +46,7 @@ class Buckets {
 
 /// The places 0 to `n` - 1 by bucket: `bucket_of(place)`.
 template <class BucketOf>
-Buckets<int> PlacesByBucket(size_t n, size_t n_buckets, const BucketOf& bucket_of) {
+Buckets<int> IndicesByBucket(size_t n, size_t n_buckets, const BucketOf& bucket_of) {
   std::vector<int> places(n);
   std::iota(places.begin(), places.end(), 0);
   return Buckets<int>(places, n_buckets, bucket_of);

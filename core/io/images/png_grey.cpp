@@ -14,9 +14,9 @@
 namespace plslam {
 namespace {
 
-// A pixel needs the one to its left, so a row cannot be done by vectors along it; and the one above, so rows cannot be
-// done side by side, unless each is one pixel behind the row above. Eight rows go down the image like that, a lane for
-// each. OpenCV's vectors, since compilers make many small steps of their own vectors' shuffles.
+// A pixel needs the one to its left, so a row cannot be done by vectors along it; and the one above, so rows cannot
+// be done side by side, unless each is one pixel behind the row above. Eight rows go down the image like that, a lane
+// for each. OpenCV's vectors, since compilers make many small steps of their own vectors' shuffles.
 constexpr int kLanes = 8;
 using Lanes = cv::v_int16x8;
 using TwoRows = cv::v_uint8x16;
@@ -91,8 +91,9 @@ class FilterMasks {
   std::array<std::array<int16_t, kLanes>, 4> masks_{};
 };
 
-/// Of left, above and above left the nearest to left + above - above left; the first where two are as near. Where that
-/// sum lies beyond the larger of left and above, or below the smaller, it is that one; between them it is above left.
+/// Of left, above and above left the nearest to left + above - above left; the first where two are as near. Where
+/// that sum lies beyond the larger of left and above, or below the smaller, it is that one; between them it is above
+/// left.
 Lanes Paeth(const Lanes& left, const Lanes& above, const Lanes& above_left) {
   const Lanes low = cv::v_min(left, above);
   const Lanes high = cv::v_max(left, above);

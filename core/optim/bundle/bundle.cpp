@@ -55,7 +55,7 @@ std::string Fault(const BundleProblem& problem) {
   return IndexFault("line", problem.line_observations, problem.poses.size(), problem.lines.size());
 }
 
-// Where nothing is fixed, the first pose is held, so that the whole cannot float.
+// Where nothing is fixed, the first pose is constant, so that the whole cannot float.
 std::vector<AdjustedPose> MakePoses(const BundleProblem& problem) {
   const auto is_fixed = [](const auto& item) { return item.fixed; };
   bool hold_next = std::none_of(problem.poses.begin(), problem.poses.end(), is_fixed) &&
@@ -138,7 +138,7 @@ class Adjustment {
     lines_.HoldPoses();
     relative_poses_.HoldPoses();
     for (AdjustedPose& pose : poses_) {
-      if (!pose.held) pose.Restore();
+      if (!pose.constant) pose.Restore();
     }
   }
 

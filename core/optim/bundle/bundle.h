@@ -118,7 +118,7 @@ struct BundleResult {
 /// What cannot be measured (not finite, sigmas that are not positive, segments without length) is never an inlier. A
 /// landmark whose observations leave a direction open (one view without disparity, infinity) stays near where it was
 /// given in that direction, and lines stay where they are along themselves. Where nothing is fixed the first pose is
-/// held.
+/// constant.
 ///
 /// `stop`, if given, is looked at before each pass and between iterations: when it is set, the best state so far is
 /// returned.

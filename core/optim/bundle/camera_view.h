@@ -48,7 +48,7 @@ class AdjustedPose {
   int column = -1;
   int observations = 0;
   /// At the end: by an observation that agrees, or a relative pose.
-  bool held = false;
+  bool constant = false;
   Vector6d x = Vector6d::Zero();
   CameraView view;
 };

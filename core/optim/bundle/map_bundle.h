@@ -39,8 +39,8 @@ struct MapBundle {
   BundleProblem problem;
 };
 
-/// The problem of these keyframes and landmarks of a map, which must have them: poses (`fixed` says which are held),
-/// landmarks, and all observations of the landmarks by the keyframes, whose features must be there.
+/// The problem of these keyframes and landmarks of a map, which must have them: poses (`fixed`: those that are
+/// constant), landmarks, and all observations of the landmarks by the keyframes, whose features must be there.
 ///
 /// With `relative_sigma` above zero it also has the motions between consecutive keyframes of a session as tracking
 /// measured them, with standard deviations times `relative_sigma`: tracking has seen the frames between. A motion

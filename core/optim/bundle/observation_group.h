@@ -64,7 +64,7 @@ class ObservationGroup {
   /// Puts back where they were the landmarks that no observation agrees with.
   void RestoreLost();
 
-  /// Says of the poses that an observation agrees with that they are held.
+  /// Says of the poses that an observation agrees with that they are constant.
   void HoldPoses();
 
   ObservationSums Sum(State state) const;

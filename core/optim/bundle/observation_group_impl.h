@@ -87,7 +87,7 @@ double ObservationGroup<Cost>::DistanceTo(size_t landmark) const {
 template <class Cost>
 bool ObservationGroup<Cost>::IsDetermined(size_t landmark, double distance_m) const {
   constexpr double kMaxRelativeSigma = 0.3;
-  // What is left above the information of a deviation that is too large.
+  // What is left above the information of a sigma that is too large.
   Information excess = InformationOf(landmark);
   excess.diagonal().array() -= 1.0 / std::pow(kMaxRelativeSigma * distance_m, 2);
   return excess.llt().info() == Eigen::Success;
@@ -178,7 +178,7 @@ void ObservationGroup<Cost>::RestoreLost() {
 
 template <class Cost>
 void ObservationGroup<Cost>::HoldPoses() {
-  for (AdjustedObservation<Cost>& observation : observations_) observation.pose->held |= observation.active;
+  for (AdjustedObservation<Cost>& observation : observations_) observation.pose->constant |= observation.active;
 }
 
 template <class Cost>

@@ -20,8 +20,8 @@ struct BundleOptions {
   double gate_sigmas = 2.33;
   /// Share of the cost that a step must gain for another one to follow.
   double function_tolerance = 3e-2;
-  /// Free poses above which only those blocks of their system are kept that are not zero; below, a dense one is faster,
-  /// which takes 0.6 kB for each pair of them.
+  /// Free poses above which only those blocks of their system are kept that are not zero; below, a dense one is
+  /// faster, which takes 0.6 kB for each pair of them.
   int max_dense_poses = 150;
 };
 

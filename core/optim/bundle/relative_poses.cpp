@@ -93,7 +93,7 @@ double RelativePoses::Linearise(PoseSystem& system) const {
 }
 
 void RelativePoses::HoldPoses() {
-  for (const RelativePoseCost& cost : costs_) cost.a().held = cost.b().held = true;
+  for (const RelativePoseCost& cost : costs_) cost.a().constant = cost.b().constant = true;
 }
 
 double RelativePoses::Loss() const {

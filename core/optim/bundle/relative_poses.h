@@ -48,7 +48,7 @@ class RelativePoses {
   /// Twice the cost at the poses as they are.
   double Loss() const;
 
-  /// Says of their poses that they are held.
+  /// Says of their poses that they are constant.
   void HoldPoses();
 
   const std::vector<RelativePoseCost>& costs() const { return costs_; }

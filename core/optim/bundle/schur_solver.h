@@ -13,9 +13,9 @@
 
 namespace plslam {
 
-/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement): what Ceres does with its
-/// Schur solvers, step for step, in a third of the time, because the sizes of all blocks are known to the compiler. The
-/// system of the poses that is left is dense for at most `max_dense_poses`, sparse for more.
+/// Levenberg-Marquardt on poses, points and lines with landmarks eliminated (Schur complement): what Ceres does with
+/// its Schur solvers, step for step, in a third of the time, because the sizes of all blocks are known to the
+/// compiler. The system of the poses that is left is dense for at most `max_dense_poses`, sparse for more.
 class SchurSolver {
  public:
   /// All must outlive it.

@@ -16,8 +16,8 @@
 namespace plslam {
 namespace {
 
-// Steps shorter than this share of the poses' coordinates are none, and so are those that promise less than this share of
-// the chi-square.
+// Steps shorter than this share of the poses' coordinates are none, and so are those that promise less than this
+// share of the chi-square.
 constexpr double kShortStep = 1e-12;
 constexpr double kNoGain = 1e-15;
 

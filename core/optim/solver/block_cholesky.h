@@ -9,8 +9,8 @@
 
 namespace plslam {
 
-/// A symmetric matrix of N x N blocks, N = 3 or 6, of which most are zero: those on the diagonal, and those below it that have been
-/// asked for.
+/// A symmetric matrix of N x N blocks, N = 3 or 6, of which most are zero: those on the diagonal, and those below it
+/// that have been asked for.
 template <int N>
 struct SymmetricBlocks {
   using Block = Eigen::Matrix<double, N, N>;
@@ -33,9 +33,9 @@ struct SymmetricBlocks {
 };
 
 /// Cholesky factor L L^T of a positive definite `SymmetricBlocks`, rows and columns reordered so that little of L is
-/// filled (approximate minimum degree: P. Amestoy, T. Davis, I. Duff, 1996). The column structure of L follows from the
-/// elimination tree (T. Davis, "Direct Methods for Sparse Linear Systems", 2006, ch. 4). Sums are taken in one order,
-/// so equal input gives equal output on every machine.
+/// filled (approximate minimum degree: P. Amestoy, T. Davis, I. Duff, 1996). The column structure of L follows from
+/// the elimination tree (T. Davis, "Direct Methods for Sparse Linear Systems", 2006, ch. 4). Sums are taken in one
+/// order, so equal input gives equal output on every machine.
 template <int N>
 class BlockCholesky {
  public:

@@ -39,7 +39,7 @@ TEST(Buckets, ListPlacesOfOtherThings) {
   std::mt19937 random(1);
   std::vector<size_t> things(1000);
   for (size_t& thing : things) thing = random() % 37;
-  Buckets<int> places = PlacesByBucket(things.size(), 37, [&](int i) { return things[static_cast<size_t>(i)]; });
+  Buckets<int> places = IndicesByBucket(things.size(), 37, [&](int i) { return things[static_cast<size_t>(i)]; });
   size_t total = 0;
   for (size_t b = 0; b < 37; ++b) {
     int before = -1;

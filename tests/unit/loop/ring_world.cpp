@@ -12,7 +12,7 @@ constexpr double kWorldRadius_m = 4.0;
 constexpr double kStep_m = 0.4;
 
 template <class Landmark>
-Vocabulary Train(const std::vector<Landmark>& landmarks, FeatureType kind) {
+Vocabulary Train(const std::vector<Landmark>& landmarks, FeatureType type) {
   // Images of a dozen landmarks each: every word is rare.
   std::vector<std::vector<Descriptor>> images;
   for (size_t i = 0; i < landmarks.size(); ++i) {
@@ -22,7 +22,7 @@ Vocabulary Train(const std::vector<Landmark>& landmarks, FeatureType kind) {
   train_vocabulary::TrainingOptions options;
   options.depth = 3;
   options.min_descriptors = 4;
-  return train_vocabulary::TrainVocabulary(images, kind, options);
+  return train_vocabulary::TrainVocabulary(images, type, options);
 }
 
 WalkOptions WithoutIds(uint64_t seed) {

@@ -74,7 +74,7 @@ class Service : public testing::Test {
     keyframe.session = kSession + 1;
     return keyframe;
   }
-  static std::vector<int64_t> Judged(const LoopService::Output& output) {
+  static std::vector<int64_t> Checked(const LoopService::Output& output) {
     std::vector<int64_t> ids;
     for (const LoopClosure& closure : output.closures) {
       EXPECT_EQ(closure.session, kSession);
@@ -99,36 +99,36 @@ class Service : public testing::Test {
                        [this] { return now_ms_; }};
 };
 
-TEST_F(Service, EachKeyframeIsJudgedOnceWhenMapAndFeaturesAreThereInEitherOrder) {
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, true))), Ids{});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, true))), Ids{});
+TEST_F(Service, EachKeyframeIsCheckedOnceWhenMapAndFeaturesAreThereInEitherOrder) {
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, true))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(1, true))), Ids{});
 }
 
 TEST_F(Service, KeyframesThatAreSaidAgainChangeNothing) {
   service_.OnKeyframe(KeyframeOf(0));
   service_.OnUpdate(Update(0, false));
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
   // In any order: what a publisher had lost may come in its place later.
   service_.OnKeyframe(KeyframeOf(2));
   service_.OnUpdate(Update(0, true));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), (Ids{1, 2}));
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(2))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(2, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), (Ids{1, 2}));
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(2))), Ids{});
 }
 
 TEST_F(Service, FeaturesThatDoNotComeAreWaitedForAWhile) {
   service_.OnKeyframe(KeyframeOf(0, false));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   service_.OnKeyframe(KeyframeOf(2, false));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(2, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(2, false))), Ids{});
   now_ms_ += LoopService::kPatience_ms - 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   now_ms_ += 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), (Ids{1, 2}));
+  EXPECT_EQ(Checked(service_.OnTick()), (Ids{1, 2}));
 }
 
 // A cable that is out for seconds changes nothing in the result.
@@ -137,29 +137,29 @@ TEST_F(Service, InLockstepFeaturesAreWaitedForAsLongAsTheTrackerLives) {
   Keyframe first = KeyframeOf(0);
   first.source = kTracker;
   service_.OnKeyframe(first);
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{});
   now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   service_.OnSignOfLife(kTracker);
   now_ms_ += LoopService::kLockstepPatience_ms - 1.0;
   service_.OnSignOfLife(kTracker + 1);
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   now_ms_ += 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{1}) << "it is dead";
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{1}) << "it is dead";
 }
 
 // loop_process was started again, and several tell of the keyframes: the living tracker first.
-TEST_F(Service, AWholeMapIsJudgedWhenAllItsFeaturesAreThere) {
+TEST_F(Service, AWholeMapIsCheckedWhenAllItsFeaturesAreThere) {
   Update(5, false);
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(5))), Ids{});
-  EXPECT_EQ(Judged(service_.OnUpdate(Whole(5, false, 2))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(5))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Whole(5, false, 2))), Ids{});
   Keyframe request = KeyframeOf(6);
   request.previous_keyframe_id = -1;
   EXPECT_TRUE(service_.OnRequest(request).answers.empty());
-  for (int64_t id = 0; id < 4; ++id) EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(id))), Ids{}) << id;
+  for (int64_t id = 0; id < 4; ++id) EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(id))), Ids{}) << id;
   const auto output = service_.OnKeyframe(KeyframeOf(4));
-  EXPECT_EQ(Judged(output), Ids{5});
+  EXPECT_EQ(Checked(output), Ids{5});
   EXPECT_EQ(output.answers.size(), 1U);
 }
 
@@ -168,12 +168,12 @@ TEST_F(Service, FeaturesOfAWholeMapThatDoNotComeAreWaitedForAWhile) {
   for (const int64_t id : {1, 3, 5}) service_.OnKeyframe(KeyframeOf(id));
   service_.OnUpdate(Whole(5, false, 2));
   now_ms_ += LoopService::kPatience_ms - 1.0;
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(4))), Ids{}) << "more is coming";
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(4))), Ids{}) << "more is coming";
   now_ms_ += LoopService::kPatience_ms - 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{});
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{});
   service_.OnUpdate(Update(6, false));
   now_ms_ += 1.0;
-  EXPECT_EQ(Judged(service_.OnTick()), Ids{5}) << "updates that come meanwhile do not prolong it";
+  EXPECT_EQ(Checked(service_.OnTick()), Ids{5}) << "updates that come meanwhile do not prolong it";
 }
 
 // mapping_process was started again, and its map has a keyframe that had been taken out: it tells its features, too.
@@ -185,14 +185,14 @@ TEST_F(Service, AKeyframeThatComesBackWithAnOlderMapIsTakenAgain) {
   const Map older = map_;
   map_.RemoveKeyframe(1);
   service_.OnKeyframe(KeyframeOf(3));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), Ids{3});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(3, false))), Ids{3});
   service_.OnKeyframe(KeyframeOf(4));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(4, false))), Ids{4}) << "now it is gone for good";
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(4, false))), Ids{4}) << "now it is gone for good";
   map_ = older;
   next_id_ = 3;
   service_.OnUpdate(Whole(2, true, 2));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{3});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(3, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{3});
 }
 
 // The loop_process before this one closed a loop and died over the adjustment of the whole map.
@@ -207,14 +207,14 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
   EXPECT_FALSE(service_.OnUpdate(Whole(3, false, 2)).adjustment);
   const auto output = service_.OnKeyframe(KeyframeOf(3));
   ASSERT_TRUE(output.adjustment) << "when all features are there";
-  EXPECT_EQ(Judged(output), Ids{}) << "that is not checked again";
+  EXPECT_EQ(Checked(output), Ids{}) << "that is not checked again";
   EXPECT_EQ(output.adjustment->session, kSession);
   EXPECT_EQ(output.adjustment->session_keyframe_id, 3);
   EXPECT_EQ(output.adjustment->map_source, 2);
   EXPECT_EQ(output.adjustment->keyframes.size(), 4U);
   EXPECT_FALSE(service_.OnUpdate(Update(3, true)).adjustment);
   service_.OnKeyframe(KeyframeOf(4));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(4, false))), Ids{4});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(4, false))), Ids{4});
 }
 
 TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
@@ -227,28 +227,28 @@ TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
   EXPECT_FALSE(service_.OnUpdate(Whole(3, true, 2)).adjustment);
 }
 
-TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllJudged) {
+TEST_F(Service, KeyframesThatCameIntoTheMapTogetherAreAllChecked) {
   for (int64_t id = 0; id < 4; ++id) service_.OnKeyframe(KeyframeOf(id, false));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(3, false))), (Ids{3}));
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(3, false))), (Ids{3}));
   for (int64_t id = 4; id < 7; ++id) service_.OnKeyframe(KeyframeOf(id, false));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(6, false))), (Ids{4, 5, 6}));
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(6, false))), (Ids{4, 5, 6}));
 }
 
 TEST_F(Service, StartedInTheMiddleOfARunItJudgesTheNewest) {
   Update(20, false);
   for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
-  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(21, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
+  EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(21, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(21))), Ids{21});
 }
 
 // loop_process was started again: what other sessions have in the map was checked by the one before.
-TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsJudged) {
+TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsChecked) {
   Update(20, false);
   PutOther(10);
   for (int64_t id = 0; id <= 22; ++id) service_.OnKeyframe(KeyframeOf(id));
   for (int64_t id = 0; id <= 11; ++id) service_.OnKeyframe(OfOther(id));
-  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
+  EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, false, 5))), Ids{20});
   PutOther(11);
   MapUpdate of_other = Update(20, false);
   of_other.session = kSession + 1;
@@ -259,11 +259,11 @@ TEST_F(Service, OfAWholeMapOfSeveralSessionsNothingOldIsJudged) {
 }
 
 // Versions were missed meanwhile: nothing of a session that is known is left out.
-TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsJudged) {
+TEST_F(Service, OfAWholeMapThatWasAskedForAllThatIsNewIsChecked) {
   for (int64_t id = 0; id <= 5; ++id) service_.OnKeyframe(KeyframeOf(id));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   Update(3, false);
-  EXPECT_EQ(Judged(service_.OnUpdate(Whole(3, false, 1))), (Ids{1, 2, 3}));
+  EXPECT_EQ(Checked(service_.OnUpdate(Whole(3, false, 1))), (Ids{1, 2, 3}));
 }
 
 // A robot that is lost brings no keyframes; the one that goes on commits the map for both.
@@ -289,25 +289,25 @@ TEST_F(Service, ANumberThatWasForgedCostsNothing) {
   EXPECT_LE(service_.OnTick().closures.size(), 1U);
 }
 
-TEST_F(Service, WhatIsSettledIsNotJudgedAgain) {
+TEST_F(Service, WhatIsSettledIsNotCheckedAgain) {
   Update(20, false);
   for (int64_t id = 0; id <= 20; ++id) service_.OnKeyframe(KeyframeOf(id));
-  EXPECT_EQ(Judged(service_.OnUpdate(Whole(20, true, 5))), Ids{});
+  EXPECT_EQ(Checked(service_.OnUpdate(Whole(20, true, 5))), Ids{});
 }
 
 TEST_F(Service, ARobotWhoseFeaturesAreLateDoesNotHoldUpTheOthers) {
   service_.OnKeyframe(KeyframeOf(0));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   PutOther(0);
   MapUpdate of_other = Update(0, false);
   of_other.session = kSession + 1;
   service_.OnUpdate(of_other);
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{1});
   EXPECT_EQ(service_.OnKeyframe(OfOther(0)).closures.size(), 1U);
 }
 
-TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {
+TEST_F(Service, AMapThatWasBuiltAnewIsCheckedAnew) {
   for (int64_t id = 0; id < 3; ++id) {
     service_.OnKeyframe(KeyframeOf(id));
     service_.OnUpdate(Update(id, false));
@@ -317,9 +317,9 @@ TEST_F(Service, AMapThatWasBuiltAnewIsJudgedAnew) {
   map_ = Map();
   next_id_ = version_ = 0;
   source_ = 2;
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(0, false))), Ids{0});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(0, false))), Ids{0});
   service_.OnUpdate(Update(0, true));
-  EXPECT_EQ(Judged(service_.OnUpdate(Update(1, false))), Ids{1});
+  EXPECT_EQ(Checked(service_.OnUpdate(Update(1, false))), Ids{1});
 }
 
 TEST_F(Service, AQuestionOfLockstepWaitsForTheSettledMap) {

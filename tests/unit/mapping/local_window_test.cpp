@@ -38,7 +38,7 @@ class Window : public testing::Test {
     ASSERT_TRUE(test::MapOne(keyframe, mapper, &reason)) << reason;
   }
 
-  /// Keyframes that take part around one of the second session, free or held fixed.
+  /// Keyframes that take part around one of the second session, free or constant.
   size_t Around(int64_t session_keyframe_id) const {
     for (const auto& [id, keyframe] : stored_.map.keyframes()) {
       if (keyframe.session != 8 || keyframe.session_keyframe_id != session_keyframe_id) continue;

@@ -113,7 +113,7 @@ TEST(EstimateMotion, AgreesWithSlowTwin) {
   const auto estimate = EstimateMotion(world.points, {}, world.camera, SE3(), std::nullopt, options);
   ASSERT_TRUE(estimate);
   const Vector6d difference = ErrorOf(estimate->T_cur_ref, SlowEstimate(world, options));
-  // A twentieth of the deviation: the iteration stops at a hundredth of it.
+  // A twentieth of the sigma: the iteration stops at a hundredth of it.
   EXPECT_LT(test::ChiSquare(difference, estimate->covariance), 0.05 * 0.05);
 }
 

@@ -97,7 +97,7 @@ TEST(AdjustBundleRelative, TheDefaultNumberOfStepsDoesNearlyAsWell) {
   }
 }
 
-// Two measurements of one motion that differ by 1 cm, of 1 and 2 cm deviation: the mean has weights 4 and 1.
+// Two measurements of one motion that differ by 1 cm, of 1 and 2 cm sigma: the mean has weights 4 and 1.
 TEST(AdjustBundleRelative, MeasurementsCountByTheirCovariances) {
   BundleProblem problem = Strangers(2);
   problem.relative_poses = {Between(0, 1, 0.01), Between(0, 1, 0.02)};

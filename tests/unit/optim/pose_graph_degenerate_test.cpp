@@ -122,8 +122,8 @@ TEST(PoseGraphDegenerate, EachPartHoldsItsFirstPoseUnlessOneIsFixed) {
     ASSERT_TRUE(result.ok) << result.reason;
     const double expected[] = {0.0, 1.0, 20.0, 39.0, 40.0, 19.0, 60.0};
     for (int i = 0; i < 7; ++i) EXPECT_NEAR(result.T_w_kf[i].translation().x(), expected[i], 1e-6) << start << i;
-    for (const int held : {0, 2, 4, 6}) {
-      EXPECT_EQ(result.T_w_kf[held].translation(), graph.poses[held].T_w_kf.translation());
+    for (const int constant : {0, 2, 4, 6}) {
+      EXPECT_EQ(result.T_w_kf[constant].translation(), graph.poses[constant].T_w_kf.translation());
     }
   }
 }

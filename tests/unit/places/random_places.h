@@ -32,13 +32,13 @@ inline std::vector<std::vector<Descriptor>> RandomImages(int images, int descrip
   return all;
 }
 
-inline Vocabulary SmallVocabulary(FeatureType kind) {
+inline Vocabulary SmallVocabulary(FeatureType type) {
   std::mt19937_64 random(5);
   train_vocabulary::TrainingOptions options;
   options.branching = 6;
   options.depth = 3;
   options.min_descriptors = 4;
-  return train_vocabulary::TrainVocabulary(RandomImages(40, 60, random), kind, options);
+  return train_vocabulary::TrainVocabulary(RandomImages(40, 60, random), type, options);
 }
 
 /// Points and lines anywhere in an image, with descriptors like those of `SmallVocabulary`.

@@ -49,7 +49,7 @@ TEST(VocabularyFile, RoundTripKeepsEveryByteAndWord) {
   EXPECT_EQ(ReadText(folder.Path("a")), vocabulary.ToBytes());
   EXPECT_EQ(again.checksum(), vocabulary.checksum());
   EXPECT_EQ(again.checksum().size(), 64U);
-  EXPECT_EQ(again.kind(), FeatureType::kLines);
+  EXPECT_EQ(again.type(), FeatureType::kLines);
   EXPECT_EQ(again.tree().images, 40);
   std::mt19937_64 random(1);
   const auto descriptors = test::RandomDescriptors(100, random);
@@ -75,7 +75,7 @@ TEST(VocabularyFile, WhatIsNoVocabularyIsRefusedInOneSentence) {
 
 TEST(VocabularyFile, NonsenseWithAFittingChecksumIsRefused) {
   const std::string good = test::SmallVocabulary(FeatureType::kPoints).ToBytes();
-  EXPECT_THAT(Objection(Signed(With<uint32_t>(good, 12, 2))), HasSubstr("kind"));
+  EXPECT_THAT(Objection(Signed(With<uint32_t>(good, 12, 2))), HasSubstr("type"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 1))), HasSubstr("node 0 has 1 children"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 200))), HasSubstr("node 0 has 200 children"));
   EXPECT_THAT(Objection(Signed(With<uint8_t>(good, 32, 0))), HasSubstr("has no parent"));
@@ -110,8 +110,8 @@ TEST(DefaultVocabularies, AreSmallAndLoadFast) {
     const Vocabulary points = Vocabulary::Load(config / "orb.vocabulary");
     const Vocabulary lines = Vocabulary::Load(config / "lbd.vocabulary");
     best_s = std::min(best_s, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-    EXPECT_EQ(points.kind(), FeatureType::kPoints);
-    EXPECT_EQ(lines.kind(), FeatureType::kLines);
+    EXPECT_EQ(points.type(), FeatureType::kPoints);
+    EXPECT_EQ(lines.type(), FeatureType::kLines);
     EXPECT_GT(points.words(), 50'000);
     EXPECT_GT(lines.words(), 5'000);
   }

@@ -263,7 +263,8 @@ TEST_F(Python, AListenerHearsEachMessageOnce) {
   bus::Bus bus(options, "vo");
   folder().Write("url", options.url);
   std::atomic<bool> done = false;
-  // The listener begins at some number, and from there on has every one that it is fast enough for: with these few, all.
+  // The listener begins at some number, and from there on has every one that it is fast enough for: with these few,
+  // all.
   std::thread publisher([&] {
     for (int i = 0; !done; ++i) {
       bus.Publish(bus::kPose, PoseNumber(i));

@@ -20,7 +20,7 @@ Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
   return alignment;
 }
 
-// Deviations of points shrink as their sigmas grow.
+// Sigmas of points shrink as their sigmas grow.
 double ScaleAfter(NoiseScale& balance, double ratio, int n_frames) {
   for (int i = 0; i < n_frames; ++i) balance.Observe(Frame(ratio / balance.scale()));
   return balance.scale();

@@ -38,9 +38,9 @@
 //
 // What is covered: each trouble of `AllTroubles` in turn, one for each run, at moments that are spread evenly from
 // the start of `plslam` to just behind its end,
-//  * in lockstep, over 120 frames: a run that is completed has the bits of an undisturbed one (11 moments, 200 in the
-// soak);  * live, over a minute (1200 frames, 20 a second): a run that is completed has all frames, and follows the
-// truth (200    moments, in the soak alone);
+//  * in lockstep, over 120 frames: a run that is completed has the bits of an undisturbed one (11 moments, 200 in the soak);
+//  * live, over a minute (1200 frames, 20 a second): a run that is completed has all frames, and follows the truth (200
+//    moments, in the soak alone);
 //  * and a disk that gets full, in lockstep (2 moments, 50 in the soak).
 // Several runs go side by side, each in a folder and on a port of its own: those of a minute take 200 x 40 s / 6 = 22
 // minutes. Kills one after another in one run are those of kill_test.cpp.

@@ -27,7 +27,7 @@ double Quantile(std::vector<double> values, double share) {
 }
 
 /// Least squares of offset, roll and scale, in which what is far from the rest hardly counts (Cauchy weights with the
-/// scale of the median sigma, not below a fifth of a pixel).
+/// scale of the median deviation, not below a fifth of a pixel).
 Eigen::Vector3d FitRows(const std::vector<RowMatch>& matches, const StereoCamera& camera) {
   Eigen::Vector3d fit = Eigen::Vector3d::Zero();
   std::vector<double> errors;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/process/process.h"
+#include "core/run/process_names.h"
 #include "player/command_line.h"
 #include "player/node/player_node.h"
 
 int main(int argc, char** argv) {
   plslam::player::PlayerCommandLine command_line;
   plslam::bus::ProcessSpec spec;
-  spec.name = "player";
+  spec.name = process_name::kPlayer;
   spec.description = "Plays a stereo or RGB-D dataset, or a built-in world, onto the bus.";
   spec.examples =
       "  player /data/kitti/03\n"

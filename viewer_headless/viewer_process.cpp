@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "core/run/process_names.h"
 #include "viewer_headless/node/viewer_node.h"
 
 namespace plslam::viewer {
@@ -21,7 +22,7 @@ bus::ProcessSpec ViewerProcess() {
   };
   const auto arguments = std::make_shared<Arguments>();
   bus::ProcessSpec spec;
-  spec.name = "viewer";
+  spec.name = process_name::kViewer;
   spec.description =
       "Listens to a run; writes trajectories, tables, pictures and a report. Never needed by the others.";
   spec.examples =

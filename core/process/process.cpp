@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "core/process/process_impl.h"
+#include "core/run/process_names.h"
 
 namespace plslam::bus {
 
@@ -45,7 +46,8 @@ void ProcessTerminal::Tell(const std::string& words) {
 void ProcessTerminal::TellState(const std::string& state, const std::string& reason) {
   const std::scoped_lock lock(mutex_);
   const bool news = state != state_ || (reason_.empty() && !reason.empty());
-  const bool told_elsewhere = state == "ready" || state == "stopping" || state == "failed";
+  const bool told_elsewhere =
+      state == process_state::kReady || state == process_state::kStopping || state == process_state::kFailed;
   if (state != state_) reason_.clear();
   if (!reason.empty()) reason_ = reason;
   state_ = state;

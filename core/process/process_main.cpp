@@ -15,6 +15,7 @@
 #include "core/process/process_impl.h"
 #include "core/process/process_signals.h"
 #include "core/process/process_usage.h"
+#include "core/run/process_names.h"
 
 namespace plslam::bus {
 
@@ -68,10 +69,10 @@ class ProcessRunner {
     } unset{this};
     if (!SetRunning(&process)) return 0;
     std::shared_ptr<void> node = spec_.make_node(process, config);
-    if (process.impl_->status.state() == "starting") process.SetState("ready");
+    if (process.impl_->status.state() == process_state::kStarting) process.SetState(process_state::kReady);
     TellReady(process);
     process.bus().Run();
-    process.SetState("stopping");
+    process.SetState(process_state::kStopping);
     node.reset();
     if (process.impl_->finished) process.bus().Flush(std::chrono::milliseconds(1000));
     process.impl_->terminal.Tell("ended" + ResultsOf(process));
@@ -103,7 +104,7 @@ class ProcessRunner {
     const std::string line = OneLine(what);
     PrintError(fmt::format("{}: error: {}", spec_.name, line));
     try {
-      if (process) process->SetState("failed", line);
+      if (process) process->SetState(process_state::kFailed, line);
     } catch (const std::exception& error) {
       PrintError(fmt::format("{}: error: the failure could not be told: {}", spec_.name, OneLine(error.what())));
     }

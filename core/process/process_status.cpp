@@ -10,6 +10,7 @@
 #include "core/config/config.h"
 #include "core/errors/error_text.h"
 #include "core/process/process_usage.h"
+#include "core/run/process_names.h"
 #include "plslam/status_t.hpp"
 
 namespace plslam::bus {
@@ -56,7 +57,7 @@ void StatusPublisher::OnStatus(const status_t& other) {
   const auto now = std::chrono::steady_clock::now();
   if (namesakes_.size() >= kMaxNamesakes) namesakes_.clear();
   const auto first = namesakes_.try_emplace(other.header.source, now).first->second;
-  if (now - first < kApart || other.state == "stopping") return;
+  if (now - first < kApart || other.state == process_state::kStopping) return;
   told_of_namesake_ = true;
   const std::string told =
       fmt::format("another {} runs on this bus: process {} on {}", process_, other.pid, other.host);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/bus/bus.h"
+#include "core/run/process_names.h"
 
 namespace plslam {
 class status_t;
@@ -50,7 +51,7 @@ class StatusPublisher {
   bool told_of_namesake_ = false;
 
   mutable std::mutex mutex_;  // guards what follows, and keeps states in order on the wire
-  std::string state_ = "starting";
+  std::string state_ = process_state::kStarting;
   std::string reason_;
   std::string configuration_;
   std::map<std::string, double> counters_;

@@ -10,6 +10,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
+#include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
 
@@ -143,7 +144,7 @@ void LoopNode::Send(LoopService::Output output) {
 }
 
 void LoopNode::Count(const LoopClosure& closure) {
-  if (closure.session_keyframe_id == 0) process_.SetState("running");
+  if (closure.session_keyframe_id == 0) process_.SetState(process_state::kRunning);
   process_.SetCounter("loop.keyframes", static_cast<double>(service_->replica().map().keyframes().size()));
   process_.SetCounter("loop.detect_ms", closure.detect_ms);
   if (closure.kind != LoopClosure::Kind::kLoop) return;
@@ -192,7 +193,7 @@ void LoopNode::CountFailure(const std::string& failure) {
 
 bus::ProcessSpec LoopSpec() {
   bus::ProcessSpec spec;
-  spec.name = "loop";
+  spec.name = process_name::kLoop;
   spec.description = "Recognises places with points and lines, corrects the map, and finds lost trackers again.";
   spec.examples =
       "  loop_process\n"

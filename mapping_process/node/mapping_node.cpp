@@ -15,6 +15,7 @@
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
 #include "core/process/process_usage.h"
+#include "core/run/process_names.h"
 #include "mapping_process/corrections/closure_check.h"
 #include "mapping_process/node/keyframe_queue.h"
 #include "plslam/command_t.hpp"
@@ -110,7 +111,7 @@ void MappingNode::OnClosure(const LoopClosure& closure) {
 }
 
 void MappingNode::OnStatus(const status_t& message) {
-  if (message.process != "loop") return;
+  if (message.process != process_name::kLoop) return;
   const std::lock_guard lock(mutex_);
   queue_.OnSignOfLife(bus::NowS());
 }
@@ -124,7 +125,7 @@ void MappingNode::OnTick() {
 
 void MappingNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
-  if (!ours || message.verb != "save") return;
+  if (!ours || message.verb != command_verb::kSave) return;
   // The worker waits until then, and whoever asks should not.
   if (!camera_)
     return TellOfSave(message.argument + ": is not written: no camera has been heard of, so there is no map");
@@ -154,7 +155,7 @@ void MappingNode::BeginMap() {
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Commit();
   PublishWhole();
-  process_.SetState("running");
+  process_.SetState(process_state::kRunning);
   TellOfMap(options_.map_file);
 }
 
@@ -163,7 +164,7 @@ void MappingNode::GoOnFromState() {
   const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored);
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
-  process_.SetState("running");
+  process_.SetState(process_state::kRunning);
   PublishStored(keyframes);
   TellOfMap(options_.state_file);
 }
@@ -306,7 +307,7 @@ void MappingNode::Publish(Stages stage_ms) {
   update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
-  if (update.version == 1) process_.SetState("running");
+  if (update.version == 1) process_.SetState(process_state::kRunning);
   CountMap();
 }
 
@@ -392,7 +393,7 @@ void MappingNode::KeepState() {
 
 bus::ProcessSpec MappingSpec() {
   bus::ProcessSpec spec;
-  spec.name = "mapping";
+  spec.name = process_name::kMapping;
   spec.description = "The map of points and lines: keyframes in, updates of the map out.";
   spec.examples =
       "  mapping_process\n"

@@ -13,6 +13,7 @@
 #include "core/bus/run_loop.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
+#include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/command_t.hpp"
@@ -123,7 +124,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   }
   PublishRig();
   process_.bus().Every(kRigPeriod, [this] { PublishRig(); });
-  process_.SetState("ready");
+  process_.SetState(process_state::kReady);
   sender_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { SendAll(); }); });
 }
 
@@ -137,7 +138,7 @@ PlayerNode::~PlayerNode() {
 }
 
 void PlayerNode::OnCommand(const command_t& command) {
-  if (command.target != process_.name() || command.verb != "go_back") return;
+  if (command.target != process_.name() || command.verb != command_verb::kGoBack) return;
   const size_t space = command.argument.find(' ');
   // What was meant for the player before this one has been done, or is said anew.
   if (command.argument.substr(0, space) != std::to_string(process_.bus().source())) return;
@@ -226,7 +227,8 @@ bool PlayerNode::WaitForReaders(bool silent_too) {
 /// Behind the end frames may be wanted again, too, for as long as the process is there.
 bool PlayerNode::IsGoneBack() {
   if (WaitForReaders()) {
-    process_.SetState("finished", fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
+    process_.SetState(process_state::kFinished,
+                      fmt::format("{} frames sent, {} bad, {} late", n_sent_, n_bad_, n_late_));
     if (options_.exit && WaitForReaders(true)) process_.Finish();
     running_ = false;
     while (!turn_.stopped() && !turn_.WaitForGoBack(kWaitingTick)) {
@@ -241,7 +243,7 @@ PlayerNode::Sent PlayerNode::Send(const LoadedFrame& frame) {
   PublishTruth(frame);
   publisher_.Publish(frame.images);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
-  if (!std::exchange(running_, true)) process_.SetState("running");
+  if (!std::exchange(running_, true)) process_.SetState(process_state::kRunning);
   return pace_.lockstep ? WaitForPose(frame) : Sent::kAnswered;
 }
 
@@ -253,7 +255,7 @@ PlayerNode::Sent PlayerNode::WaitForPose(const LoadedFrame& frame) {
     if (event == Turn::Event::kStopped) return Sent::kStopped;
     if (event == Turn::Event::kGoBack) return Sent::kGoBack;
     if (event == Turn::Event::kPose) {
-      if (waiting) process_.SetState("running");
+      if (waiting) process_.SetState(process_state::kRunning);
       return Sent::kAnswered;
     }
     if (event == Turn::Event::kNewReader) {
@@ -263,7 +265,8 @@ PlayerNode::Sent PlayerNode::WaitForPose(const LoadedFrame& frame) {
       ticks_to_resend = ticks_of_doubt;
     }
     if (!std::exchange(waiting, true)) {
-      process_.SetState("running", fmt::format("waiting for the pose of frame {}", frame.images.frame_id));
+      process_.SetState(process_state::kRunning,
+                        fmt::format("waiting for the pose of frame {}", frame.images.frame_id));
     }
   }
 }

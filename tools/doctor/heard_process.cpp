@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/doctor/heard_process.h"
+#include "core/run/process_names.h"
 
 #include <cmath>
 #include <set>
@@ -54,7 +55,7 @@ void CheckVersion(const HeardProcess& p, const OwnSide& own, Findings* findings)
 }
 
 void CheckHealth(const HeardProcess& p, const OwnSide& own, Findings* findings) {
-  if (p.state == "failed") {
+  if (p.state == process_state::kFailed) {
     findings->push_back(Problem("process", fmt::format("{} has failed: {}", NameOf(p), p.reason),
                                 "systemctl status 'plslam-*'   # or its log in OUT/logs"));
   } else if (!p.reason.empty() && Count(p, "bus.rejected") > 0) {

@@ -15,6 +15,7 @@
 #include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 #include "core/process/process_status.h"
+#include "core/run/process_names.h"
 #include "tools/plslam/all_options.h"
 #include "tools/plslam/node/save_node.h"
 #include "tools/plslam/process_table.h"
@@ -153,7 +154,7 @@ int Record(const RecordOptions& options) {
     running = &recorder;
     if (interrupted) return 0;
   }
-  status.SetState("ready");
+  status.SetState(process_state::kReady);
   const auto end = [&](const char* state, const std::string& reason) {
     {
       const std::scoped_lock lock(mutex);

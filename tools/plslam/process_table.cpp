@@ -4,15 +4,19 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "core/run/process_names.h"
+
 namespace plslam::launcher {
 namespace {
 
 using Arguments = std::vector<std::string>;
 
-constexpr const char* kPlayer = "player";
 constexpr const char* kRecorder = "recorder";
-constexpr const char* kVo = "vo";
-constexpr const char* kMapping = "mapping";
+using process_name::kLoop;
+using process_name::kMapping;
+using process_name::kPlayer;
+using process_name::kViewer;
+using process_name::kVo;
 
 bool Always(const RunOptions&) { return true; }
 bool WithMap(const RunOptions& options) { return !options.no_mapping; }
@@ -45,7 +49,7 @@ class Settings {
 };
 
 Arguments ViewerArguments(const RunOptions& options) {
-  Settings settings("viewer");
+  Settings settings(kViewer);
   settings.Add("out", std::filesystem::absolute(options.out).string());
   settings.Add("overlay_every", options.overlay_every);
   settings.Add("serve", options.serve);
@@ -82,14 +86,14 @@ constexpr Niceness kDrawsPictures{5, 10};
 Arguments NoArguments(const RunOptions&) { return {}; }
 
 Arguments PlayerArguments(const RunOptions& options) {
-  Settings settings("player");
+  Settings settings(kPlayer);
   settings.Add("dataset", options.dataset);
   settings.Add("kind", options.kind);
   settings.Add("pace", options.pace);
   settings.Add("start", options.start);
   settings.Add("stop", options.stop);
   settings.Add("stride", options.stride);
-  settings.Add("loop", options.loop);
+  settings.Add(kLoop, options.loop);
   settings.Add("bounce", options.bounce);
   settings.Add("skip_bad", options.skip_bad);
   return settings.Take();
@@ -111,11 +115,11 @@ Arguments CommonArguments(const RunOptions& options) {
 constexpr ProcessRow kTable[] = {
     {kRecorder, "plslam", "writes all traffic to an LCM event log (--record)", Supervisor::Ending::kWritesAtTheEnd,
      false, Recorded, kFirst, RecorderArguments},
-    {"viewer", "viewer_headless", "progress, trajectories, map file and pictures",
-     Supervisor::Ending::kWritesAtTheEnd, false, Always, kDrawsPictures, ViewerArguments},
+    {kViewer, "viewer_headless", "progress, trajectories, map file and pictures", Supervisor::Ending::kWritesAtTheEnd,
+     false, Always, kDrawsPictures, ViewerArguments},
     {kMapping, "mapping_process", "the map: keyframes, points and lines, adjusted", Supervisor::Ending::kRestart,
      false, OwnMap, kFirst, MappingArguments},
-    {"loop", "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
+    {kLoop, "loop_process", "places seen before: closes loops, finds lost trackers", Supervisor::Ending::kRestart,
      false, OwnLoops, kStandsBack, NoArguments},
     {kVo, "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      kFirstWhenLive, VoArguments},

@@ -10,6 +10,7 @@
 #include "core/bus/run_loop.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/shared_file.h"
+#include "core/run/process_names.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/run_checks.h"
 
@@ -73,7 +74,7 @@ void RunSession::Run() {
 }
 
 void RunSession::RemoveStates() const {
-  for (const std::string process : {"vo", "mapping"}) {
+  for (const std::string process : {process_name::kVo, process_name::kMapping}) {
     const std::filesystem::path file = StateFileOf(options_, process);
     std::filesystem::remove(file);
     // Of one that was killed while it wrote.
@@ -89,7 +90,7 @@ void RunSession::Interrupt() {
     TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
     if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : "interrupted");
     if (phase_ != Phase::kPlaying) return;
-    supervisor_.Interrupt("player");
+    supervisor_.Interrupt(process_name::kPlayer);
     EndPlaying(Phase::kDraining, Clock::now());
   });
 }
@@ -131,7 +132,7 @@ void RunSession::Tick() {
 void RunSession::TellReadiness(Clock::time_point now) {
   for (const ProcessReport& report : supervisor_.reports()) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
-    if (state == "ready" || state == "running") supervisor_.SetReady(report.name, now);
+    if (state == process_state::kReady || state == process_state::kRunning) supervisor_.SetReady(report.name, now);
   }
 }
 
@@ -139,20 +140,21 @@ bool RunSession::AllReady() const {
   const auto reports = supervisor_.reports();
   return std::all_of(reports.begin(), reports.end(), [&](const ProcessReport& report) {
     const std::string state = monitor_.StateOf(supervisor_.pid(report.name));
-    return state == "ready" || state == "running";
+    return state == process_state::kReady || state == process_state::kRunning;
   });
 }
 
 bool RunSession::HearsSharedMap() const {
   const bool shared = !options_.map_prefix.empty() && !options_.no_mapping;
-  return !shared || monitor_.Hears("mapping");
+  return !shared || monitor_.Hears(process_name::kMapping);
 }
 
 /// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the
 /// folder.
 void RunSession::CheckAccepted() {
-  const std::string player = monitor_.StateOf(supervisor_.pid("player"));
-  const bool plays = player == "ready" || player == "running" || player == "finished";
+  const std::string player = monitor_.StateOf(supervisor_.pid(process_name::kPlayer));
+  const bool plays =
+      player == process_state::kReady || player == process_state::kRunning || player == process_state::kFinished;
   if (!plays && monitor_.statistics().frames().answered() == 0) return;
   accepted_ = true;
   RemoveOldOutputs(options_, files_began_);
@@ -164,11 +166,12 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image says that the stream ends there: what came before is handled as always.
   const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
-  if (supervisor_.failed() == "player" && monitor_.statistics().frames().answered() > 0 && goes_on) return;
-  if (!lacks_map_ || supervisor_.failed() == "mapping") return BeginStop("");
+  if (supervisor_.failed() == process_name::kPlayer && monitor_.statistics().frames().answered() > 0 && goes_on)
+    return;
+  if (!lacks_map_ || supervisor_.failed() == process_name::kMapping) return BeginStop("");
   if (phase_ == Phase::kSaving) return;
   // What there is, before the end of the stream.
-  supervisor_.Interrupt("player");
+  supervisor_.Interrupt(process_name::kPlayer);
   EndPlaying(Phase::kSaving, now);
 }
 
@@ -195,26 +198,28 @@ void RunSession::CheckStarted(Clock::time_point now) {
 
 void RunSession::CheckPlayed(Clock::time_point now) {
   if (ViewerIsDone()) return EndPlaying(Phase::kDraining, now);
-  const std::string stall = stall_watch_.Look(monitor_.Signs(supervisor_.pid("viewer"), bus::NowS()), now);
+  const std::string stall =
+      stall_watch_.Look(monitor_.Signs(supervisor_.pid(process_name::kViewer), bus::NowS()), now);
   if (!stall.empty()) BeginStop(fmt::format("{}; see {}", stall, (options_.out / "logs").string()));
 }
 
 /// It has written what it could. One that could not deliver everything says so, with its exit code, when it is
 /// stopped.
 bool RunSession::ViewerIsDone() const {
-  const std::string state = monitor_.StateOf(supervisor_.pid("viewer"));
-  return state == "finished" || state == "failed";
+  const std::string state = monitor_.StateOf(supervisor_.pid(process_name::kViewer));
+  return state == process_state::kFinished || state == process_state::kFailed;
 }
 
 /// It must not write less than was answered. One that has been started again hears once more what was said before;
 /// any other may be behind on a busy machine.
 bool RunSession::ViewerHasCaughtUp() const {
-  return monitor_.FramesOf(supervisor_.pid("viewer")) >= monitor_.statistics().frames().answered();
+  return monitor_.FramesOf(supervisor_.pid(process_name::kViewer)) >= monitor_.statistics().frames().answered();
 }
 
 /// One that has been started again has none before it has heard the first keyframe once more.
 bool RunSession::MapperHasMap() const {
-  return monitor_.statistics().keyframes() == 0 || monitor_.StateOf(supervisor_.pid("mapping")) == "running";
+  return monitor_.statistics().keyframes() == 0 ||
+         monitor_.StateOf(supervisor_.pid(process_name::kMapping)) == process_state::kRunning;
 }
 
 void RunSession::CheckDrained(Clock::time_point now) {

@@ -14,6 +14,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/process/process_status.h"
+#include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "plslam/ground_truth_t.hpp"
 #include "viewer_headless/node/message_values.h"
@@ -133,16 +134,16 @@ void ViewerNode::OnPose(const pose_t& message) {
   const std::optional<FramePose> pose = ToFramePose(message);
   const size_t frames = recorder_.frames().size();
   if (!pose || !recorder_.AddPose(*pose)) return Reject();
-  if (recorder_.frames().size() == 1) process_.SetState("running");
+  if (recorder_.frames().size() == 1) process_.SetState(process_state::kRunning);
   dirty_ = true;
   quiet_ticks_ = 0;
   if (recorder_.frames().size() > frames) pictures_->AddPose(*pose);
 }
 
 void ViewerNode::OnStatus(const status_t& message) {
-  if (message.process == "vo") vo_finished_ = message.state == "finished";
-  if (message.process == "mapping") mapping_heard_ = true;
-  if (message.process == "player") {
+  if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
+  if (message.process == process_name::kMapping) mapping_heard_ = true;
+  if (message.process == process_name::kPlayer) {
     recorder_.SetSent(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
                       static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }
@@ -159,7 +160,7 @@ void ViewerNode::OnMap(const MapUpdate& update) {
 
 void ViewerNode::OnCommand(const command_t& message) {
   const bool ours = message.target == process_.name() || message.target == "*";
-  if (!ours || message.verb != "finish") return;
+  if (!ours || message.verb != command_verb::kFinish) return;
   if (dirty_) Write(false);
   process_.Finish();
 }
@@ -169,7 +170,7 @@ void ViewerNode::OnTick() {
   // One quiet tick: the true poses of the last frames may come after their estimates.
   if (dirty_ && ++quiet_ticks_ > 1 && RunIsOver()) {
     Write(true);
-    if (failure_.empty()) process_.SetState("finished", "files in " + options_.out);
+    if (failure_.empty()) process_.SetState(process_state::kFinished, "files in " + options_.out);
   }
 }
 
@@ -225,7 +226,7 @@ void ViewerNode::SetFailures(const std::vector<std::string>& failures) {
   for (const std::string& failure : failures) spdlog::error("{}", failure);
   failure_ = failures.empty() ? "" : failures.front();
   if (failures.size() > 1) failure_ += fmt::format(" (and {} more, in the log)", failures.size() - 1);
-  if (!failure_.empty()) process_.SetState("failed", failure_);
+  if (!failure_.empty()) process_.SetState(process_state::kFailed, failure_);
 }
 
 void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }

@@ -19,6 +19,7 @@
 #include "core/bus/transport/wire.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/archive.h"
+#include "core/run/process_names.h"
 #include "core/run/run_warnings.h"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
@@ -93,7 +94,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     front_end_.emplace(rig, options_);
   } catch (const std::exception& error) {
     front_end_.reset();
-    process_.SetState("failed", error.what());
+    process_.SetState(process_state::kFailed, error.what());
     throw;
   }
   if (rig_) {
@@ -163,9 +164,9 @@ void VoNode::EndWaits() {
 
 void VoNode::OnStatus(const status_t& message) {
   const double now_s = bus::NowS();
-  if (message.process == "player") player_ = message.header.source;
-  if (message.process == "mapping" && map_) map_->wait().OnSignOfLife(now_s);
-  if (message.process == "loop") relocalisation_.OnLoopProcess(message.header.source, now_s);
+  if (message.process == process_name::kPlayer) player_ = message.header.source;
+  if (message.process == process_name::kMapping && map_) map_->wait().OnSignOfLife(now_s);
+  if (message.process == process_name::kLoop) relocalisation_.OnLoopProcess(message.header.source, now_s);
 }
 
 void VoNode::OnStream(const stream_t& message) {
@@ -252,7 +253,7 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) MakeKeyframe(frame, result, requests);
   if (requests) RequestRelocalisation(frame, result);
   session_.follows_keyframe = result.keyframe && !requests;
-  SetState("running");
+  SetState(process_state::kRunning);
   Count("frames", 1);
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
@@ -549,8 +550,8 @@ bool VoNode::LacksFramesBefore(const Frame& frame) const {
 void VoNode::AskForFrames() {
   if (!frames_asked_s_) frames_asked_s_ = bus::NowS();
   command_t command{};
-  command.target = "player";
-  command.verb = "go_back";
+  command.target = process_name::kPlayer;
+  command.verb = command_verb::kGoBack;
   command.argument = fmt::format("{} {}@{}", player_, session_.last_frame_id, session_.last_t_ns);
   process_.bus().Publish(bus::kCommand, command);
 }
@@ -570,7 +571,7 @@ void VoNode::Count(const std::string& name, double increment) {
 }
 
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) SetState("finished");
+  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) SetState(process_state::kFinished);
 }
 
 void VoNode::SetState(const std::string& state) {
@@ -580,7 +581,7 @@ void VoNode::SetState(const std::string& state) {
 
 bus::ProcessSpec VoSpec() {
   bus::ProcessSpec spec;
-  spec.name = "vo";
+  spec.name = process_name::kVo;
   spec.description = "Stereo odometry with points and lines: frames in, poses and keyframes out.";
   spec.examples =
       "  vo_process\n"

@@ -51,7 +51,7 @@ const std::vector<Arrow> kArrows = {
      {"lcmtypes/", "core/geometry/", "core/config/", "core/io/", "core/map/", "core/features/features.h"}},
     {"core/run/", {}},
     {"core/bus/transport/", {"lcmtypes/", "core/config/", "core/bus/options.h"}},
-    {"core/process/", {"core/bus/", "core/config/", "lcmtypes/"}},
+    {"core/process/", {"core/bus/", "core/config/", "core/run/process_names.h", "lcmtypes/"}},
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},
     {"core/datasets/mcap/", {"core/geometry/", "core/io/", "core/datasets/"}},
     {"core/datasets/synthetic/", {"core/geometry/", "core/io/", "core/datasets/dataset.h"}},

@@ -9,6 +9,7 @@
 #include "core/bus/run_loop.h"
 #include "core/process/process_status.h"
 #include "core/process/process_usage.h"
+#include "core/run/process_names.h"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
 #include "plslam/map_update_t.hpp"
@@ -90,7 +91,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 }
 
 void MonitorNode::OnStatus(const status_t& message) {
-  if (message.process == "player") {
+  if (message.process == process_name::kPlayer) {
     player_heard_s_ = bus::NowS();
     sent_.OnStatus(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
                    static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
@@ -156,7 +157,7 @@ Lag MonitorNode::LagAt(double now_s) const {
   for (const auto& [process, status] : processes_) {
     const double silent_s = now_s - status.heard_s;
     // One that has died has said nothing for long; the one in its place speaks for it.
-    if (silent_s > kDead_s || status.state == "stopping") continue;
+    if (silent_s > kDead_s || status.state == process_state::kStopping) continue;
     if (silent_s > kSilent_s)
       return {fmt::format("{}: silent for {:.0f} s", status.process, silent_s), longest_queue_};
     if (status.queue < furthest) continue;

@@ -7,6 +7,7 @@
 
 #include "core/bus/transport/transport.h"
 #include "core/process/process_status.h"
+#include "core/run/process_names.h"
 #include "plslam/command_t.hpp"
 #include "plslam/status_t.hpp"
 
@@ -45,8 +46,8 @@ void SaveNode::OnStatus(const status_t& message) {
 void SaveNode::Send(const std::filesystem::path& path) {
   if (std::exchange(sent_, true)) return;
   command_t command{};
-  command.target = "mapping";
-  command.verb = "save";
+  command.target = process_name::kMapping;
+  command.verb = command_verb::kSave;
   command.argument = path.string();
   bus_.Publish(bus::kCommand, command);
 }

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace plslam {
+
+/// What processes call themselves in `status_t.process` and `command_t.target`.
+namespace process_name {
+inline constexpr const char* kPlayer = "player";
+inline constexpr const char* kVo = "vo";
+inline constexpr const char* kMapping = "mapping";
+inline constexpr const char* kLoop = "loop";
+inline constexpr const char* kViewer = "viewer";
+inline constexpr std::array kAll = {kPlayer, kVo, kMapping, kLoop, kViewer};
+}  // namespace process_name
+
+/// `status_t.state`, in the order in which a process goes through them; failed from anywhere.
+namespace process_state {
+inline constexpr const char* kStarting = "starting";
+inline constexpr const char* kReady = "ready";
+inline constexpr const char* kRunning = "running";
+inline constexpr const char* kFinished = "finished";  ///< end of stream handled, outputs written
+inline constexpr const char* kStopping = "stopping";
+inline constexpr const char* kFailed = "failed";
+inline constexpr std::array kAll = {kStarting, kReady, kRunning, kFinished, kStopping, kFailed};
+}  // namespace process_state
+
+/// `command_t.verb`; lcmtypes/command_t.lcm says what each does.
+namespace command_verb {
+inline constexpr const char* kFinish = "finish";
+inline constexpr const char* kSave = "save";
+inline constexpr const char* kGoBack = "go_back";
+inline constexpr std::array kAll = {kFinish, kSave, kGoBack};
+}  // namespace command_verb
+
+}  // namespace plslam

@@ -11,7 +11,9 @@ constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 3, "stat
 
 }  // namespace
 
-namespace archive {
+}  // namespace plslam::mapping
+
+namespace plslam::archive {
 
 template <class Archive, Is<AdjustmentFigures> T>
 void Fields(Archive& a, T& f) {
@@ -20,12 +22,14 @@ void Fields(Archive& a, T& f) {
 }
 
 /// All but the map, whose bytes are those of a map file.
-template <class Archive, Is<MapperState> T>
+template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version);
 }
 
-}  // namespace archive
+}  // namespace plslam::archive
+
+namespace plslam::mapping {
 
 std::vector<uint8_t> EncodeState(const MapperState& state) {
   return archive::ToBytes(EncodeMap(state.stored), state);

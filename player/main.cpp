@@ -7,7 +7,7 @@
 int main(int argc, char** argv) {
   plslam::player::PlayerCommandLine command_line;
   plslam::bus::ProcessSpec spec;
-  spec.name = process_name::kPlayer;
+  spec.name = plslam::process_name::kPlayer;
   spec.description = "Plays a stereo or RGB-D dataset, or a built-in world, onto the bus.";
   spec.examples =
       "  player /data/kitti/03\n"

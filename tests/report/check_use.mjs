@@ -141,6 +141,14 @@ async function checkPick(page) {
   const text = await page.text("#picked");
   check.that(text.includes(`Point ${id}`) && text.includes(`${observations} keyframes`) && /sigma[<.\d ]+ ?[ckm]?m/.test(text), `its box: '${text}'`);
   check.that(await browser.run("return plslam.view.parts.selection.frusta.visible"), "whose keyframes are marked");
+  const wanted = await browser.run(`
+    const { run, view } = plslam;
+    const [a, b] = [run.map.points.p.subarray(3 * arguments[0]), run.map.keyframes.p];
+    view.parts.selection.measureTo(run, { type: "keyframes", row: 0 });
+    return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);`, point);
+  const measured = await page.text("#picked");
+  check.that(measured.includes("distance") && measured.includes("to keyframe 0"), `with the shift key the distance (${wanted.toFixed(2)} m): '${measured}'`);
+  check.that(await browser.run("return plslam.view.parts.selection.measure.visible"), "and a line");
   await browser.key("Escape");
   await browser.until("return document.getElementById('picked').hidden", "no box");
   const keyframe = await clickOn(page, "keyframes");
@@ -154,6 +162,21 @@ async function checkPick(page) {
     view.parts.selection.choose(run, { type: "points", row: arguments[0] });`, point);
   check.that((await page.text("#picked")).includes("not stored") && (await browser.run(rays)) === 0, "what a long run leaves out is said");
   await browser.key("Escape");
+}
+
+/** The address says what is looked at, and leads there again. */
+async function checkAddress() {
+  await browser.run("plslam.replay.go(7); document.getElementById('view-top').click()");
+  await browser.until("return location.hash.includes('frame=')", "the view in the address");
+  await browser.until("return location.hash.startsWith('#frame=' + plslam.run.frames.id[7] + '&')", "with the frame");
+  const [hash, ...eye] = await browser.run("return [location.hash, ...plslam.view.camera.position.toArray()]");
+  await browser.run("document.getElementById('view-all').click(); plslam.replay.go(2)");
+  await browser.run("history.replaceState(null, '', arguments[0]); window.dispatchEvent(new Event('hashchange'))", hash);
+  const [row, ...again] = await browser.run("return [plslam.replay.row, ...plslam.view.camera.position.toArray()]");
+  const off = Math.max(...eye.map((x, k) => Math.abs(x - again[k])));
+  check.that(row === 7 && off < 1e-3 * (1 + Math.hypot(...eye)), `the address '${hash}' leads back (row ${row}, eye ${off} m off)`);
+  await browser.run("history.replaceState(null, '', '#frame=x&eye=1,2&target='); window.dispatchEvent(new Event('hashchange'))");
+  check.that((await browser.run("return plslam.replay.row")) === 7, "nonsense in the address changes nothing");
 }
 
 async function checkKeys() {
@@ -183,5 +206,6 @@ await runChecks(check, browser, async (page) => {
   await checkStrength(page);
   await checkPick(page);
   await checkZoom(page);
+  await checkAddress();
   await checkKeys();
 });

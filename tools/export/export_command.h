@@ -3,11 +3,9 @@
 
 #include <functional>
 
-namespace CLI {}
-
-namespace plslam {
+namespace CLI {
 class App;
-}  // namespace plslam
+}
 
 namespace plslam::exports {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of a run: puts the data in, and wires the parts to each other.
+import { Address } from "./address.js";
 import { embeddedData, Run } from "./data.js";
 import { byId, element } from "./element.js";
 import { count, metres } from "./format.js";
@@ -78,7 +79,8 @@ function chooseStrength() {
   view?.setRow(replay.row);
 }
 
-/** A click that is no drag shows what stands there and who observes it. */
+/** A click that is no drag shows what stands there and who observes it; with the shift key, how far that is from what was
+ * clicked before. */
 function makePicking() {
   const canvas = byId("map");
   let down = null;
@@ -91,7 +93,10 @@ function makePicking() {
   canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
   canvas.addEventListener("click", (event) => {
     if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-    choose(view.picker.pick(event.offsetX, event.offsetY));
+    const picked = view.picker.pick(event.offsetX, event.offsetY);
+    if (!event.shiftKey || !view.parts.selection.picked) return choose(picked);
+    view.parts.selection.measureTo(run, picked);
+    view.invalidate();
   });
   document.addEventListener("keydown", (event) => event.key === "Escape" && choose(null));
 }
@@ -152,6 +157,11 @@ byId("fly").addEventListener("click", () => {
 });
 if (view) makePicking();
 makeKeys();
+const address = new Address(view, replay);
+view?.controls.addEventListener("end", () => address.write());
+for (const id of ["time", "play", "view-all", "view-top", "fly"]) {
+  for (const event of ["change", "click"]) byId(id).addEventListener(event, () => address.write());
+}
 new ResizeObserver(() => picture.draw()).observe(byId("picture"));
 byId("map").addEventListener("pointerdown", () => view && (view.pristine = false));
 byId("map").addEventListener("wheel", () => view && (view.pristine = false), { passive: true });
@@ -159,6 +169,7 @@ byId("map").addEventListener("wheel", () => view && (view.pristine = false), { p
 const data = embeddedData();
 if (data) {
   update(run.take(data), null);
+  address.read();
 } else {
   let state = "live";
   follow(run, (changed) => update(changed, state), (now) => {

@@ -150,6 +150,16 @@ export class MapView {
     this.invalidate();
   }
 
+  /** Puts the eye and what it looks at where they are given, in the scene's coordinates. */
+  lookFrom(eye, target) {
+    this.camera.position.copy(eye);
+    this.controls.target.copy(target);
+    this.camera.up.set(0, 1, 0);
+    this.controls.update();
+    this.pristine = false;
+    this.invalidate();
+  }
+
   setFlying(flying) {
     this.flying = flying;
     this.controls.enabled = !flying;

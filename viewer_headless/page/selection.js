@@ -66,6 +66,7 @@ export class Selection {
   constructor(world) {
     this.rays = new FatLine(world, "picked", 1.2, { opacity: 0.55, order: 7 });
     this.mark = new FatLine(world, "picked", 6, { order: 9 });
+    this.measure = new FatLine(world, "picked", 2.4, { order: 9 });
     this.frusta = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ depthTest: false, transparent: true }));
     this.frusta.frustumCulled = false;
     this.frusta.renderOrder = 8;
@@ -78,12 +79,14 @@ export class Selection {
   retheme() {
     this.rays.retheme();
     this.mark.retheme();
+    this.measure.retheme();
     this.frusta.material.color.set(themeColour("picked"));
   }
 
   setResolution(width, height) {
     this.rays.setResolution(width, height);
     this.mark.setResolution(width, height);
+    this.measure.setResolution(width, height);
   }
 
   /** Rows of another map mean something else: what was picked is looked for by its id. */
@@ -99,9 +102,18 @@ export class Selection {
   /** `picked` as the picker gives it; null for nothing. */
   choose(run, picked) {
     this.picked = picked;
+    this.other = null;
     this.id = picked && run.map ? idsOf(run, picked.type)[picked.row] : undefined;
     this.found = picked && run.map ? observationsOf(run, picked) : null;
     if (this.found) this.draw(run);
+    this.show();
+    this.describe(run);
+  }
+
+  /** Draws a line to another thing that was picked, and says how long it is; null takes it away. */
+  measureTo(run, other) {
+    this.other = this.found ? other : null;
+    if (this.other) this.measure.setPairs([...middleOf(run, this.picked), ...middleOf(run, this.other)]);
     this.show();
     this.describe(run);
   }
@@ -133,6 +145,7 @@ export class Selection {
     const chosen = !!this.found;
     this.rays.visible = chosen;
     this.mark.visible = chosen;
+    this.measure.visible = chosen && !!this.other;
     this.frusta.visible = chosen;
   }
 
@@ -142,6 +155,7 @@ export class Selection {
     box.hidden = !this.found;
     if (!this.found) return box.replaceChildren();
     const rows = this.picked.type === "keyframes" ? this.ofKeyframe(run) : this.ofLandmark(run);
+    if (this.other) rows.push(this.distance(run));
     box.replaceChildren(
       element("button", { type: "button", class: "close", "aria-label": "Close", onclick: () => this.clear(run) }, "×"),
       element("h3", {}, `${kNames[this.picked.type]} ${this.id ?? ""}`),
@@ -181,6 +195,12 @@ export class Selection {
       ["height", metres(up[0] * p[0] + up[1] * p[1] + up[2] * p[2])],
       ends && ["length", metres(Math.hypot(ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]))],
     ].filter(Boolean);
+  }
+
+  distance(run) {
+    const [p, q] = [middleOf(run, this.picked), middleOf(run, this.other)];
+    const other = `${kNames[this.other.type].toLowerCase()} ${idsOf(run, this.other.type)[this.other.row] ?? ""}`;
+    return ["distance", `${metres(Math.hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]))} to ${other}`];
   }
 
   link(run, frame) {

@@ -10,8 +10,7 @@
 #include "core/io/files/sealed_file.h"
 #include "core/io/maps/map_file_fields.h"
 
-namespace plslam::vo {
-namespace archive {
+namespace plslam::archive {
 
 template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
@@ -20,14 +19,15 @@ void Fields(Archive& a, T& k) {
     k.withdrawn_points, k.withdrawn_lines);
 }
 
-template <class Archive, Is<TrackerState> T>
+template <class Archive, Is<vo::TrackerState> T>
 void Fields(Archive& a, T& s) {
   a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses, s.anchored_t_ns,
     s.adopted_keyframe_id, s.odometry, s.keyframe);
 }
 
-}  // namespace archive
+}  // namespace plslam::archive
 
+namespace plslam::vo {
 namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.

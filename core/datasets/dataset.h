@@ -30,6 +30,8 @@ class Dataset {
   /// Why the pair cannot be there, as far as that is known without reading it: a file is missing, or has no partner.
   /// Empty otherwise. Cheap.
   virtual std::string Missing(int /*index*/) const { return {}; }
+  /// The file that the left image is read from, where it is a file of its own; empty elsewhere.
+  virtual std::string LeftFile(int /*index*/) const { return {}; }
   /// True pose at the time of the pair; nullopt where unknown. Dense ground truth of another sensor is interpolated
   /// and moved to the left camera here.
   virtual std::optional<SE3> GroundTruth(int index) const = 0;

@@ -71,6 +71,8 @@ class ImageListDataset : public Dataset {
             rgbd ? ReadDepthImage(entry.right, size) : ReadGreyImage(entry.right, size)};
   }
 
+  std::string LeftFile(int index) const override { return Entry(index).left; }
+
   std::string Missing(int index) const override {
     const ImageList::Entry& entry = Entry(index);
     if (!entry.missing.empty()) return entry.missing;

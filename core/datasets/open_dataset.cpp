@@ -41,6 +41,7 @@ class ShiftedDataset : public Dataset {
     const std::string left = dataset_->Missing(first_ + index);
     return left.empty() ? dataset_->Missing(first_ + index + offset_) : left;
   }
+  std::string LeftFile(int index) const override { return dataset_->LeftFile(first_ + index); }
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
   std::vector<std::string> Notes() const override { return dataset_->Notes(); }

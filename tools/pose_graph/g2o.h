@@ -10,14 +10,11 @@
 #include "core/io/files/text_rows.h"
 #include "core/optim/pose_graph/pose_graph.h"
 
-namespace plslam {
-struct G2oRows;
-}  // namespace plslam
-
 namespace plslam::pose_graph {
 
 /// How g2o writes a pose: its tags and numbers.
 template <class Pose>
+struct G2oRows;
 
 template <>
 struct G2oRows<SE3> {

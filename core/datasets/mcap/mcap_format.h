@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include <cstdint>
 #include <string_view>
@@ -29,8 +29,6 @@ enum class McapRecord : uint8_t {
 };
 
 /// The checksum of what `crc` is of (0: nothing), and `n` bytes more.
-inline uint32_t McapCrc(uint32_t crc, const void* bytes, size_t n) {
-  return static_cast<uint32_t>(crc32_z(crc, static_cast<const Bytef*>(bytes), n));
-}
+inline uint32_t McapCrc(uint32_t crc, const void* bytes, size_t n) { return libdeflate_crc32(crc, bytes, n); }
 
 }  // namespace plslam

@@ -2,9 +2,13 @@
 #include "tools/export/mcap/export_mcap.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -12,6 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/datasets/open_dataset.h"
+#include "core/errors/error_text.h"
+#include "core/io/images/image_header.h"
 #include "core/io/images/jpeg_codec.h"
 #include "core/map/vertical.h"
 #include "tools/export/mcap/mcap_writer.h"
@@ -112,6 +118,28 @@ void SetVelocity(const TrajectoryPose& before, const Matrix6d& motion_covariance
   const double seconds = 1e-9 * static_cast<double>(odometry.t_ns - before.t_ns);
   odometry.velocity = (before.T_a_b.Inverse() * odometry.T_w_l).Log() / seconds;
   odometry.velocity_covariance = motion_covariance / (seconds * seconds);
+}
+
+/// An image file as readers of ROS messages open it.
+struct CompressedImage {
+  std::string format;
+  std::string bytes;
+};
+
+/// The file as it is, where it is a whole JPEG or a PNG of 8 bits; nullopt where the image has to be encoded.
+std::optional<CompressedImage> FileAsRecorded(const std::string& path) {
+  static constexpr size_t kPngBitDepth = 24;
+  if (path.empty()) return std::nullopt;
+  std::ifstream file = OpenInput(path);
+  std::string bytes(std::filesystem::file_size(path), '\0');
+  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
+  const std::span view(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size());
+  const auto header = ParseImageHeader(view);
+  if (!header || !IsComplete(*header, view)) return std::nullopt;
+  if (header->format == ImageFormat::kJpeg) return CompressedImage{"jpeg", std::move(bytes)};
+  const bool is_plain_png = header->format == ImageFormat::kPng && view[kPngBitDepth] == 8;
+  if (!is_plain_png) return std::nullopt;
+  return CompressedImage{"png", std::move(bytes)};
 }
 
 class Exporter {
@@ -218,8 +246,10 @@ class Exporter {
 
   void WriteImage(int i) {
     const int64_t t = dataset_->t_ns(i);
+    auto image = FileAsRecorded(dataset_->LeftFile(i));
+    if (!image) image = {"jpeg", EncodeJpeg(dataset_->Read(i).left, kJpegQuality)};
     topics_.Write("/camera/left/compressed", "sensor_msgs/msg/CompressedImage", t,
-                  RosJpeg(t, EncodeJpeg(dataset_->Read(i).left, kJpegQuality)));
+                  RosCompressedImage(t, image->format, image->bytes));
     topics_.Write("/camera/left/camera_info", "sensor_msgs/msg/CameraInfo", t,
                   RosCameraInfoMessage(t, dataset_->rig().left));
   }

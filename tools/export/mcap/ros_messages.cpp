@@ -228,11 +228,11 @@ std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory) {
   return std::move(cdr).Take();
 }
 
-std::string RosJpeg(int64_t t_ns, std::string_view jpeg) {
+std::string RosCompressedImage(int64_t t_ns, const std::string& format, std::string_view file) {
   CdrWriter cdr;
   PutHeader(cdr, t_ns, kRosCamera);
-  cdr.Put("jpeg");
-  cdr.PutBytes(jpeg);
+  cdr.Put(std::string_view(format));
+  cdr.PutBytes(file);
   return std::move(cdr).Take();
 }
 

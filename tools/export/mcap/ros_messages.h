@@ -85,8 +85,8 @@ std::string RosOdometryMessage(const RosOdometry& odometry);
 std::string RosPath(int64_t t_ns, const Trajectory& trajectory);
 std::string RosPoseArray(int64_t t_ns, const Trajectory& trajectory);
 
-/// sensor_msgs/msg/CompressedImage of a JPEG file.
-std::string RosJpeg(int64_t t_ns, std::string_view jpeg);
+/// sensor_msgs/msg/CompressedImage of an image file; `format` is "jpeg" or "png".
+std::string RosCompressedImage(int64_t t_ns, const std::string& format, std::string_view file);
 /// sensor_msgs/msg/CameraInfo of the image as recorded: distortion models plumb_bob and equidistant.
 std::string RosCameraInfoMessage(int64_t t_ns, const CameraCalibration& camera);
 

@@ -84,7 +84,7 @@ class TrackScore {
   }
 
  private:
-  struct loop::Place {
+  struct Place {
     Eigen::Vector3d p_w;
     Eigen::Vector2d px;
   };
@@ -135,7 +135,7 @@ class TrackScore {
 
   const plslam::synthetic::Simulator* simulator_;
   StereoCamera camera_;
-  std::map<int64_t, loop::Place> places_;
+  std::map<int64_t, Place> places_;
   std::map<double, Bin> bins_;
 };
 

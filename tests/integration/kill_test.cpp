@@ -120,7 +120,7 @@ struct Toll {
   double rebuilt_s = 0.0;
 };
 
-Toll CountDeaths(const std::vector<Death>& deaths, const doctor::Heard& heard) {
+Toll CountDeaths(const std::vector<Death>& deaths, const Heard& heard) {
   Toll toll;
   for (const Death& death : deaths) {
     const std::string name = death.victim.name;
@@ -141,7 +141,7 @@ Toll CountDeaths(const std::vector<Death>& deaths, const doctor::Heard& heard) {
 }
 
 /// Everything of which a process had said that it is a keyframe is in the map.
-void ExpectAllKeyframes(const doctor::Heard& heard) {
+void ExpectAllKeyframes(const Heard& heard) {
   for (const auto& [session, keyframes] : heard.keyframes) {
     const auto mapped = heard.mapped.find(session);
     ASSERT_NE(mapped, heard.mapped.end()) << "nothing of session " << session << " with " << keyframes.size();
@@ -179,7 +179,7 @@ Result PlayWithKills(const Extent& extent, unsigned seed) {
   if (code != 0) return {};
 
   const nlohmann::json summary = run.Summary();
-  const doctor::Heard heard = watcher.Get();
+  const Heard heard = watcher.Get();
   EXPECT_EQ(summary["completed"], true);
   EXPECT_EQ(summary["frames"], extent.frames);
   EXPECT_EQ(heard.frames.size(), static_cast<size_t>(extent.frames));

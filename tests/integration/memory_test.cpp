@@ -40,7 +40,7 @@ double Slope(const std::vector<std::pair<double, double>>& points) {
   return determinant > 0 ? (n * sxy - sx * sy) / determinant : 0.0;
 }
 
-std::string player::ToText(const std::vector<std::pair<double, double>>& samples) {
+std::string ToText(const std::vector<std::pair<double, double>>& samples) {
   std::string text;
   for (const auto& [time, mb] : samples) text += fmt::format(" {:.1f}", mb);
   return text;
@@ -118,9 +118,9 @@ TEST(Memory, DoesNotGrowWithTheLengthOfTheRun) {
     ASSERT_GE(memory[process].size(), 5U) << process;
     const double grown_mb = Slope(memory[process]) * 0.5;
     std::cout << process << ": " << grown_mb << " MB in the second half of " << frames << " frames, "
-              << summary["keyframes"] << " keyframes:" << player::ToText(memory[process]) << '\n';
+              << summary["keyframes"] << " keyframes:" << ToText(memory[process]) << '\n';
     const double kept = kept_mb.contains(process) ? kept_mb.at(process) : 0.0;
-    EXPECT_LT(grown_mb, 3.0 + kept) << process << ", MB in half the run:" << player::ToText(memory[process]);
+    EXPECT_LT(grown_mb, 3.0 + kept) << process << ", MB in half the run:" << ToText(memory[process]);
   }
 }
 

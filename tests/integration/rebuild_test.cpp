@@ -96,7 +96,7 @@ class Rebuild : public testing::Test {
                int count) const {
     const double began_s = bus::NowS();
     const bool there = watcher_.WaitFor(
-        [&](const doctor::Heard& heard) {
+        [&](const Heard& heard) {
           const auto status = heard.status.find(process);
           return status != heard.status.end() && status->second.pid == child.pid() &&
                  heard.Counter(process, counter) >= count;
@@ -126,7 +126,7 @@ TEST_F(Rebuild, OfMapAndPlacesTakesSeconds) {
   ASSERT_GT(with_state_s, 0.0);
   std::cout << n << " keyframes: mapping_process has its map rebuilt after " << with_state_s << " s\n";
   EXPECT_LT(with_state_s, 10.0);
-  const doctor::Heard heard = watcher_.Get();
+  const Heard heard = watcher_.Get();
   ASSERT_EQ(heard.mapped.size(), 1U);
   EXPECT_EQ(heard.mapped.begin()->second.size(), static_cast<size_t>(n));
 

@@ -198,7 +198,7 @@ TEST(Resources, TwoOfOneNameOnOneBusAreTold) {
         test::BinaryFolder() / "vo_process", std::vector<std::string>{"--url", watcher.url()}, folder.folder() / log);
   };
   const auto first = start("first.log"), second = start("second.log");
-  EXPECT_TRUE(watcher.WaitFor([](const doctor::Heard& heard) {
+  EXPECT_TRUE(watcher.WaitFor([](const Heard& heard) {
     return heard.status.contains("vo") &&
            heard.status.at("vo").reason.find("another vo runs on this bus: process ") == 0;
   }));

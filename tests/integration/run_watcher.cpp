@@ -37,7 +37,7 @@ std::map<int64_t, std::set<int64_t>> mapping::KeyframesOf(const Map& map) {
 
 }  // namespace
 
-double doctor::Heard::Counter(const std::string& process, const std::string& name) const {
+double Heard::Counter(const std::string& process, const std::string& name) const {
   const auto found = status.find(process);
   return found == status.end() ? 0.0 : bus::CounterOf(found->second, name);
 }
@@ -63,7 +63,7 @@ void RunWatcher::Add(const Change& change) {
 
 void RunWatcher::Listen() {
   bus_.Subscribe<pose_t>(bus::kPose, [this](const pose_t& m) {
-    Add([&](doctor::Heard& heard) {
+    Add([&](Heard& heard) {
       heard.frames.insert(m.frame_id);
       heard.newest_frame = std::max(heard.newest_frame, m.frame_id);
       const auto [said, first] = heard.poses[m.header.session].try_emplace(m.frame_id, Content(m));
@@ -77,7 +77,7 @@ void RunWatcher::Listen() {
     });
   });
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) {
-    Add([&](doctor::Heard& heard) {
+    Add([&](Heard& heard) {
       heard.status[m.process] = m;
       const std::pair process(m.process, m.pid);
       heard.alive_at_s.try_emplace(process, bus::NowS());
@@ -86,28 +86,28 @@ void RunWatcher::Listen() {
     });
   });
   keyframes_ = std::make_unique<bus::KeyframeSubscriber>(bus_, [this](const Keyframe& keyframe) {
-    Add([&](doctor::Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
+    Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
     auto keyframes = mapping::KeyframesOf(map_->replica().map());
-    Add([&](doctor::Heard& heard) { heard.mapped = std::move(keyframes); });
+    Add([&](Heard& heard) { heard.mapped = std::move(keyframes); });
   });
 }
 
-bool RunWatcher::WaitFor(const std::function<bool(const doctor::Heard&)>& done, int limit_s) const {
+bool RunWatcher::WaitFor(const std::function<bool(const Heard&)>& done, int limit_s) const {
   std::unique_lock lock(mutex_);
   return changed_.wait_for(lock, Patience(std::chrono::seconds(limit_s)), [&] { return done(heard_); });
 }
 
 bool RunWatcher::WaitForFrame(int64_t frame_id, int limit_s) const {
-  return WaitFor([frame_id](const doctor::Heard& heard) { return heard.newest_frame >= frame_id; }, limit_s);
+  return WaitFor([frame_id](const Heard& heard) { return heard.newest_frame >= frame_id; }, limit_s);
 }
 
 bool RunWatcher::WaitUntilReady(const std::string& process, pid_t pid, int limit_s) const {
-  return WaitFor([&](const doctor::Heard& heard) { return heard.ready.contains({process, pid}); }, limit_s);
+  return WaitFor([&](const Heard& heard) { return heard.ready.contains({process, pid}); }, limit_s);
 }
 
-doctor::Heard RunWatcher::Get() const {
+Heard RunWatcher::Get() const {
   const std::scoped_lock lock(mutex_);
   return heard_;
 }

@@ -24,7 +24,7 @@
 namespace plslam::test {
 
 /// What a listener hears of a run.
-struct doctor::Heard {
+struct Heard {
   /// What was first said of each frame, by session: encoded poses without header and stages.
   std::map<int64_t, std::map<int64_t, std::vector<uint8_t>>> poses;
   std::map<int64_t, double> pose_at_s;  ///< by frame: when, of the steady clock
@@ -60,11 +60,11 @@ class RunWatcher {
   std::string url() const { return port_.Url(); }
 
   /// False where `done` does not become true within `limit_s`.
-  bool WaitFor(const std::function<bool(const doctor::Heard&)>& done, int limit_s = 60) const;
+  bool WaitFor(const std::function<bool(const Heard&)>& done, int limit_s = 60) const;
   bool WaitForFrame(int64_t frame_id, int limit_s = 60) const;
   /// A process of this name with this id has said that it is ready, or runs.
   bool WaitUntilReady(const std::string& process, pid_t pid, int limit_s = 60) const;
-  doctor::Heard Get() const;
+  Heard Get() const;
 
  private:
   void Listen();
@@ -75,7 +75,7 @@ class RunWatcher {
   bus::Bus bus_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
-  doctor::Heard heard_;
+  Heard heard_;
   std::unique_ptr<bus::KeyframeSubscriber> keyframes_;
   std::unique_ptr<bus::MapSubscriber> map_;
   std::thread thread_;

@@ -61,7 +61,7 @@ constexpr int kRate_Hz = 10;
 #endif
 
 /// Times between the poses of one frame and the next, sorted.
-std::vector<double> Gaps_s(const doctor::Heard& heard, int64_t from, int64_t to) {
+std::vector<double> Gaps_s(const Heard& heard, int64_t from, int64_t to) {
   std::vector<double> gaps;
   double last = 0.0;
   for (const auto& [frame, at_s] : heard.pose_at_s) {
@@ -94,7 +94,7 @@ TEST_P(SlowStage, DoesNotHoldUpThePosesOfALiveStream) {
     ASSERT_TRUE(watcher.WaitForFrame(frames - 10, frames)) << run.Logs();
   }
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
-  const doctor::Heard heard = watcher.Get();
+  const Heard heard = watcher.Get();
   const std::vector<double> gaps = Gaps_s(heard, 10, frames - 10);
   ASSERT_GT(gaps.size(), 10U);
   const double median = gaps[gaps.size() / 2], worst = gaps.back();
@@ -123,7 +123,7 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
   {
     const TenPercent throttle(run.PidOf("vo_process"));
     ASSERT_TRUE(watcher.WaitFor(
-        [&](const doctor::Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
+        [&](const Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
         << run.Logs();
   }
   ASSERT_EQ(run.Wait(), 0) << run.Logs();
@@ -154,7 +154,7 @@ TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   processes["loop_process"] = start("loop_process", {});
   processes["vo_process"] = start("vo_process", {"--set", "vo.map.wait_s=1", "--set", "vo.relocalisation.wait_s=1"});
   for (const char* each : {"viewer", "mapping", "loop", "vo"}) {
-    ASSERT_TRUE(watcher.WaitFor([&](const doctor::Heard& heard) { return heard.status.contains(each); })) << each;
+    ASSERT_TRUE(watcher.WaitFor([&](const Heard& heard) { return heard.status.contains(each); })) << each;
   }
   processes["player"] = start("player", {fmt::format("synthetic:room?size=320x200&frames={}", frames)});
   ASSERT_TRUE(watcher.WaitForFrame(15));
@@ -162,7 +162,7 @@ TEST_P(Missing, OneThatIsKilledAndNotRestartedLeavesThePosesGoing) {
   ASSERT_TRUE(WholeRun::WaitFor([&] { return processes[executable]->Poll().has_value(); }));
   EXPECT_TRUE(watcher.WaitForFrame(frames - 1))
       << name << " is gone, and no pose came behind frame " << watcher.Get().newest_frame;
-  const doctor::Heard heard = watcher.Get();
+  const Heard heard = watcher.Get();
   EXPECT_EQ(heard.frames.size(), static_cast<size_t>(frames));
   EXPECT_EQ(heard.lost_frames, 0);
   for (auto& [program, process] : processes) process->Signal(SIGINT);

@@ -24,16 +24,16 @@ constexpr uint32_t kLong = 0x4c433033;
 constexpr size_t kHeard = 256;
 constexpr size_t kLargestDatagram = 65'507;
 
-void viewer::Append(Bytes* bytes, uint32_t word, int n_bytes = 4) {
+void Append(Bytes* bytes, uint32_t word, int n_bytes = 4) {
   for (int shift = 8 * (n_bytes - 1); shift >= 0; shift -= 8) bytes->push_back(static_cast<uint8_t>(word >> shift));
 }
 
-void viewer::Append(Bytes* bytes, const std::string& text) {
+void Append(Bytes* bytes, const std::string& text) {
   bytes->insert(bytes->end(), text.begin(), text.end());
   bytes->push_back(0);
 }
 
-void viewer::Append(Bytes* bytes, const Bytes& more) { bytes->insert(bytes->end(), more.begin(), more.end()); }
+void Append(Bytes* bytes, const Bytes& more) { bytes->insert(bytes->end(), more.begin(), more.end()); }
 
 int MakeSocket(const std::string& group, uint16_t port) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -72,10 +72,10 @@ double HostileSender::rate() const { return seconds_ > 0.0 ? static_cast<double>
 
 Bytes HostileSender::Packet(const std::string& channel, const Bytes& data) {
   Bytes packet;
-  viewer::Append(&packet, kShort);
-  viewer::Append(&packet, 0);
-  viewer::Append(&packet, channel);
-  viewer::Append(&packet, data);
+  Append(&packet, kShort);
+  Append(&packet, 0);
+  Append(&packet, channel);
+  Append(&packet, data);
   return packet;
 }
 
@@ -90,17 +90,17 @@ Bytes HostileSender::Random(size_t most) {
 /// Parts of messages that never become whole, claim to be huge, overlap, or lie beyond the end.
 Bytes HostileSender::Fragment() {
   Bytes packet;
-  viewer::Append(&packet, kLong);
-  viewer::Append(&packet, static_cast<uint32_t>(random_() % 64));
-  viewer::Append(&packet,
+  Append(&packet, kLong);
+  Append(&packet, static_cast<uint32_t>(random_() % 64));
+  Append(&packet,
                  random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
-  viewer::Append(&packet,
+  Append(&packet,
                  random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
-  viewer::Append(&packet, static_cast<uint32_t>(random_() % 4), 2);
-  viewer::Append(&packet,
+  Append(&packet, static_cast<uint32_t>(random_() % 4), 2);
+  Append(&packet,
                  random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 5), 2);
-  if (random_() % 2 == 0) viewer::Append(&packet, AnyChannel());
-  viewer::Append(&packet, Random(1000));
+  if (random_() % 2 == 0) Append(&packet, AnyChannel());
+  Append(&packet, Random(1000));
   return packet;
 }
 

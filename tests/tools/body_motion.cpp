@@ -52,7 +52,7 @@ struct Plan {
 SE3 At(const Eigen::Vector3d& p) { return {Eigen::Quaterniond::Identity(), p}; }
 
 // 0 at `from` (share of the frames), 1 at `to`; constant speed, also outside.
-double launcher::Progress(const Scene& scene, double frame, double from, double to) {
+double Progress(const Scene& scene, double frame, double from, double to) {
   return (frame / scene.frames - from) / (to - from);
 }
 
@@ -80,7 +80,7 @@ Plan Overtake(Scene& scene) {
   return {size, [=](double frame) {
             // The lorry's rear, which must have passed the camera before it turns in.
             const double rear =
-                unit * (-15.0 * scene.share / 0.45 + 32.0 * launcher::Progress(scene, frame, 0.0, 1.0));
+                unit * (-15.0 * scene.share / 0.45 + 32.0 * Progress(scene, frame, 0.0, 1.0));
             const double turned_in = Smoothstep((rear / unit - 1.5) / 8.0);
             const double x = -(lateral + 0.5 * size.x()) * (1.0 - 0.8 * turned_in);
             return At({x, -0.15 * unit, rear + 0.5 * size.z()});
@@ -97,7 +97,7 @@ Plan Cross(Scene& scene) {
   const Eigen::Vector3d size(scene.share * scene.Width(z), 0.6 * scene.Height(z), 0.4 * scene.depth_m);
   const double from = scene.random.Uniform(0.05, 0.2);
   return {size, [=](double frame) {
-            const double progress = launcher::Progress(scene, frame, from, from + 0.7);
+            const double progress = Progress(scene, frame, from, from + 0.7);
             Eigen::Vector3d side = scene.Middle(z * (1.3 - 0.6 * progress));
             side.x() = Across(scene, side.z(), progress);
             side.z() += 0.5 * size.z();
@@ -110,7 +110,7 @@ Plan Bus(Scene& scene) {
   const Eigen::Vector3d size(scene.share * scene.Width(z), 0.75 * scene.Height(z), 0.4 * z);
   return {size, [=](double frame) {
             Eigen::Vector3d side = scene.Middle(z);
-            side.x() = Across(scene, z, launcher::Progress(scene, frame, 0.1, 0.9));
+            side.x() = Across(scene, z, Progress(scene, frame, 0.1, 0.9));
             side.z() += 0.5 * size.z();
             return At(side);
           }};
@@ -122,7 +122,7 @@ Plan Oncoming(Scene& scene) {
   const double lateral = unit * scene.random.Uniform(1.3, 2.2);
   const double from = scene.random.Uniform(0.1, 0.3);
   return {size, [=](double frame) {
-            const double z = unit * (60.0 - 67.0 * launcher::Progress(scene, frame, from, from + 0.6));
+            const double z = unit * (60.0 - 67.0 * Progress(scene, frame, from, from + 0.6));
             return At({-(lateral + 0.5 * size.x()), -0.1 * unit, z});
           }};
 }

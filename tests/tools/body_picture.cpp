@@ -65,7 +65,7 @@ void AddFace(const BodyFace& face, const Texture& texture, const Homography& h, 
 
 }  // namespace
 
-vo::Body MakeBox(const Eigen::Vector3d& size_m, std::vector<Texture> textures) {
+Body MakeBox(const Eigen::Vector3d& size_m, std::vector<Texture> textures) {
   const Eigen::Vector3d x(size_m.x(), 0.0, 0.0);
   const Eigen::Vector3d y(0.0, size_m.y(), 0.0);
   const Eigen::Vector3d z(0.0, 0.0, size_m.z());
@@ -79,7 +79,7 @@ vo::Body MakeBox(const Eigen::Vector3d& size_m, std::vector<Texture> textures) {
   return {faces, std::move(textures)};
 }
 
-BodyPicture PictureOfBody(const vo::Body& body, const StereoCamera& camera, const SE3& T_b_cam) {
+BodyPicture PictureOfBody(const Body& body, const StereoCamera& camera, const SE3& T_b_cam) {
   BodyPicture picture;
   picture.value = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32F);
   picture.coverage = cv::Mat::zeros(camera.height_px, camera.width_px, CV_32F);

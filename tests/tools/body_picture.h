@@ -22,7 +22,7 @@ struct BodyFace {
 };
 
 /// A convex rigid body: no face hides another one that is turned towards the camera.
-struct vo::Body {
+struct Body {
   std::vector<BodyFace> faces;
   std::vector<synthetic::Texture> textures;
 };
@@ -30,7 +30,7 @@ struct vo::Body {
 /// A box about the origin of b with the sides of `size_m` along x (right), y (down) and z (forward). The rear
 /// (towards -z), left, right and front faces have the first texture, or each the next one where there are several;
 /// the roof has the last one.
-vo::Body MakeBox(const Eigen::Vector3d& size_m, std::vector<synthetic::Texture> textures);
+Body MakeBox(const Eigen::Vector3d& size_m, std::vector<synthetic::Texture> textures);
 
 /// What a camera sees of a body: grey values where `coverage` (0 to 1, CV_32F) is not 0.
 struct BodyPicture {
@@ -40,7 +40,7 @@ struct BodyPicture {
 
 /// The body as the left camera of a rectified rig sees it from `T_b_cam`, the pose of that camera in the body; for
 /// the right one give the pose of the right. Faces are filtered in the texture and anti-aliased at their borders.
-BodyPicture PictureOfBody(const vo::Body& body, const StereoCamera& camera, const SE3& T_b_cam);
+BodyPicture PictureOfBody(const Body& body, const StereoCamera& camera, const SE3& T_b_cam);
 
 /// Puts the picture in front of an image, with noise of `sigma` grey values on it, seeded.
 void Paste(const BodyPicture& picture, double sigma, uint64_t seed, cv::Mat* image);

@@ -111,14 +111,14 @@ std::vector<SE3> PathOf(const std::vector<Frame>& frames, bool* known) {
 }
 
 // A bonnet over the lower `share` of both images: a plane that falls away from the camera's lower border.
-vo::Body MakeHood(const StereoCamera& camera, double share, const std::vector<Texture>& textures) {
+Body MakeHood(const StereoCamera& camera, double share, const std::vector<Texture>& textures) {
   const double far_m = camera.Depth(0.07 * camera.width_px);
   const double near_m = 0.7 * far_m;
   const auto at_row = [&](double row, double depth_m) { return (row - camera.cy_px) * depth_m / camera.f_px; };
   const double tile_m = 1.2 * camera.width_px * far_m / camera.f_px / kHoodTiles;
   const double far_y = at_row((1.0 - share) * camera.height_px, far_m);
   const double near_y = at_row(1.05 * camera.height_px, near_m);
-  vo::Body hood{{}, textures};
+  Body hood{{}, textures};
   for (int i = 0; i < kHoodTiles; ++i) {
     const Eigen::Vector3d corner((i - 0.5 * kHoodTiles) * tile_m, far_y, far_m);
     hood.faces.push_back(
@@ -246,8 +246,8 @@ class Writer {
   std::vector<SE3> path_;
   bool path_known_ = false;
   plslam::test::MovingBox box_;
-  vo::Body body_;
-  vo::Body hood_;
+  Body body_;
+  Body hood_;
   cv::Mat left_;
   cv::Mat right_;
   double most_ = 0.0;

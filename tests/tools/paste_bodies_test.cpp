@@ -24,7 +24,7 @@ std::vector<SE3> Straight(int frames) {
 
 // The rear of a body stands at one depth: the right picture is the left one, shifted by its disparity.
 TEST(PasteBodies, RightPictureIsShiftedByTheDisparity) {
-  const vo::Body body = MakeBox({3.0, 2.0, 1.0}, {PaintVehicle(1)});
+  const Body body = MakeBox({3.0, 2.0, 1.0}, {PaintVehicle(1)});
   for (const int disparity : {15, 25, 37}) {
     const double depth = kCamera.Depth(disparity);
     const SE3 T_b_c(Eigen::Quaterniond::Identity(), {-0.3, 0.1, -depth - 0.5});
@@ -44,7 +44,7 @@ TEST(PasteBodies, RightPictureIsShiftedByTheDisparity) {
 }
 
 TEST(PasteBodies, OutlineIsWhereTheCornersProject) {
-  const vo::Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
+  const Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
   const SE3 T_b_c(Eigen::Quaterniond::Identity(), {0.2, 0.1, -6.0});
   const BodyPicture picture = PictureOfBody(body, kCamera, T_b_c);
   double columns = 0.0;
@@ -58,7 +58,7 @@ TEST(PasteBodies, EveryKindComesIntoViewAndCoversItsShare) {
   for (const std::string& kind : BodyKindNames()) {
     const MovingBox box = MoveBody({kind, 0.5, 0.0, 3}, kCamera, path);
     ASSERT_EQ(box.T_w_b.size(), path.size());
-    const vo::Body body = MakeBox(box.size_m, {PaintVehicle(3)});
+    const Body body = MakeBox(box.size_m, {PaintVehicle(3)});
     double most = 0.0;
     for (size_t i = 0; i < path.size(); i += 3) {
       const cv::Mat coverage = PictureOfBody(body, kCamera, box.T_w_b[i].Inverse() * path[i]).coverage;
@@ -72,7 +72,7 @@ TEST(PasteBodies, EveryKindComesIntoViewAndCoversItsShare) {
 }
 
 TEST(PasteBodies, PastingLeavesTheRestAlone) {
-  const vo::Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
+  const Body body = MakeBox({2.0, 1.0, 1.0}, {PaintVehicle(2)});
   const BodyPicture picture = PictureOfBody(body, kCamera, SE3(Eigen::Quaterniond::Identity(), {0.0, 0.0, -6.0}));
   cv::Mat image(kCamera.height_px, kCamera.width_px, CV_8U, cv::Scalar(77));
   Paste(picture, 1.5, 1, &image);

@@ -66,7 +66,7 @@ void WriteAll(const fs::path& folder, const std::string& version, const std::vec
 int main(int argc, char** argv) {
   try {
     if (argc < 4) throw std::runtime_error("three arguments are needed: FOLDER VERSION PROGRAM...");
-    plslam::WriteAll(argv[1], argv[2], {argv + 3, argv + argc});
+    plslam::manual::WriteAll(argv[1], argv[2], {argv + 3, argv + argc});
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "plslam_manual: error: {}\n", error.what());

@@ -65,7 +65,7 @@ class Waiter {
 class RunningBus {
  public:
   explicit RunningBus(const BusOptions& options, const std::string& name = "test") : bus_(options, name) {}
-  ~RunningBus() { viewer::Join(); }
+  ~RunningBus() { Join(); }
 
   Bus& operator*() { return bus_; }
   Bus* operator->() { return &bus_; }
@@ -74,7 +74,7 @@ class RunningBus {
   void Start() {
     thread_ = std::thread([this] { bus_.Run(); });
   }
-  void viewer::Join() {
+  void Join() {
     bus_.Stop();
     if (thread_.joinable()) thread_.join();
   }

@@ -24,7 +24,7 @@ struct LoggedHistory {
   LoggedHistory(int64_t memory_bytes, const std::string& path, bool keep_file)
       : history(Retention::kAll, memory_bytes), log("CHANNEL", path, keep_file) {}
 
-  void viewer::Append(Bytes message) {
+  void Append(Bytes message) {
     history.Append(std::move(message));
     while (const Bytes oldest = history.ToMove()) history.Moved(log.Write(oldest));
   }

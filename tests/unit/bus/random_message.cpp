@@ -62,7 +62,7 @@ std::map<std::string, std::function<DecodedAgain(ByteView)>> TableOf() {
   return {{T::getTypeName(), &Roundtrip<T>}...};
 }
 
-const auto& viewer::Table() {
+const auto& Table() {
   static const auto table =
       TableOf<announce_t, camera_t, command_t, corrected_pose_t, counter_t, ground_truth_t, header_t, image_strip_t,
               intrinsics_t, keyframe_name_t, keyframe_t, line_feature_t, loop_closure_t, loop_edge_t,
@@ -133,10 +133,10 @@ std::vector<uint8_t> RandomMessage(const MessageLayout& layout, std::mt19937_64&
 
 std::vector<std::string> GeneratedTypes() {
   std::vector<std::string> names;
-  for (const auto& [name, roundtrip] : viewer::Table()) names.push_back(name);
+  for (const auto& [name, roundtrip] : Table()) names.push_back(name);
   return names;
 }
 
-DecodedAgain DecodeAndEncode(const std::string& type, ByteView bytes) { return viewer::Table().at(type)(bytes); }
+DecodedAgain DecodeAndEncode(const std::string& type, ByteView bytes) { return Table().at(type)(bytes); }
 
 }  // namespace plslam::bus::test

@@ -113,7 +113,7 @@ INSTANTIATE_TEST_SUITE_P(Types, EveryType, testing::ValuesIn(test::GeneratedType
                          [](const auto& test) { return test.param; });
 
 /// The rows of the table in a Markdown file, without blanks.
-std::vector<std::string> viewer::Rows(const std::string& path) {
+std::vector<std::string> Rows(const std::string& path) {
   std::ifstream in(path);
   std::vector<std::string> rows;
   for (std::string line; std::getline(in, line);) {
@@ -136,7 +136,7 @@ TEST(ChannelTable, StandsInTheReadme) {
     }
     expected.push_back(row + "|");
   }
-  EXPECT_EQ(viewer::Rows((plslam::test::SourceFolder() / "lcmtypes/README.md").string()), expected);
+  EXPECT_EQ(Rows((plslam::test::SourceFolder() / "lcmtypes/README.md").string()), expected);
 }
 
 TEST(ChannelTable, NamesTypesThatBeginWithAHeader) {

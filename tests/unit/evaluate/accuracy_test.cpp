@@ -48,7 +48,7 @@ TEST(Accuracy, DegenerateInputsGiveASentenceAndNoNan) {
       {one, one, "one pose only: nothing can be said about motion"},
       {still, still, "the true path has no length: nothing can be said per metre"}};
   for (const auto& [estimate, truth, note] : cases) {
-    for (const auto kind : {vo::Alignment::kNone, vo::Alignment::kFirst, vo::Alignment::kSe3, vo::Alignment::kSim3}) {
+    for (const auto kind : {Alignment::kNone, Alignment::kFirst, Alignment::kSe3, Alignment::kSim3}) {
       EvaluateOptions options;
       options.alignment = kind;
       options.keyframe_t_ns = {0, 100'000'000};
@@ -74,7 +74,7 @@ TEST(Accuracy, WithoutAPairThereIsNoErrorRatherThanNone) {
 TEST(Accuracy, JsonHasTheNumbersByName) {
   const Trajectory truth = SomePath(200);
   EvaluateOptions options;
-  options.alignment = vo::Alignment::kFirst;
+  options.alignment = Alignment::kFirst;
   options.keyframe_t_ns = {0, 5'000'000'000};
   const Accuracy a = EvaluateTrajectory(WithDrift(truth, Translation(0, 0, 0.01)), truth, options);
   const auto json = nlohmann::json::parse(ToJson(a).dump());
@@ -96,7 +96,7 @@ TEST(Accuracy, TableIsAligned) {
     estimate.push_back({i * 100'000'000LL, Translation(0, 0, 2.02 * i)});
   }
   EvaluateOptions options;
-  options.alignment = vo::Alignment::kNone;
+  options.alignment = Alignment::kNone;
   options.deltas = {{1.0, Delta::Unit::kSeconds}};
   options.keyframe_t_ns = {0, 1'000'000'000, 2'000'000'000};
   const std::string table = AccuracyTable(EvaluateTrajectory(estimate, truth, options));

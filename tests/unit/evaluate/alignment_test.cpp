@@ -32,13 +32,13 @@ Trajectory Line(int n) {
 }
 
 TEST(Alignment, RigidMotionIsRecovered) {
-  const Similarity s = Align(MovedPairs(SomePath(50), 1.0), vo::Alignment::kSe3);
+  const Similarity s = Align(MovedPairs(SomePath(50), 1.0), Alignment::kSe3);
   EXPECT_EQ(s.scale, 1.0);
   EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
 }
 
 TEST(Alignment, SimilarityIsRecovered) {
-  const Similarity s = Align(MovedPairs(SomePath(50), 2.5), vo::Alignment::kSim3);
+  const Similarity s = Align(MovedPairs(SomePath(50), 2.5), Alignment::kSim3);
   EXPECT_NEAR(s.scale, 2.5, 1e-12);
   EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
 }
@@ -54,7 +54,7 @@ TEST(Alignment, AgreesWithEigensUmeyamaOnDriftingPaths) {
     to.col(static_cast<Eigen::Index>(i)) = pairs[i].truth.translation();
   }
   for (const bool with_scale : {false, true}) {
-    const Similarity ours = Align(pairs, with_scale ? vo::Alignment::kSim3 : vo::Alignment::kSe3);
+    const Similarity ours = Align(pairs, with_scale ? Alignment::kSim3 : Alignment::kSe3);
     Eigen::Matrix4d m = ours.T_a_b.matrix();
     m.topLeftCorner<3, 3>() *= ours.scale;
     const Eigen::Matrix4d theirs = Eigen::umeyama(from, to, with_scale);
@@ -65,13 +65,13 @@ TEST(Alignment, AgreesWithEigensUmeyamaOnDriftingPaths) {
 TEST(Alignment, PlanarPathGetsARotationAndNoReflection) {
   Trajectory plane;
   for (int i = 0; i < 20; ++i) plane.push_back({i, Translation(std::cos(0.3 * i), std::sin(0.3 * i), 0)});
-  const Similarity s = Align(MovedPairs(plane, 1.0), vo::Alignment::kSe3);
+  const Similarity s = Align(MovedPairs(plane, 1.0), Alignment::kSe3);
   EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
 }
 
 TEST(Alignment, StraightPathTakesTheTurnAboutItselfFromTheOrientations) {
   for (const int n : {2, 3, 30}) {
-    for (const auto kind : {vo::Alignment::kSe3, vo::Alignment::kSim3}) {
+    for (const auto kind : {Alignment::kSe3, Alignment::kSim3}) {
       const Similarity s = Align(MovedPairs(Line(n), 1.0), kind);
       EXPECT_NEAR(s.scale, 1.0, 1e-12);
       EXPECT_LT(Distance(s.T_a_b, kMove), 1e-7) << n << " poses";
@@ -87,14 +87,14 @@ TEST(Alignment, StraightPathsAheadAndBackAreTurnedProperly) {
     estimate.push_back({i, Translation(-i, 0, 0)});
   }
   const PosePairs pairs = Pair(estimate, truth);
-  const Similarity s = Align(pairs, vo::Alignment::kSe3);
+  const Similarity s = Align(pairs, Alignment::kSe3);
   EXPECT_NEAR(s.T_a_b.R().determinant(), 1.0, 1e-12);
   EXPECT_LT(Summarise(ComputeAbsoluteErrors(pairs, s).translation_m).max, 1e-12);
 }
 
 TEST(Alignment, StandingStillIsAlignedByOrientation) {
   const Trajectory still{{0, kMove}, {1, kMove}, {2, kMove}};
-  for (const auto kind : {vo::Alignment::kSe3, vo::Alignment::kSim3, vo::Alignment::kFirst}) {
+  for (const auto kind : {Alignment::kSe3, Alignment::kSim3, Alignment::kFirst}) {
     const Similarity s = Align(MovedPairs(still, 1.0), kind);
     EXPECT_EQ(s.scale, 1.0);
     EXPECT_LT(Distance(s.T_a_b, kMove), 1e-9);
@@ -102,15 +102,15 @@ TEST(Alignment, StandingStillIsAlignedByOrientation) {
 }
 
 TEST(Alignment, NoneAndNothingAreIdentity) {
-  EXPECT_EQ(Align({}, vo::Alignment::kSim3).scale, 1.0);
-  for (const auto kind : {vo::Alignment::kSe3, vo::Alignment::kSim3, vo::Alignment::kFirst, vo::Alignment::kNone}) {
+  EXPECT_EQ(Align({}, Alignment::kSim3).scale, 1.0);
+  for (const auto kind : {Alignment::kSe3, Alignment::kSim3, Alignment::kFirst, Alignment::kNone}) {
     EXPECT_LT(Align({}, kind).T_a_b.Log().norm(), 1e-15);
   }
-  EXPECT_LT(Align(MovedPairs(SomePath(5), 1.0), vo::Alignment::kNone).T_a_b.Log().norm(), 1e-15);
+  EXPECT_LT(Align(MovedPairs(SomePath(5), 1.0), Alignment::kNone).T_a_b.Log().norm(), 1e-15);
 }
 
 TEST(Alignment, OnePoseIsMadeEqual) {
-  for (const auto kind : {vo::Alignment::kSe3, vo::Alignment::kSim3, vo::Alignment::kFirst}) {
+  for (const auto kind : {Alignment::kSe3, Alignment::kSim3, Alignment::kFirst}) {
     EXPECT_LT(Distance(Align(MovedPairs(SomePath(1), 1.0), kind).T_a_b, kMove), 1e-9);
   }
 }

@@ -28,7 +28,7 @@ Trajectory Along(double rate_hz, double late_s, double duration_s = 8.0) {
 TEST(ClockOffset, IsFound) {
   const Trajectory truth = Along(200.0, 0.0);
   for (const double late_s : {-0.0123, 0.0, 0.007, 0.031}) {
-    const auto clock = FitClockOffset(Along(10.0, late_s), truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05);
+    const auto clock = FitClockOffset(Along(10.0, late_s), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05);
     ASSERT_TRUE(clock) << late_s;
     EXPECT_NEAR(clock->offset_s, -late_s, 1.1e-4);
     EXPECT_LT(clock->ate_m, 2e-4);
@@ -39,7 +39,7 @@ TEST(ClockOffset, IsFound) {
 
 TEST(ClockOffset, BeyondTheLimitThereIsNone) {
   const Trajectory truth = Along(200.0, 0.0);
-  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.2), truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05));
+  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.2), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
 }
 
 TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
@@ -47,7 +47,7 @@ TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
   for (TrajectoryPose& pose : truth) pose.T_a_b = SE3();
   Trajectory estimate = Along(10.0, 0.0);
   for (TrajectoryPose& pose : estimate) pose.T_a_b = SE3();
-  const auto clock = FitClockOffset(estimate, truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05);
+  const auto clock = FitClockOffset(estimate, truth, Alignment::kSe3, kMaxClockGap_ns, 0.05);
   ASSERT_TRUE(clock);
   EXPECT_EQ(clock->offset_s, 0.0);
   EXPECT_EQ(clock->ate_m, 0.0);
@@ -55,17 +55,17 @@ TEST(ClockOffset, OfACameraThatStandsIsNotInvented) {
 
 TEST(ClockOffset, OfTooLittleIsNone) {
   const Trajectory truth = Along(200.0, 0.0);
-  EXPECT_FALSE(FitClockOffset({}, truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05));
-  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), {}, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05));
-  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0, 0.25), truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.05))
+  EXPECT_FALSE(FitClockOffset({}, truth, Alignment::kSe3, kMaxClockGap_ns, 0.05));
+  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), {}, Alignment::kSe3, kMaxClockGap_ns, 0.05));
+  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0, 0.25), truth, Alignment::kSe3, kMaxClockGap_ns, 0.05))
       << "of three poses the first has no truth before it";
-  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), truth, vo::Alignment::kSe3, kMaxClockGap_ns, 0.0));
+  EXPECT_FALSE(FitClockOffset(Along(10.0, 0.0), truth, Alignment::kSe3, kMaxClockGap_ns, 0.0));
 }
 
 TEST(ClockOffset, TimesAtTheEndOfAllNumbersAreNotMoved) {
   Trajectory estimate = Along(10.0, 0.0);
   estimate.back().t_ns = std::numeric_limits<int64_t>::max();
-  EXPECT_FALSE(FitClockOffset(estimate, Along(200.0, 0.0), vo::Alignment::kSe3, kMaxClockGap_ns, 0.05));
+  EXPECT_FALSE(FitClockOffset(estimate, Along(200.0, 0.0), Alignment::kSe3, kMaxClockGap_ns, 0.05));
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ std::vector<RunRecord> SomeRuns() {
   return runs;
 }
 
-double At(const RunGroup& group, const std::string& key, double vo::Spread::*what) {
+double At(const RunGroup& group, const std::string& key, double Spread::*what) {
   for (size_t i = 0; i < Metrics().size(); ++i) {
     if (Metrics()[i].key == key) return group.metrics[i].*what;
   }
@@ -60,11 +60,11 @@ double At(const RunGroup& group, const std::string& key, double vo::Spread::*wha
 }
 
 TEST(SpreadOf, OddEvenAndNone) {
-  const vo::Spread odd = vo::SpreadOf({3.0, 1.0, 2.0}, false);
+  const Spread odd = SpreadOf({3.0, 1.0, 2.0}, false);
   EXPECT_EQ(std::tuple(odd.n, odd.median, odd.worst, odd.spread), std::tuple(3, 2.0, 3.0, 2.0));
-  const vo::Spread even = vo::SpreadOf({4.0, 1.0, 2.0, 3.0}, true);
+  const Spread even = SpreadOf({4.0, 1.0, 2.0, 3.0}, true);
   EXPECT_EQ(std::tuple(even.n, even.median, even.worst, even.spread), std::tuple(4, 2.5, 1.0, 3.0));
-  EXPECT_EQ(vo::SpreadOf({}, false).n, 0);
+  EXPECT_EQ(SpreadOf({}, false).n, 0);
 }
 
 TEST(Compare, SeedsAreOneGroupAndFeaturesAreTwo) {
@@ -76,13 +76,13 @@ TEST(Compare, SeedsAreOneGroupAndFeaturesAreTwo) {
   EXPECT_EQ(groups[1].label, "features=points");
   EXPECT_EQ(groups[2].dataset, "kitti_03");
   EXPECT_EQ(groups[0].runs.size(), 3U);
-  EXPECT_NEAR(At(groups[0], "ate_m", &vo::Spread::median), 0.2, 1e-12);
-  EXPECT_NEAR(At(groups[0], "ate_m", &vo::Spread::worst), 0.4, 1e-12);
-  EXPECT_NEAR(At(groups[0], "ate_m", &vo::Spread::spread), 0.3, 1e-12);
-  EXPECT_NEAR(At(groups[0], "tracked_percent", &vo::Spread::median), 95.0, 1e-12);
-  EXPECT_NEAR(At(groups[0], "t_rel_percent", &vo::Spread::median), 0.75, 1e-12);
-  EXPECT_NEAR(At(groups[0], "cpu_ms", &vo::Spread::median), 25.5, 1e-12);
-  EXPECT_NEAR(At(groups[0], "memory_mb", &vo::Spread::median), 110.0, 1e-12);
+  EXPECT_NEAR(At(groups[0], "ate_m", &Spread::median), 0.2, 1e-12);
+  EXPECT_NEAR(At(groups[0], "ate_m", &Spread::worst), 0.4, 1e-12);
+  EXPECT_NEAR(At(groups[0], "ate_m", &Spread::spread), 0.3, 1e-12);
+  EXPECT_NEAR(At(groups[0], "tracked_percent", &Spread::median), 95.0, 1e-12);
+  EXPECT_NEAR(At(groups[0], "t_rel_percent", &Spread::median), 0.75, 1e-12);
+  EXPECT_NEAR(At(groups[0], "cpu_ms", &Spread::median), 25.5, 1e-12);
+  EXPECT_NEAR(At(groups[0], "memory_mb", &Spread::median), 110.0, 1e-12);
   EXPECT_EQ(groups[0].Typical()->folder, "run4");
 }
 
@@ -94,7 +94,7 @@ TEST(Compare, RunsThatFailedCountAndDoNotSpeak) {
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_EQ(groups[0].label, "all alike");
   EXPECT_EQ(groups[0].failed, 1);
-  EXPECT_EQ(At(groups[0], "ate_m", &vo::Spread::worst), 1.0);
+  EXPECT_EQ(At(groups[0], "ate_m", &Spread::worst), 1.0);
   EXPECT_THAT(ComparisonMarkdown(groups), HasSubstr("| 2 (1 failed) |"));
   EXPECT_THAT(ComparisonPage(groups), HasSubstr("vo_process has crashed"));
   const auto none = Compare({RecordOf(failed, "bad")});
@@ -126,10 +126,10 @@ TEST(Compare, TrackedIsOfAllFramesAlsoThoseWithoutAPoseMessage) {
   json late = Summary("a", "both", 1.0);
   late["skipped_frames"] = 30;
   late["bad_frames"] = 6;
-  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &vo::Spread::median), 50.0, 1e-12);
+  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 50.0, 1e-12);
   late["unanswered_frames"] = 76;
   late["all_frames"] = 152;
-  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &vo::Spread::median), 25.0, 1e-12);
+  EXPECT_NEAR(At(Compare({RecordOf(late, "1")})[0], "tracked_percent", &Spread::median), 25.0, 1e-12);
 }
 
 TEST(Compare, SummariesWithNextToNothing) {
@@ -171,7 +171,7 @@ TEST(Comparison, RunThatTrackedNothingIsNoGoodRun) {
   const auto groups = Compare({RecordOf(Summary("kitti_03", "both", 0.3), "a"), RecordOf(nothing, "b")});
   ASSERT_EQ(groups.size(), 1U);
   EXPECT_EQ(groups[0].untracked, 1);
-  EXPECT_NEAR(At(groups[0], "ate_m", &vo::Spread::median), 0.3, 1e-12);
+  EXPECT_NEAR(At(groups[0], "ate_m", &Spread::median), 0.3, 1e-12);
   EXPECT_THAT(ComparisonText(groups), HasSubstr("2 (1 without ATE) runs"));
   EXPECT_TRUE(nlohmann::json(ComparisonJson(groups))[0]["runs"][1]["ate_m"].is_null());
 }

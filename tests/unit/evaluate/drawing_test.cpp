@@ -22,7 +22,7 @@ Drawing SomeDrawing() {
   drawing.size = {60.0, 40.0};
   drawing.shapes.emplace_back(
       DrawnPath{{{10, 10}, {30, 10}, {30, 20}, {10, 20}}, {{0, 0, 0}, 0.0}, Ink{200, 30, 10}});
-  drawing.shapes.emplace_back(DrawnSegments{{{loop::Place(5, 35), loop::Place(55, 35)}}, {{0, 0, 255}, 2.0, true}});
+  drawing.shapes.emplace_back(DrawnSegments{{{Place(5, 35), Place(55, 35)}}, {{0, 0, 255}, 2.0, true}});
   drawing.shapes.emplace_back(DrawnDots{{{45, 15}}, 4.0, {0, 160, 0}});
   drawing.shapes.emplace_back(DrawnText{{2, 8}, "a < b & \"c\" \x01", 6.0, 0.0, {0, 0, 0}});
   drawing.shapes.emplace_back(DrawnImage{{40, 25}, {10, 5}, cv::Mat(2, 4, CV_8UC1, cv::Scalar(128))});

@@ -46,7 +46,7 @@ TEST(Plot, EstimateFarAwayDoesNotOverflow) {
   Trajectory estimate = SomePath(3);
   estimate[1].T_a_b = Translation(1e15, -1e15, 0);
   EvaluateOptions options;
-  options.alignment = vo::Alignment::kNone;
+  options.alignment = Alignment::kNone;
   EXPECT_FALSE(PlotAccuracy(EvaluateTrajectory(estimate, SomePath(3), options), "title").empty());
 }
 

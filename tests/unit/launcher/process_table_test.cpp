@@ -17,7 +17,7 @@ const ProcessRow& Row(const std::string& name) {
   return *std::find_if(table.begin(), table.end(), [&](const ProcessRow& row) { return row.name == name; });
 }
 
-long loop::Place(const std::vector<std::string>& arguments, const std::string& argument) {
+long Place(const std::vector<std::string>& arguments, const std::string& argument) {
   return std::find(arguments.begin(), arguments.end(), argument) - arguments.begin();
 }
 
@@ -28,10 +28,10 @@ TEST(ProcessTable, NamedOptionsStandBehindSetAndSoWin) {
   options.overrides = {"vo.features.features=points", "vo.state_file="};
   const auto arguments = ArgumentsOf(Row("vo"), options);
   EXPECT_THAT(arguments, Contains("vo.features.features=points"));
-  EXPECT_LT(loop::Place(arguments, "vo.features.features=points"),
-            loop::Place(arguments, "vo.features.features=lines"));
+  EXPECT_LT(Place(arguments, "vo.features.features=points"),
+            Place(arguments, "vo.features.features=lines"));
   const std::string state = "vo.state_file=" + StateFileOf(options, "vo").string();
-  EXPECT_LT(loop::Place(arguments, state), loop::Place(arguments, "vo.state_file=")) << "there is no option for it";
+  EXPECT_LT(Place(arguments, state), Place(arguments, "vo.state_file=")) << "there is no option for it";
 }
 
 TEST(ProcessTable, RecorderThatIsStartedAgainWritesAnotherFile) {

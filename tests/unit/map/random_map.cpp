@@ -89,7 +89,7 @@ void RandomMap::Change(const IdMap<Landmark>& landmarks, int64_t& next_id) {
     landmark = DrawFrom(landmarks);
   }
   if (landmark.observations.empty() || Draw(2) == 0) landmark.observations = DrawObservations();
-  loop::Place(landmark);
+  Place(landmark);
   map_.Put(landmark);
 }
 
@@ -144,9 +144,9 @@ void RandomMap::Step() {
     case 1:
       return AddKeyframe();
     case 2:
-      return mapping::Fuse(map_.points());
+      return Fuse(map_.points());
     case 3:
-      return mapping::Fuse(map_.lines());
+      return Fuse(map_.lines());
     case 4:
       if (!map_.points().empty()) Remove(DrawFrom(map_.points()));
       return;

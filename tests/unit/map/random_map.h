@@ -30,11 +30,11 @@ class RandomMap {
   template <class Landmark>
   void Change(const IdMap<Landmark>& landmarks, int64_t& next_id);
   template <class Landmark>
-  void mapping::Fuse(const IdMap<Landmark>& landmarks);
+  void Fuse(const IdMap<Landmark>& landmarks);
   void Remove(const MapPoint& point) { map_.RemovePoint(point.id); }
   void Remove(const MapLine& line) { map_.RemoveLine(line.id); }
-  void loop::Place(MapPoint& point);
-  void loop::Place(MapLine& line);
+  void Place(MapPoint& point);
+  void Place(MapLine& line);
 
   uint64_t Draw(uint64_t n) { return random_() % n; }
   SE3 DrawPose();

@@ -154,7 +154,7 @@ class Player {
     node_.reset();
   }
   // What the run loop threw; empty where it ended by itself.
-  std::string viewer::Join() {
+  std::string Join() {
     thread_.join();
     return error_;
   }

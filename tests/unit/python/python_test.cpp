@@ -61,7 +61,7 @@ std::vector<double> Numbers(const Matrix& matrix) {
 }
 
 /// Row by row, as numpy lists a matrix.
-std::vector<double> viewer::Rows(const Eigen::Matrix4d& matrix) {
+std::vector<double> Rows(const Eigen::Matrix4d& matrix) {
   const Eigen::Matrix4d transposed = matrix.transpose();
   return Numbers(transposed);
 }
@@ -110,7 +110,7 @@ print(json.dumps({
     EXPECT_EQ(map["ids"][i], id);
     EXPECT_EQ(map["t_ns"][i], keyframe.t_ns);
     EXPECT_EQ(map["parents"][i], keyframe.parent_id);
-    ExpectNear(map["T_w_kf"][i], viewer::Rows(MatrixOf(keyframe.T_w_kf)), 1e-12);
+    ExpectNear(map["T_w_kf"][i], Rows(MatrixOf(keyframe.T_w_kf)), 1e-12);
     ExpectNear(map["covariance"][i], Numbers(keyframe.covariance), 0.0);
     ++i;
   }
@@ -367,7 +367,7 @@ print(json.dumps(out))
   ASSERT_EQ(run["t_ns"].size(), trajectory.size());
   for (size_t i = 0; i < trajectory.size(); ++i) {
     EXPECT_EQ(run["t_ns"][i], trajectory[i].t_ns);
-    ExpectNear(run["T"][i], viewer::Rows(MatrixOf(trajectory[i].T_a_b)), 1e-7);
+    ExpectNear(run["T"][i], Rows(MatrixOf(trajectory[i].T_a_b)), 1e-7);
     EXPECT_EQ(run["ct"][i], trajectory[i].t_ns);
     ExpectNear(run["C"][i], Numbers(covariances[i].covariance), 0.0);
   }

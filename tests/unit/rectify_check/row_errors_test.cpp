@@ -23,13 +23,13 @@ StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.1, 640, 480}; }
 
 /// Points all over the image whose right counterparts lie lower by `offset_px`, are turned and grown about the
 /// principal point, and have noise; some are matched by chance.
-std::vector<vo::RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent,
+std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent,
                                   double outliers = 0.0) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 640.0), v(0.0, 480.0), disparity(2.0, 60.0), share(0.0, 1.0),
       anywhere(-48.0, 48.0);
   std::normal_distribution<double> noise(0.0, 0.2);
-  std::vector<vo::RowMatch> matches;
+  std::vector<RowMatch> matches;
   for (int i = 0; i < n; ++i) {
     const Eigen::Vector2d left(u(random), v(random));
     const double error = offset_px + roll_deg * kDeg * (left.x() - 320.0) + 0.01 * scale_percent * (left.y() - 240.0);
@@ -61,8 +61,8 @@ TEST(RowErrors, OffsetRollAndScaleAreToldApart) {
 }
 
 TEST(RowErrors, ExchangedImages) {
-  std::vector<vo::RowMatch> matches = Matches(200, 0.0, 0.0, 0.0);
-  for (vo::RowMatch& match : matches) std::swap(match.left_px, match.right_px);
+  std::vector<RowMatch> matches = Matches(200, 0.0, 0.0, 0.0);
+  for (RowMatch& match : matches) std::swap(match.left_px, match.right_px);
   const RowVerdict verdict = CheckRows(MeasureRows(matches, Camera()));
   EXPECT_FALSE(verdict.usable);
   EXPECT_THAT(verdict.sentence, HasSubstr("left and right are exchanged"));

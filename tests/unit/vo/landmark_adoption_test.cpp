@@ -54,7 +54,7 @@ struct Points {
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.points.landmarks(); }
   static const auto& In(const Scene& scene) { return scene.points; }
   static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_point_id; }
-  static Eigen::Vector3d loop::Place(const Landmark& landmark) { return landmark.p_odom; }
+  static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.p_odom; }
   static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance; }
 };
 struct Lines {
@@ -62,7 +62,7 @@ struct Lines {
   static const std::vector<Landmark>& Of(const LocalLandmarks& landmarks) { return landmarks.lines.landmarks(); }
   static const auto& In(const Scene& scene) { return scene.lines; }
   static int64_t NextId(const LocalLandmarks& landmarks) { return landmarks.next_line_id; }
-  static Eigen::Vector3d loop::Place(const Landmark& landmark) { return landmark.segment_odom.p; }
+  static Eigen::Vector3d Place(const Landmark& landmark) { return landmark.segment_odom.p; }
   static Eigen::Matrix3d Covariance(const Landmark& landmark) { return landmark.covariance_p; }
 };
 

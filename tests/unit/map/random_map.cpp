@@ -172,7 +172,7 @@ void RandomMap::Step() {
       }
       return;
     case 10:
-      return loop::CloseLoop();
+      return CloseLoop();
     case 11:
       return Move();
     default:

@@ -25,7 +25,7 @@ class RandomMap {
 
  private:
   void AddKeyframe();
-  void loop::CloseLoop();
+  void CloseLoop();
   void Move();
   template <class Landmark>
   void Change(const IdMap<Landmark>& landmarks, int64_t& next_id);

@@ -40,7 +40,7 @@ double Median(std::vector<double> values) {
 std::string StageMedians(const std::vector<OdometryFrame>& frames) {
   std::map<std::string, std::vector<double>> times;
   for (const OdometryFrame& frame : frames) {
-    for (const plslam::StageTime& stage : frame.stages) times[stage.name].push_back(stage.ms);
+    for (const plslam::vo::StageTime& stage : frame.stages) times[stage.name].push_back(stage.ms);
   }
   std::string text;
   for (auto& [name, values] : times) {

@@ -50,11 +50,11 @@ class TrackScore {
   TrackScore(const plslam::synthetic::Simulator& simulator, const StereoCamera& camera)
       : simulator_(&simulator), camera_(camera) {}
 
-  void See(int index, const vo::OdometryResult& result) {
+  void See(int index, const plslam::vo::OdometryResult& result) {
     const SE3 T_w_c = simulator_->T_w_c(index);
     const SE3 T_c_w = T_w_c.Inverse();
     for (size_t i = 0; i < result.point_tracks.size(); ++i) {
-      const vo::FeatureTrack& track = result.point_tracks[i];
+      const plslam::vo::FeatureTrack& track = result.point_tracks[i];
       const StereoPoint& seen = result.features.points[i];
       if (track.landmark_id < 0) continue;
       const auto known = places_.find(track.landmark_id);
@@ -146,7 +146,7 @@ void ScoreWorld(const std::string& world, const plslam::vo::VoOptions& options) 
   int index = 0;
   const auto frames = plslam::test::RunOdometry(
       *dataset, options, 1, 1 << 30,
-      [&](const plslam::StereoImages&, const vo::OdometryResult& result) { score.See(index++, result); });
+      [&](const plslam::StereoImages&, const plslam::vo::OdometryResult& result) { score.See(index++, result); });
   score.Print(world + " ate " + std::to_string(plslam::test::AbsoluteTrajectoryError(frames)));
 }
 

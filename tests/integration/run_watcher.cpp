@@ -27,7 +27,7 @@ std::vector<uint8_t> Content(pose_t pose) {
   return bus::Encoded(pose);
 }
 
-std::map<int64_t, std::set<int64_t>> mapping::KeyframesOf(const Map& map) {
+std::map<int64_t, std::set<int64_t>> KeyframesOf(const Map& map) {
   std::map<int64_t, std::set<int64_t>> keyframes;
   for (const auto& [id, keyframe] : map.keyframes()) {
     keyframes[keyframe.session].insert(keyframe.session_keyframe_id);
@@ -89,7 +89,7 @@ void RunWatcher::Listen() {
     Add([&](Heard& heard) { heard.keyframes[keyframe.session].insert(keyframe.keyframe_id); });
   });
   map_ = std::make_unique<bus::MapSubscriber>(bus_, [this](const MapUpdate&) {
-    auto keyframes = mapping::KeyframesOf(map_->replica().map());
+    auto keyframes = KeyframesOf(map_->replica().map());
     Add([&](Heard& heard) { heard.mapped = std::move(keyframes); });
   });
 }

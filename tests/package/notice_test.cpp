@@ -28,10 +28,10 @@ std::string TextOf(const fs::path& path) {
 std::map<std::string, std::string> LicencesOfNotice() {
   std::map<std::string, std::string> licences;
   std::istringstream lines(TextOf(SourceFolder() / "NOTICE"));
-  static const std::regex vo::kRow(R"(  (lib\S+\.so) +(\S+).*)");
+  static const std::regex kRow(R"(  (lib\S+\.so) +(\S+).*)");
   std::smatch match;
   for (std::string line; std::getline(lines, line);) {
-    if (std::regex_match(line, match, vo::kRow)) licences[match[1]] = match[2];
+    if (std::regex_match(line, match, kRow)) licences[match[1]] = match[2];
   }
   return licences;
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/process/process_usage.h"
-
-#include <gtest/gtest.h>
-
 #include <array>
 #include <memory>
 #include <thread>
 #include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/process/process_usage.h"
 
 namespace plslam::bus {
 namespace {

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/plslam/run_bus.h"
+#include <netinet/in.h>
+#include <unistd.h>
+
+#include <sys/socket.h>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "tools/plslam/node/save_node.h"
+#include "tools/plslam/run_bus.h"
 
 namespace plslam::launcher {
 namespace {

@@ -32,8 +32,8 @@ class RunningRelay {
     relay_.Stop();
     thread_.join();
   }
-  launcher::TcpqRelay& operator*() { return relay_; }
-  launcher::TcpqRelay* operator->() { return &relay_; }
+  TcpqRelay& operator*() { return relay_; }
+  TcpqRelay* operator->() { return &relay_; }
 
   BusOptions Options() const {
     BusOptions options;
@@ -42,7 +42,7 @@ class RunningRelay {
   }
 
  private:
-  launcher::TcpqRelay relay_;
+  TcpqRelay relay_;
   std::thread thread_;
 };
 
@@ -200,14 +200,14 @@ TEST(TcpqRelay, CutsOffWhoSpeaksNonsense) {
 }
 
 TEST(TcpqRelay, TakenPortIsOneSentence) {
-  const launcher::TcpqRelay first(0);
+  const TcpqRelay first(0);
   try {
-    const launcher::TcpqRelay second(first.port());
+    const TcpqRelay second(first.port());
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("cannot be listened on"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(launcher::TcpqRelay(0, "no address"), std::runtime_error);
+  EXPECT_THROW(TcpqRelay(0, "no address"), std::runtime_error);
 }
 
 TEST(ChannelPattern, MatchesWholeNames) {

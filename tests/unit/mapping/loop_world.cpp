@@ -85,7 +85,7 @@ std::vector<CorrectedPose> SharedOut(const Map& map, const LoopEdge& edge) {
 }
 
 template <class Type>
-std::vector<int64_t> mapping::MapIds(const Map& map, int64_t session, const StereoFeatures& features) {
+std::vector<int64_t> MapIds(const Map& map, int64_t session, const StereoFeatures& features) {
   std::map<Descriptor, int64_t> known;
   for (const auto& [id, landmark] : Type::Landmarks(map)) {
     if (map.FindKeyframe(landmark.observations.front().keyframe_id)->session == session)
@@ -102,8 +102,8 @@ std::vector<int64_t> mapping::MapIds(const Map& map, int64_t session, const Ster
 }  // namespace
 
 void GiveMapIds(const Map& map, int64_t session, Keyframe& keyframe) {
-  keyframe.point_map_ids = mapping::MapIds<PointType>(map, session, keyframe.features);
-  keyframe.line_map_ids = mapping::MapIds<LineType>(map, session, keyframe.features);
+  keyframe.point_map_ids = MapIds<PointType>(map, session, keyframe.features);
+  keyframe.line_map_ids = MapIds<LineType>(map, session, keyframe.features);
 }
 
 LoopClosure Drift(const Map& map) {

@@ -13,7 +13,7 @@ namespace plslam {
 namespace {
 
 std::string Definition(const std::string& message) {
-  return test::ReadText(test::SourceFolder() / "lcmtypes" / (message + ".lcm"));
+  return ReadText(test::SourceFolder() / "lcmtypes" / (message + ".lcm"));
 }
 
 TEST(ProcessNames, StatesAndVerbsStandInTheDefinitionsOfTheirMessages) {
@@ -26,7 +26,7 @@ TEST(ProcessNames, StatesAndVerbsStandInTheDefinitionsOfTheirMessages) {
 }
 
 TEST(ProcessNames, AreSectionsOfTheConfiguration) {
-  const std::string configuration = test::ReadText(test::SourceFolder() / "config/plslam.yaml");
+  const std::string configuration = ReadText(test::SourceFolder() / "config/plslam.yaml");
   for (const char* name : process_name::kAll) {
     EXPECT_THAT(configuration, testing::HasSubstr("\n" + std::string(name) + ":"));
   }

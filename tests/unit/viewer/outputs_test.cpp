@@ -10,8 +10,8 @@ namespace plslam::viewer {
 namespace {
 
 TEST(Progress, BeforeTheFirstFrame) {
-  EXPECT_EQ(launcher::ProgressLine({}, {}), "frame 0  0.0/s  waiting");
-  EXPECT_EQ(launcher::ProgressLine({}, {400, 0.0, 0, 0}), "frame 0/400  0.0/s  waiting");
+  EXPECT_EQ(ProgressLine({}, {}), "frame 0  0.0/s  waiting");
+  EXPECT_EQ(ProgressLine({}, {400, 0.0, 0, 0}), "frame 0/400  0.0/s  waiting");
 }
 
 TEST(Progress, ShowsTheNewestFrame) {
@@ -21,7 +21,7 @@ TEST(Progress, ShowsTheNewestFrame) {
   pose.keyframe_id = 0;
   pose.counts = {900, 100, 20, 3, 0};
   recorder.AddPose(pose);
-  EXPECT_EQ(launcher::ProgressLine(recorder, {400, 18.26, 0, 0}),
+  EXPECT_EQ(ProgressLine(recorder, {400, 18.26, 0, 0}),
             "frame 2/400  18.3/s  20 points  3 lines  keyframes 1  weak  gaps 0");
 }
 
@@ -30,7 +30,7 @@ TEST(Progress, LossIsVisible) {
   FramePose pose = SomePose(0, TrackingState::kLost);
   pose.counts.skipped_frames = 4;
   recorder.AddPose(pose);
-  EXPECT_EQ(launcher::ProgressLine(recorder, {-1, 1.0, 3, 2}),
+  EXPECT_EQ(ProgressLine(recorder, {-1, 1.0, 3, 2}),
             "frame 1  1.0/s  312 points  84 lines  keyframes 0  lost  lost 1  skipped 4  gaps 3 (2 repaired)");
 }
 

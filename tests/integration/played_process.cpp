@@ -56,8 +56,8 @@ bus::BusOptions BusOptionsFor(const std::string& url) {
   return options;
 }
 
-PlayedProcess::PlayedProcess(const std::string& url, const std::string& name)
-    : bus_(BusOptionsFor(url), name), map_publisher_(bus_, [this] { map_is_asked_for_ = true; }) {
+PlayedProcess::PlayedProcess(const bus::BusOptions& options, const std::string& name)
+    : bus_(options, name), map_publisher_(bus_, [this] { map_is_asked_for_ = true; }) {
   bus_.Every(kRepeat, [this] {
     const std::scoped_lock lock(mutex_);
     for (const auto& [key, said] : newest_) kPublish.at(said.first->type)(bus_, *said.first, said.second);

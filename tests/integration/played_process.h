@@ -30,7 +30,7 @@ bus::BusOptions BusOptionsFor(const std::string& url);
 /// is published as mapping_process does: whole, too, for listeners that lack it.
 class PlayedProcess {
  public:
-  PlayedProcess(const std::string& url, const std::string& name);
+  PlayedProcess(const bus::BusOptions& options, const std::string& name);
   ~PlayedProcess();
   PlayedProcess(const PlayedProcess&) = delete;
   PlayedProcess& operator=(const PlayedProcess&) = delete;

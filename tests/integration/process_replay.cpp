@@ -99,7 +99,10 @@ ProcessReplay::ProcessReplay(const MessageLog& log, const ReplayedProcess& proce
       listener_(BusOptionsFor(port_.Url()), "listener") {
   std::filesystem::create_directories(folder_);
   for (const std::string& name : kPlayed) {
-    if (name != process_.name) played_[name] = std::make_unique<PlayedProcess>(port_.Url(), name);
+    if (name == process_.name) continue;
+    bus::BusOptions options = BusOptionsFor(port_.Url());
+    if (faults_.few_updates && name == "mapping") options.history_bytes = 1;
+    played_[name] = std::make_unique<PlayedProcess>(options, name);
   }
   if (faults_.doubled) {
     std::set<int64_t> sources;

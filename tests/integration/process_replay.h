@@ -59,6 +59,8 @@ struct ReplayFaults {
   bool doubled = false;        ///< each datagram that is sent to it comes twice
   /// It is killed and started again behind this message of the log.
   std::optional<size_t> killed_behind = std::nullopt;
+  /// Few updates of the map are kept for it: it has to ask for the whole map when it is started again.
+  bool few_updates = false;
 };
 
 /// Plays a log to a single process, in the place of all the others, and compares what it says with what it said in the

@@ -92,15 +92,17 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
   const bool begins = update.base_version == 0 && !checked_.contains(update.session);
   // What another loop_process has checked, or will never be: of all sessions but for the newest keyframe.
   if (update.base_version == 0) checked_.insert(newest_.begin(), newest_.end());
-  int64_t checked = Newest(checked_, update.session);
-  if (begins) {
-    checked = update.session_keyframe_id - 1;
-    if (AwaitsAdjustment(update)) {
-      unadjusted_.emplace();
-      unadjusted_->session = update.session;
-      unadjusted_->session_keyframe_id = ++checked;
-      unadjusted_->t_ns = update.t_ns;
-    }
+  int64_t checked = begins ? update.session_keyframe_id - 1 : Newest(checked_, update.session);
+  const auto newest = std::find_if(due_.begin(), due_.end(), [&update](const Due& due) {
+    return due.session == update.session && due.keyframe_id == update.session_keyframe_id;
+  });
+  const bool is_unchecked = newest != due_.end() || checked < update.session_keyframe_id;
+  if (is_unchecked && AwaitsAdjustment(update)) {
+    if (newest != due_.end()) due_.erase(newest);
+    unadjusted_.emplace();
+    unadjusted_->session = update.session;
+    unadjusted_->session_keyframe_id = checked = update.session_keyframe_id;
+    unadjusted_->t_ns = update.t_ns;
   }
   if (update.committed) {
     checked = std::max(checked, update.session_keyframe_id);
@@ -186,6 +188,14 @@ bool LoopService::HasWaited(const Due& due) const {
   return now_ms - std::max(due.since_ms, teller->second.heard_ms) >= kLockstepPatience_ms;
 }
 
+/// In lockstep a keyframe is committed when it has been checked: by the loop_process before this one, where updates of
+/// the map from its time come again before the features do. The map as it is now is not the one to check it on.
+void LoopService::DropCommitted() {
+  std::erase_if(due_, [this](const Due& due) {
+    return lockstep_.contains(due.session) && Newest(committed_, due.session) >= due.keyframe_id;
+  });
+}
+
 /// In order within a session; a robot whose keyframes are late does not hold up the others.
 std::deque<LoopService::Due>::iterator LoopService::NextDue() {
   std::set<int64_t> late;
@@ -203,6 +213,7 @@ void LoopService::CheckWhatIsDue(Output& output) {
     Adjust(*unadjusted_, output);
     unadjusted_.reset();
   }
+  DropCommitted();
   while (!told_) {
     const auto next = NextDue();
     if (next == due_.end()) return;

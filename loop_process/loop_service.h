@@ -89,6 +89,7 @@ class LoopService {
   void NoteLacking(bool whole);
   bool IsComplete();
   bool HasWaited(const Due& due) const;
+  void DropCommitted();
   std::deque<Due>::iterator NextDue();
   void CheckWhatIsDue(Output& output);
   void AnswerWhatIsDue(Output& output);

@@ -25,8 +25,6 @@ struct AdjustmentFigures {
   double reprojection_after_px = 0.0;
 };
 
-/// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
-/// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
 /// What became of a loop that loop_process told, which is named by what its `LoopClosure` says of keyframe and map.
 struct LoopAnswer {
   int64_t session = 0;
@@ -37,6 +35,8 @@ struct LoopAnswer {
   bool operator==(const LoopAnswer&) const = default;
 };
 
+/// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
+/// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
 struct MapUpdate {
   int64_t source = 0;  ///< publisher: the start of mapping_process whose map it is; set by the receiver
   int64_t version = 0;

@@ -2,10 +2,8 @@
 #include "tests/integration/recorded_run.h"
 
 #include "core/bus/logs/log_reader.h"
-#include "core/bus/messages/map_pages.h"
 #include "core/bus/transport/wire.h"
 #include "plslam/keyframe_t.hpp"
-#include "plslam/map_update_t.hpp"
 #include "plslam/pose_t.hpp"
 
 namespace plslam::test {
@@ -22,28 +20,15 @@ void Anonymise(Message* message) {
   message->header.session = 0;
 }
 
-/// Follows the map as it was published.
-class MapFollower {
- public:
-  void Add(const map_update_t& page) {
-    if (assembler_.Add(page) == bus::PageOutcome::kComplete) replica_.Apply(assembler_.Take());
+void SetMap(const MapFollower& follower, RecordedRun* run) {
+  run->map_totals = follower.map().Totals();
+  MapUpdate whole = follower.Whole();
+  for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
+  for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
+    const auto bytes = bus::Encoded(page);
+    run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());
   }
-
-  void Finish(RecordedRun* run) const {
-    run->map_totals = replica_.map().Totals();
-    MapUpdate whole = WholeMap(replica_.map());
-    whole.version = 1;
-    for (MapKeyframe& keyframe : whole.keyframes) keyframe.session = 0;
-    for (const map_update_t& page : bus::CutIntoPages(whole, 60'000)) {
-      const auto bytes = bus::Encoded(page);
-      run->map_bytes.insert(run->map_bytes.end(), bytes.begin(), bytes.end());
-    }
-  }
-
- private:
-  bus::MapUpdateAssembler assembler_;
-  MapReplica replica_;
-};
+}
 
 /// Adds one message; false where it cannot be decoded.
 bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, RecordedRun* run, MapFollower* map) {
@@ -82,6 +67,12 @@ bool Add(const std::string& channel, const std::vector<uint8_t>& bytes, Recorded
 
 }  // namespace
 
+MapUpdate MapFollower::Whole() const {
+  MapUpdate whole = WholeMap(replica_.map());
+  whole.version = 1;
+  return whole;
+}
+
 int RecordedRun::Count(const std::string& channel) const {
   const auto found = counts.find(channel);
   return found == counts.end() ? 0 : found->second;
@@ -105,7 +96,7 @@ RecordedRun ReadRecordedRun(const std::string& log) {
     ++run.counts[event->channel];
     if (!bytes || !Add(event->channel, *bytes, &run, &map)) ++run.undecodable;
   }
-  map.Finish(&run);
+  SetMap(map, &run);
   return run;
 }
 

@@ -8,11 +8,29 @@
 #include <utility>
 #include <vector>
 
+#include "core/bus/messages/map_pages.h"
 #include "core/map/map.h"
+#include "core/map/map_update.h"
+#include "plslam/map_update_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
 
 namespace plslam::test {
+
+/// Follows the map as it is published.
+class MapFollower {
+ public:
+  void Add(const map_update_t& page) {
+    if (assembler_.Add(page) == bus::PageOutcome::kComplete) replica_.Apply(assembler_.Take());
+  }
+  const Map& map() const { return replica_.map(); }
+  /// All of it, as if it were the first version.
+  MapUpdate Whole() const;
+
+ private:
+  bus::MapUpdateAssembler assembler_;
+  MapReplica replica_;
+};
 
 /// What the LCM log of a run says of it.
 struct RecordedRun {

@@ -217,6 +217,36 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDone) {
   EXPECT_EQ(Checked(service_.OnUpdate(Update(4, false))), Ids{4});
 }
 
+// The same where the updates come again, one by one, before the features.
+TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
+  service_.OnUpdate(Update(0, false));
+  service_.OnUpdate(Update(0, true));
+  service_.OnUpdate(Update(1, false));
+  LoopEdge edge;
+  edge.old_keyframe_id = 0;
+  edge.keyframe_id = 1;
+  edge.covariance.setIdentity();
+  map_.Add(edge);
+  service_.OnUpdate(Update(1, false));
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{});
+  const auto output = service_.OnKeyframe(KeyframeOf(0));
+  EXPECT_EQ(Judged(output), Ids{});
+  ASSERT_TRUE(output.adjustment);
+  EXPECT_EQ(output.adjustment->session_keyframe_id, 1);
+  EXPECT_EQ(output.adjustment->map_version, 4);
+}
+
+// A keyframe would be checked on a map that is newer than the one it came into.
+TEST_F(Service, KeyframesThatAnotherHasCheckedAreNotCheckedWhenUpdatesComeAgainBeforeTheFeatures) {
+  for (int64_t id = 0; id < 3; ++id) {
+    EXPECT_EQ(Judged(service_.OnUpdate(Update(id, false))), Ids{});
+    if (id < 2) service_.OnUpdate(Update(id, true));
+  }
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{});
+  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(2))), Ids{2});
+}
+
 TEST_F(Service, ASettledMapAwaitsNoAdjustment) {
   Update(3, false);
   LoopEdge edge;

@@ -17,8 +17,8 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-# lcm-logger, lcm-logplayer; lcm-spy with the jar of the types.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin")
+# lcm-logger, lcm-logplayer; the text of figures, for which any font will do; lcm-spy with the jar of the types.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin, fonts-dejavu-core")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
     "Tracking, mapping, loop closing, a player of datasets and a viewer without display, as processes that talk over LCM.")

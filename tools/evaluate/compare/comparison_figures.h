@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tools/evaluate/compare/comparison.h"
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/evaluate/figures/axes.h"
+#include "tools/evaluate/drawing/axes.h"
 
 namespace plslam {
 namespace {

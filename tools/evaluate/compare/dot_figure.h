@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
 

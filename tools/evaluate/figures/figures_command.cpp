@@ -7,16 +7,14 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_file.h"
 #include "core/io/maps/map_camera.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/runtime_figure.h"
-#include "tools/evaluate/figures/similarity_figure.h"
 #include "tools/evaluate/figures/top_view.h"
+#include "tools/evaluate/places/similarity_figure.h"
 #include "tools/evaluate/run_summary.h"
 #include "tools/export/keyframe_images.h"
 #include "tools/export/run_source.h"
@@ -25,9 +23,6 @@ namespace plslam {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// 600 dots an inch.
-constexpr double kPixelsPerPt = 600.0 / 72.0;
 
 struct Arguments {
   std::string run;
@@ -85,9 +80,8 @@ Material Collect(const Arguments& a) {
 }
 
 void Write(const Drawing& drawing, const std::string& name, const Material& m) {
-  WriteFileAtomically(m.out + "/" + name + ".svg", ToSvg(drawing));
-  WritePng(m.out + "/" + name + ".png", ToPicture(drawing, kPixelsPerPt));
-  fmt::print("{}/{}.svg, .png\n", m.out, name);
+  for (const char* ending : {".svg", ".pdf", ".png"}) WriteDrawing(m.out + "/" + name + ending, drawing);
+  fmt::print("{}/{}.svg, .pdf, .png\n", m.out, name);
 }
 
 void Skip(const std::string& name, const std::string& why) { fmt::print("{}: left out: {}\n", name, why); }
@@ -120,7 +114,8 @@ void DrawSimilarity(const Material& m, const Arguments& a) {
     return Skip("similarity", fmt::format("there are no vocabularies {} and {}", a.points, a.lines));
   }
   const std::string title = m.title + ": similarity of keyframes";
-  Write(SimilarityFigure(title, *m.source.map, points, lines), "similarity", m);
+  const PlaceRecogniser recogniser(Vocabulary::Load(points), Vocabulary::Load(lines), PlaceOptions{});
+  Write(SimilarityFigure(title, KeyframeSimilarities(*m.source.map, recogniser), "keyframes"), "similarity", m);
 }
 
 std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
@@ -175,7 +170,7 @@ int DrawFigures(const Arguments& a) {
 }  // namespace
 
 int RunEvaluateFigures(int argc, char** argv) {
-  CLI::App app("Draws figures of a run for print, as PNG and SVG. docs/metrics.md says what they show.",
+  CLI::App app("Draws figures of a run for print, as SVG, PDF and PNG. docs/metrics.md says what they show.",
                "evaluate figures");
   Arguments arguments;
   AddOptions(app, arguments);

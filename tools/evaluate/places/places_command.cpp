@@ -11,9 +11,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_file.h"
 #include "tools/command_line/run_command_line.h"
-#include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"
 #include "tools/train_vocabulary/left_features.h"
 
@@ -71,8 +69,8 @@ std::string FileName(const std::string& location) {
 void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder) {
   std::filesystem::create_directories(folder);
   const std::string start = (std::filesystem::path(folder) / FileName(evaluation.name)).string();
-  WritePng(start + "_similarity.png", DrawSimilarities(evaluation));
-  WritePng(start + "_precision_recall.png", DrawPrecisionRecall(evaluation));
+  WriteDrawing(start + "_similarity.png", SimilarityFigure(evaluation.name, evaluation.similarities, "frames"));
+  WriteDrawing(start + "_precision_recall.png", PrecisionRecallFigure(evaluation));
 }
 
 int Evaluate(const Arguments& a) {

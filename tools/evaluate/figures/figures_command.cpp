@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/figures/figures_command.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,7 @@
 #include "tools/evaluate/figures/runtime_figure.h"
 #include "tools/evaluate/figures/top_view.h"
 #include "tools/evaluate/places/similarity_figure.h"
-#include "tools/evaluate/run_summary.h"
+#include "tools/evaluate/run_record.h"
 #include "tools/export/keyframe_images.h"
 #include "tools/export/run_source.h"
 

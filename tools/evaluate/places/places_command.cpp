@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/places/places_command.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/command_line.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 
@@ -12,11 +12,7 @@
 #include "core/io/files/atomic_file.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
-#include "tools/evaluate/compare/compare_command.h"
 #include "tools/evaluate/figures/accuracy_figure.h"
-#include "tools/evaluate/figures/figures_command.h"
-#include "tools/evaluate/places/places_command.h"
-#include "tools/evaluate/table.h"
 
 namespace plslam {
 namespace {

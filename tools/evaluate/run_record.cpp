@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/compare/run_record.h"
+#include "tools/evaluate/run_record.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <stdexcept>
 
+#include "core/errors/input_file.h"
 #include "core/run/frame_tally.h"
-#include "tools/evaluate/run_summary.h"
 
 namespace plslam {
 namespace {
@@ -135,6 +136,16 @@ std::string WithoutSeed(const std::string& dataset) {
 }
 
 }  // namespace
+
+nlohmann::json ReadRunSummary(const std::string& folder) {
+  const std::string path = folder + "/summary.json";
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error(path + ": " + why + "; is " + folder + " the folder of a run?");
+  std::ifstream file(path);
+  auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
+  return summary;
+}
 
 std::string NameWithUnit(const Metric& metric) {
   return metric.unit.empty() ? metric.name : fmt::format("{} [{}]", metric.name, metric.unit);

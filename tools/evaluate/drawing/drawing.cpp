@@ -16,6 +16,7 @@
 #include <new>
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "core/io/files/append_bytes.h"
 #include "core/io/files/atomic_file.h"
@@ -121,7 +122,9 @@ class Painter {
     if (image.image.empty()) return;
     cv::Mat pixels;
     const CairoSurface surface = ImageSurface(image.image, pixels);
-    Attach(EncodePng(image.image), surface.get());
+    if (cairo_surface_get_type(cairo_get_target(cairo_)) == CAIRO_SURFACE_TYPE_SVG) {
+      Attach(EncodePng(image.image), surface.get());
+    }
     const double pt_per_px = image.size.x() / image.image.cols;
     cairo_save(cairo_);
     cairo_translate(cairo_, image.corner.x(), image.corner.y());
@@ -138,13 +141,13 @@ class Painter {
 
  private:
   /// What goes into an SVG as it is: cairo would write grey pixels as colour.
-  static void Attach(const std::string& png, cairo_surface_t* surface) {
-    auto copy = std::make_unique<std::string>(png);
-    const auto* bytes = reinterpret_cast<const unsigned char*>(copy->data());
-    const auto free = [](void* held) { delete static_cast<std::string*>(held); };
-    CheckCairo(cairo_surface_set_mime_data(surface, CAIRO_MIME_TYPE_PNG, bytes, copy->size(), free, copy.get()));
+  static void Attach(std::string png, cairo_surface_t* surface) {
+    auto held = std::make_unique<std::string>(std::move(png));
+    const auto* bytes = reinterpret_cast<const unsigned char*>(held->data());
+    const auto free = [](void* file) { delete static_cast<std::string*>(file); };
+    CheckCairo(cairo_surface_set_mime_data(surface, CAIRO_MIME_TYPE_PNG, bytes, held->size(), free, held.get()));
     // NOLINTNEXTLINE(bugprone-unused-return-value): the surface deletes it.
-    copy.release();
+    held.release();
   }
 
   // Far outside the drawing nothing is seen, and cairo's fixed-point numbers would overflow.
@@ -190,11 +193,11 @@ std::string WithOwnIds(const std::string& svg, const std::string& prefix) {
   std::string own;
   std::map<std::string, size_t> numbers;
   size_t copied = 0;
-  for (size_t at = svg.find('"'); at != std::string::npos; at = svg.find('"', at + 1)) {
-    const bool named = at >= 4 && svg.compare(at - 4, 4, " id=") == 0;
-    const bool used = svg.compare(at, 2, "\"#") == 0;
+  for (size_t at = svg.find_first_of("\"#"); at != std::string::npos; at = svg.find_first_of("\"#", at + 1)) {
+    const bool named = svg[at] == '"' && at >= 4 && svg.compare(at - 4, 4, " id=") == 0;
+    const bool used = svg[at] == '#' && at >= 1 && (svg[at - 1] == '"' || svg[at - 1] == '(');
     if (!named && !used) continue;
-    const size_t begin = at + (named ? 1 : 2), end = svg.find('"', begin);
+    const size_t begin = at + 1, end = svg.find_first_of("\")", begin);
     if (end == std::string::npos) break;
     const std::string id = svg.substr(begin, end - begin);
     own.append(svg, copied, begin - copied);

@@ -17,15 +17,15 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-# lcm-logger, lcm-logplayer; lcm-spy with the jar of the types.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin")
+# lcm-logger, lcm-logplayer; the text of figures, for which any font will do; lcm-spy with the jar of the types.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin, fonts-dejavu-core")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
     "Tracking, mapping, loop closing, a player of datasets and a viewer without display, as processes that talk over LCM.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libplslam-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
-    "libeigen3-dev, libopencv-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libpng-dev, libdeflate-dev, libjpeg-dev, libsodium-dev, liblz4-dev, libzstd-dev, zlib1g-dev")
+    "libeigen3-dev, libopencv-dev, libyaml-cpp-dev, libcli11-dev, libfmt-dev, libspdlog-dev, liblcm-dev, libpng-dev, libdeflate-dev, libturbojpeg0-dev, libsodium-dev, liblz4-dev, libzstd-dev, zlib1g-dev")
 set(CPACK_COMPONENT_DEV_DESCRIPTION "Headers, static libraries and the CMake package of plslam.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-plslam)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)

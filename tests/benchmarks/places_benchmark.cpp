@@ -13,12 +13,10 @@
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
-#include "core/io/images/png_codec.h"
 #include "core/places/place_recogniser.h"
 #include "tests/support/data_folder.h"
-#include "tools/evaluate/chart.h"
+#include "tools/evaluate/drawing/axes.h"
 
 namespace plslam {
 namespace {
@@ -163,19 +161,21 @@ double MedianQuery_ms(World& world) {
 }
 
 int DrawGrowth(const std::string& path) {
-  std::vector<cv::Point2d> growth;
+  std::vector<Eigen::Vector2d> growth;
   for (const int keyframes : {100, 300, 1000, 2000, 3000, 4500, 6000, 8000, 10000}) {
     TheWorld().GrowTo(keyframes);
     growth.emplace_back(keyframes, MedianQuery_ms(TheWorld()));
-    fmt::print("{:6} keyframes: {:.3f} ms\n", keyframes, growth.back().y);
+    fmt::print("{:6} keyframes: {:.3f} ms\n", keyframes, growth.back().y());
   }
-  cv::Mat picture(1000, 1600, CV_8UC3, cv::Scalar::all(255));
-  Chart chart(picture, {170, 110, 1370, 740}, {0.0, 10500.0}, {0.0, 1.15 * growth.back().y});
-  chart.DrawGrid("keyframes in the index; query and merge, median", "CPU time [ms]");
-  chart.DrawLine(growth, {190, 90, 20}, 2.0);
-  for (const cv::Point2d& point : growth) chart.DrawMarker(point, {190, 90, 20});
-  cv::resize(picture, picture, {}, 0.5, 0.5, cv::INTER_AREA);
-  WritePng(path, picture);
+  const Stroke stroke{{20, 90, 190}, 1.0, false};
+  Drawing drawing;
+  drawing.size = {kColumn_pt, 150.0};
+  Axes axes(drawing, {{30.0, 14.0}, {kColumn_pt - 36.0, 112.0}}, {0.0, 10500.0}, {0.0, 1.15 * growth.back().y()});
+  axes.DrawGrid("keyframes in the index; query and merge, median", "CPU time [ms]");
+  axes.DrawPath(growth, stroke);
+  axes.DrawDots(growth, 2.0, stroke.ink);
+  axes.DrawFrame();
+  WriteDrawing(path, drawing);
   return 0;
 }
 

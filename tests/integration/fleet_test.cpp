@@ -11,8 +11,7 @@
 #include "plslam/map_update_t.hpp"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
-#include "tools/evaluate/absolute_error.h"
-#include "tools/evaluate/alignment.h"
+#include "tools/evaluate/trajectory_errors.h"
 #include "tools/plslam/run_bus.h"
 
 namespace plslam::launcher {

@@ -83,6 +83,7 @@ TEST_F(Notice, StatesTheLicencesThatDebianStates) {
     std::transform(wanted.begin(), wanted.end(), wanted.begin(), [](unsigned char c) { return std::tolower(c); });
     // Copyright files of before the common format tell the names in full.
     static const std::map<std::string, std::string> kInFull{{"lgpl-2.1+", "lesser general public license"},
+                                                            {"lgpl-2.1", "common-licenses/lgpl-2.1"},
                                                             {"gpl-3+", "general public license"}};
     const auto full = kInFull.find(wanted);
     EXPECT_TRUE(text.find("license: " + wanted) != std::string::npos ||

@@ -10,12 +10,8 @@
 #include "core/accuracy/consistency.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
-#include "tools/evaluate/absolute_error.h"
 #include "tools/evaluate/alignment.h"
-#include "tools/evaluate/clock_offset.h"
-#include "tools/evaluate/keyframe_error.h"
-#include "tools/evaluate/kitti_error.h"
-#include "tools/evaluate/relative_error.h"
+#include "tools/evaluate/trajectory_errors.h"
 
 namespace plslam {
 
@@ -84,5 +80,8 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
 /// `ate_m` (rmse) first, null where nothing is associated or it is no finite number (so are all others then); the
 /// counts, errors and tables by name. Leaves the pairs out.
 nlohmann::ordered_json ToJson(const Accuracy& accuracy);
+
+/// The numbers of an evaluation as aligned lines for a terminal; "-" where there was nothing to measure.
+std::string AccuracyTable(const Accuracy& accuracy);
 
 }  // namespace plslam

@@ -3,16 +3,60 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "core/accuracy/consistency.h"
+#include "tools/evaluate/trajectory_errors.h"
 
 namespace plslam {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Alignment>, 4> kNames{
     {{"none", Alignment::kNone}, {"first", Alignment::kFirst}, {"se3", Alignment::kSe3}, {"sim3", Alignment::kSim3}}};
+
+constexpr int64_t kFineStep_ns = 100'000;
+constexpr int kCoarseSteps = 20;  // to each side
+
+Trajectory Shifted(Trajectory trajectory, int64_t offset_ns) {
+  for (TrajectoryPose& pose : trajectory) pose.t_ns += offset_ns;
+  return trajectory;
+}
+
+/// Those that have a truth at both ends of the search and without an offset.
+Trajectory AlwaysPaired(const Trajectory& estimate, const Trajectory& truth, int64_t max_gap_ns, int64_t max_ns) {
+  std::vector<int> ends(estimate.size(), 0);
+  for (const int64_t offset_ns : {-max_ns, int64_t{0}, max_ns}) {
+    for (const PosePair& pair : AssociateInterpolated(Shifted(estimate, offset_ns), truth, max_gap_ns)) {
+      ++ends[static_cast<size_t>(pair.estimate_index)];
+    }
+  }
+  Trajectory paired;
+  for (size_t i = 0; i < estimate.size(); ++i) {
+    if (ends[i] == 3) paired.push_back(estimate[i]);
+  }
+  return paired;
+}
+
+/// The place of the least value among `center` and `n` steps to each side; `center` where none is less.
+int64_t LeastAround(int64_t center, int64_t step, int n, const std::function<double(int64_t)>& value) {
+  int64_t best = center;
+  double least = value(center);
+  for (int i = -n; i <= n; ++i) {
+    const double here = value(center + i * step);
+    if (here < least) {
+      least = here;
+      best = center + i * step;
+    }
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -39,6 +83,27 @@ Alignment AlignmentFromName(std::string_view name) {
     if (known == name) return value;
   }
   throw std::runtime_error(fmt::format("no alignment '{}' (none, first, se3, sim3)", name));
+}
+
+std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
+                                          int64_t max_gap_ns, double max_s) {
+  const auto max_ns = static_cast<int64_t>(std::llround(1e9 * max_s));
+  const auto can_move = [max_ns](const TrajectoryPose& pose) {
+    return pose.t_ns > std::numeric_limits<int64_t>::min() + max_ns &&
+           pose.t_ns < std::numeric_limits<int64_t>::max() - max_ns;
+  };
+  if (!std::all_of(estimate.begin(), estimate.end(), can_move)) return std::nullopt;
+  const Trajectory paired = AlwaysPaired(estimate, truth, max_gap_ns, max_ns);
+  if (paired.size() < 3 || max_ns < kFineStep_ns) return std::nullopt;
+  const auto ate_m = [&](int64_t offset_ns) {
+    const PosePairs pairs = AssociateInterpolated(Shifted(paired, offset_ns), truth, max_gap_ns);
+    return Summarise(ComputeAbsoluteErrors(pairs, Align(pairs, alignment)).translation_m).rmse;
+  };
+  const int64_t coarse_ns = std::max(max_ns / kCoarseSteps, kFineStep_ns);
+  const int64_t near_ns = LeastAround(0, coarse_ns, static_cast<int>(max_ns / coarse_ns), ate_m);
+  if (std::abs(near_ns) + coarse_ns > max_ns) return std::nullopt;
+  const int64_t best_ns = LeastAround(near_ns, kFineStep_ns, static_cast<int>(coarse_ns / kFineStep_ns), ate_m);
+  return ClockOffset{1e-9 * static_cast<double>(best_ns), ate_m(best_ns), ate_m(0)};
 }
 
 }  // namespace plslam

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "core/accuracy/association.h"
 #include "core/geometry/similarity.h"
+#include "core/io/trajectories/trajectory.h"
 
 namespace plslam {
 
@@ -24,5 +27,19 @@ Similarity Align(const PosePairs& pairs, Alignment alignment);
 /// "none", "first", "se3", "sim3"; the reverse throws std::runtime_error for any other name.
 std::string AlignmentName(Alignment alignment);
 Alignment AlignmentFromName(std::string_view name);
+
+/// How the clocks of an estimate and of the truth stand to each other, as far as the paths tell. Truth from another
+/// sensor than the images often comes some milliseconds early or late, which in a moving camera passes for an error
+/// of position.
+struct ClockOffset {
+  double offset_s = 0.0;   ///< to add to the times of the estimate
+  double ate_m = 0.0;      ///< root mean square there
+  double ate_now_m = 0.0;  ///< the same, of the same poses, without it
+};
+
+/// The offset of at most `max_s` at which the absolute error is least, among poses that have an interpolated truth at
+/// all of them; to a tenth of a millisecond. nullopt where fewer than three have, or the least lies at the limit.
+std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
+                                          int64_t max_gap_ns, double max_s);
 
 }  // namespace plslam

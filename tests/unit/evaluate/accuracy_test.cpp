@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include "tests/unit/evaluate/pairs.h"
-#include "tools/evaluate/table.h"
 
 namespace plslam {
 namespace {

@@ -10,6 +10,7 @@ namespace plslam {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -157,7 +158,9 @@ TEST(ComparisonPage, NeedsNothingFromElsewhereAndEscapesNames) {
   runs[1].dataset = "<b>&\"";
   const std::string page = ComparisonPage(Compare(runs));
   EXPECT_THAT(page, HasSubstr("<h2>&lt;b&gt;&amp;&quot;</h2>"));
-  EXPECT_THAT(page, HasSubstr("<svg "));
+  EXPECT_THAT(page, HasSubstr("<svg role=\"img\" aria-label=\"ate_m\" "));
+  EXPECT_THAT(page, Not(HasSubstr("<?xml")));
+  EXPECT_THAT(page, AllOf(HasSubstr("id=\"d0_ate_m_glyph0-1\""), HasSubstr("id=\"d1_ate_m_glyph0-1\"")));
   EXPECT_THAT(page, Not(HasSubstr("<script")));
   EXPECT_THAT(page, Not(HasSubstr("src=")));
   EXPECT_THAT(page,

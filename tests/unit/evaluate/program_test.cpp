@@ -59,6 +59,8 @@ TEST(EvaluateProgram, ErrorsAreOneSentenceAndExitCodeOne) {
       {good + " --truth " + late, "no pose of the estimate is within 0.02 s"},
       {good + " --truth " + good + " --delta 1x", "'1x' is no interval"},
       {good + " --truth " + good + " --json " + folder.Path("no/a.json"), "a.json: cannot be created"},
+      {good + " --truth " + good + " --plot " + folder.Path("no/a.pdf"), "a.pdf: cannot be created"},
+      {good + " --truth " + good + " --plot a.jpg", "a.jpg: a drawing is written as .svg, .pdf or .png"},
       {good + " --truth " + good + " --align rigid", "rigid"},
       {good + " --truth " + good + " --truth-format kitti",
        "good:1: 8 numbers, but a row of the KITTI format has 12"},

@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "tests/unit/places/random_places.h"
-#include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"
 
 namespace plslam {
@@ -106,8 +105,8 @@ TEST(PlaceEvaluation, TwoLapsAreRecognisedWhereTheyLookAlikeOnly) {
     EXPECT_DOUBLE_EQ(m.best_match.area, 1.0) << m.merge;
     EXPECT_DOUBLE_EQ(m.all_pairs.recall_at_full_precision, 1.0) << m.merge;
   }
-  EXPECT_NEAR(alike.points.At(3, 3), 1.0, 1e-5);
-  EXPECT_GT(alike.points.At(13, 3), 2.0F * alike.points.At(13, 4));
+  EXPECT_NEAR(alike.similarities.points.At(3, 3), 1.0, 1e-5);
+  EXPECT_GT(alike.similarities.points.At(13, 3), 2.0F * alike.similarities.points.At(13, 4));
   for (const MergeEvaluation& m : evaluate(200).merges) EXPECT_LT(m.all_pairs.area, 0.6) << m.merge;
 }
 
@@ -121,8 +120,8 @@ TEST(PlaceEvaluation, NoFramesAndOneFrame) {
         EvaluatePlaces("short", frames, places.point_vocabulary(), places.line_vocabulary(), {});
     EXPECT_EQ(evaluation.revisits, 0);
     EXPECT_EQ(evaluation.merges[0].best_match.area, 0.0);
-    EXPECT_FALSE(DrawSimilarities(evaluation).empty());
-    EXPECT_FALSE(DrawPrecisionRecall(evaluation).empty());
+    EXPECT_FALSE(ToPicture(SimilarityFigure("short", evaluation.similarities, "frames")).empty());
+    EXPECT_FALSE(ToPicture(PrecisionRecallFigure(evaluation)).empty());
   }
 }
 
@@ -131,13 +130,15 @@ TEST(PlaceEvaluation, PicturesAndReportsShowTheNumbers) {
                                test::SmallVocabulary(FeatureType::kLines), {});
   const PlaceEvaluation evaluation =
       EvaluatePlaces("laps", TwoLaps(places, 1), places.point_vocabulary(), places.line_vocabulary(), {});
-  const cv::Mat picture = DrawSimilarities(evaluation);
-  EXPECT_EQ(picture.size(), cv::Size(3 * 480 + 2 * 16, 520));
-  // Jet: dark red on the diagonal, blue where nothing is alike.
-  const cv::Vec3b diagonal = picture.at<cv::Vec3b>(40 + 12, 12);
-  const cv::Vec3b apart = picture.at<cv::Vec3b>(40 + 12, 132);
-  EXPECT_GT(diagonal[2], diagonal[0]);
-  EXPECT_GT(apart[0], apart[2]);
+  // The matrix of points, 78.7 pt for 20 frames, begins at (2, 30).
+  const cv::Mat picture = ToPicture(SimilarityFigure("laps", evaluation.similarities, "frames"), 10.0 * 72.0);
+  const auto pixel = [&](int row, int column) {
+    return picture.at<cv::Vec3b>(300 + 39 * row + 20, 20 + 39 * column + 20);
+  };
+  // Viridis: yellow on the diagonal, violet where nothing is alike.
+  EXPECT_GT(pixel(0, 0)[1], 200) << pixel(0, 0);
+  EXPECT_LT(pixel(0, 3)[1], 100) << pixel(0, 3);
+  EXPECT_GT(pixel(13, 3)[1], 200) << "the second lap: " << pixel(13, 3);
   EXPECT_THAT(PlaceTable(evaluation), testing::HasSubstr("20 frames, 10 of them at places seen before"));
   const auto json = PlacesToJson({evaluation}, {});
   EXPECT_EQ(json["sequences"][0]["merges"]["paper"]["best_match"]["area"].get<double>(), 1.0);

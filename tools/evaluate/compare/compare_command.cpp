@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/compare/compare_command.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 

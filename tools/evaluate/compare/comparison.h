@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/compare/run_record.h"
+#include "tools/evaluate/run_record.h"
 
 namespace plslam {
 

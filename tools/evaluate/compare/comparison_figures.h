@@ -5,9 +5,23 @@
 #include <vector>
 
 #include "tools/evaluate/compare/comparison.h"
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
+
+/// A row of dots with a name, one for each run.
+struct DotRow {
+  std::string name;
+  std::vector<double> values;
+  double median = 0.0;
+  Ink ink{};
+};
+
+/// Values of several groups of runs over one axis from 0, at column width: a dot each, a bar at the median.
+Drawing DotFigure(const std::string& title, const std::string& axis, const std::vector<DotRow>& rows);
+
+/// Colours that people with any colour vision tell apart, in turn (Okabe and Ito 2008).
+Ink InkOf(size_t i);
 
 struct NamedDrawing {
   std::string name;

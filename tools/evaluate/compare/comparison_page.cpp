@@ -97,9 +97,14 @@ std::string GroupTable(const Groups& groups) {
   return table + "</table></div>\n";
 }
 
-std::string FiguresOf(const Groups& groups) {
+/// `dataset` counts the datasets of the page.
+std::string FiguresOf(const Groups& groups, int dataset) {
   std::string html = "<div class=\"figures\">\n";
-  for (const NamedDrawing& figure : ComparisonFigures(groups)) html += ToSvg(figure.drawing);
+  for (const NamedDrawing& figure : ComparisonFigures(groups)) {
+    // All ids of a page are one set, and an element has no XML declaration.
+    const std::string svg = ToSvg(figure.drawing, fmt::format("d{}_{}_", dataset, figure.name));
+    html += fmt::format("<svg role=\"img\" aria-label=\"{}\" {}", figure.name, svg.substr(svg.find("<svg ") + 5));
+  }
   return html + "</div>\n";
 }
 
@@ -144,13 +149,14 @@ std::string OptionTable(const Groups& groups) {
 
 std::string ComparisonPage(const std::vector<RunGroup>& groups) {
   std::string html = kHead;
-  for (size_t i = 0; i < groups.size();) {
+  int dataset = 0;
+  for (size_t i = 0; i < groups.size(); ++dataset) {
     Groups of_dataset;
     while (i < groups.size() && (of_dataset.empty() || groups[i].dataset == of_dataset.front()->dataset)) {
       of_dataset.push_back(&groups[i++]);
     }
     html += "<h2>" + Escaped(of_dataset.front()->dataset) + "</h2>\n" + GroupTable(of_dataset) +
-            FiguresOf(of_dataset) + RunsOf(of_dataset) + OptionTable(of_dataset);
+            FiguresOf(of_dataset, dataset) + RunsOf(of_dataset) + OptionTable(of_dataset);
   }
   return html + "</body></html>\n";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/figures/figures_command.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 
@@ -7,26 +7,21 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/runtime_figure.h"
-#include "tools/evaluate/figures/similarity_figure.h"
 #include "tools/evaluate/figures/top_view.h"
-#include "tools/evaluate/run_summary.h"
+#include "tools/evaluate/places/similarity_figure.h"
+#include "tools/evaluate/run_record.h"
 #include "tools/export/run_source.h"
 
 namespace plslam {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// 600 dots an inch.
-constexpr double kPixelsPerPt = 600.0 / 72.0;
 
 struct Arguments {
   std::string run;
@@ -41,7 +36,7 @@ struct Arguments {
 
 /// What the figures are drawn from.
 struct Material {
-  exports::RunSource source;
+  RunSource source;
   nlohmann::json summary;
   Trajectory truth;
   std::string dataset;
@@ -73,7 +68,7 @@ std::string LastPart(const std::string& location) {
 
 Material Collect(const Arguments& a) {
   if (!fs::is_directory(a.run)) throw std::runtime_error(a.run + ": is not the folder of a run");
-  Material m{exports::ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
+  Material m{ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
   if (fs::exists(a.run + "/summary.json")) m.summary = ReadRunSummary(a.run);
   if (fs::exists(a.run + "/groundtruth.tum")) m.truth = ReadTrajectory(a.run + "/groundtruth.tum");
   if (m.dataset.empty()) m.dataset = m.summary.value("dataset", "");
@@ -84,9 +79,8 @@ Material Collect(const Arguments& a) {
 }
 
 void Write(const Drawing& drawing, const std::string& name, const Material& m) {
-  WriteFileAtomically(m.out + "/" + name + ".svg", ToSvg(drawing));
-  WritePng(m.out + "/" + name + ".png", ToPicture(drawing, kPixelsPerPt));
-  fmt::print("{}/{}.svg, .png\n", m.out, name);
+  for (const char* ending : {".svg", ".pdf", ".png"}) WriteDrawing(m.out + "/" + name + ending, drawing);
+  fmt::print("{}/{}.svg, .pdf, .png\n", m.out, name);
 }
 
 void Skip(const std::string& name, const std::string& why) { fmt::print("{}: left out: {}\n", name, why); }
@@ -119,7 +113,8 @@ void DrawSimilarity(const Material& m, const Arguments& a) {
     return Skip("similarity", fmt::format("there are no vocabularies {} and {}", a.points, a.lines));
   }
   const std::string title = m.title + ": similarity of keyframes";
-  Write(SimilarityFigure(title, *m.source.map, points, lines), "similarity", m);
+  const PlaceRecogniser recogniser(Vocabulary::Load(points), Vocabulary::Load(lines), PlaceOptions{});
+  Write(SimilarityFigure(title, KeyframeSimilarities(*m.source.map, recogniser), "keyframes"), "similarity", m);
 }
 
 std::pair<int64_t, int64_t> PairOf(const Arguments& a, const Map& map) {
@@ -140,14 +135,14 @@ void DrawPair(const Material& m, const Arguments& a) {
   if (!stored.features.contains(first) || !stored.features.contains(second)) {
     return Skip("keyframe_pair", "the map has no features of the keyframes");
   }
-  const auto shown = [&](const exports::KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
+  const auto shown = [&](const KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
     const MapKeyframe& keyframe = stored.map.keyframes().at(id);
     const auto image = images.At(keyframe.t_ns);
     if (!image) return std::nullopt;
     return PairedImage{fmt::format("keyframe {}, frame {}", id, keyframe.frame_id), *image, &stored.features.at(id)};
   };
   try {
-    const exports::KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
+    const KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
     if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);
@@ -174,7 +169,7 @@ int DrawFigures(const Arguments& a) {
 }  // namespace
 
 int RunEvaluateFigures(int argc, char** argv) {
-  CLI::App app("Draws figures of a run for print, as PNG and SVG. docs/metrics.md says what they show.",
+  CLI::App app("Draws figures of a run for print, as SVG, PDF and PNG. docs/metrics.md says what they show.",
                "evaluate figures");
   Arguments arguments;
   AddOptions(app, arguments);

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "tools/evaluate/figures/axes.h"
+#include "tools/evaluate/drawing/axes.h"
 
 namespace plslam {
 namespace {

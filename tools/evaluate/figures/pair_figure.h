@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/io/maps/map_file.h"
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/evaluate/figures/axes.h"
+#include "tools/evaluate/drawing/axes.h"
 
 namespace plslam {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
 

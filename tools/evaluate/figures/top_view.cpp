@@ -3,8 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/map/vertical.h"
-#include "tools/evaluate/figures/plan.h"
 
 namespace plslam {
 namespace {
@@ -13,6 +14,21 @@ const Ink kLandmark{178, 178, 178};
 const Ink kLandmarkLine{120, 120, 120};
 constexpr size_t kMostPoints = 20000;
 constexpr double kLegendLine_pt = 22.0;
+/// A path that climbs by more than this share of its length or width is seen from the side.
+constexpr double kUpright = 0.75;
+/// A path is called longer than wide from here on.
+constexpr double kLong = 1.3;
+
+Eigen::Vector3d ExtentAlong(const Eigen::Matrix3d& axes, const std::vector<Eigen::Vector3d>& positions) {
+  if (positions.empty()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d low = axes.transpose() * positions[0], high = low;
+  for (const Eigen::Vector3d& position : positions) {
+    const Eigen::Vector3d p = axes.transpose() * position;
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return high - low;
+}
 
 /// Title and legend over axes of equal scale around `around`; the drawing has its size then.
 Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
@@ -61,11 +77,6 @@ std::vector<LegendEntry> LegendOf(const std::vector<NamedPath>& paths, const Sho
   return legend;
 }
 
-void DrawRing(const Place& at, const Ink& ink, Drawing& drawing) {
-  drawing.shapes.emplace_back(DrawnDots{{at}, 2.8, ink});
-  drawing.shapes.emplace_back(DrawnDots{{at}, 1.7, {255, 255, 255}});
-}
-
 /// Pairs of keyframes that share as many landmarks, but fewer than `below`.
 Edges SharedEdges(const Map& map, const ViewDirections& view, int min_shared, int below) {
   Edges edges;
@@ -104,6 +115,24 @@ Edges LoopEdges(const Map& map, const ViewDirections& view) {
 
 }  // namespace
 
+std::vector<Eigen::Vector2d> ViewDirections::operator()(const std::vector<Eigen::Vector3d>& path) const {
+  std::vector<Eigen::Vector2d> flat;
+  flat.reserve(path.size());
+  for (const Eigen::Vector3d& p : path) flat.push_back((*this)(p));
+  return flat;
+}
+
+ViewDirections ViewOf(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& up_w) {
+  const Eigen::Matrix3d R_w_level = LevelRotation(up_w).conjugate().toRotationMatrix();
+  const Eigen::Vector3d extent = ExtentAlong(R_w_level, positions);
+  const Eigen::Vector3d x = R_w_level.col(0), y = R_w_level.col(1), z = R_w_level.col(2);
+  const bool level = extent.y() <= kUpright * std::max(extent.x(), extent.z());
+  if (!level && extent.x() < extent.z()) return {z, -y, "z [m]", "-y [m]"};
+  if (!level) return {x, -y, "x [m]", "-y [m]"};
+  if (extent.z() > kLong * extent.x()) return {z, -x, "z [m]", "-x [m]"};
+  return {x, z, "x [m]", "z [m]"};
+}
+
 std::vector<Eigen::Vector3d> PositionsOf(const Trajectory& trajectory, const SE3& T_w_trajectory) {
   std::vector<Eigen::Vector3d> positions;
   positions.reserve(trajectory.size());
@@ -126,8 +155,7 @@ Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, c
   axes.DrawSegments(shown.lines, {kLandmarkLine, 0.5, false});
   for (const NamedPath& path : paths) axes.DrawPath(view(path.positions_w), path.stroke);
   if (!paths.empty() && !paths.back().positions_w.empty()) {
-    const Eigen::Vector2d start = view(paths.back().positions_w.front());
-    DrawRing(axes.At(start.x(), start.y()), paths.back().stroke.ink, drawing);
+    axes.DrawRing(view(paths.back().positions_w.front()), paths.back().stroke.ink);
   }
   axes.DrawFrame();
   return drawing;

@@ -2,6 +2,8 @@
 #include "tools/evaluate/places/place_evaluation.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 
 #include "core/config/fields.h"
 
@@ -96,6 +98,36 @@ struct ValuesOf {
 
 }  // namespace
 
+PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options) {
+  const double gap_s = 1e-9 * std::abs(static_cast<double>(a.t_ns - b.t_ns));
+  if (gap_s < options.min_gap_s) return PairTruth::kIgnored;
+  const double distance_m = (a.T_w_c.translation() - b.T_w_c.translation()).norm();
+  const double angle_deg = a.T_w_c.rotation().angularDistance(b.T_w_c.rotation()) * 180.0 / std::numbers::pi;
+  if (distance_m <= options.distance_m && angle_deg <= options.angle_deg) return PairTruth::kRevisit;
+  const bool far = distance_m > options.far_distance_m || angle_deg > options.far_angle_deg;
+  return far ? PairTruth::kOtherPlace : PairTruth::kIgnored;
+}
+
+PrecisionRecall ComputePrecisionRecall(std::vector<ScoredProposal> proposals, int positives) {
+  PrecisionRecall result;
+  if (positives <= 0) return result;
+  std::sort(proposals.begin(), proposals.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
+  int right = 0;
+  int wrong = 0;
+  double recall_before = 0.0;
+  for (size_t i = 0; i < proposals.size();) {
+    const double score = proposals[i].score;
+    for (; i < proposals.size() && proposals[i].score == score; ++i) ++(proposals[i].right ? right : wrong);
+    const double precision = 1.0 * right / (right + wrong);
+    const double recall = 1.0 * right / positives;
+    result.curve.push_back({score, precision, recall});
+    result.area += precision * (recall - recall_before);
+    recall_before = recall;
+    if (wrong == 0) result.recall_at_full_precision = recall;
+  }
+  return result;
+}
+
 std::vector<std::string> MergeNames() {
   ValuesOf merges{"merge", {}};
   PlaceOptions options;
@@ -118,9 +150,9 @@ PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceF
                              ComputePrecisionRecall(BestMatches(frames, truth, recogniser), result.revisiting_frames),
                              ComputePrecisionRecall(AllPairs(frames, truth, recogniser), result.revisits)});
   }
-  result.points = MatrixOf(frames, RecogniserFor(points, lines, "points"));
-  result.lines = MatrixOf(frames, RecogniserFor(points, lines, "lines"));
-  result.merged = MatrixOf(frames, RecogniserFor(points, lines, PlaceOptions().merge));
+  result.similarities.points = MatrixOf(frames, RecogniserFor(points, lines, "points"));
+  result.similarities.lines = MatrixOf(frames, RecogniserFor(points, lines, "lines"));
+  result.similarities.merged = MatrixOf(frames, RecogniserFor(points, lines, PlaceOptions().merge));
   return result;
 }
 

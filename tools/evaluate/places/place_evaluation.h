@@ -1,14 +1,64 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "core/geometry/se3.h"
 #include "core/places/place_recogniser.h"
-#include "tools/evaluate/places/precision_recall.h"
-#include "tools/evaluate/places/revisits.h"
+#include "tools/evaluate/places/similarity_figure.h"
 
 namespace plslam {
+
+/// What counts as the same place. Between a revisit and another place lie pairs whose views overlap in part: neither
+/// right nor wrong.
+struct RevisitOptions {
+  /// A revisit is at most this far away, in position and in direction of view.
+  double distance_m = 1.0;
+  double angle_deg = 30.0;
+  /// Another place is farther away than one of these.
+  double far_distance_m = 5.0;
+  double far_angle_deg = 90.0;
+  /// Pairs that follow each other sooner are no revisit and not looked at.
+  double min_gap_s = 5.0;
+};
+
+enum class PairTruth { kIgnored, kRevisit, kOtherPlace };
+
+/// A true pose of the camera.
+struct TimedPose {
+  int64_t t_ns = 0;
+  SE3 T_w_c;
+};
+
+PairTruth ClassifyPair(const TimedPose& a, const TimedPose& b, const RevisitOptions& options);
+
+/// A place that was proposed, and whether it was the right one.
+struct ScoredProposal {
+  double score = 0.0;
+  bool right = false;
+};
+
+/// Precision and recall when proposals from this score on are accepted.
+struct PrecisionRecallPoint {
+  double score = 0.0;
+  double precision = 1.0;
+  double recall = 0.0;
+};
+
+/// How well scores tell right proposals from wrong ones.
+struct PrecisionRecall {
+  /// Descending by score; equal scores are accepted together.
+  std::vector<PrecisionRecallPoint> curve;
+  /// Sum of precision times gain of recall over the curve (average precision).
+  double area = 0.0;
+  /// Largest recall before the first wrong proposal.
+  double recall_at_full_precision = 0.0;
+};
+
+/// `positives`: how many right proposals there could be; recall is relative to it. 0: everything is 0.
+PrecisionRecall ComputePrecisionRecall(std::vector<ScoredProposal> proposals, int positives);
 
 /// A frame of a sequence: where it truly was, and what it looked like.
 struct PlaceFrame {
@@ -26,13 +76,6 @@ struct MergeEvaluation {
   PrecisionRecall all_pairs;
 };
 
-/// Square, symmetric but for the weights, which are those of the row's frame in a map of all; row by row.
-struct SimilarityMatrix {
-  int size = 0;
-  std::vector<float> values;
-  float At(int row, int column) const { return values[static_cast<size_t>(row) * size + column]; }
-};
-
 struct PlaceEvaluation {
   std::string name;
   int frames = 0;
@@ -40,9 +83,7 @@ struct PlaceEvaluation {
   int revisits = 0;
   int other_places = 0;
   std::vector<MergeEvaluation> merges;
-  SimilarityMatrix points;
-  SimilarityMatrix lines;
-  SimilarityMatrix merged;  ///< by the default merge
+  Similarities similarities;  ///< of all frames; `merged` by the default merge
 };
 
 /// Names of all merges, the default first.

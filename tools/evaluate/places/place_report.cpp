@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
+#include "tools/evaluate/drawing/axes.h"
+
 namespace plslam {
 namespace {
 
@@ -27,6 +31,32 @@ Json ToJson(const PlaceEvaluation& evaluation) {
           {"revisits", evaluation.revisits},
           {"other_places", evaluation.other_places},
           {"merges", merges}};
+}
+
+/// Of the merges, in their order.
+Stroke StrokeOf(size_t i) {
+  static constexpr std::array<Ink, 7> kInks{
+      {{40, 40, 40}, {20, 110, 200}, {60, 160, 60}, {220, 150, 30}, {200, 60, 50}, {150, 60, 170}, {150, 150, 150}}};
+  // The default comes first, and stands out.
+  return {kInks[i % kInks.size()], i == 0 ? 1.2 : 0.75, false};
+}
+
+std::vector<Eigen::Vector2d> CurveOf(const PrecisionRecall& result) {
+  std::vector<Eigen::Vector2d> points;
+  if (!result.curve.empty()) points.emplace_back(0.0, result.curve.front().precision);
+  for (const PrecisionRecallPoint& p : result.curve) points.emplace_back(p.recall, p.precision);
+  return points;
+}
+
+void DrawCurves(const PlaceEvaluation& evaluation, PrecisionRecall MergeEvaluation::*which, const Box& area,
+                const std::string& name, Drawing& drawing) {
+  Axes axes(drawing, area, {0.0, 1.0}, {0.0, 1.02});
+  axes.DrawGrid("recall, " + name, "precision");
+  // The default on top.
+  for (size_t i = evaluation.merges.size(); i-- > 0;) {
+    axes.DrawPath(CurveOf(evaluation.merges[i].*which), StrokeOf(i));
+  }
+  axes.DrawFrame();
 }
 
 }  // namespace
@@ -55,6 +85,20 @@ Json PlacesToJson(const std::vector<PlaceEvaluation>& evaluations, const Revisit
   json["sequences"] = Json::array();
   for (const PlaceEvaluation& evaluation : evaluations) json["sequences"].push_back(ToJson(evaluation));
   return json;
+}
+
+Drawing PrecisionRecallFigure(const PlaceEvaluation& evaluation) {
+  constexpr double kLeft_pt = 24.0, kGap_pt = 36.0, kSide_pt = 0.5 * (kColumn_pt - kLeft_pt - kGap_pt - 6.0);
+  Drawing drawing;
+  AddTitle(drawing, evaluation.name);
+  std::vector<LegendEntry> legend;
+  for (size_t i = 0; i < evaluation.merges.size(); ++i) legend.push_back({evaluation.merges[i].merge, StrokeOf(i)});
+  const double top = AddLegend(drawing, {2.0, 22.0}, kColumn_pt - 4.0, legend) + 6.0;
+  const Box left{{kLeft_pt, top}, {kSide_pt, kSide_pt}}, right{{left.Right() + kGap_pt, top}, left.size};
+  drawing.size = {kColumn_pt, left.Bottom() + 23.0};
+  DrawCurves(evaluation, &MergeEvaluation::best_match, left, "best matches", drawing);
+  DrawCurves(evaluation, &MergeEvaluation::all_pairs, right, "all pairs", drawing);
+  return drawing;
 }
 
 }  // namespace plslam

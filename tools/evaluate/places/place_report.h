@@ -14,4 +14,7 @@ std::string PlaceTable(const PlaceEvaluation& evaluation);
 /// The numbers of all sequences, with the curves and what counts as a revisit.
 nlohmann::ordered_json PlacesToJson(const std::vector<PlaceEvaluation>& evaluations, const RevisitOptions& options);
 
+/// Precision over recall of the best matches (left) and of all pairs (right), a line for each merge.
+Drawing PrecisionRecallFigure(const PlaceEvaluation& evaluation);
+
 }  // namespace plslam

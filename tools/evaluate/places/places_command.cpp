@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/places/places_command.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
-#include "core/io/images/png_codec.h"
 #include "tools/command_line/run_command_line.h"
-#include "tools/evaluate/places/place_pictures.h"
 #include "tools/evaluate/places/place_report.h"
 #include "tools/train_vocabulary/left_features.h"
 
@@ -55,7 +53,7 @@ std::vector<PlaceFrame> ReadFrames(const std::string& location, int stride, cons
     const auto T_w_c = dataset->GroundTruth(index);
     if (T_w_c) frames.push_back({{dataset->t_ns(index), *T_w_c}, recogniser.Describe(features)});
   };
-  train_vocabulary::ForEachLeftImage(*dataset, stride, FeatureOptions{}, use, [](int, int) {});
+  ForEachLeftImage(*dataset, stride, FeatureOptions{}, use, [](int, int) {});
   if (frames.empty()) throw std::runtime_error(location + " has no true poses");
   return frames;
 }
@@ -71,8 +69,8 @@ std::string FileName(const std::string& location) {
 void WritePictures(const PlaceEvaluation& evaluation, const std::string& folder) {
   std::filesystem::create_directories(folder);
   const std::string start = (std::filesystem::path(folder) / FileName(evaluation.name)).string();
-  WritePng(start + "_similarity.png", DrawSimilarities(evaluation));
-  WritePng(start + "_precision_recall.png", DrawPrecisionRecall(evaluation));
+  WriteDrawing(start + "_similarity.png", SimilarityFigure(evaluation.name, evaluation.similarities, "frames"));
+  WriteDrawing(start + "_precision_recall.png", PrecisionRecallFigure(evaluation));
 }
 
 int Evaluate(const Arguments& a) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/figures/axes.h"
+#include "tools/evaluate/drawing/axes.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +14,25 @@ const Ink kGrid{225, 225, 225};
 constexpr double kRow_pt = 10.0;
 constexpr double kMarkSpacing_pt = 34.0;
 
+// Around the axes of a plan.
+constexpr double kLeft_pt = 30.0;
+constexpr double kRight_pt = 6.0;
+constexpr double kBottom_pt = 23.0;
+constexpr double kLeastHeight_pt = 110.0;
+constexpr double kMostHeight_pt = 230.0;
+
+/// The marks of an axis, all within the range.
+std::vector<double> Marks(const Range& range, int max_marks) {
+  std::vector<double> marks;
+  const double step = MarkDistance(range.max - range.min, max_marks);
+  // Counted in whole steps, so that marks are round and none is lost to rounding.
+  const double last = std::floor(range.max / step + 1e-9);
+  for (double k = std::ceil(range.min / step - 1e-9); k <= last; ++k) marks.push_back(k * step);
+  return marks;
+}
+
+std::string MarkText(double value) { return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value); }
+
 std::vector<double> PowersOfTen(const Range& range) {
   std::vector<double> marks;
   for (double k = std::ceil(std::log10(range.min) - 1e-9); k <= std::log10(range.max) + 1e-9; ++k) {
@@ -21,6 +42,15 @@ std::vector<double> PowersOfTen(const Range& range) {
 }
 
 }  // namespace
+
+double MarkDistance(double span, int max_marks) {
+  const double least = span / std::max(1, max_marks - 1);
+  const double power = std::pow(10.0, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * power >= least * (1.0 - 1e-9)) return factor * power;
+  }
+  return 10.0 * power;
+}
 
 Axes::Axes(Drawing& drawing, const Box& area, const Range& x, const Range& y, bool log_x)
     : drawing_(drawing), area_(area), x_(x), y_(y), log_x_(log_x) {}
@@ -48,10 +78,10 @@ void Axes::MarkY(double value) {
 }
 
 void Axes::DrawGrid(const std::string& x_name, const std::string& y_name) {
-  const int max_marks = std::max(2, static_cast<int>(area_.size.x() / kMarkSpacing_pt));
+  const int max_marks = std::max(3, static_cast<int>(area_.size.x() / kMarkSpacing_pt));
   for (const double mark : log_x_ ? PowersOfTen(x_) : Marks(x_, max_marks)) MarkX(mark);
   if (!y_name.empty()) {
-    const int max_y_marks = std::max(2, static_cast<int>(area_.size.y() / (0.6 * kMarkSpacing_pt)));
+    const int max_y_marks = std::max(3, static_cast<int>(area_.size.y() / (0.6 * kMarkSpacing_pt)));
     for (const double mark : Marks(y_, max_y_marks)) MarkY(mark);
   }
   AddText(drawing_, {area_.corner.x() + 0.5 * area_.size.x(), area_.Bottom() + 2.7 * kType_pt}, x_name, 0.5);
@@ -85,6 +115,33 @@ void Axes::DrawSegments(const std::vector<std::array<Eigen::Vector2d, 2>>& data,
     segments.segments.push_back({At(p.x(), p.y()), At(q.x(), q.y())});
   }
   drawing_.shapes.emplace_back(std::move(segments));
+}
+
+void Axes::DrawRing(const Eigen::Vector2d& data, const Ink& ink) {
+  const Place at = At(data.x(), data.y());
+  drawing_.shapes.emplace_back(DrawnDots{{at}, 2.8, ink});
+  drawing_.shapes.emplace_back(DrawnDots{{at}, 1.7, {255, 255, 255}});
+}
+
+Plan PlanAround(const std::vector<Eigen::Vector2d>& positions, double top_pt) {
+  constexpr double kMargin = 1.10;
+  Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = Eigen::Vector2d::Zero();
+  if (!positions.empty()) low = high = positions[0];
+  for (const Eigen::Vector2d& p : positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Eigen::Vector2d extent = (high - low).cwiseMax(1e-3), centre = 0.5 * (low + high);
+  const double width = kColumn_pt - kLeft_pt - kRight_pt;
+  const double height = std::clamp(width * extent.y() / extent.x(), kLeastHeight_pt, kMostHeight_pt);
+  const double m_per_pt = kMargin * std::max(extent.x() / width, extent.y() / height);
+  const Eigen::Vector2d half = 0.5 * m_per_pt * Eigen::Vector2d(width, height);
+  Plan plan;
+  plan.area = {{kLeft_pt, top_pt}, {width, height}};
+  plan.x = {centre.x() - half.x(), centre.x() + half.x()};
+  plan.y = {centre.y() - half.y(), centre.y() + half.y()};
+  plan.height_pt = top_pt + height + kBottom_pt;
+  return plan;
 }
 
 void AddText(Drawing& drawing, const Place& at, const std::string& text, double anchor, double size_pt,

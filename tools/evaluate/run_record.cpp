@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/compare/run_record.h"
+#include "tools/evaluate/run_record.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <stdexcept>
 
+#include "core/errors/error_text.h"
 #include "core/run/frame_tally.h"
-#include "core/run/process_names.h"
-#include "tools/evaluate/run_summary.h"
 
 namespace plslam {
 namespace {
@@ -110,7 +110,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
   const json configuration = summary.value("configuration", json::object());
   for (const auto& [process, sections] : configuration.items()) {
     // What is shown and how it is sent does not make the result.
-    if (process == process_name::kViewer || !sections.is_object()) continue;
+    if (process == "viewer" || !sections.is_object()) continue;
     if (process != "player") processes += (processes.empty() ? "" : "+") + process;
     for (const auto& [section, values] : sections.items()) {
       if (section != "bus") Flatten(values, section, options);
@@ -136,6 +136,16 @@ std::string WithoutSeed(const std::string& dataset) {
 }
 
 }  // namespace
+
+nlohmann::json ReadRunSummary(const std::string& folder) {
+  const std::string path = folder + "/summary.json";
+  const std::string why = WhyUnreadable(path);
+  if (!why.empty()) throw std::runtime_error(path + ": " + why + "; is " + folder + " the folder of a run?");
+  std::ifstream file(path);
+  auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (summary.is_discarded() || !summary.is_object()) throw std::runtime_error(path + ": is not readable as JSON");
+  return summary;
+}
 
 std::string NameWithUnit(const Metric& metric) {
   return metric.unit.empty() ? metric.name : fmt::format("{} [{}]", metric.name, metric.unit);

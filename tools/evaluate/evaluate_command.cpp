@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/evaluate/command_line.h"
+#include "tools/evaluate/evaluate_commands.h"
 
 #include <fmt/format.h>
 
@@ -10,17 +10,14 @@
 #include <string_view>
 
 #include "core/io/files/atomic_file.h"
-#include "core/io/images/png_codec.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
-#include "tools/evaluate/compare/compare_command.h"
-#include "tools/evaluate/figures/figures_command.h"
-#include "tools/evaluate/places/places_command.h"
-#include "tools/evaluate/plot.h"
-#include "tools/evaluate/table.h"
+#include "tools/evaluate/figures/accuracy_figure.h"
 
 namespace plslam {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Arguments {
   std::string estimate;
@@ -65,7 +62,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--clock", a.clock_s, "look for an offset of the clocks, up to so much [s]")
       ->check(CLI::Range(0.0, 10.0));
   app.add_option("--json", a.json, "write all numbers to this file");
-  app.add_option("--plot", a.plot, "write a picture of the paths and errors (PNG)");
+  app.add_option("--plot", a.plot, "draw the paths and errors into this file: .svg, .pdf or .png");
   app.set_version_flag("--version", PLSLAM_VERSION);
 }
 
@@ -122,18 +119,15 @@ EvaluateOptions ToOptions(const Arguments& a) {
   return options;
 }
 
-void WritePlot(const Accuracy& accuracy, const Arguments& a) {
-  WritePng(a.plot, PlotAccuracy(accuracy, std::filesystem::path(a.estimate).filename().string()));
-}
-
 int Evaluate(const Arguments& a) {
+  if (!a.plot.empty()) DrawingFormatOf(a.plot);  // throws before all work
   const Trajectory estimate = Read(a.estimate, a.estimate_format, a.times);
   const Trajectory truth = Read(a.truth, a.truth_format, a.times);
   CheckTimes(a, estimate.size(), truth.size());
   const Accuracy accuracy = EvaluateTrajectory(estimate, truth, ToOptions(a));
   fmt::print("{}", AccuracyTable(accuracy));
   if (!a.json.empty()) WriteFileAtomically(a.json, ToJson(accuracy).dump(2) + "\n");
-  if (!a.plot.empty()) WritePlot(accuracy, a);
+  if (!a.plot.empty()) WriteDrawing(a.plot, AccuracyFigure(fs::path(a.estimate).filename(), accuracy));
   if (!accuracy.pairs.empty()) return 0;
   fmt::print(stderr, "evaluate: {}\n", accuracy.note);
   return 1;

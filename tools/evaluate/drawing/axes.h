@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "tools/evaluate/chart.h"
-#include "tools/evaluate/figures/drawing.h"
+#include "tools/evaluate/drawing/drawing.h"
 
 namespace plslam {
 
 /// Width of a column of a two-column journal, and the size of small type in it.
 inline constexpr double kColumn_pt = 252.0;
 inline constexpr double kType_pt = 7.0;
+
+/// Range of an axis.
+struct Range {
+  double min = 0.0;
+  double max = 1.0;
+};
+
+/// Distance of the marks of an axis, 1, 2 or 5 times a power of ten, so that `span` has at most `max_marks`.
+double MarkDistance(double span, int max_marks);
 
 /// A box in a drawing.
 struct Box {
@@ -46,6 +54,8 @@ class Axes {
   void DrawDots(const std::vector<Eigen::Vector2d>& data, double radius_pt, const Ink& ink);
   /// Those with both ends within the axes.
   void DrawSegments(const std::vector<std::array<Eigen::Vector2d, 2>>& data, const Stroke& stroke);
+  /// The start of a path.
+  void DrawRing(const Eigen::Vector2d& data, const Ink& ink);
 
  private:
   void MarkX(double value);
@@ -57,6 +67,16 @@ class Axes {
   Range y_;
   bool log_x_;
 };
+
+/// Axes of equal scale at column width around positions, below `top_pt`, and the height of the figure with them.
+struct Plan {
+  Box area;
+  Range x;
+  Range y;
+  double height_pt = 0.0;
+};
+
+Plan PlanAround(const std::vector<Eigen::Vector2d>& positions, double top_pt);
 
 void AddText(Drawing& drawing, const Place& at, const std::string& text, double anchor = 0.0,
              double size_pt = kType_pt, const Ink& ink = {40, 40, 40});

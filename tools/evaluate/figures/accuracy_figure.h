@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "tools/evaluate/accuracy.h"
+#include "tools/evaluate/drawing/drawing.h"
+
+namespace plslam {
+
+/// Both paths from above (the two axes in which the true path extends most, equal scale), the estimate after the
+/// alignment, and the position and orientation errors over time; at column width. Without pairs it says why.
+Drawing AccuracyFigure(const std::string& title, const Accuracy& accuracy);
+
+}  // namespace plslam

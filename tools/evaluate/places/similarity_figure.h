@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/io/maps/map_file.h"
+#include "core/places/place_recogniser.h"
+#include "tools/evaluate/drawing/drawing.h"
+
+namespace plslam {
+
+/// Similarities of a row of images with each other, row by row: symmetric but for the weights, which are those of the
+/// row's image in a map of all.
+struct SimilarityMatrix {
+  int size = 0;
+  std::vector<float> values;
+  float At(int row, int column) const { return values[static_cast<size_t>(row) * size + column]; }
+};
+
+/// The same images by points, by lines and by both.
+struct Similarities {
+  /// Every so many-th image is among them.
+  int step = 1;
+  SimilarityMatrix points;
+  SimilarityMatrix lines;
+  SimilarityMatrix merged;
+};
+
+/// Of at most `most` keyframes of a map, in their order. The recogniser should have no places: words count the same
+/// for each pair then.
+Similarities KeyframeSimilarities(const StoredMap& stored, const PlaceRecogniser& recogniser, int most = 400);
+
+/// The largest of a matrix but the highest half per cent of all off-diagonal values; 1 without any.
+float FullScale(const SimilarityMatrix& matrix);
+
+/// The three matrices (PL-SLAM fig. 5) side by side at column width, each with its own scale: dark for 0, bright for
+/// `FullScale`. `images` says what the rows are ("keyframes").
+Drawing SimilarityFigure(const std::string& title, const Similarities& similarities, const std::string& images);
+
+}  // namespace plslam

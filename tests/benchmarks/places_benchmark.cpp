@@ -167,15 +167,16 @@ int DrawGrowth(const std::string& path) {
     growth.emplace_back(keyframes, MedianQuery_ms(TheWorld()));
     fmt::print("{:6} keyframes: {:.3f} ms\n", keyframes, growth.back().y());
   }
-  const Stroke stroke{{20, 90, 190}, 1.0, false};
-  Drawing drawing;
-  drawing.size = {kColumn_pt, 150.0};
-  Axes axes(drawing, {{30.0, 14.0}, {kColumn_pt - 36.0, 112.0}}, {0.0, 10500.0}, {0.0, 1.15 * growth.back().y()});
+  const evaluate::Stroke stroke{{20, 90, 190}, 1.0, false};
+  evaluate::Drawing drawing;
+  drawing.size = {evaluate::kColumn_pt, 150.0};
+  evaluate::Axes axes(drawing, {{30.0, 14.0}, {evaluate::kColumn_pt - 36.0, 112.0}}, {0.0, 10500.0},
+                      {0.0, 1.15 * growth.back().y()});
   axes.DrawGrid("keyframes in the index; query and merge, median", "CPU time [ms]");
   axes.DrawPath(growth, stroke);
   axes.DrawDots(growth, 2.0, stroke.ink);
   axes.DrawFrame();
-  WriteDrawing(path, drawing);
+  evaluate::WriteDrawing(path, drawing);
   return 0;
 }
 

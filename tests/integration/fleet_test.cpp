@@ -70,7 +70,7 @@ PosePairs PairsOf(const WholeRun& run) {
 }
 
 double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
-  return std::ranges::max(ComputeAbsoluteErrors(pairs, alignment).translation_m);
+  return std::ranges::max(evaluate::ComputeAbsoluteErrors(pairs, alignment).translation_m);
 }
 
 std::vector<std::string> Robot(const std::string& url, const std::string& prefix, int start, int stop) {
@@ -107,7 +107,7 @@ TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   }
   const PosePairs of_first = PairsOf(first), of_second = PairsOf(second);
   ASSERT_FALSE(of_first.empty() || of_second.empty());
-  const Similarity alignment = Align(of_first, Alignment::kSe3);
+  const Similarity alignment = evaluate::Align(of_first, evaluate::Alignment::kSe3);
   const double first_m = WorstError_m(of_first, alignment), second_m = WorstError_m(of_second, alignment);
   std::cout << "farthest from the truth, both laid on it by the first: " << first_m << " m, " << second_m << " m\n";
   EXPECT_LT(first_m, 0.05);

@@ -168,8 +168,8 @@ void ProcessReplay::Start() {
     set(fmt::format("{}.state_file={}", process_.name, (folder_ / "state").string()));
   }
   if (faults_.drop_fraction > 0.0) set(fmt::format("bus.drop_fraction={}", faults_.drop_fraction));
-  child_ = std::make_unique<ChildProcess>(BinaryFolder() / process_.executable, arguments,
-                                          folder_ / (process_.executable + ".log"));
+  child_ = std::make_unique<launcher::ChildProcess>(BinaryFolder() / process_.executable, arguments,
+                                                    folder_ / (process_.executable + ".log"));
 }
 
 void ProcessReplay::AwaitReady() {

@@ -136,7 +136,7 @@ class ProcessReplay {
 
   std::map<std::string, std::unique_ptr<PlayedProcess>> played_;
   std::unique_ptr<Doubler> doubler_;
-  std::unique_ptr<ChildProcess> child_;
+  std::unique_ptr<launcher::ChildProcess> child_;
 
   // Shared with the listener.
   mutable std::mutex mutex_;

@@ -122,8 +122,8 @@ TEST(SlowTracker, SkipsFramesAndSaysSoWhileNothingGrows) {
   ASSERT_TRUE(watcher.WaitForFrame(5)) << run.Logs();
   {
     const TenPercent throttle(run.PidOf("vo_process"));
-    ASSERT_TRUE(watcher.WaitFor(
-        [&](const Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
+    ASSERT_TRUE(
+        watcher.WaitFor([&](const Heard& heard) { return heard.Counter("player", "frames.sent") >= frames; }, 120))
         << run.Logs();
   }
   ASSERT_EQ(run.Wait(), 0) << run.Logs();

@@ -21,8 +21,8 @@ TEST_F(DebianPackage, KnowsWhatItNeedsAndRunsFromAnUnpackedRoot) {
             0)
       << output();
   ASSERT_EQ(Shell("dpkg-deb --field packages/plslam_*.deb"), 0) << output();
-  for (const char* part : {"Package: plslam\n", "liblcm1", "libopencv-core406", "libpng16-16", "libturbojpeg0", "libcairo2",
-                           "libyaml-cpp0.7", "libsodium23"}) {
+  for (const char* part : {"Package: plslam\n", "liblcm1", "libopencv-core406", "libpng16-16", "libturbojpeg0",
+                           "libcairo2", "libyaml-cpp0.7", "libsodium23"}) {
     EXPECT_THAT(output(), HasSubstr(part));
   }
   ASSERT_EQ(Shell("dpkg-deb --extract packages/plslam_*.deb root"), 0) << output();

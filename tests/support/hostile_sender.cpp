@@ -92,13 +92,10 @@ Bytes HostileSender::Fragment() {
   Bytes packet;
   Append(&packet, kLong);
   Append(&packet, static_cast<uint32_t>(random_() % 64));
-  Append(&packet,
-                 random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
-  Append(&packet,
-                 random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
+  Append(&packet, random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
+  Append(&packet, random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 200'000));
   Append(&packet, static_cast<uint32_t>(random_() % 4), 2);
-  Append(&packet,
-                 random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 5), 2);
+  Append(&packet, random_() % 4 == 0 ? static_cast<uint32_t>(random_()) : static_cast<uint32_t>(random_() % 5), 2);
   if (random_() % 2 == 0) Append(&packet, AnyChannel());
   Append(&packet, Random(1000));
   return packet;

@@ -79,8 +79,7 @@ Plan Overtake(Scene& scene) {
   const double lateral = unit * scene.random.Uniform(1.4, 2.2);
   return {size, [=](double frame) {
             // The lorry's rear, which must have passed the camera before it turns in.
-            const double rear =
-                unit * (-15.0 * scene.share / 0.45 + 32.0 * Progress(scene, frame, 0.0, 1.0));
+            const double rear = unit * (-15.0 * scene.share / 0.45 + 32.0 * Progress(scene, frame, 0.0, 1.0));
             const double turned_in = Smoothstep((rear / unit - 1.5) / 8.0);
             const double x = -(lateral + 0.5 * size.x()) * (1.0 - 0.8 * turned_in);
             return At({x, -0.15 * unit, rear + 0.5 * size.z()});

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 std::vector<double> Degrees(std::vector<double> radians) {
@@ -98,4 +98,4 @@ Accuracy EvaluateTrajectory(const Trajectory& estimate, const Trajectory& truth,
   return a;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -13,7 +13,7 @@
 #include "tools/evaluate/alignment.h"
 #include "tools/evaluate/trajectory_errors.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// What to compare and how. docs/metrics.md defines every number.
 struct EvaluateOptions {
@@ -84,4 +84,4 @@ nlohmann::ordered_json ToJson(const Accuracy& accuracy);
 /// The numbers of an evaluation as aligned lines for a terminal; "-" where there was nothing to measure.
 std::string AccuracyTable(const Accuracy& accuracy);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

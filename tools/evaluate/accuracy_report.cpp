@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -175,4 +175,4 @@ std::string AccuracyTable(const Accuracy& a) {
   return text;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

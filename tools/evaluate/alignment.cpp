@@ -15,7 +15,7 @@
 #include "core/accuracy/consistency.h"
 #include "tools/evaluate/trajectory_errors.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr std::array<std::pair<std::string_view, Alignment>, 4> kNames{
@@ -106,4 +106,4 @@ std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Traj
   return ClockOffset{1e-9 * static_cast<double>(best_ns), ate_m(best_ns), ate_m(0)};
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -10,7 +10,7 @@
 #include "core/geometry/similarity.h"
 #include "core/io/trajectories/trajectory.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// How an estimate is brought into the frame of the truth before absolute errors are taken.
 enum class Alignment {
@@ -42,4 +42,4 @@ struct ClockOffset {
 std::optional<ClockOffset> FitClockOffset(const Trajectory& estimate, const Trajectory& truth, Alignment alignment,
                                           int64_t max_gap_ns, double max_s);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

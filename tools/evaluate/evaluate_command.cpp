@@ -14,7 +14,7 @@
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/accuracy_figure.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -150,4 +150,4 @@ int RunEvaluate(int argc, char** argv) {
   return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// The program `evaluate`: reads the files of the command line, prints the table, writes JSON and plot; `compare`,
 /// `figures` and `places` are handed on to the commands below. These take their own word as `argv[0]`. All return the
@@ -18,4 +18,4 @@ int RunEvaluateFigures(int argc, char** argv);
 /// lines and both, writes pictures and JSON.
 int RunEvaluatePlaces(int argc, char** argv);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

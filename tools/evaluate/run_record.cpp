@@ -10,8 +10,9 @@
 
 #include "core/errors/error_text.h"
 #include "core/run/frame_tally.h"
+#include "core/run/process_names.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using nlohmann::json;
@@ -110,7 +111,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
   const json configuration = summary.value("configuration", json::object());
   for (const auto& [process, sections] : configuration.items()) {
     // What is shown and how it is sent does not make the result.
-    if (process == "viewer" || !sections.is_object()) continue;
+    if (process == process_name::kViewer || !sections.is_object()) continue;
     if (process != "player") processes += (processes.empty() ? "" : "+") + process;
     for (const auto& [section, values] : sections.items()) {
       if (section != "bus") Flatten(values, section, options);
@@ -185,4 +186,4 @@ std::optional<RunRecord> FindRunRecord(const std::string& folder) {
   }
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// The object in `FOLDER/summary.json` of a run. Throws std::runtime_error, which names the file, where there is
 /// none.
@@ -56,4 +56,4 @@ RunRecord RecordOf(const nlohmann::json& summary, const std::string& folder);
 /// From `FOLDER/summary.json`; nullopt where that is not the summary of a run.
 std::optional<RunRecord> FindRunRecord(const std::string& folder);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -11,7 +11,7 @@
 
 #include "core/accuracy/consistency.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 // Where each pair stands on the scale that the delta is measured on.
@@ -191,4 +191,4 @@ KittiErrors ComputeShortKittiErrors(const PosePairs& pairs) {
   return ComputeKittiErrors(pairs, {10, 20, 30, 40, 50}, 1);
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

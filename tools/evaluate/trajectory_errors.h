@@ -8,7 +8,7 @@
 
 #include "tools/evaluate/alignment.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Absolute trajectory error of each pair (Sturm et al. 2012): distance of the positions after alignment, and the
 /// angle between the orientations after the same alignment.
@@ -91,4 +91,4 @@ KittiErrors ComputeKittiErrors(const PosePairs& pairs);
 /// The same for sequences too short for the kit: 10, 20, ..., 50 m from every pose. No figure of the benchmark.
 KittiErrors ComputeShortKittiErrors(const PosePairs& pairs);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

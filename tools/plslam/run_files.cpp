@@ -108,9 +108,9 @@ std::filesystem::path DefaultOut(const std::string& dataset) {
 std::optional<double> LiveError_m(const std::filesystem::path& out) {
   const auto both = EstimateAndTruth(out, "trajectory_live.tum");
   if (!both) return std::nullopt;
-  EvaluateOptions options;
+  evaluate::EvaluateOptions options;
   options.max_difference_ns = kSameMoment_ns;
-  const Accuracy accuracy = EvaluateTrajectory(both->first, both->second, options);
+  const evaluate::Accuracy accuracy = evaluate::EvaluateTrajectory(both->first, both->second, options);
   const bool known = !accuracy.pairs.empty() && std::isfinite(accuracy.ate_m.rmse);
   return known ? std::optional(accuracy.ate_m.rmse) : std::nullopt;
 }
@@ -130,7 +130,7 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   const auto both = EstimateAndTruth(out, "trajectory.tum");
   if (!both) return std::nullopt;
   const auto keyframes_path = out / "keyframes.tum";
-  EvaluateOptions options;
+  evaluate::EvaluateOptions options;
   options.max_difference_ns = kSameMoment_ns;
   options.n_frames = n_frames;
   if (std::filesystem::is_regular_file(keyframes_path)) {
@@ -144,7 +144,7 @@ std::optional<nlohmann::json> EvaluateRunFiles(const std::filesystem::path& out,
   if (std::filesystem::is_regular_file(out / "motion_covariance.txt")) {
     options.motion_covariances = ReadPoseCovariances(out / "motion_covariance.txt");
   }
-  return nlohmann::json(ToJson(EvaluateTrajectory(both->first, both->second, options)));
+  return nlohmann::json(evaluate::ToJson(evaluate::EvaluateTrajectory(both->first, both->second, options)));
 }
 
 std::string JsonText(const nlohmann::json& json) {

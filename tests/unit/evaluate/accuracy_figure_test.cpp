@@ -6,7 +6,7 @@
 #include "tests/unit/evaluate/drawn_texts.h"
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using test::DrawnTexts;
@@ -52,4 +52,4 @@ TEST(AccuracyFigure, EstimateFarAwayDoesNotOverflow) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -5,7 +5,7 @@
 
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using testing::HasSubstr;
@@ -120,4 +120,4 @@ TEST(Accuracy, TableIsAligned) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

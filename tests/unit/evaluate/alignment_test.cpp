@@ -11,7 +11,7 @@
 #include "tests/unit/evaluate/pairs.h"
 #include "tools/evaluate/trajectory_errors.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 const SE3 kMove = SE3::Exp((Vector6d() << 5, -3, 2, 0.5, -1.1, 2.0).finished());
@@ -182,4 +182,4 @@ TEST(ClockOffset, TimesAtTheEndOfAllNumbersAreNotMoved) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -9,7 +9,7 @@
 
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 Trajectory AtTimes(const std::vector<int64_t>& times) {
@@ -99,4 +99,4 @@ TEST(Association, InterpolationDoesNotCrossALargerGap) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -6,7 +6,7 @@
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using nlohmann::json;
@@ -180,4 +180,4 @@ TEST(Comparison, RunThatTrackedNothingIsNoGoodRun) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -8,7 +8,7 @@
 
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 Matrix6d MotionCovariance() {
@@ -138,4 +138,4 @@ TEST(Consistency, NothingToCompare) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

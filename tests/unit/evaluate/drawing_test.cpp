@@ -14,7 +14,7 @@
 #include "tools/evaluate/figures/runtime_figure.h"
 #include "tools/evaluate/figures/top_view.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using testing::AllOf;
@@ -253,4 +253,4 @@ TEST(RuntimeFigure, StagesOfWhatRanAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -6,7 +6,7 @@
 #include "tools/evaluate/figures/pair_figure.h"
 #include "tools/evaluate/figures/top_view.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using test::DrawnTexts;
@@ -72,4 +72,4 @@ TEST(PairFigure, SharedFeaturesHaveTheColourOfTheirLandmark) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

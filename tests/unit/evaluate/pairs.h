@@ -6,7 +6,7 @@
 
 #include "core/accuracy/association.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 inline SE3 Translation(double x, double y, double z) {
   return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, y, z)};
@@ -48,4 +48,4 @@ inline Trajectory WithDrift(const Trajectory& truth, const SE3& drift) {
   return estimate;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -9,7 +9,7 @@
 #include "tests/support/shell.h"
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using test::ShellResult;
@@ -122,4 +122,4 @@ TEST(EvaluateProgram, HelpAndVersion) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

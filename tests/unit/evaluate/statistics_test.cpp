@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 TEST(Statistics, ByHand) {
@@ -33,4 +33,4 @@ TEST(Statistics, ChiSquareQuantilesMatchPrintedTables) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -10,7 +10,7 @@
 #include "tests/support/data_folder.h"
 #include "tests/unit/evaluate/pairs.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 TEST(AbsoluteError, OffsetAndTurnByHand) {
@@ -217,4 +217,4 @@ TEST(KittiError, PathsTooShortAndStandingStillHaveNoSegments) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -28,8 +28,7 @@ TEST(ProcessTable, NamedOptionsStandBehindSetAndSoWin) {
   options.overrides = {"vo.features.features=points", "vo.state_file="};
   const auto arguments = ArgumentsOf(Row("vo"), options);
   EXPECT_THAT(arguments, Contains("vo.features.features=points"));
-  EXPECT_LT(Place(arguments, "vo.features.features=points"),
-            Place(arguments, "vo.features.features=lines"));
+  EXPECT_LT(Place(arguments, "vo.features.features=points"), Place(arguments, "vo.features.features=lines"));
   const std::string state = "vo.state_file=" + StateFileOf(options, "vo").string();
   EXPECT_LT(Place(arguments, state), Place(arguments, "vo.state_file=")) << "there is no option for it";
 }

@@ -9,7 +9,7 @@
 #include "tests/unit/places/random_places.h"
 #include "tools/evaluate/places/place_report.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 /// Precision and recall by counting anew for each threshold; the area by the definition.
@@ -146,4 +146,4 @@ TEST(PlaceEvaluation, PicturesAndReportsShowTheNumbers) {
 }
 
 }  // namespace
-}  // namespace plslam
+}  // namespace plslam::evaluate

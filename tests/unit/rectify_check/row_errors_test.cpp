@@ -23,8 +23,7 @@ StereoCamera Camera() { return {400.0, 320.0, 240.0, 0.1, 640, 480}; }
 
 /// Points all over the image whose right counterparts lie lower by `offset_px`, are turned and grown about the
 /// principal point, and have noise; some are matched by chance.
-std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent,
-                                  double outliers = 0.0) {
+std::vector<RowMatch> Matches(int n, double offset_px, double roll_deg, double scale_percent, double outliers = 0.0) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0.0, 640.0), v(0.0, 480.0), disparity(2.0, 60.0), share(0.0, 1.0),
       anywhere(-48.0, 48.0);

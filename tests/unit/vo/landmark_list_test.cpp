@@ -4,9 +4,9 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/LU>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <Eigen/LU>
 
 #include "vo_process/tracking/landmark_list.h"
 

@@ -16,7 +16,7 @@
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -158,4 +158,4 @@ int RunEvaluateCompare(int argc, char** argv) {
   return RunCommandLine(app, argc, argv, [&] { return CompareRuns(arguments); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

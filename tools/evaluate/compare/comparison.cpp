@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr size_t kNamedOptions = 3;
@@ -145,4 +145,4 @@ std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& r
   return differing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -6,7 +6,7 @@
 
 #include "tools/evaluate/run_record.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Of a metric over the runs of a group that were completed and tell it.
 struct Spread {
@@ -47,4 +47,4 @@ std::string ValueOf(const RunRecord& run, const std::string& option);
 /// Names of the options that are not the same in all runs, in their order.
 std::vector<std::string> DifferingOptions(const std::vector<const RunRecord*>& runs);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -10,7 +10,7 @@
 #include "tools/evaluate/drawing/axes.h"
 #include "tools/evaluate/figures/top_view.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr double kRow_pt = 22.0;
@@ -125,4 +125,4 @@ std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& 
   return figures;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

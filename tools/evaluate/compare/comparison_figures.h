@@ -7,7 +7,7 @@
 #include "tools/evaluate/compare/comparison.h"
 #include "tools/evaluate/drawing/drawing.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// A row of dots with a name, one for each run.
 struct DotRow {
@@ -34,4 +34,4 @@ struct NamedDrawing {
 /// missing or cannot be read are left out too.
 std::vector<NamedDrawing> ComparisonFigures(const std::vector<const RunGroup*>& groups);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

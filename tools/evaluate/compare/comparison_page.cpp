@@ -8,7 +8,7 @@
 #include "tools/evaluate/compare/comparison_figures.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr const char* kHead = R"(<!DOCTYPE html>
@@ -161,4 +161,4 @@ std::string ComparisonPage(const std::vector<RunGroup>& groups) {
   return html + "</body></html>\n";
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

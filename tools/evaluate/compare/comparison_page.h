@@ -6,11 +6,11 @@
 
 #include "tools/evaluate/compare/comparison.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// A page for any browser with everything in it (no scripts, nothing from elsewhere): the table with medians, worst
 /// and spread; figures by dataset; each run with its folder and what it gave; and the options of each configuration
 /// that differ.
 std::string ComparisonPage(const std::vector<RunGroup>& groups);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

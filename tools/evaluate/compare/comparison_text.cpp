@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr const char* kNothing = "-";
@@ -159,4 +159,4 @@ nlohmann::ordered_json ComparisonJson(const std::vector<RunGroup>& groups) {
   return json;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

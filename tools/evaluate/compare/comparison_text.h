@@ -7,7 +7,7 @@
 
 #include "tools/evaluate/compare/comparison.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// "1 failed, 2 without ATE" of a group's runs; empty where none lacks anything.
 std::string LackingText(const RunGroup& group);
@@ -32,4 +32,4 @@ std::string ComparisonCsv(const std::vector<RunGroup>& groups);
 /// All numbers, and those of each run.
 nlohmann::ordered_json ComparisonJson(const std::vector<RunGroup>& groups);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

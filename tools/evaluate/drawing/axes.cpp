@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 const Ink kFrame{90, 90, 90};
@@ -175,4 +175,4 @@ double AddLegend(Drawing& drawing, const Place& at, double width_pt, const std::
   return place.y() + kRow_pt;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -7,7 +7,7 @@
 
 #include "tools/evaluate/drawing/drawing.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Width of a column of a two-column journal, and the size of small type in it.
 inline constexpr double kColumn_pt = 252.0;
@@ -88,4 +88,4 @@ void AddTitle(Drawing& drawing, const std::string& title);
 /// base line of the row after.
 double AddLegend(Drawing& drawing, const Place& at, double width_pt, const std::vector<LegendEntry>& entries);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -18,11 +18,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/io/files/bytes.h"
 #include "core/io/files/atomic_file.h"
+#include "core/io/files/bytes.h"
 #include "core/io/images/png_codec.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr double kPointsPerInch = 72.0;
@@ -270,4 +270,4 @@ double TextWidth(const std::string& text, double size_pt) {
   return Advance(cairo.get(), Printable(text));
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

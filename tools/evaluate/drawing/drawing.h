@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <opencv2/core.hpp>
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Points of print, 1/72 inch; x right, y down, from the upper left corner.
 using Place = Eigen::Vector2d;
@@ -95,4 +95,4 @@ cv::Mat ToPicture(const Drawing& drawing, double dpi = kPrintDpi);
 /// Width of a text in points, the same in all formats.
 double TextWidth(const std::string& text, double size_pt);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

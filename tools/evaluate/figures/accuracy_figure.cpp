@@ -9,7 +9,7 @@
 
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr double kLegendLine_pt = 32.0;
@@ -113,4 +113,4 @@ Drawing AccuracyFigure(const std::string& title, const Accuracy& accuracy) {
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -18,7 +18,7 @@
 #include "tools/evaluate/run_record.h"
 #include "tools/export/run_source.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 namespace fs = std::filesystem;
@@ -179,4 +179,4 @@ int RunEvaluateFigures(int argc, char** argv) {
   return RunCommandLine(app, argc, argv, [&] { return DrawFigures(arguments); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

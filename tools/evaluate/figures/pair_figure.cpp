@@ -9,7 +9,7 @@
 
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr double kWide = 1.8;
@@ -160,4 +160,4 @@ Drawing PairFigure(const std::string& title, const PairedImage& first, const Pai
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

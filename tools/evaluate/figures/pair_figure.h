@@ -9,7 +9,7 @@
 #include "core/io/maps/map_file.h"
 #include "tools/evaluate/drawing/drawing.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Two keyframes that are worth a picture: those of the last closed loop; where there is none, one in the middle of
 /// the map and the neighbour farthest from it with 100 shared landmarks (or its best). nullopt: no two keyframes
@@ -37,4 +37,4 @@ SameFeatures SharedBy(const Map& map, int64_t a, int64_t b);
 Drawing PairFigure(const std::string& title, const PairedImage& first, const PairedImage& second,
                    const SameFeatures& same);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -8,7 +8,7 @@
 
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using nlohmann::json;
@@ -128,4 +128,4 @@ Drawing RuntimeFigure(const std::string& title, const json& summary) {
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

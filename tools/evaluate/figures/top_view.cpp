@@ -7,7 +7,7 @@
 
 #include "core/map/vertical.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 const Ink kLandmark{178, 178, 178};
@@ -187,4 +187,4 @@ Drawing CovisibilityFigure(const std::string& title, const Map& map) {
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

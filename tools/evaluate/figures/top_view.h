@@ -8,7 +8,7 @@
 #include "core/map/map.h"
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Directions of the drawing in w, so that nothing is mirrored. From above, in the levelled frame (LevelRotation): x
 /// to the right and z (forward) up, or, where the path is longer than wide, z to the right and -x (left) up. From the
@@ -45,4 +45,4 @@ Drawing TopView(const std::string& title, const std::vector<NamedPath>& paths, c
 /// 100 (essential graph) in dark green, the spanning tree, and closed loops in red.
 Drawing CovisibilityFigure(const std::string& title, const Map& map);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

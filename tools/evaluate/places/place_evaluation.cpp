@@ -7,7 +7,7 @@
 
 #include "core/config/fields.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 /// What is true of each pair (later frame, earlier frame), row by row.
@@ -156,4 +156,4 @@ PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceF
   return result;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

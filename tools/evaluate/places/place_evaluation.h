@@ -9,7 +9,7 @@
 #include "core/places/place_recogniser.h"
 #include "tools/evaluate/places/similarity_figure.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// What counts as the same place. Between a revisit and another place lie pairs whose views overlap in part: neither
 /// right nor wrong.
@@ -93,4 +93,4 @@ std::vector<std::string> MergeNames();
 PlaceEvaluation EvaluatePlaces(const std::string& name, const std::vector<PlaceFrame>& frames,
                                const Vocabulary& points, const Vocabulary& lines, const RevisitOptions& options);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -7,7 +7,7 @@
 
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -101,4 +101,4 @@ Drawing PrecisionRecallFigure(const PlaceEvaluation& evaluation) {
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -6,7 +6,7 @@
 
 #include "tools/evaluate/places/place_evaluation.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// The numbers of one sequence as aligned lines for a terminal.
 std::string PlaceTable(const PlaceEvaluation& evaluation);
@@ -17,4 +17,4 @@ nlohmann::ordered_json PlacesToJson(const std::vector<PlaceEvaluation>& evaluati
 /// Precision over recall of the best matches (left) and of all pairs (right), a line for each merge.
 Drawing PrecisionRecallFigure(const PlaceEvaluation& evaluation);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

@@ -15,7 +15,7 @@
 #include "tools/evaluate/places/place_report.h"
 #include "tools/train_vocabulary/left_features.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 struct Arguments {
@@ -99,4 +99,4 @@ int RunEvaluatePlaces(int argc, char** argv) {
   return RunCommandLine(app, argc, argv, [&] { return Evaluate(arguments); });
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

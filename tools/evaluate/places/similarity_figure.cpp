@@ -8,7 +8,7 @@
 
 #include "tools/evaluate/drawing/axes.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 namespace {
 
 constexpr double kMatrixGap_pt = 6.0;
@@ -100,4 +100,4 @@ Drawing SimilarityFigure(const std::string& title, const Similarities& similarit
   return drawing;
 }
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

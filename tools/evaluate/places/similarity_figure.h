@@ -8,7 +8,7 @@
 #include "core/places/place_recogniser.h"
 #include "tools/evaluate/drawing/drawing.h"
 
-namespace plslam {
+namespace plslam::evaluate {
 
 /// Similarities of a row of images with each other, row by row: symmetric but for the weights, which are those of the
 /// row's image in a map of all.
@@ -38,4 +38,4 @@ float FullScale(const SimilarityMatrix& matrix);
 /// `FullScale`. `images` says what the rows are ("keyframes").
 Drawing SimilarityFigure(const std::string& title, const Similarities& similarities, const std::string& images);
 
-}  // namespace plslam
+}  // namespace plslam::evaluate

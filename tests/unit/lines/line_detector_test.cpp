@@ -23,16 +23,16 @@ LineOptions WithDetector(const std::string& name) {
 }
 
 /// Errors across the true edge of the segments found on it, at both ends.
-struct evaluate::Accuracy {
+struct Accuracy {
   int found = 0;
   double rms_px = 0.0;
   double normalised = 0.0;
 };
 
 /// One long side of a bar, at many directions and places.
-evaluate::Accuracy Measure(const std::string& detector, double contrast, double noise) {
+Accuracy Measure(const std::string& detector, double contrast, double noise) {
   LineExtractor extractor(WithDetector(detector));
-  evaluate::Accuracy out;
+  Accuracy out;
   double squares = 0.0;
   double normalised = 0.0;
   for (int i = 0; i < 36; ++i) {
@@ -58,26 +58,26 @@ evaluate::Accuracy Measure(const std::string& detector, double contrast, double 
 }
 
 TEST(LineDetector, EdgeChainFindsRenderedEdgesToAFewHundredthsOfAPixel) {
-  const evaluate::Accuracy a = Measure("edgechain", 40, 2);
+  const Accuracy a = Measure("edgechain", 40, 2);
   EXPECT_EQ(a.found, 36);
   EXPECT_LE(a.rms_px, 0.05) << "rms across";
 }
 
 TEST(LineDetector, AllFindRenderedEdgesInNoise) {
   for (const char* name : kDetectors) {
-    const evaluate::Accuracy a = Measure(name, 40, 2);
+    const Accuracy a = Measure(name, 40, 2);
     EXPECT_GE(a.found, 34) << name;
     EXPECT_LE(a.rms_px, 0.15) << name;
   }
 }
 
 TEST(LineDetector, SigmaIsThatOfTheErrors) {
-  const evaluate::Accuracy faint = Measure("edgechain", 12, 2);
+  const Accuracy faint = Measure("edgechain", 12, 2);
   EXPECT_GE(faint.found, 30);
   EXPECT_GT(faint.normalised, 0.7);
   EXPECT_LT(faint.normalised, 1.3);
   // At high contrast the floor, which stands for real edges, keeps it on the safe side.
-  const evaluate::Accuracy clear = Measure("edgechain", 40, 2);
+  const Accuracy clear = Measure("edgechain", 40, 2);
   EXPECT_GT(clear.normalised, 0.4);
   EXPECT_LT(clear.normalised, 1.2);
 }

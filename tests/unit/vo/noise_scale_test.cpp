@@ -12,8 +12,8 @@ namespace {
 constexpr int kManyFrames = 200;
 
 // A frame whose points, before any scale, deviate so many times as far as its lines.
-evaluate::Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
-  evaluate::Alignment alignment;
+Alignment Frame(double ratio, size_t n_points = 100, size_t n_lines = 50) {
+  Alignment alignment;
   alignment.matches.points.resize(n_points);
   alignment.matches.lines.resize(n_lines);
   alignment.point_deviation = 0.8 * ratio;
@@ -61,7 +61,7 @@ TEST(NoiseScale, ForgetsWhereNothingTells) {
 
 TEST(NoiseScale, LearnsNothingFromTooFewOrFromNonsense) {
   NoiseScale balance(4.0);
-  evaluate::Alignment frame = Frame(3.0, 5, 50);
+  Alignment frame = Frame(3.0, 5, 50);
   balance.Observe(frame);
   balance.Observe(Frame(3.0, 100, 5));
   frame = Frame(3.0);

@@ -5,6 +5,7 @@ find_package(Threads REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(OpenCV 4.6 REQUIRED COMPONENTS core imgproc features2d)
 find_package(PNG REQUIRED)
+find_package(JPEG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
@@ -29,14 +30,7 @@ if(NOT TARGET sodium::sodium)
                         INTERFACE_INCLUDE_DIRECTORIES ${SODIUM_INCLUDE_DIR})
 endif()
 
-# Debian's CMake package of TurboJPEG asks for files of another package; libdeflate, zstd and lz4 have none.
-if(NOT TARGET turbojpeg::turbojpeg)
-  find_path(TURBOJPEG_INCLUDE_DIR turbojpeg.h REQUIRED)
-  find_library(TURBOJPEG_LIBRARY turbojpeg REQUIRED)
-  add_library(turbojpeg::turbojpeg UNKNOWN IMPORTED)
-  set_target_properties(turbojpeg::turbojpeg PROPERTIES IMPORTED_LOCATION ${TURBOJPEG_LIBRARY}
-                        INTERFACE_INCLUDE_DIRECTORIES ${TURBOJPEG_INCLUDE_DIR})
-endif()
+# Debian's libdeflate, zstd and lz4 have no CMake packages.
 if(NOT TARGET deflate::deflate)
   find_path(DEFLATE_INCLUDE_DIR libdeflate.h REQUIRED)
   find_library(DEFLATE_LIBRARY deflate REQUIRED)

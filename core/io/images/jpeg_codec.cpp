@@ -1,42 +1,118 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/io/images/jpeg_codec.h"
 
-#include <turbojpeg.h>
-
-#include <memory>
-#include <new>
+#include <csetjmp>
+#include <cstddef>
+#include <cstdio>
 #include <stdexcept>
-#include <string_view>
-#include <vector>
+#include <type_traits>
+
+// Needs size_t and FILE from above.
+#include <jpeglib.h>
+
+#include "core/io/files/bytes.h"
 
 namespace plslam {
 namespace {
 
-// Of libjpeg.
-constexpr int kMaxSide_px = 65500;
-// The slow integer transform: its results are the same on every machine. Cameras take ten scans; every further one
-// costs a pass over the whole image and a few bytes of the file, so that TurboJPEG's limit of 500 is set.
-constexpr int kDecodeFlags = TJFLAG_ACCURATEDCT | TJFLAG_LIMITSCANS;
-// Longer than any segment that could be passed over.
-constexpr size_t kTrailerBytes = (1 << 16) + 16;
+// Cameras take ten; every further one costs a pass over the whole image, and a few bytes of the file.
+constexpr int kMaxJpegScans = 500;
 
-struct TurboDeleter {
-  void operator()(void* turbo) const { tjDestroy(turbo); }
-  void operator()(unsigned char* bytes) const { tjFree(bytes); }
+/// libjpeg's, with the way out of it and what it said.
+struct JpegErrors {
+  jpeg_error_mgr manager;
+  std::jmp_buf way_out;
+  char reason[JMSG_LENGTH_MAX];
 };
-using Turbo = std::unique_ptr<void, TurboDeleter>;
+static_assert(std::is_standard_layout_v<JpegErrors>, "libjpeg hands back the address of the first member");
 
-/// Why the last call failed: the sentence without the name of the function before it.
-std::string Reason(const Turbo& turbo) {
-  const std::string_view text = tjGetErrorStr2(turbo.get());
-  const size_t name = text.find("(): ");
-  return std::string(name == std::string_view::npos ? text : text.substr(name + 4));
+[[noreturn]] void GiveUpJpeg(j_common_ptr jpeg) {
+  auto* const errors = reinterpret_cast<JpegErrors*>(jpeg->err);
+  errors->manager.format_message(jpeg, errors->reason);
+  std::longjmp(errors->way_out, 1);
 }
 
-Turbo Opened(tjhandle handle) {
-  if (handle == nullptr) throw std::bad_alloc();
-  return Turbo(handle);
+void SayNothingOfJpeg(j_common_ptr /*jpeg*/) {}
+
+[[noreturn]] void GiveUpJpegFor(j_common_ptr jpeg, const char* why) {
+  auto* const errors = reinterpret_cast<JpegErrors*>(jpeg->err);
+  std::snprintf(errors->reason, sizeof(errors->reason), "%s", why);
+  std::longjmp(errors->way_out, 1);
 }
+
+boolean EndOfJpegBytes(j_decompress_ptr jpeg) {
+  GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "it ends too early");
+}
+
+void LimitJpegScans(j_common_ptr jpeg) {
+  const auto* const decoder = reinterpret_cast<j_decompress_ptr>(jpeg);
+  if (decoder->is_decompressor != 0 && decoder->input_scan_number > kMaxJpegScans) {
+    GiveUpJpegFor(jpeg, "it has more than 500 scans");
+  }
+}
+
+/// Whether `steps` ran to its end. libjpeg leaves it by longjmp where it cannot go on, past frames that have nothing
+/// to destroy: its own, and that of `steps`, which must be so.
+template <class Steps>
+bool RunJpegSteps(JpegErrors& errors, const Steps& steps) {
+  if (setjmp(errors.way_out) != 0) return false;
+  steps();
+  return true;
+}
+
+/// libjpeg's structure for one direction, freed at the end of the scope.
+template <class Jpeg>
+class JpegHandle {
+ public:
+  JpegHandle() {
+    jpeg_.err = jpeg_std_error(&errors_.manager);
+    errors_.manager.error_exit = GiveUpJpeg;
+    errors_.manager.output_message = SayNothingOfJpeg;
+  }
+  // Of one that was never created there is nothing to free, and libjpeg sees that.
+  ~JpegHandle() { jpeg_destroy(reinterpret_cast<j_common_ptr>(&jpeg_)); }
+  JpegHandle(const JpegHandle&) = delete;
+  JpegHandle& operator=(const JpegHandle&) = delete;
+
+  template <class Steps>
+  void Run(const Steps& steps) {
+    if (!RunJpegSteps(errors_, steps)) throw std::runtime_error(errors_.reason);
+  }
+  Jpeg& jpeg() { return jpeg_; }
+
+ private:
+  JpegErrors errors_{};
+  Jpeg jpeg_{};
+};
+
+/// libjpeg's destination, into a string.
+struct JpegSink {
+  jpeg_destination_mgr manager;
+  std::string* file;
+  JOCTET waiting[4096];
+};
+static_assert(std::is_standard_layout_v<JpegSink>, "libjpeg hands back the address of the first member");
+
+void BeginJpegSink(j_compress_ptr jpeg) {
+  auto& sink = *reinterpret_cast<JpegSink*>(jpeg->dest);
+  sink.manager.next_output_byte = sink.waiting;
+  sink.manager.free_in_buffer = sizeof(sink.waiting);
+}
+
+void EmptyJpegSink(j_compress_ptr jpeg, size_t n) {
+  const auto& sink = *reinterpret_cast<JpegSink*>(jpeg->dest);
+  if (!AppendBytes(*sink.file, sink.waiting, n)) {
+    GiveUpJpegFor(reinterpret_cast<j_common_ptr>(jpeg), "no memory is left");
+  }
+  BeginJpegSink(jpeg);
+}
+
+boolean EmptyFullJpegSink(j_compress_ptr jpeg) {
+  EmptyJpegSink(jpeg, sizeof(JpegSink::waiting));
+  return TRUE;
+}
+
+void EndJpegSink(j_compress_ptr jpeg) { EmptyJpegSink(jpeg, sizeof(JpegSink::waiting) - jpeg->dest->free_in_buffer); }
 
 /// Printers' inks are stored as what they leave of the light, and black darkens the other three.
 uint8_t GreyOfInks(const uint8_t* cmyk) {
@@ -50,97 +126,73 @@ uint8_t GreyOfInks(const uint8_t* cmyk) {
   return static_cast<uint8_t>((sum + (1 << (kShift - 1))) >> kShift);
 }
 
-cv::Mat GreyOfInks(const cv::Mat& cmyk) {
-  cv::Mat grey(cmyk.size(), CV_8UC1);
-  for (int y = 0; y < grey.rows; ++y) {
-    const uint8_t* const inks = cmyk.ptr<uint8_t>(y);
-    for (int x = 0; x < grey.cols; ++x) grey.at<uint8_t>(y, x) = GreyOfInks(inks + 4 * x);
+void ReadJpegRows(jpeg_decompress_struct& jpeg, cv::Mat& image) {
+  JSAMPARRAY const inks =
+      jpeg.out_color_components == 4
+          ? jpeg.mem->alloc_sarray(reinterpret_cast<j_common_ptr>(&jpeg), JPOOL_IMAGE, 4 * jpeg.output_width, 1)
+          : nullptr;
+  for (int y = 0; y < image.rows; ++y) {
+    uint8_t* const row = image.ptr<uint8_t>(y);
+    JSAMPROW in_place = row;
+    jpeg_read_scanlines(&jpeg, inks == nullptr ? &in_place : inks, 1);
+    if (inks == nullptr) continue;
+    for (int x = 0; x < image.cols; ++x) row[x] = GreyOfInks(inks[0] + 4 * x);
   }
-  return grey;
-}
-
-struct JpegHeader {
-  cv::Size size;
-  int colour_space = -1;  ///< TJCS
-};
-
-/// Throws where there is no header. A subsampling without a name is an error of TurboJPEG's function, but none of its
-/// decoder.
-JpegHeader ReadJpegHeader(const Turbo& turbo, std::span<const uint8_t> bytes) {
-  JpegHeader header;
-  int subsampling = -1;
-  const int result = tjDecompressHeader3(turbo.get(), bytes.data(), bytes.size(), &header.size.width,
-                                         &header.size.height, &subsampling, &header.colour_space);
-  if (header.size.empty() || header.colour_space < 0) {
-    throw std::runtime_error(result == 0 ? "it has no image" : Reason(turbo));
-  }
-  return header;
-}
-
-/// The file with the starts of further images behind it, which a decoder refuses: TurboJPEG takes the end of the data
-/// for the end of the image.
-std::vector<uint8_t> WithTrailer(std::span<const uint8_t> bytes) {
-  static const std::vector<uint8_t> kTrailer = [] {
-    std::vector<uint8_t> trailer(kTrailerBytes, 0xff);
-    for (size_t i = 1; i < trailer.size(); i += 2) trailer[i] = 0xd8;
-    return trailer;
-  }();
-  std::vector<uint8_t> file;
-  file.reserve(bytes.size() + kTrailer.size());
-  file.insert(file.end(), bytes.begin(), bytes.end());
-  file.insert(file.end(), kTrailer.begin(), kTrailer.end());
-  return file;
-}
-
-/// Into pixels of the file's size; returns why not, or the first warning.
-std::string Decode(const Turbo& turbo, std::span<const uint8_t> file, int flags, cv::Mat& pixels) {
-  const int format = pixels.channels() == 4 ? TJPF_CMYK : TJPF_GRAY;
-  const int result = tjDecompress2(turbo.get(), file.data(), file.size(), pixels.data, pixels.cols,
-                                   static_cast<int>(pixels.step), pixels.rows, format, kDecodeFlags | flags);
-  return result == 0 ? "" : Reason(turbo);
-}
-
-/// The decoder warns of damage that it can pass over, and so do we pass over it. TurboJPEG returns the same for an
-/// error behind a warning as for the warning alone, but with the text of the error instead of that of the first
-/// warning.
-void DecodeWhole(const Turbo& turbo, std::span<const uint8_t> bytes, cv::Mat& pixels) {
-  const std::vector<uint8_t> file = WithTrailer(bytes);
-  const std::string first = Decode(turbo, file, TJFLAG_STOPONWARNING, pixels);
-  if (first.empty()) return;
-  const bool warned = tjGetErrorCode(turbo.get()) == TJERR_WARNING;
-  const std::string last = warned ? Decode(turbo, file, 0, pixels) : first;
-  if (!warned || last != first) {
-    const bool in_trailer = last.find("two SOI markers") != std::string::npos;
-    throw std::runtime_error(in_trailer ? "it ends too early" : last);
-  }
-  // With more data ahead the decoder is faster, and makes something else of damage in the last bytes.
-  Decode(turbo, bytes, 0, pixels);
 }
 
 }  // namespace
 
 cv::Mat DecodeJpeg(std::span<const uint8_t> bytes, cv::Size size) {
-  const Turbo turbo = Opened(tjInitDecompress());
-  const JpegHeader header = ReadJpegHeader(turbo, bytes);
-  if (header.size != size) throw std::runtime_error("its pixels contradict its header");
-  const bool inks = header.colour_space == TJCS_CMYK || header.colour_space == TJCS_YCCK;
-  cv::Mat pixels(size, inks ? CV_8UC4 : CV_8UC1);
-  DecodeWhole(turbo, bytes, pixels);
-  return inks ? GreyOfInks(pixels) : pixels;
+  JpegHandle<jpeg_decompress_struct> handle;
+  jpeg_decompress_struct& jpeg = handle.jpeg();
+  jpeg_progress_mgr watch{};
+  watch.progress_monitor = LimitJpegScans;
+  handle.Run([&] {
+    jpeg_create_decompress(&jpeg);
+    jpeg.progress = &watch;
+    jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
+    jpeg.src->fill_input_buffer = EndOfJpegBytes;
+    jpeg_read_header(&jpeg, TRUE);
+    jpeg.out_color_space = jpeg.num_components == 4 ? JCS_CMYK : JCS_GRAYSCALE;
+  });
+  if (jpeg.image_width != static_cast<JDIMENSION>(size.width) ||
+      jpeg.image_height != static_cast<JDIMENSION>(size.height)) {
+    throw std::runtime_error("its pixels contradict its header");
+  }
+  cv::Mat image(size, CV_8UC1);
+  handle.Run([&] {
+    jpeg_start_decompress(&jpeg);
+    ReadJpegRows(jpeg, image);
+  });
+  return image;
 }
 
 std::string EncodeJpeg(const cv::Mat& grey, int quality) {
-  if (grey.empty() || grey.type() != CV_8UC1 || grey.cols > kMaxSide_px || grey.rows > kMaxSide_px) {
+  if (grey.empty() || grey.type() != CV_8UC1 || grey.cols > JPEG_MAX_DIMENSION || grey.rows > JPEG_MAX_DIMENSION) {
     throw std::invalid_argument("a JPEG file is made of an 8-bit grey image of 1 to 65500 pixels a side");
   }
-  const Turbo turbo = Opened(tjInitCompress());
-  unsigned char* bytes = nullptr;
-  unsigned long n_bytes = 0;
-  const int result = tjCompress2(turbo.get(), grey.data, grey.cols, static_cast<int>(grey.step), grey.rows, TJPF_GRAY,
-                                 &bytes, &n_bytes, TJSAMP_GRAY, quality, TJFLAG_ACCURATEDCT);
-  const std::unique_ptr<unsigned char, TurboDeleter> owned(bytes);
-  if (result != 0) throw std::runtime_error(Reason(turbo));
-  return {reinterpret_cast<const char*>(bytes), n_bytes};
+  JpegHandle<jpeg_compress_struct> handle;
+  jpeg_compress_struct& jpeg = handle.jpeg();
+  std::string file;
+  JpegSink sink{{nullptr, 0, BeginJpegSink, EmptyFullJpegSink, EndJpegSink}, &file, {}};
+  handle.Run([&] {
+    jpeg_create_compress(&jpeg);
+    jpeg.dest = &sink.manager;
+    jpeg.image_width = static_cast<JDIMENSION>(grey.cols);
+    jpeg.image_height = static_cast<JDIMENSION>(grey.rows);
+    jpeg.input_components = 1;
+    jpeg.in_color_space = JCS_GRAYSCALE;
+    jpeg_set_defaults(&jpeg);
+    jpeg_set_quality(&jpeg, quality, TRUE);
+    jpeg_start_compress(&jpeg, TRUE);
+    for (int y = 0; y < grey.rows; ++y) {
+      // libjpeg takes no const, and changes nothing.
+      JSAMPROW row = const_cast<uint8_t*>(grey.ptr<uint8_t>(y));
+      jpeg_write_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_compress(&jpeg);
+  });
+  return file;
 }
 
 }  // namespace plslam

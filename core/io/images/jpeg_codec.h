@@ -8,15 +8,14 @@
 
 namespace plslam {
 
-/// The pixels of a JPEG file (ITU-T T.81) by TurboJPEG as 8-bit grey: the luma that the file has, without the detour
+/// The pixels of a JPEG file (ITU-T T.81) by libjpeg as 8-bit grey: the luma that the file has, without the detour
 /// over colour; of files in RGB or CMYK the same weights (ITU-R BT.601). The orientation that cameras note is not
 /// looked at. `size` is what the header says; the caller has found it bearable. Throws std::runtime_error with
-/// a reason where the file cannot be decoded, ends early, is of another size, or has more than 500 scans; what is
-/// damaged in between goes unseen, as the format has no check sums. Nothing of the image's size is allocated before
-/// the size is known to be `size`.
+/// libjpeg's reason where the file cannot be decoded, ends early or is of another size; what is damaged in between
+/// goes unseen, as the format has no check sums.
 cv::Mat DecodeJpeg(std::span<const uint8_t> bytes, cv::Size size);
 
-/// An 8-bit grey image as a JPEG file. `quality` from 0 to 100 (best), as libjpeg counts it. Throws
+/// An 8-bit grey image as a JPEG file. `quality` from 0 to 100 (best), as libjpeg counts. Throws
 /// std::invalid_argument for other images, and those of more than 65,500 pixels a side.
 std::string EncodeJpeg(const cv::Mat& grey, int quality);
 

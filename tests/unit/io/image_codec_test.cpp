@@ -120,49 +120,6 @@ TEST(JpegCodec, ScansWithoutEndAreRefused) {
               testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("more than 500 scans")));
 }
 
-/// What DecodeJpeg says of the file; empty where it decodes it.
-std::string Complaint(const std::string& file, cv::Size size) {
-  try {
-    DecodeJpeg(BytesOf(file), size);
-  } catch (const std::runtime_error& e) {
-    return e.what();
-  }
-  return "";
-}
-
-TEST(JpegCodec, DataThatEndTooEarlyAreRefusedAtEveryLength) {
-  const cv::Size size(48, 32);
-  for (const test::JpegKind& kind : test::AllJpegKinds()) {
-    const std::string file = test::MakeJpeg(kind, size.width, size.height, 3);
-    ASSERT_EQ(Complaint(file, size), "") << kind.name;
-    for (size_t length = 0; length + 2 < file.size(); length += 7) {
-      EXPECT_NE(Complaint(file.substr(0, length), size), "") << kind.name << ", " << length << " of " << file.size();
-    }
-  }
-  const std::string file = test::MakeJpeg({.name = "grey"}, size.width, size.height, 3);
-  EXPECT_EQ(Complaint(file.substr(0, file.size() - 20), size), "it ends too early");
-}
-
-// As cheap cameras write them.
-TEST(JpegCodec, DataThatDecodersWarnOfAreRead) {
-  const cv::Size size(48, 32);
-  const std::string file = test::MakeJpeg({.name = "grey"}, size.width, size.height, 3);
-  std::string padded = file;
-  padded.insert(file.size() - 2, 5, '\x7f');
-  EXPECT_TRUE(AreTheSame(Decoded(padded), Decoded(file)));
-  padded.resize(padded.size() - 2);
-  EXPECT_EQ(Complaint(padded, size), "it ends too early") << "also behind another warning";
-}
-
-TEST(JpegCodec, TheSizeIsLookedAtBeforeMemoryIsTaken) {
-  std::string file = test::MakeJpeg({.name = "grey"}, 48, 32, 3);
-  const size_t frame = file.find("\xff\xc0");
-  file.replace(frame + 5, 4, "\xff\xdc\xff\xdc");
-  EXPECT_EQ(Complaint(file, {48, 32}), "its pixels contradict its header");
-  EXPECT_NE(Complaint("", {48, 32}), "");
-  EXPECT_NE(Complaint("no image", {48, 32}), "");
-}
-
 /// Changed in one to three places, or cut off.
 std::string Damaged(const std::string& file, std::mt19937& random) {
   std::string damaged = file;

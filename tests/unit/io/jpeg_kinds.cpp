@@ -23,8 +23,7 @@ void Configure(jpeg_compress_struct& jpeg, const JpegKind& kind) {
   jpeg_set_quality(&jpeg, kind.quality, TRUE);
   for (int i = 0; i < jpeg.num_components; ++i) {
     const bool luma = i == 0 || i == 3;
-    const int luma_factor = kind.sampling > 4 ? 4 : 2;
-    jpeg.comp_info[i].h_samp_factor = luma && kind.sampling > 1 ? luma_factor : 1;
+    jpeg.comp_info[i].h_samp_factor = luma && kind.sampling > 1 ? 2 : 1;
     jpeg.comp_info[i].v_samp_factor = luma && kind.sampling > 2 ? 2 : 1;
   }
   jpeg.restart_in_rows = kind.restart_rows;
@@ -64,11 +63,6 @@ std::vector<JpegKind> AllJpegKinds() {
       {.name = "colour 4:4:4", .pixels = JCS_RGB, .stored = JCS_YCbCr, .components = 3},
       {.name = "colour 4:2:2", .pixels = JCS_RGB, .stored = JCS_YCbCr, .components = 3, .sampling = 2},
       {.name = "colour 4:2:0", .pixels = JCS_RGB, .stored = JCS_YCbCr, .components = 3, .sampling = 4},
-      {.name = "colour, of a sampling without a name",
-       .pixels = JCS_RGB,
-       .stored = JCS_YCbCr,
-       .components = 3,
-       .sampling = 8},
       {.name = "colour, progressive",
        .pixels = JCS_RGB,
        .stored = JCS_YCbCr,

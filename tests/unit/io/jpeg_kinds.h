@@ -13,7 +13,7 @@ struct JpegKind {
   int pixels = 1;
   int stored = 1;
   int components = 1;
-  int sampling = 1;  ///< colour is halved in width where 2, in height too where 4; in width to a quarter where 8
+  int sampling = 1;  ///< colour is halved in width where 2, in height too where 4
   bool progressive = false;
   bool arithmetic = false;
   bool optimised = false;

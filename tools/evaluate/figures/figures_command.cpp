@@ -36,7 +36,7 @@ struct Arguments {
 
 /// What the figures are drawn from.
 struct Material {
-  RunSource source;
+  exports::RunSource source;
   nlohmann::json summary;
   Trajectory truth;
   std::string dataset;
@@ -68,7 +68,7 @@ std::string LastPart(const std::string& location) {
 
 Material Collect(const Arguments& a) {
   if (!fs::is_directory(a.run)) throw std::runtime_error(a.run + ": is not the folder of a run");
-  Material m{ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
+  Material m{exports::ReadRunSource(a.run, a.map), nlohmann::json::object(), {}, a.dataset, a.title, a.out};
   if (fs::exists(a.run + "/summary.json")) m.summary = ReadRunSummary(a.run);
   if (fs::exists(a.run + "/groundtruth.tum")) m.truth = ReadTrajectory(a.run + "/groundtruth.tum");
   if (m.dataset.empty()) m.dataset = m.summary.value("dataset", "");
@@ -135,14 +135,14 @@ void DrawPair(const Material& m, const Arguments& a) {
   if (!stored.features.contains(first) || !stored.features.contains(second)) {
     return Skip("keyframe_pair", "the map has no features of the keyframes");
   }
-  const auto shown = [&](const KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
+  const auto shown = [&](const exports::KeyframeImages& images, int64_t id) -> std::optional<PairedImage> {
     const MapKeyframe& keyframe = stored.map.keyframes().at(id);
     const auto image = images.At(keyframe.t_ns);
     if (!image) return std::nullopt;
     return PairedImage{fmt::format("keyframe {}, frame {}", id, keyframe.frame_id), *image, &stored.features.at(id)};
   };
   try {
-    const KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
+    const exports::KeyframeImages images(m.dataset, MapCamera(stored, m.source.map_path));
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
     if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);

@@ -53,7 +53,7 @@ std::vector<PlaceFrame> ReadFrames(const std::string& location, int stride, cons
     const auto T_w_c = dataset->GroundTruth(index);
     if (T_w_c) frames.push_back({{dataset->t_ns(index), *T_w_c}, recogniser.Describe(features)});
   };
-  ForEachLeftImage(*dataset, stride, FeatureOptions{}, use, [](int, int) {});
+  train_vocabulary::ForEachLeftImage(*dataset, stride, FeatureOptions{}, use, [](int, int) {});
   if (frames.empty()) throw std::runtime_error(location + " has no true poses");
   return frames;
 }

@@ -121,7 +121,7 @@ class ProcessReplay {
   const ReplayedProcess process_;
   const ReplayFaults faults_;
   const std::filesystem::path folder_;
-  PrivatePort port_;
+  launcher::PrivatePort port_;
   std::string difference_;
   bool restarted_ = false;
   /// The tracker has gone back: up to this message of the log frames alone are said again.

@@ -211,15 +211,15 @@ TEST(TcpqRelay, TakenPortIsOneSentence) {
 }
 
 TEST(ChannelPattern, MatchesWholeNames) {
-  EXPECT_TRUE(launcher::ChannelPattern(".*").Matches("POSE"));
-  EXPECT_TRUE(launcher::ChannelPattern("POSE").Matches("POSE"));
-  EXPECT_FALSE(launcher::ChannelPattern("POSE").Matches("POSES"));
-  EXPECT_TRUE(launcher::ChannelPattern("POSE|TRACKS").Matches("TRACKS"));
-  EXPECT_FALSE(launcher::ChannelPattern("POSE|TRACKS").Matches("XTRACKS"));
-  EXPECT_TRUE(launcher::ChannelPattern("robot[.]1/POSE").Matches("robot.1/POSE"));
-  EXPECT_FALSE(launcher::ChannelPattern("(a+)\\1").Matches("aa"));
-  EXPECT_FALSE(launcher::ChannelPattern("a{1000}{1000}").Matches("a"));
-  EXPECT_FALSE(launcher::ChannelPattern("(").Matches("("));
+  EXPECT_TRUE(ChannelPattern(".*").Matches("POSE"));
+  EXPECT_TRUE(ChannelPattern("POSE").Matches("POSE"));
+  EXPECT_FALSE(ChannelPattern("POSE").Matches("POSES"));
+  EXPECT_TRUE(ChannelPattern("POSE|TRACKS").Matches("TRACKS"));
+  EXPECT_FALSE(ChannelPattern("POSE|TRACKS").Matches("XTRACKS"));
+  EXPECT_TRUE(ChannelPattern("robot[.]1/POSE").Matches("robot.1/POSE"));
+  EXPECT_FALSE(ChannelPattern("(a+)\\1").Matches("aa"));
+  EXPECT_FALSE(ChannelPattern("a{1000}{1000}").Matches("a"));
+  EXPECT_FALSE(ChannelPattern("(").Matches("("));
 }
 
 TEST(MulticastWorks, SaysWhyNot) {

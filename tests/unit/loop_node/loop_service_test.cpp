@@ -228,9 +228,9 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
   edge.covariance.setIdentity();
   map_.Add(edge);
   service_.OnUpdate(Update(1, false));
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{});
   const auto output = service_.OnKeyframe(KeyframeOf(0));
-  EXPECT_EQ(Judged(output), Ids{});
+  EXPECT_EQ(Checked(output), Ids{});
   ASSERT_TRUE(output.adjustment);
   EXPECT_EQ(output.adjustment->session_keyframe_id, 1);
   EXPECT_EQ(output.adjustment->map_version, 4);
@@ -239,12 +239,12 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
 // A keyframe would be checked on a map that is newer than the one it came into.
 TEST_F(Service, KeyframesThatAnotherHasCheckedAreNotCheckedWhenUpdatesComeAgainBeforeTheFeatures) {
   for (int64_t id = 0; id < 3; ++id) {
-    EXPECT_EQ(Judged(service_.OnUpdate(Update(id, false))), Ids{});
+    EXPECT_EQ(Checked(service_.OnUpdate(Update(id, false))), Ids{});
     if (id < 2) service_.OnUpdate(Update(id, true));
   }
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(0))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(1))), Ids{});
-  EXPECT_EQ(Judged(service_.OnKeyframe(KeyframeOf(2))), Ids{2});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(0))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(1))), Ids{});
+  EXPECT_EQ(Checked(service_.OnKeyframe(KeyframeOf(2))), Ids{2});
 }
 
 TEST_F(Service, ASettledMapAwaitsNoAdjustment) {

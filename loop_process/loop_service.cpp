@@ -67,6 +67,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     due_.clear();
     told_.reset();
     unadjusted_.reset();
+    adjusting_.reset();
   }
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
   Follow(update, output);
@@ -87,6 +88,7 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
 /// What an update means for what is to be checked.
 void LoopService::Follow(const MapUpdate& update, Output& output) {
   NoteNewest(update);
+  EndAdjustmentOfCommitted(output);
   FollowAnswer(update.answer, output);
   if (update.session_keyframe_id < 0) return;
   const bool begins = update.base_version == 0 && !checked_.contains(update.session);
@@ -153,6 +155,16 @@ void LoopService::Adjust(const LoopClosure& loop, Output& output) {
   output.adjustment = closer_.WholeMap(replica_.map(), loop);
   output.adjustment->map_source = replica_.source();
   output.adjustment->map_version = replica_.version();
+  adjusting_ = HeadOf(loop);
+}
+
+/// The loop_process before this one has adjusted it: an adjustment of a later loop must not go on from this one's.
+void LoopService::EndAdjustmentOfCommitted(Output& output) {
+  const bool is_committed = adjusting_ && lockstep_.contains(adjusting_->session) &&
+                            Newest(committed_, adjusting_->session) >= adjusting_->session_keyframe_id;
+  if (!is_committed) return;
+  adjusting_.reset();
+  output.ends_adjustment = true;
 }
 
 /// Its newest keyframe has a loop in it, and is not committed.

@@ -49,6 +49,8 @@ class LoopService {
     std::vector<LoopClosure> closures;
     std::vector<Relocalisation> answers;
     std::optional<WholeMapProblem> adjustment;
+    /// What is being adjusted is not wanted any more, nor the progress that it has made.
+    bool ends_adjustment = false;
   };
 
   /// `now_ms` measures how long things take, and waits.
@@ -90,6 +92,7 @@ class LoopService {
   bool IsComplete();
   bool HasWaited(const Due& due) const;
   void DropCommitted();
+  void EndAdjustmentOfCommitted(Output& output);
   std::deque<Due>::iterator NextDue();
   void CheckWhatIsDue(Output& output);
   void AnswerWhatIsDue(Output& output);
@@ -110,6 +113,8 @@ class LoopService {
   double lacking_since_ms_ = 0.0;
   /// The loop whose adjustment another loop_process died over.
   std::optional<LoopClosure> unadjusted_;
+  /// The loop whose adjustment was handed out last.
+  std::optional<LoopClosure> adjusting_;
   /// The loop that was told and that the map has not answered yet, without edges and poses.
   std::optional<LoopClosure> told_;
   std::deque<Keyframe> requests_;

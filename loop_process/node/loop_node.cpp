@@ -114,7 +114,7 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   return service_->OnRequest(std::get<RelocalisationRequest>(arrival).frame);
 }
 
-/// What runs would undo the loop that is being told.
+/// What runs would undo the loop that is being told, or what has been adjusted already.
 void LoopNode::DropAdjustment() {
   const std::lock_guard lock(mutex_);
   adjustment_.reset();
@@ -124,7 +124,12 @@ void LoopNode::DropAdjustment() {
 
 void LoopNode::Send(LoopService::Output output) {
   const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
-  if (std::any_of(output.closures.begin(), output.closures.end(), is_loop)) DropAdjustment();
+  if (output.ends_adjustment) {
+    const std::lock_guard lock(mutex_);
+    forgets_progress_ = true;
+  }
+  if (output.ends_adjustment || std::any_of(output.closures.begin(), output.closures.end(), is_loop))
+    DropAdjustment();
   for (const LoopClosure& closure : output.closures) {
     publisher_.Publish(closure);
     Count(closure);
@@ -166,6 +171,7 @@ void LoopNode::AdjustUntilStopped() {
       problem = std::exchange(adjustment_, std::nullopt);
       stop_adjustment_ = false;
       n_dropped = n_dropped_;
+      if (std::exchange(forgets_progress_, false)) progress = {};
     }
     progress.Apply(*problem);
     const double began_ms = bus::NowMs();

@@ -75,7 +75,8 @@ class LoopNode {
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
-  int64_t n_dropped_ = 0;  ///< adjustments, under way or not, for loops found meanwhile
+  bool forgets_progress_ = false;  ///< the next adjustment begins anew
+  int64_t n_dropped_ = 0;          ///< adjustments, under way or not, for loops found meanwhile
 
   std::optional<LoopService> service_;  // the checking worker's
   int64_t n_loops_ = 0;

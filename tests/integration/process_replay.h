@@ -10,6 +10,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <ostream>
 #include <set>
 #include <string>
 #include <thread>
@@ -49,6 +50,8 @@ struct ReplayedProcess {
   std::set<std::string_view> inputs;
   std::set<std::string_view> outputs;
 };
+
+inline void PrintTo(const ReplayedProcess& process, std::ostream* out) { *out << process.name; }
 
 /// vo, mapping, loop and viewer.
 const std::vector<ReplayedProcess>& ReplayedProcesses();

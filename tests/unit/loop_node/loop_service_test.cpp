@@ -234,6 +234,8 @@ TEST_F(Service, TheAdjustmentThatAnotherDiedOverIsDoneOfUpdatesThatComeAgain) {
   ASSERT_TRUE(output.adjustment);
   EXPECT_EQ(output.adjustment->session_keyframe_id, 1);
   EXPECT_EQ(output.adjustment->map_version, 4);
+  EXPECT_TRUE(service_.OnUpdate(Update(1, true)).ends_adjustment) << "the other had come to its end";
+  EXPECT_FALSE(service_.OnUpdate(Update(2, false)).ends_adjustment);
 }
 
 // A keyframe would be checked on a map that is newer than the one it came into.

@@ -63,7 +63,9 @@ TEST_F(ToldLoop, TheWholeMapIsAdjustedWhenItArrives) {
   ASSERT_TRUE(output.adjustment.has_value());
   EXPECT_EQ(output.adjustment->session, loop_.session);
   EXPECT_EQ(output.adjustment->session_keyframe_id, loop_.session_keyframe_id);
-  EXPECT_FALSE(Publish(loop_.session, loop_.session_keyframe_id, true).adjustment.has_value()) << "once";
+  const auto committed = Publish(loop_.session, loop_.session_keyframe_id, true);
+  EXPECT_FALSE(committed.adjustment.has_value()) << "once";
+  EXPECT_FALSE(committed.ends_adjustment) << "of a live stream any adjustment is welcome";
 }
 
 // Another robot's keyframe had no loop, and so is committed.

@@ -214,8 +214,8 @@ void MappingNode::Do(const Work& work) {
     case Work::Kind::kCommit:
       mapper_->Commit();
       return Publish({});
-    case Work::Kind::kRefuse:
-      Answer(work.closure, false);
+    case Work::Kind::kAnswer:
+      Answer(work.closure, work.accepted);
       return Publish({});
     case Work::Kind::kPublishWhole:
       // Where nothing is there yet, the first update will be all there is.

@@ -140,7 +140,8 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     const bool again = newest_.lockstep && (newest_.committed || !IsAboutNewest(work.closure) ||
                                             !newest_.taken.insert(work.closure.kind).second);
     if (again && work.closure.kind == LoopClosure::Kind::kLoop) {
-      work.kind = Work::Kind::kRefuse;
+      work.kind = Work::Kind::kAnswer;
+      work.accepted = IsAboutNewest(work.closure) && !newest_.committed;
       return work;
     }
     if (again || (work.closure.kind == LoopClosure::Kind::kNone && !commits)) continue;

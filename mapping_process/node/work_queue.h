@@ -42,7 +42,7 @@ class WorkQueue {
       kInsert,        ///< `keyframes`, and adjust the map
       kCorrect,       ///< by `closure`; afterwards commit if `commits`
       kCommit,        ///< loop_process has nothing to say about the newest keyframe
-      kRefuse,        ///< the loop of `closure`, which comes too late: it is answered, and the map stays as it is
+      kAnswer,        ///< the loop of `closure`, which comes again: the map stays as it is
       kPublishWhole,  ///< somebody lacks the map
       kSave,          ///< the map, to `path`
       kKeepState,     ///< the map as it is is worth keeping for whoever is started in our place
@@ -51,6 +51,7 @@ class WorkQueue {
     std::vector<Arrived> keyframes;
     LoopClosure closure;
     bool commits = false;
+    bool accepted = false;  ///< kAnswer: the map has a loop of that keyframe, whose adjustment it awaits
     bool lockstep = false;  ///< of the stream that `closure` is about
     std::string path;
   };

@@ -173,16 +173,17 @@ TEST_F(WorkQueueTest, AfterARestartTheHistoriesOfBothMakeTheSameOrder) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, WhatIsSaidAgainAboutASettledKeyframeOfLockstepChangesNothing) {
+TEST_F(WorkQueueTest, WhatIsSaidAgainAboutACommittedKeyframeOfLockstepChangesNothing) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Add(ClosureOf(0));
   Take(Kind::kCorrect);
   queue_.Add(ClosureOf(0, LoopClosure::Kind::kLoop));
+  EXPECT_FALSE(Take(Kind::kAnswer).accepted);
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsSettled) {
+TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsCommitted) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
   queue_.Save("a.plmap");
@@ -223,6 +224,7 @@ TEST_F(WorkQueueTest, ALoopOfLockstepIsTakenOnceWhicheverMapItWasFoundOn) {
   queue_.Add(found_on(1, LoopClosure::Kind::kLoop, true));
   EXPECT_FALSE(Take(Kind::kCorrect).commits);
   queue_.Add(found_on(2, LoopClosure::Kind::kLoop, true));
+  EXPECT_TRUE(Take(Kind::kAnswer).accepted) << "whoever has told it adjusts the map";
   ExpectNothing();
   queue_.Add(found_on(2, LoopClosure::Kind::kAdjustment, false));
   EXPECT_TRUE(Take(Kind::kCorrect).commits);

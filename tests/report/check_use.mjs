@@ -148,7 +148,7 @@ async function checkPick(page) {
     return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);`, point);
   const measured = await page.text("#picked");
   check.that(measured.includes("distance") && measured.includes("to keyframe 0"), `with the shift key the distance (${wanted.toFixed(2)} m): '${measured}'`);
-  check.that(await browser.run("return plslam.view.parts.selection.measure.visible"), "and a line");
+  check.that(await browser.run("return plslam.view.parts.selection.measure.object.visible"), "and a line");
   await browser.key("Escape");
   await browser.until("return document.getElementById('picked').hidden", "no box");
   const keyframe = await clickOn(page, "keyframes");

@@ -115,10 +115,7 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
 }
 
 void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
-  const bool is_answered = told_ && answer.session == told_->session &&
-                           answer.session_keyframe_id == told_->session_keyframe_id &&
-                           answer.map_version == told_->map_version;
-  if (!is_answered) return;
+  if (!told_ || !Names(answer, *told_)) return;
   if (answer.accepted && told_->more) Adjust(*told_, output);
   told_.reset();
 }

@@ -35,6 +35,12 @@ struct LoopAnswer {
   bool operator==(const LoopAnswer&) const = default;
 };
 
+/// Whether it is the answer to that loop.
+inline bool Names(const LoopAnswer& answer, const LoopClosure& loop) {
+  return answer.session == loop.session && answer.session_keyframe_id == loop.session_keyframe_id &&
+         answer.map_version == loop.map_version;
+}
+
 /// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
 /// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
 struct MapUpdate {

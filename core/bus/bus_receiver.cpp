@@ -13,7 +13,6 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
 /// `delivered` of requests about no channel.
 constexpr int64_t kQuestion = -1;
 constexpr int64_t kAnswer = 0;

@@ -9,7 +9,6 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
 /// Publishers remembered for each channel; one that was heard lately is not forgotten for a new one.
 constexpr size_t kMaxSources = 256;
 constexpr int64_t kHelloPeriod_ns = 300 * kMs;

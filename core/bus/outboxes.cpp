@@ -14,8 +14,6 @@
 namespace plslam::bus {
 namespace {
 
-constexpr int64_t kMs = 1'000'000;
-
 void CheckFolder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

@@ -121,7 +121,8 @@ class Outboxes {
   std::map<std::string, std::map<int64_t, Hello>, std::less<>> hellos_;   // by channel name, of the whole table
 };
 
-/// Nanoseconds of the steady clock, in which everything on the bus is timed.
+/// Nanoseconds of the steady clock, in which everything on the bus is timed, and a millisecond of them.
 int64_t SteadyNow_ns();
+inline constexpr int64_t kMs = 1'000'000;
 
 }  // namespace plslam::bus

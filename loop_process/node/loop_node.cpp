@@ -115,8 +115,9 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
 }
 
 /// What runs would undo the loop that is being told, or what has been adjusted already.
-void LoopNode::DropAdjustment() {
+void LoopNode::DropAdjustment(bool with_progress) {
   const std::lock_guard lock(mutex_);
+  forgets_progress_ |= with_progress;
   adjustment_.reset();
   stop_adjustment_ = true;
   ++n_dropped_;
@@ -124,12 +125,8 @@ void LoopNode::DropAdjustment() {
 
 void LoopNode::Send(LoopService::Output output) {
   const auto is_loop = [](const LoopClosure& closure) { return closure.kind == LoopClosure::Kind::kLoop; };
-  if (output.ends_adjustment) {
-    const std::lock_guard lock(mutex_);
-    forgets_progress_ = true;
-  }
   if (output.ends_adjustment || std::any_of(output.closures.begin(), output.closures.end(), is_loop))
-    DropAdjustment();
+    DropAdjustment(output.ends_adjustment);
   for (const LoopClosure& closure : output.closures) {
     publisher_.Publish(closure);
     Count(closure);

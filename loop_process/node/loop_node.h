@@ -56,7 +56,7 @@ class LoopNode {
   void CheckUntilStopped();
   void AdjustUntilStopped();
   LoopService::Output Handle(const Arrival& arrival);
-  void DropAdjustment();
+  void DropAdjustment(bool with_progress);
   void Send(LoopService::Output output);
   void Count(const LoopClosure& closure);
   void CountFailure(const std::string& failure);

@@ -135,7 +135,7 @@ std::optional<WorkQueue::Work> WorkQueue::TakeClosure(double now_s) {
     work.lockstep = newest_.lockstep;
     closures_.erase(found);
     const bool commits = IsAboutNewest(work.closure) && !newest_.committed && !work.closure.more;
-    // Of lockstep there is one of each feature type about a keyframe, until it is committed. More come where
+    // Of lockstep there is one closure of each kind about a keyframe, until it is committed. More come where
     // loop_process was started again, or was asked again by a mapping_process that was.
     const bool again = newest_.lockstep && (newest_.committed || !IsAboutNewest(work.closure) ||
                                             !newest_.taken.insert(work.closure.kind).second);

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/commands.h"
 
+#include <unistd.h>
+
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -12,12 +15,15 @@
 #include <CLI/CLI.hpp>
 
 #include "core/bus/logs/log_writer.h"
+#include "core/bus/run_loop.h"
+#include "core/bus/transport/transport.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_signals.h"
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
 #include "tools/plslam/all_options.h"
 #include "tools/plslam/node/save_node.h"
+#include "tools/plslam/node/top_node.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/relay/tcpq_relay.h"
 
@@ -183,6 +189,60 @@ void AddRecordCommand(CLI::App* app, Command* command) {
   options->common.AddTo(sub);
   sub->footer("Example:\n  plslam record out/run.lcm --url udpm://239.255.76.67:7667?ttl=0");
   sub->callback([=] { *command = [options] { return Record(*options); }; });
+}
+
+namespace {
+
+struct TopOptions {
+  bus::ProcessArguments common;
+  bool once = false;
+  bool json = false;
+};
+
+// Two statuses of every process, which come each second.
+constexpr std::chrono::milliseconds kListenOnce(2500);
+constexpr std::chrono::milliseconds kShowEvery(1000);
+
+int Top(const TopOptions& options) {
+  bus::BusOptions bus_options;
+  options.common.MakeConfig().Read("bus", bus_options);
+  bus::Bus bus(bus_options, "top");
+  TopNode node(bus);
+  bool heard = false;
+  const bool clears = !options.once && !options.json && isatty(STDOUT_FILENO) == 1;
+  bus.Every(options.once ? kListenOnce : kShowEvery, [&] {
+    const BusLoad load = node.Take(bus::NowS());
+    heard |= !load.processes.empty();
+    if (options.once && !heard) return bus.Stop();
+    if (clears) fmt::print("\x1b[H\x1b[2J");
+    fmt::print("{}\n", options.json ? ToJson(load) : ToText(load));
+    std::fflush(stdout);
+    if (options.once) bus.Stop();
+  });
+  const bus::SignalWatcher signals([&](const std::string&) { bus.Stop(); });
+  bus.Run();
+  if (heard || !options.once) return 0;
+  bus::PrintError(
+      fmt::format("plslam: error: no process is heard on {}; give the --url of those that run (plslam run "
+                  "takes a bus of its own where it has no --url)",
+                  bus::EffectiveUrl(bus_options.url)));
+  return 1;
+}
+
+}  // namespace
+
+void AddTopCommand(CLI::App* app, Command* command) {
+  auto options = std::make_shared<TopOptions>();
+  auto* sub = app->add_subcommand(
+      "top", "a table of all processes on the bus, whatever their prefix, and of its channels, once a second");
+  sub->add_flag("--once", options->once, "listens for 2.5 s, prints one table and ends");
+  sub->add_flag("--json", options->json, "a line of JSON in place of each table");
+  options->common.AddTo(sub);
+  sub->footer(
+      "Examples:\n"
+      "  plslam top --url udpm://239.255.76.67:7667?ttl=0\n"
+      "  plslam top --once --json");
+  sub->callback([=] { *command = [options] { return Top(*options); }; });
 }
 
 namespace {

@@ -18,6 +18,7 @@ void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);
 void AddRecordCommand(CLI::App* app, Command* command);
 void AddSaveCommand(CLI::App* app, Command* command);
+void AddTopCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);
 void AddConfigCommand(CLI::App* app, Command* command);

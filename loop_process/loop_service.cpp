@@ -69,6 +69,7 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
+  for (const int64_t session : update.closed_sessions) Close(session, output);
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
   Follow(update, output);
   CheckWhatIsDue(output);
@@ -83,6 +84,17 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   requests_.push_back(frame);
   AnswerWhatIsDue(output);
   return output;
+}
+
+/// Nothing of that session comes into the map any more, nor an answer about it.
+void LoopService::Close(int64_t session, Output& output) {
+  std::erase_if(due_, [session](const Due& due) { return due.session == session; });
+  std::erase_if(requests_, [session](const Keyframe& frame) { return frame.session == session; });
+  if (told_ && told_->session == session) told_.reset();
+  if (unadjusted_ && unadjusted_->session == session) unadjusted_.reset();
+  if (!adjusting_ || adjusting_->session != session) return;
+  adjusting_.reset();
+  output.ends_adjustment = true;
 }
 
 /// What an update means for what is to be checked.
@@ -115,7 +127,7 @@ void LoopService::Follow(const MapUpdate& update, Output& output) {
 }
 
 void LoopService::FollowAnswer(const LoopAnswer& answer, Output& output) {
-  if (!told_ || !Names(answer, *told_)) return;
+  if (!told_ || !IsAnswerTo(answer, *told_)) return;
   if (answer.accepted && told_->more) Adjust(*told_, output);
   told_.reset();
 }

@@ -82,6 +82,7 @@ class LoopService {
     double heard_ms = 0.0;
   };
 
+  void Close(int64_t session, Output& output);
   void Follow(const MapUpdate& update, Output& output);
   void FollowAnswer(const LoopAnswer& answer, Output& output);
   void NoteNewest(const MapUpdate& update);

@@ -91,6 +91,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   figures_ = state.figures;
   committed_ = state.committed != 0;
   structural_version_ = state.structural_version;
+  options_.localise_only = state.localise_only != 0;
 }
 
 StoredMap Mapper::Store() {
@@ -99,7 +100,14 @@ StoredMap Mapper::Store() {
 }
 
 MapperState Mapper::State() const {
-  return {Stored(), recent_landmarks_, tracker_, figures_, committed_ ? uint8_t{1} : uint8_t{0}, structural_version_};
+  return {.stored = Stored(),
+          .recent_landmarks = recent_landmarks_,
+          .tracker = tracker_,
+          .figures = figures_,
+          .committed = committed_ ? uint8_t{1} : uint8_t{0},
+          .structural_version = structural_version_,
+          .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
+          .closed_sessions = {}};
 }
 
 StoredMap Mapper::Stored() const {
@@ -291,6 +299,7 @@ void Mapper::Sign(MapUpdate& update) const {
   update.session_keyframe_id = newest == sessions_.end() ? -1 : newest->second.session_keyframe_id;
   update.t_ns = newest_t_ns_;
   update.committed = committed_;
+  update.localise_only = options_.localise_only;
   update.adjustment = figures_;
 }
 

@@ -61,6 +61,10 @@ class Mapper {
   /// where it cannot be one of this map; `reason` says why.
   bool Correct(const LoopClosure& closure, std::string* reason);
 
+  /// Whether the map stays as it is: then `Insert` and `Correct` refuse everything.
+  void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
+  bool localise_only() const { return options_.localise_only; }
+
   /// Nothing more is to be said about the newest keyframe; until the next `Insert`, updates carry that.
   void Commit() { committed_ = true; }
 
@@ -72,7 +76,7 @@ class Mapper {
   /// All that is needed to go on with new sessions, but for `rig`. Recent landmarks are accepted, here too: so this
   /// mapper and one that goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
-  /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
+  /// Everything as of the last update, but for `stored.rig` and `closed_sessions`, for a mapper that goes on after a crash of this one.
   MapperState State() const;
 
   const Map& map() const { return map_; }

@@ -7,7 +7,7 @@
 namespace plslam::mapping {
 namespace {
 
-constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 3, "state of a mapping_process"};
+constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 4, "state of a mapping_process"};
 
 }  // namespace
 
@@ -24,7 +24,8 @@ void Fields(Archive& a, T& f) {
 /// All but the map, whose bytes are those of a map file.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version);
+  a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version,
+    state.localise_only, state.closed_sessions);
 }
 
 }  // namespace plslam::archive

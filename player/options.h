@@ -30,6 +30,8 @@ struct PlayerOptions {
   /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of: those
   /// until there have been sent. Empty: from the start.
   std::string resume_after;
+  /// Sends no new frame before an order to resume.
+  bool paused = false;
 };
 
 template <class Visitor>
@@ -53,6 +55,7 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
   visit("mask_right", o.mask_right, "the same of the right camera");
   visit("resume_after", o.resume_after,
         "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
+  visit("paused", o.paused, "send no frame before `plslam resume`");
 }
 
 }  // namespace plslam::player

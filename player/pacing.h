@@ -72,6 +72,8 @@ class RealtimeClock {
   RealtimeClock(double speed, int64_t period_ns);
 
   int64_t Due_ns(int64_t t_ns, int64_t now_ns);
+  /// Everything is due so much later from now on.
+  void Delay(int64_t by_ns) { first_due_ns_ += by_ns; }
   bool IsLate(int64_t due_ns, int64_t now_ns) const { return now_ns - due_ns > tolerance_ns_; }
 
  private:

@@ -115,6 +115,8 @@ struct VoOptions {
   KeyframeOptions keyframes;
   /// Where the state is kept; empty: nowhere.
   std::string state_file;
+  /// What is learned of the rig, for the next run.
+  std::string self_calibration_file;
 };
 
 template <class Visitor>
@@ -146,7 +148,9 @@ void VisitFields(Visitor& visit, MapUseOptions& o) {
   visit("local_keyframes", o.local_keyframes, Bounds{1, 10000}, "keyframes whose landmarks are looked for");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
         "how long a lockstep stream waits for the map where no mapping_process is heard of");
-  visit("localise_only", o.localise_only, "the map stays as it is: no keyframes are sent, poses are found in it");
+  visit("localise_only", o.localise_only,
+        "the map stays as it is: no keyframes are sent, poses are found in it; counts until mapping_process says "
+        "whether it does");
 }
 
 template <class Visitor>
@@ -180,6 +184,9 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");
+  visit("self_calibration_file", o.self_calibration_file,
+        "where what is learned of rows and disparities is kept for later runs with the same calibration; empty: "
+        "nowhere");
   visit("state_file", o.state_file,
         "kept up to date, and read when the process is started again after a crash; must not outlive the run; empty: "
         "none");

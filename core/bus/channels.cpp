@@ -22,6 +22,7 @@ std::span<const Channel> Channels() {
                                        kRelocalisation,
                                        kStatus,
                                        kCommand,
+                                       kCommandAnswer,
                                        kRepairRequest,
                                        kAnnounce};
   return kRows;

@@ -105,6 +105,8 @@ inline constexpr Channel kStatus{"STATUS",          "status_t",       "all",
                                  Scope::kFromMap};
 inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
+inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",
+                                        Delivery::kEvery, Retention::kUnacknowledged, "what became of orders"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
     Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};

@@ -36,10 +36,13 @@ struct LoopAnswer {
 };
 
 /// Whether it is the answer to that loop.
-inline bool Names(const LoopAnswer& answer, const LoopClosure& loop) {
+inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
   return answer.session == loop.session && answer.session_keyframe_id == loop.session_keyframe_id &&
          answer.map_version == loop.map_version;
 }
+
+/// More sessions than this are not said to be closed: the newest are.
+inline constexpr size_t kMaxClosedSessions = 64;
 
 /// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
 /// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
@@ -56,6 +59,10 @@ struct MapUpdate {
   bool committed = false;
   /// To the newest loop that was told. Every update says it again, so that nobody misses it.
   LoopAnswer answer;
+  /// The map stays as it is, whatever trackers send.
+  bool localise_only = false;
+  /// Sessions whose keyframes come into the map no more, since another map has taken its place; said again like that.
+  std::vector<int64_t> closed_sessions;
   /// Applied to the map of the base version, before all else (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;

@@ -29,9 +29,14 @@ inline constexpr std::array kAll = {kStarting, kReady, kRunning, kFinished, kSto
 /// `command_t.verb`; lcmtypes/command_t.lcm says what each does.
 namespace command_verb {
 inline constexpr const char* kFinish = "finish";
-inline constexpr const char* kSave = "save";
 inline constexpr const char* kGoBack = "go_back";
-inline constexpr std::array kAll = {kFinish, kSave, kGoBack};
+inline constexpr const char* kSave = "save";
+inline constexpr const char* kReset = "reset";
+inline constexpr const char* kLoad = "load";
+inline constexpr const char* kLocalise = "localise";
+inline constexpr const char* kPause = "pause";
+inline constexpr const char* kResume = "resume";
+inline constexpr std::array kAll = {kFinish, kGoBack, kSave, kReset, kLoad, kLocalise, kPause, kResume};
 }  // namespace command_verb
 
 }  // namespace plslam

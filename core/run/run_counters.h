@@ -30,6 +30,8 @@ inline constexpr const char* kLateFrames = "sync.late_frames";
 /// Of that, what is made up for; beyond, frames are at most weak.
 inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
+/// Of the player, beside these: 1 while it is paused.
+inline constexpr const char* kPlayerPaused = "paused";
 inline constexpr std::array<const char*, 12> kRunCounters{
     kPointsSeen,   kPointsMatched,   kFramesDark, kCornerRows, kDisparityError, kTruthFrames,
     kTruthMissing, kPicturesMissing, kRightLate,  kLeftLate,   kLateFrames,     kUnequalReadout};

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/node/mapping_node.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <utility>
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
+#include "core/process/order.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
 #include "mapping_process/corrections/closure_check.h"
@@ -28,6 +32,13 @@ constexpr std::chrono::milliseconds kTick(200);
 // After a restart, until nobody is taken to have more to tell of what was before.
 constexpr double kHistoryQuiet_ms = 400.0;
 constexpr double kLongestHistory_ms = 5000.0;
+
+/// Numbers of keyframes, as sessions count them.
+std::map<int64_t, int64_t> NewestBySession(const StoredMap& stored) {
+  std::map<int64_t, int64_t> newest;
+  for (const auto& [id, session] : stored.sessions) newest[id] = session.session_keyframe_id;
+  return newest;
+}
 
 }  // namespace
 
@@ -87,12 +98,13 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.source == process_.bus().source()) return;  // of the map that was loaded
-  if (other_camera_ && !known_sessions_.contains(keyframe.session)) {
-    process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
-    return;
-  }
-  known_sessions_.insert(keyframe.session);
   Queue([&] {
+    if (IsClosed(keyframe.session)) return;
+    if (other_camera_ && !known_sessions_.contains(keyframe.session)) {
+      process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
+      return;
+    }
+    known_sessions_.insert(keyframe.session);
     const double now_ms = bus::NowMs();
     if (!queue_.Add(keyframe, now_ms)) return;
     arrived_ms_ = now_ms;
@@ -105,6 +117,7 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
 void MappingNode::OnClosure(const LoopClosure& closure) {
   Queue([&] {
     queue_.OnSignOfLife(bus::NowS());
+    if (IsClosed(closure.session)) return;
     queue_.Add(closure);
     arrived_ms_ = bus::NowMs();
   });
@@ -124,12 +137,13 @@ void MappingNode::OnTick() {
 }
 
 void MappingNode::OnCommand(const command_t& message) {
-  const bool ours = message.target == process_.name() || message.target == "*";
-  if (!ours || message.verb != command_verb::kSave) return;
+  const std::optional<bus::Order> order = bus::OrderTo(process_, message);
+  static constexpr std::array kObeyed = {command_verb::kSave, command_verb::kReset, command_verb::kLoad,
+                                         command_verb::kLocalise};
+  if (!order || std::find(kObeyed.begin(), kObeyed.end(), order->verb) == kObeyed.end()) return;
   // The worker waits until then, and whoever asks should not.
-  if (!camera_)
-    return TellOfSave(message.argument + ": is not written: no camera has been heard of, so there is no map");
-  Queue([&] { queue_.Save(message.argument); });
+  if (!camera_) return bus::Answer(process_, *order, "no camera has been heard of, so there is no map");
+  Queue([&] { queue_.Add(*order); });
 }
 
 void MappingNode::WorkUntilStopped() {
@@ -216,15 +230,15 @@ void MappingNode::Do(const Work& work) {
       return Publish({});
     case Work::Kind::kAnswer:
       // One that comes from a history, too, has its answer already.
-      if (Names(answer_, work.closure)) return;
+      if (IsAnswerTo(answer_, work.closure)) return;
       Answer(work.closure, work.accepted);
       return Publish({});
     case Work::Kind::kPublishWhole:
       // Where nothing is there yet, the first update will be all there is.
       if (mapper_->version() > 0) PublishWhole();
       return;
-    case Work::Kind::kSave:
-      return Save(work.path);
+    case Work::Kind::kOrder:
+      return Obey(work.order);
     case Work::Kind::kKeepState:
       return KeepState();
   }
@@ -242,7 +256,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
       ++count;
       continue;
     }
-    if (!options_.localise_only) spdlog::warn("left out: {}", reason);
+    if (!mapper_->localise_only()) spdlog::warn("left out: {}", reason);
     process_.SetCounter("keyframes.ignored", static_cast<double>(++n_ignored_));
   }
   if (newest == nullptr) return;
@@ -300,13 +314,19 @@ void MappingNode::Answer(const LoopClosure& loop, bool accepted) {
 
 void MappingNode::PublishWhole() {
   MapUpdate update = mapper_->Whole();
-  update.answer = answer_;
+  Sign(update);
   publisher_.Publish(update);
+}
+
+/// What every update says again.
+void MappingNode::Sign(MapUpdate& update) const {
+  update.answer = answer_;
+  update.closed_sessions = closed_sessions_;
 }
 
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
-  update.answer = answer_;
+  Sign(update);
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState(process_state::kRunning);
@@ -329,26 +349,75 @@ void MappingNode::CountFailures() {
   process_.SetCounter("adjustments.failed", static_cast<double>(n_failed_ = failures.count));
 }
 
-/// A map that cannot be written is told, and the process goes on.
-void MappingNode::Save(const std::string& path) {
+/// An order that cannot be carried out leaves everything as it was.
+void MappingNode::Obey(const bus::Order& order) {
   try {
-    StoredMap stored = mapper_->Store();
-    stored.rig = CameraBytes(*camera_);
-    WriteMapFile(path, stored);
-    spdlog::info("the map is in {}", path);
-    TellOfSave("");
+    if (order.verb == command_verb::kSave) Save(order.argument);
+    if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);
+    if (order.verb == command_verb::kReset) Replace({});
+    if (order.verb == command_verb::kLoad) {
+      MapperState next;
+      next.stored = ReadMapFile(order.argument);
+      CheckCamera(next.stored, *camera_, order.argument);
+      Replace(std::move(next));
+      TellOfMap(order.argument);
+    }
+    bus::Answer(process_, order);
   } catch (const std::exception& error) {
-    TellOfSave(error.what());
+    spdlog::error("the order '{}' could not be carried out: {}", order.verb, error.what());
+    bus::Answer(process_, order, error.what());
   }
 }
 
-/// To whoever has asked for it, by the status: the reason of a failure stands there before the failure is counted.
-void MappingNode::TellOfSave(const std::string& failure) {
-  const bool saved = failure.empty();
-  if (!saved) spdlog::error("the map could not be saved: {}", failure);
-  process_.SetReason(saved ? "" : "the map could not be saved: " + failure);
-  int64_t& count = saved ? n_saves_ : n_failed_saves_;
-  process_.SetCounter(saved ? "map.saves" : "map.failed_saves", static_cast<double>(++count));
+void MappingNode::Save(const std::string& path) {
+  StoredMap stored = mapper_->Store();
+  stored.rig = CameraBytes(*camera_);
+  WriteMapFile(path, stored);
+  spdlog::info("the map is in {}", path);
+}
+
+void MappingNode::SetLocaliseOnly(const std::string& argument) {
+  if (argument != "on" && argument != "off")
+    throw std::runtime_error(fmt::format("localise \"{}\": must be on or off", argument));
+  mapper_->SetLocaliseOnly(argument == "on");
+  spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
+  Publish({});
+  if (!options_.state_file.empty()) KeepState();
+}
+
+/// Its versions go on from those of the map before, so readers know which is the newer, and what was computed on the
+/// old map is refused. Ids go on, too: one that was of the old map names nothing.
+void MappingNode::Replace(MapperState next) {
+  const StoredMap before = mapper_->Store();
+  next.stored.version = next.structural_version = before.version + 1;
+  next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, before.next_keyframe_id);
+  next.stored.next_point_id = std::max(next.stored.next_point_id, before.next_point_id);
+  next.stored.next_line_id = std::max(next.stored.next_line_id, before.next_line_id);
+  next.committed = 1;
+  next.localise_only = mapper_->localise_only() ? 1 : 0;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const int64_t session : known_sessions_) {
+      if (!IsClosed(session)) closed_sessions_.push_back(session);
+    }
+    if (closed_sessions_.size() > kMaxClosedSessions)
+      closed_sessions_.erase(closed_sessions_.begin(), closed_sessions_.end() - kMaxClosedSessions);
+    known_sessions_.clear();
+    queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
+    for (const auto& [id, session] : next.stored.sessions) known_sessions_.insert(id);
+  }
+  answer_ = {};
+  const std::vector<Keyframe> keyframes = KeyframesOf(next.stored);
+  mapper_.emplace(*camera_, options_, std::move(next));
+  PublishWhole();
+  // Listeners hold features of unknown sessions in small number only: they must have the map first.
+  PublishStored(keyframes);
+  CountMap();
+  if (!options_.state_file.empty()) KeepState();
+}
+
+bool MappingNode::IsClosed(int64_t session) const {
+  return std::find(closed_sessions_.begin(), closed_sessions_.end(), session) != closed_sessions_.end();
 }
 
 /// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.
@@ -364,19 +433,16 @@ void MappingNode::ReadState() {
     return;
   }
   restored_ = true;
+  closed_sessions_ = state_->closed_sessions;
   Know(state_->stored);
 }
 
 /// What is in the map is not waited for. Whoever speaks in the place of the dead says it again, without what was
 /// culled.
 void MappingNode::Know(const StoredMap& stored) {
-  std::map<int64_t, int64_t> newest;
-  for (const auto& [id, session] : stored.sessions) {
-    newest[id] = session.session_keyframe_id;
-    known_sessions_.insert(id);
-  }
   const std::lock_guard lock(mutex_);
-  queue_.Restore(newest, stored.newest_session);
+  for (const auto& [id, session] : stored.sessions) known_sessions_.insert(id);
+  queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
 
 /// Where it cannot be written the process goes on; what a crash would cost is then more.
@@ -384,6 +450,7 @@ void MappingNode::KeepState() {
   try {
     MapperState state = mapper_->State();
     state.stored.rig = CameraBytes(*camera_);
+    state.closed_sessions = closed_sessions_;
     WriteStateFile(options_.state_file, state);
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {

@@ -39,8 +39,9 @@ namespace plslam::mapping {
 /// goes on exactly from there, takes from the histories of the others what came after, and so comes to the same map,
 /// of a lockstep stream bit for bit.
 ///
-/// A saved map is read at the start; its keyframes are sent as if a tracker did, for listeners that need their
-/// features.
+/// A saved map is read at the start, or by order; its keyframes are sent as if a tracker did, for listeners that need
+/// their features. Where it takes the place of another map ("load", "reset"), the sessions of that one are closed:
+/// their trackers begin new ones.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);
@@ -76,12 +77,17 @@ class MappingNode {
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;
+  void Obey(const bus::Order& order);
   void Save(const std::string& path);
-  void TellOfSave(const std::string& failure);
+  void Replace(MapperState next);
+  void SetLocaliseOnly(const std::string& argument);
   void KeepState();
   void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
   void PublishWhole();
+  void Sign(MapUpdate& update) const;
+  /// With mutex_, where not on the worker.
+  bool IsClosed(int64_t session) const;
   void CountMap();
   void CountFailures();
 
@@ -91,13 +97,15 @@ class MappingNode {
 
   // On the thread of the bus.
   bool other_camera_ = false;
-  std::set<int64_t> known_sessions_;
   int64_t n_other_camera_ = 0;
 
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
+  std::set<int64_t> known_sessions_;
+  /// Of these nothing comes into the map any more; the newest last.
+  std::vector<int64_t> closed_sessions_;
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
   /// When the last keyframe or closure came; the start, before that.
@@ -113,8 +121,6 @@ class MappingNode {
   int64_t n_ignored_ = 0;
   int64_t n_missing_ = 0;
   int64_t n_failed_ = 0;
-  int64_t n_saves_ = 0;
-  int64_t n_failed_saves_ = 0;
   int64_t n_states_ = 0;
   bool state_failed_ = false;
   std::thread worker_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/run/process_names.h"
+
 namespace plslam::mapping {
 namespace {
 
@@ -24,6 +26,16 @@ void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int
   keyframes_.Restore(newest_by_session);
   const auto newest = inserted_.find(newest_session);
   if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
+}
+
+void WorkQueue::BeginAnew(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
+  WorkQueue next(options_, state_every_);
+  next.wait_ = wait_;
+  next.wait_.End();
+  next.orders_ = std::move(orders_);
+  next.caught_up_ = true;
+  next.Restore(newest_by_session, newest_session);
+  *this = std::move(next);
 }
 
 void WorkQueue::Add(const LoopClosure& closure) {
@@ -55,12 +67,13 @@ void WorkQueue::DropOldest() {
 std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   Work work;
   caught_up_ = caught_up_ || keyframes_.size() == 0;
-  if (!saves_.empty() && newest_.committed && caught_up_) {
-    work.kind = Work::Kind::kSave;
-    work.path = std::move(saves_.front());
-    saves_.pop_front();
+  const bool saves = !orders_.empty() && orders_.front().verb == command_verb::kSave;
+  if (!orders_.empty() && (!saves || (newest_.committed && caught_up_))) {
+    work.kind = Work::Kind::kOrder;
+    work.order = std::move(orders_.front());
+    orders_.pop_front();
     // A saved map accepts recent landmarks: a state from before would not know.
-    saved_since_state_ = true;
+    saved_since_state_ = saved_since_state_ || saves;
     return work;
   }
   if (std::exchange(asked_, false)) {

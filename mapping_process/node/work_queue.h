@@ -12,6 +12,7 @@
 
 #include "core/map/keyframe.h"
 #include "core/map/loop_closure.h"
+#include "core/process/order.h"
 #include "core/process/partner_wait.h"
 #include "mapping_process/node/keyframe_queue.h"
 #include "mapping_process/options.h"
@@ -44,7 +45,7 @@ class WorkQueue {
       kCommit,        ///< loop_process has nothing to say about the newest keyframe
       kAnswer,        ///< the loop of `closure`, which comes again: the map stays as it is
       kPublishWhole,  ///< somebody lacks the map
-      kSave,          ///< the map, to `path`
+      kOrder,         ///< of a tool: `order`
       kKeepState,     ///< the map as it is is worth keeping for whoever is started in our place
     };
     Kind kind = Kind::kInsert;
@@ -53,7 +54,7 @@ class WorkQueue {
     bool commits = false;
     bool accepted = false;  ///< kAnswer: the map has a loop of that keyframe, whose adjustment it awaits
     bool lockstep = false;  ///< of the stream that `closure` is about
-    std::string path;
+    bus::Order order;
   };
 
   /// `state_every`: keyframes after which the state is worth keeping; in a large map an eighth of its keyframes, so
@@ -71,8 +72,12 @@ class WorkQueue {
   /// not come is kept up to `kMostParts`, the latest.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
-  /// One that was started again first takes in what the histories hold: a map that is saved has all that came before.
-  void Save(const std::string& path) { saves_.push_back(path); }
+  /// Orders are carried out one after the other, each at once, but "save": a map that is saved has all that came
+  /// before, and one that was started again first takes in what the histories hold.
+  void Add(const bus::Order& order) { orders_.push_back(order); }
+
+  /// Another map has taken the place of this one: nothing that was said about the old one counts any more.
+  void BeginAnew(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session);
 
   /// loop_process lives.
   void OnSignOfLife(double now_s) { wait_.OnSignOfLife(now_s); }
@@ -117,7 +122,7 @@ class WorkQueue {
   KeyframeQueue keyframes_;
   std::deque<LoopClosure> closures_;
   size_t n_parts_ = 0;  ///< of these
-  std::deque<std::string> saves_;
+  std::deque<bus::Order> orders_;
   bool asked_ = false;
   /// No keyframes were waiting at some time since the start.
   bool caught_up_ = false;

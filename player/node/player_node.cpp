@@ -13,6 +13,7 @@
 #include "core/bus/run_loop.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
+#include "core/process/order.h"
 #include "core/run/process_names.h"
 #include "core/run/run_counters.h"
 #include "plslam/camera_t.hpp"
@@ -111,9 +112,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   if (!options_.resume_after.empty() && options_.resume_after != kResumeFromBus) {
     resume_ = ParseResumePoint(options_.resume_after);
   }
-  if (pace_.lockstep) {
-    process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& command) { OnCommand(command); });
-  }
+  process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& command) { OnCommand(command); });
   if (pace_.lockstep || !options_.resume_after.empty()) {
     process_.bus().Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) {
       turn_.OnPose({pose.frame_id, pose.header.t_ns});
@@ -125,6 +124,7 @@ PlayerNode::PlayerNode(bus::Process& process, const PlayerOptions& options)
   PublishRig();
   process_.bus().Every(kRigPeriod, [this] { PublishRig(); });
   process_.SetState(process_state::kReady);
+  if (options_.paused) SetPaused(true);
   sender_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { SendAll(); }); });
 }
 
@@ -138,7 +138,13 @@ PlayerNode::~PlayerNode() {
 }
 
 void PlayerNode::OnCommand(const command_t& command) {
-  if (command.target != process_.name() || command.verb != command_verb::kGoBack) return;
+  const std::optional<bus::Order> order = bus::OrderTo(process_, command);
+  if (!order) return;
+  if (order->verb == command_verb::kPause || order->verb == command_verb::kResume) {
+    SetPaused(order->verb == command_verb::kPause);
+    return bus::Answer(process_, *order);
+  }
+  if (!pace_.lockstep || command.target != process_.name() || order->verb != command_verb::kGoBack) return;
   const size_t space = command.argument.find(' ');
   // What was meant for the player before this one has been done, or is said anew.
   if (command.argument.substr(0, space) != std::to_string(process_.bus().source())) return;
@@ -147,6 +153,12 @@ void PlayerNode::OnCommand(const command_t& command) {
   } catch (const std::exception& error) {
     spdlog::warn("the command 'go_back' is passed over: {}", error.what());
   }
+}
+
+void PlayerNode::SetPaused(bool paused) {
+  process_.SetCounter(kPlayerPaused, paused ? 1.0 : 0.0);
+  turn_.SetPaused(paused);
+  process_.SetReason(paused ? "paused: plslam resume goes on" : "");
 }
 
 /// Poses on the bus come from the history of vo_process, all at once.
@@ -170,6 +182,7 @@ bool PlayerNode::MakeLoader(const std::optional<ResumePoint>& resume) {
   if (resume) {
     const int64_t skipped = order.SkipTo(resume->t_ns);
     n_sent_ = resume->frame_id + 1;
+    newest_sent_ = std::max(newest_sent_, resume->frame_id);
     n_bad_ = std::max<int64_t>(0, skipped - n_sent_);
     process_.SetCounter("frames.resumed_at", static_cast<double>(n_sent_));
     spdlog::info("goes on behind frame {}", resume->frame_id);
@@ -237,11 +250,26 @@ bool PlayerNode::IsGoneBack() {
   return !turn_.stopped() && MakeLoader(turn_.GoBack());
 }
 
+/// Where the frame has not been sent before; nullopt: it may be sent now.
+std::optional<PlayerNode::Sent> PlayerNode::WaitWhilePaused(int64_t frame_id) {
+  if (frame_id <= newest_sent_) return std::nullopt;
+  const int64_t began_ns = Now_ns();
+  const Turn::Event event = turn_.WaitWhilePaused();
+  clock_.Delay(Now_ns() - began_ns);
+  if (event == Turn::Event::kStopped) return Sent::kStopped;
+  if (event == Turn::Event::kGoBack) return Sent::kGoBack;
+  return std::nullopt;
+}
+
 PlayerNode::Sent PlayerNode::Send(const LoadedFrame& frame) {
+  if (turn_.paused()) {
+    if (const std::optional<Sent> sent = WaitWhilePaused(frame.images.frame_id)) return *sent;
+  }
   if (!pace_.lockstep && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
   turn_.Expect({frame.images.frame_id, frame.images.t_ns});
   PublishTruth(frame);
   publisher_.Publish(frame.images);
+  newest_sent_ = std::max(newest_sent_, frame.images.frame_id);
   process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
   if (!std::exchange(running_, true)) process_.SetState(process_state::kRunning);
   return pace_.lockstep ? WaitForPose(frame) : Sent::kAnswered;

@@ -32,6 +32,8 @@ namespace plslam::player {
 /// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to
 /// them.
 ///
+/// Somebody may pause it: then no frame goes out that has not been out before.
+///
 /// A player that is started in the place of one that was killed goes on behind the frames that have been answered
 /// (`resume_after`), with the same numbers and times.
 class PlayerNode {
@@ -47,9 +49,11 @@ class PlayerNode {
   bool IsGoneBack();
   bool MakeLoader(const std::optional<ResumePoint>& resume);
   void OnCommand(const command_t& command);
+  void SetPaused(bool paused);
   std::optional<ResumePoint> WhereToResume();
   enum class Sent { kAnswered, kGoBack, kStopped };
   Sent Send(const LoadedFrame& frame);
+  std::optional<Sent> WaitWhilePaused(int64_t frame_id);
   Sent WaitForPose(const LoadedFrame& frame);
   bool WaitUntilDue(int64_t t_ns);
   void PassOver(const LoadedFrame& frame);
@@ -70,6 +74,7 @@ class PlayerNode {
   std::optional<FrameLoader> loader_;
   Turn turn_;
   int64_t n_sent_ = 0;
+  int64_t newest_sent_ = -1;  ///< number of a frame
   int64_t n_bad_ = 0;
   int64_t n_late_ = 0;
   int64_t n_true_ = 0;

@@ -77,6 +77,24 @@ ResumePoint Turn::GoBack() {
   return *newest_;
 }
 
+void Turn::SetPaused(bool paused) {
+  const std::scoped_lock lock(mutex_);
+  paused_ = paused;
+  changed_.notify_all();
+}
+
+bool Turn::paused() const {
+  const std::scoped_lock lock(mutex_);
+  return paused_;
+}
+
+Turn::Event Turn::WaitWhilePaused() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return stopped_ || MustGoBack() || !paused_; });
+  if (stopped_) return Event::kStopped;
+  return MustGoBack() ? Event::kGoBack : Event::kPose;
+}
+
 bool Turn::WaitUntil(Clock::time_point time) {
   std::unique_lock lock(mutex_);
   changed_.wait_until(lock, time, [this] { return stopped_; });

@@ -14,7 +14,8 @@
 namespace plslam::player {
 
 /// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that
-/// is out, a new reader that needs it again, one that needs frames before it again, or the end of the process.
+/// is out, a new reader that needs it again, one that needs frames before it again, or the end of the process; and
+/// where it waits while somebody has paused it.
 class Turn {
  public:
   using Clock = std::chrono::steady_clock;
@@ -42,6 +43,10 @@ class Turn {
   bool WaitForGoBack(Clock::duration limit);
   /// After kGoBack: behind which frame to go on. The poses that have come of those after it do not count any more.
   ResumePoint GoBack();
+  void SetPaused(bool paused);
+  bool paused() const;
+  /// kPose: at once, or as soon as nobody has paused it any more.
+  Event WaitWhilePaused();
   /// Waits for a time; false where the process ends first.
   bool WaitUntil(Clock::time_point time);
   bool stopped() const;
@@ -59,6 +64,7 @@ class Turn {
   bool new_reader_ = false;
   std::map<int64_t, ResumePoint> asked_;  // by reader, the newest
   std::optional<ResumePoint> go_back_;
+  bool paused_ = false;
   bool stopped_ = false;
 };
 

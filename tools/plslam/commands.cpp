@@ -22,7 +22,7 @@
 #include "core/process/process_status.h"
 #include "core/run/process_names.h"
 #include "tools/plslam/all_options.h"
-#include "tools/plslam/node/save_node.h"
+#include "tools/plslam/node/order_node.h"
 #include "tools/plslam/node/top_node.h"
 #include "tools/plslam/process_table.h"
 #include "tools/plslam/relay/tcpq_relay.h"
@@ -87,49 +87,91 @@ namespace {
 
 constexpr std::chrono::milliseconds kTick(50);
 constexpr std::chrono::seconds kHearLimit(10);
-constexpr std::chrono::seconds kSaveLimit(120);
+constexpr std::chrono::seconds kAnswerLimit(120);
 
-struct SaveOptions {
+struct OrderOptions {
   bus::ProcessArguments common;
-  std::string file;
+  std::string argument;
 };
 
-int Save(const SaveOptions& options) {
+/// What is to be ordered of whom, and what is printed when it is done.
+struct OrderRow {
+  const char* verb;
+  const char* process;
+  const char* done;
+};
+
+int GiveOrder(const OrderRow& row, const std::string& argument, const bus::ProcessArguments& arguments) {
   bus::BusOptions bus_options;
-  options.common.MakeConfig().Read("bus", bus_options);
+  arguments.MakeConfig().Read("bus", bus_options);
   bus::Bus bus(bus_options, "plslam");
-  SaveNode request(bus);
-  const std::string path = std::filesystem::absolute(options.file).string();
+  OrderNode order(bus, row.process, row.verb);
+  order.Send(argument);
   const auto began = std::chrono::steady_clock::now();
   bus.Every(kTick, [&] {
-    if (request.heard()) request.Send(path);
     const auto passed = std::chrono::steady_clock::now() - began;
-    const bool given_up = passed > (request.heard() ? kSaveLimit : kHearLimit);
-    if (given_up || request.result() != SaveNode::Result::kPending) bus.Stop();
+    if (order.answer() || passed > (order.heard() ? kAnswerLimit : kHearLimit)) bus.Stop();
   });
   bus.Run();
-  if (request.result() == SaveNode::Result::kSaved) {
-    fmt::print("the map is in {}\n", path);
+  if (order.answer() && order.answer()->empty()) {
+    fmt::print("{}\n", fmt::format(fmt::runtime(row.done), argument));
     return 0;
   }
-  if (request.result() == SaveNode::Result::kFailed) {
-    fmt::print(stderr, "plslam: error: {}\n", request.reason());
-    return 1;
-  }
-  fmt::print(stderr, "plslam: error: {}: {}\n", path,
-             !request.heard() ? NobodyHeard(bus_options, kHearLimit) : "mapping_process has not answered");
+  std::string failure = fmt::format("the process '{}' has not answered for {} s", row.process, kAnswerLimit.count());
+  if (!order.heard()) failure = NobodyHeard(row.process, bus_options, kHearLimit);
+  if (order.answer()) failure = *order.answer();
+  bus::PrintError(fmt::format("plslam: error: {} {}: {}", row.verb, argument, failure));
   return 1;
+}
+
+constexpr OrderRow kSaveRow{command_verb::kSave, process_name::kMapping, "the map is in {}"};
+constexpr OrderRow kLoadRow{command_verb::kLoad, process_name::kMapping, "the map is that of {}"};
+constexpr OrderRow kResetRow{command_verb::kReset, process_name::kMapping, "a new map has begun"};
+constexpr OrderRow kLocaliseRow{command_verb::kLocalise, process_name::kMapping, "localising only is {}"};
+constexpr OrderRow kPauseRow{command_verb::kPause, process_name::kPlayer, "paused"};
+constexpr OrderRow kResumeRow{command_verb::kResume, process_name::kPlayer, "resumed"};
+
+/// An order about a file on the machine of the process.
+void AddFileOrder(CLI::App* app, Command* command, const OrderRow& row, const char* meaning, const char* file) {
+  auto options = std::make_shared<OrderOptions>();
+  auto* sub = app->add_subcommand(row.verb, meaning);
+  sub->add_option("file", options->argument, file)->required();
+  options->common.AddTo(sub);
+  sub->footer(fmt::format("Example:\n  plslam {} out/house.plmap --url udpm://239.255.76.67:7667?ttl=0", row.verb));
+  sub->callback([=] {
+    *command = [options, row] {
+      return GiveOrder(row, std::filesystem::absolute(options->argument).string(), options->common);
+    };
+  });
+}
+
+void AddBareOrder(CLI::App* app, Command* command, const OrderRow& row, const char* meaning) {
+  auto options = std::make_shared<OrderOptions>();
+  auto* sub = app->add_subcommand(row.verb, meaning);
+  options->common.AddTo(sub);
+  sub->footer(fmt::format("Example:\n  plslam {} --url udpm://239.255.76.67:7667?ttl=0", row.verb));
+  sub->callback([=] { *command = [options, row] { return GiveOrder(row, "", options->common); }; });
 }
 
 }  // namespace
 
-void AddSaveCommand(CLI::App* app, Command* command) {
-  auto options = std::make_shared<SaveOptions>();
-  auto* sub = app->add_subcommand("save", "has the running mapping_process save its map");
-  sub->add_option("file", options->file, "map file to write, on the machine of mapping_process")->required();
+void AddOrderCommands(CLI::App* app, Command* command) {
+  AddFileOrder(app, command, kSaveRow, "has the running mapping_process save its map",
+               "map file to write, on the machine of mapping_process");
+  AddFileOrder(app, command, kLoadRow, "has the running mapping_process go on in a saved map; trackers begin anew",
+               "map file to read, on the machine of mapping_process");
+  AddBareOrder(app, command, kResetRow, "has the running mapping_process begin an empty map; trackers begin anew");
+  auto options = std::make_shared<OrderOptions>();
+  auto* sub = app->add_subcommand(command_verb::kLocalise, "says whether the map stays as it is");
+  sub->add_option("on_or_off", options->argument, "on: it stays as it is; off: it grows")
+      ->required()
+      ->check(CLI::IsMember({"on", "off"}));
   options->common.AddTo(sub);
-  sub->footer("Example:\n  plslam save out/house.plmap --url udpm://239.255.76.67:7667?ttl=0");
-  sub->callback([=] { *command = [options] { return Save(*options); }; });
+  sub->footer("Example:\n  plslam localise on --url udpm://239.255.76.67:7667?ttl=0");
+  sub->callback(
+      [=] { *command = [options] { return GiveOrder(kLocaliseRow, options->argument, options->common); }; });
+  AddBareOrder(app, command, kPauseRow, "has the player send no more frames");
+  AddBareOrder(app, command, kResumeRow, "has a paused player go on");
 }
 
 namespace {

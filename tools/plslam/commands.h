@@ -17,7 +17,8 @@ using Command = std::function<int()>;
 void AddRunCommand(CLI::App* app, Command* command);
 void AddReplayCommand(CLI::App* app, Command* command);
 void AddRecordCommand(CLI::App* app, Command* command);
-void AddSaveCommand(CLI::App* app, Command* command);
+/// save, load, reset, localise, pause and resume: orders to processes that run.
+void AddOrderCommands(CLI::App* app, Command* command);
 void AddTopCommand(CLI::App* app, Command* command);
 void AddRelayCommand(CLI::App* app, Command* command);
 void AddProcessesCommand(CLI::App* app, Command* command);

@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   plslam::launcher::Command command;
   for (const auto add :
        {plslam::launcher::AddRunCommand, plslam::launcher::AddReplayCommand, plslam::launcher::AddRecordCommand,
-        plslam::launcher::AddSaveCommand, plslam::exports::AddExportCommand, plslam::launcher::AddTopCommand,
+        plslam::launcher::AddOrderCommands, plslam::exports::AddExportCommand, plslam::launcher::AddTopCommand,
         plslam::launcher::AddRelayCommand, plslam::launcher::AddProcessesCommand, plslam::launcher::AddConfigCommand,
         plslam::doctor::AddDoctorCommand, plslam::rectify_check::AddRectifyCheckCommand,
         plslam::calibration::AddCalibrationCommand, plslam::calibration::AddCalibrateCommand}) {

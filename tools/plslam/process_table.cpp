@@ -168,6 +168,10 @@ std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Res
     arguments.push_back(
         fmt::format("player.resume_after={}@{}", restart.newest_frame.first, restart.newest_frame.second));
   }
+  if (restart.name == kPlayer && restart.paused) {
+    arguments.emplace_back("--set");
+    arguments.emplace_back("player.paused=true");
+  }
   return arguments;
 }
 

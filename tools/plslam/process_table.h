@@ -59,6 +59,7 @@ struct Restart {
   int number = 1;  ///< so many times it has been started again
   /// Number and time of the newest frame that has a pose; -1: none.
   std::pair<int64_t, int64_t> newest_frame{-1, 0};
+  bool paused = false;  ///< the player was
 };
 
 /// From those of its first start: the player is told where to go on, the recorder another file.

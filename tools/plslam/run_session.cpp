@@ -40,7 +40,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       bus_(bus),
       monitor_(bus),
       keeper_(bus, options.out),
-      save_(bus),
+      save_(bus, process_name::kMapping, command_verb::kSave),
       supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_),
@@ -55,7 +55,8 @@ Supervisor::Options RunSession::SupervisorOptions() {
   options.logs = options_.out / "logs";
   options.max_restarts = options_.max_restarts;
   options.arguments_of_restart = [this](const std::string& name, int restart, std::vector<std::string> arguments) {
-    return ArgumentsOfRestart(options_, {name, restart, monitor_.statistics().newest_frame()}, std::move(arguments));
+    return ArgumentsOfRestart(options_, {name, restart, monitor_.statistics().newest_frame(), monitor_.is_paused()},
+                              std::move(arguments));
   };
   options.last_word = [this](pid_t pid) { return monitor_.FailureOf(pid); };
   options.on_exit = [this](pid_t pid) { keeper_.OnExit(pid); };
@@ -237,10 +238,10 @@ void RunSession::CheckDrained(Clock::time_point now) {
 }
 
 void RunSession::CheckSaved(Clock::time_point now) {
-  if (lacks_map_ && save_.result() != SaveNode::Result::kSaved) {
-    if (MapperHasMap()) save_.Send(std::filesystem::absolute(options_.save_map));
+  if (lacks_map_ && save_.answer() != "") {
+    if (MapperHasMap()) save_.Send(std::filesystem::absolute(options_.save_map).string());
     const std::string interrupted = interrupted_ ? "interrupted" : "";
-    if (save_.result() == SaveNode::Result::kFailed) return BeginStop(Joined(interrupted, save_.reason()));
+    if (save_.answer()) return BeginStop(Joined(interrupted, "the map could not be saved: " + *save_.answer()));
     if (now - phase_began_ < kRunSaveLimit) return;
     return BeginStop(Joined(
         interrupted, fmt::format("the map could not be saved as {} within {} s; see {}", options_.save_map.string(),

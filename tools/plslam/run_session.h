@@ -9,7 +9,7 @@
 
 #include "tools/plslam/node/history_node.h"
 #include "tools/plslam/node/monitor_node.h"
-#include "tools/plslam/node/save_node.h"
+#include "tools/plslam/node/order_node.h"
 #include "tools/plslam/progress_line.h"
 #include "tools/plslam/run_options.h"
 #include "tools/plslam/stall_watch.h"
@@ -78,7 +78,7 @@ class RunSession {
   bus::Bus& bus_;
   MonitorNode monitor_;
   HistoryKeeper keeper_;
-  SaveNode save_;
+  OrderNode save_;
   Supervisor supervisor_;
   ProgressLine progress_line_;
   Phase phase_ = Phase::kStarting;

@@ -18,13 +18,20 @@ int64_t NewestOf(int64_t session, const Map& map) {
 
 }  // namespace
 
-MapLink::MapLink(bus::Bus& bus, double wait_s, const TrackerSession& session, std::function<void()> on_map)
+MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
+                 std::function<void()> on_order, std::function<void()> on_map)
     : session_(session),
+      on_order_(std::move(on_order)),
       on_map_(std::move(on_map)),
+      localise_only_(localise_only),
       wait_(wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
 void MapLink::OnUpdate(const MapUpdate& update) {
+  const auto& closed = update.closed_sessions;
+  is_session_closed_ = std::find(closed.begin(), closed.end(), session_.id) != closed.end();
+  const bool is_other = std::exchange(localise_only_, update.localise_only) != update.localise_only;
+  if (is_session_closed_ || is_other) on_order_();
   if (session_.lockstep && !update.committed) return;
   if (update.session == session_.id) {
     newest_keyframe_id_ = update.session_keyframe_id;
@@ -36,6 +43,7 @@ void MapLink::OnUpdate(const MapUpdate& update) {
 
 void MapLink::BeginSession(int64_t adopted_keyframe_id) {
   newest_keyframe_id_ = -1;
+  is_session_closed_ = false;
   adopted_keyframe_id_ = adopted_keyframe_id;
 }
 

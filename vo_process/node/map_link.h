@@ -14,17 +14,24 @@ namespace plslam::vo {
 /// A tracker's link to the map of mapping_process: its copy of the map, how far the map has got with the keyframes of
 /// the session, and the lockstep wait for it.
 ///
-/// In: MAP_UPDATE; in lockstep only committed updates count, so that the result does not depend on who is faster.
+/// In: MAP_UPDATE; in lockstep only committed updates count, so that the result does not depend on who is faster (but
+/// for what an order of somebody has changed: `on_order`).
 /// Out: landmarks of the map for odometry. The wait for a keyframe ends when the map has it, or when mapping_process
 /// has not been heard of for `vo.map.wait_s`.
 class MapLink {
  public:
-  /// `on_map` is called after each update that counts. `session` must outlive this.
-  MapLink(bus::Bus& bus, double wait_s, const TrackerSession& session, std::function<void()> on_map);
+  /// `on_map` is called after each update that counts, `on_order` before that where one changes `localise_only` or
+  /// closes the session. `session` must outlive this.
+  MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
+          std::function<void()> on_order, std::function<void()> on_map);
 
   const Map& map() const { return subscriber_.replica().map(); }
   /// Whether a map has come at all; it may have no keyframes.
   bool has_map() const { return subscriber_.replica().version() != 0; }
+  /// Whether the map stays as it is, and whether the session's keyframes come into it no more: as it last said,
+  /// committed or not.
+  bool localise_only() const { return localise_only_; }
+  bool is_session_closed() const { return is_session_closed_; }
 
   /// Nothing of another session is in the map yet; `adopted_keyframe_id` as a restarted tracker knows it.
   void BeginSession(int64_t adopted_keyframe_id = -1);
@@ -44,7 +51,10 @@ class MapLink {
   void OnUpdate(const MapUpdate& update);
 
   const TrackerSession& session_;
+  std::function<void()> on_order_;
   std::function<void()> on_map_;
+  bool localise_only_;
+  bool is_session_closed_ = false;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map; keyframes of other robots may be in it too.
   int64_t newest_keyframe_id_ = -1;

@@ -26,6 +26,7 @@
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
+#include "vo_process/node/self_calibration_file.h"
 #include "vo_process/node/vo_messages.h"
 #include "vo_process/tracking/odometry.h"
 
@@ -44,6 +45,8 @@ constexpr uint64_t kUnanchored_ns = 3'000'000'000;
 constexpr std::chrono::milliseconds kAskPeriod(500);
 // How long older frames are waited for: a player may have to be started, too.
 constexpr double kFramesWait_s = 15.0;
+// Frames after which what was learned of the rig is kept: a robot may be switched off.
+constexpr int64_t kKeepLearnedEvery = 500;
 
 /// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
 bool IsNearlyBlack(const cv::Mat& image) {
@@ -87,7 +90,10 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
 }
 
 /// Also where an exception ends the process: with the same state it might come again.
-VoNode::~VoNode() { checkpoint_.Drop(); }
+VoNode::~VoNode() {
+  KeepLearned();
+  checkpoint_.Drop();
+}
 
 void VoNode::OnCamera(const RigCalibration& rig) {
   try {
@@ -105,7 +111,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
   }
   rig_ = rig;
   warned_about_rows_ = false;
-  odometry_.reset();
+  odometry_.reset();  // what it has learned is of the other camera
   GoOn();
 }
 
@@ -142,7 +148,7 @@ void VoNode::AnswerAgain(const Frame& frame) {
 
 VoNode::Wait VoNode::WaitsFor() const {
   if (!front_end_) return Wait::kCamera;
-  if (options_.map.localise_only && map_ && !map_->has_map()) return Wait::kFirstMap;
+  if (IsLocaliseOnly() && map_ && !map_->has_map()) return Wait::kFirstMap;
   if (map_ && map_->wait().awaited()) return Wait::kMap;
   if (relocalisation_.wait().awaited()) return Wait::kRelocalisation;
   return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
@@ -175,7 +181,9 @@ void VoNode::OnStream(const stream_t& message) {
 }
 
 void VoNode::ListenToTheMap() {
-  map_.emplace(process_.bus(), options_.map.wait_s, session_, [this] { OnMap(); });
+  map_.emplace(
+      process_.bus(), options_.map.wait_s, options_.map.localise_only, session_, [this] { FollowOrders(); },
+      [this] { OnMap(); });
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kWaitTick, [this] { GiveUpWaits(); });
@@ -188,6 +196,25 @@ void VoNode::GiveUpWaits() {
   const bool no_result = relocalisation_.wait().GiveUp(now_s);
   if (no_result) spdlog::warn("no loop_process is heard of: a lost camera is not found in the map");
   if (no_map || no_result) GoOn();
+}
+
+bool VoNode::IsLocaliseOnly() const { return map_ ? map_->localise_only() : options_.map.localise_only; }
+
+/// Of whoever has told mapping_process: another map has taken the place of the one before, or it stays as it is from
+/// now on, or grows. Nothing that is waited for comes then. A session whose keyframes were not sent cannot go on with
+/// them; its next begins where the camera is.
+void VoNode::FollowOrders() {
+  if (!odometry_) return;
+  EndWaits();
+  const bool grows = !map_->localise_only() && odometry_->localise_only();
+  odometry_->SetLocaliseOnly(map_->localise_only());
+  if (map_->is_session_closed()) {
+    spdlog::info("another map has begun: so does a new session");
+    BeginSession();
+  } else if (grows) {
+    BeginSessionHere();
+  }
+  GoOn();
 }
 
 void VoNode::OnMap() {
@@ -210,6 +237,47 @@ void VoNode::AwaitMap(int64_t keyframe_id) {
 void VoNode::BeginSession() {
   EndWaits();
   PublishKeyframe();
+  NameSession();
+  KeepLearned();
+  odometry_.emplace(front_end_->camera(), options_);
+  odometry_->SetLocaliseOnly(IsLocaliseOnly());
+  BeginWithLearned();
+}
+
+/// A file that cannot be used is told, and all is learned anew.
+void VoNode::BeginWithLearned() {
+  if (options_.self_calibration_file.empty()) return;
+  try {
+    const std::string calibration = NameOfCalibration(camera_.bytes());
+    const auto learned = ReadSelfCalibration(options_.self_calibration_file, calibration);
+    if (!learned) return;
+    odometry_->Begin(*learned);
+    spdlog::info("begins with what {} says of the rig", options_.self_calibration_file);
+  } catch (const std::exception& error) {
+    spdlog::warn("what was learned of the rig is not used: {}", error.what());
+  }
+}
+
+/// Where nothing is believed an older file stays.
+void VoNode::KeepLearned() {
+  if (options_.self_calibration_file.empty() || !odometry_) return;
+  const SelfCalibration learned = odometry_->learned();
+  if (!learned.rows && !learned.disparities) return;
+  try {
+    WriteSelfCalibration(options_.self_calibration_file, NameOfCalibration(camera_.bytes()), learned);
+  } catch (const std::exception& error) {
+    spdlog::warn("what was learned of the rig is not kept: {}", error.what());
+  }
+}
+
+/// Where the camera is in the map: the first keyframe shows landmarks of it.
+void VoNode::BeginSessionHere() {
+  held_keyframe_.reset();
+  NameSession();
+  odometry_->BeginSession();
+}
+
+void VoNode::NameSession() {
   TrackerSession next;
   // The session of a tracker whose state this one has taken over is not the one before ours.
   next.id = session_.last_t_ns != 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
@@ -220,7 +288,6 @@ void VoNode::BeginSession() {
   next.anchored_t_ns = session_.anchored_t_ns;
   session_ = std::move(next);
   if (map_) map_->BeginSession();
-  odometry_.emplace(front_end_->camera(), options_);
 }
 
 /// Of the stream of the frame before, and a little before it.
@@ -255,6 +322,7 @@ void VoNode::Track(const Frame& frame) {
   session_.follows_keyframe = result.keyframe && !requests;
   SetState(process_state::kRunning);
   Count("frames", 1);
+  if (static_cast<int64_t>(counts_["frames"]) % kKeepLearnedEvery == 0) KeepLearned();
   Count("frames.skipped", frame.skipped);
   if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
   if (result.keyframe) Count("keyframes", 1);
@@ -353,7 +421,7 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
 
 /// What users are told: in a map that stays as it is, a place that the map does not know is none.
 TrackingState VoNode::StateOf(const OdometryResult& result) const {
-  const bool placed = !options_.map.localise_only || (odometry_->is_in_map() && !odometry_->is_unanchored());
+  const bool placed = !IsLocaliseOnly() || (odometry_->is_in_map() && !odometry_->is_unanchored());
   return placed ? result.state : TrackingState::kLost;
 }
 
@@ -371,7 +439,7 @@ void VoNode::NoteAnchor(const Frame& frame, const OdometryResult& result) {
 /// requests what the tracker before it requested: after that keyframe, not at it.
 bool VoNode::NeedsRelocalisation(const Frame& frame, const OdometryResult& result) const {
   if (StateOf(result) == TrackingState::kLost) return true;
-  if (options_.map.localise_only) {
+  if (IsLocaliseOnly()) {
     return session_.follows_keyframe && TrackedOfMap(result) < options_.tracking.weak_inliers;
   }
   // Unsigned: times may be any.
@@ -389,7 +457,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   asked.session = session_.id;
   asked.t_ns = frame.images.t_ns;
   asked.frame_id = frame.images.frame_id;
-  asked.previous_keyframe_id = options_.map.localise_only ? -1 : session_.last_keyframe_id;
+  asked.previous_keyframe_id = IsLocaliseOnly() ? -1 : session_.last_keyframe_id;
   asked.keyframe_id = asked.previous_keyframe_id + 1;
   asked.lockstep = frame.lockstep;
   asked.features = result.features;
@@ -428,7 +496,7 @@ void VoNode::PublishPose(const Frame& frame, const OdometryResult& result, const
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   message.n_skipped_frames = frame.skipped;
-  if (options_.map.localise_only) {
+  if (IsLocaliseOnly()) {
     message.keyframe_id = -1;
     message.state = static_cast<int8_t>(StateOf(result));
     if (StateOf(result) != result.state) {
@@ -449,7 +517,7 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.
 void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool requests) {
   session_.last_keyframe_id = result.keyframe->id;
-  if (options_.map.localise_only) {
+  if (IsLocaliseOnly()) {
     if (map_) odometry_->AdoptAround(map_->map());
     if (StateOf(result) == TrackingState::kLost) return checkpoint_.Drop();
     Keyframe none;
@@ -496,6 +564,7 @@ void VoNode::GoOnWith(const TrackerState& state) {
   if (!front_end_) return;
   odometry_.emplace(front_end_->camera(), options_);
   archive::FromBytes(state.odometry, *odometry_);
+  odometry_->SetLocaliseOnly(IsLocaliseOnly());
   session_.id = state.session;
   session_.lockstep = state.lockstep;
   session_.last_t_ns = state.t_ns;

@@ -47,8 +47,9 @@ namespace plslam::vo {
 /// place of one that was killed goes on as the same session, with the frame after its newest keyframe. In lockstep
 /// the player sends these frames again, and the result is the same, bit for bit.
 ///
-/// In a map that stays as it is (`vo.map.localise_only`) no keyframes are published; a frame counts as lost until the
-/// camera has been found in the map, and again where it has gone on at a place that the map does not know.
+/// In a map that stays as it is (as mapping_process says; `vo.map.localise_only` counts until it has said so) no
+/// keyframes are published; a frame counts as lost until the camera has been found in the map, and again where it has
+/// gone on at a place that the map does not know.
 class VoNode {
  public:
   VoNode(bus::Process& process, const VoOptions& options);
@@ -74,6 +75,8 @@ class VoNode {
   void OnStream(const stream_t& message);
   void OnStatus(const status_t& message);
   void OnMap();
+  bool IsLocaliseOnly() const;
+  void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
   void ListenToTheMap();
   void GiveUpWaits();
@@ -84,6 +87,10 @@ class VoNode {
   bool IsRepeated(const Frame& frame) const;
   void AnswerAgain(const Frame& frame);
   void BeginSession();
+  void BeginSessionHere();
+  void BeginWithLearned();
+  void KeepLearned();
+  void NameSession();
   bool IsTooEarly(const Frame& frame) const;
 
   void Track(const Frame& frame);

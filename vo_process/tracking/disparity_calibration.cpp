@@ -24,6 +24,8 @@ constexpr double kScaleSigma = 0.02;
 constexpr double kScaleDrift = 0.003;
 // How fast an estimate that is believed is taken away.
 constexpr double kShareOfAFrame = 0.5;
+// Sigma of b0 that is added to what was learned in another run: of warmth, and of what its scenes had in common.
+constexpr double kBetweenRuns_px = 0.03;
 // More is no residue of a calibration.
 constexpr double kMostTaken_px = 1.0;
 
@@ -32,6 +34,22 @@ constexpr double kMostTaken_px = 1.0;
 DisparityCalibration::DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options)
     : camera_(camera), options_(options), check_(camera, options) {
   covariance_.diagonal() << DisparityErrorSigmas(options.prior_sigma_px).cwiseAbs2(), kScaleSigma * kScaleSigma;
+}
+
+void DisparityCalibration::Begin(const SelfCalibration::Disparities& learned) {
+  if (!options_.enabled) return;
+  Eigen::Matrix3d covariance = learned.covariance_px2;
+  covariance.diagonal() += DisparityErrorSigmas(kBetweenRuns_px).cwiseAbs2();
+  state_.head<3>() = learned.coefficients_px;
+  covariance_.topLeftCorner<3, 3>() = covariance;
+  check_.Begin(learned.coefficients_px, covariance);
+  significant_ = true;
+  share_ = 1.0;
+}
+
+std::optional<SelfCalibration::Disparities> DisparityCalibration::learned() const {
+  if (!IsBelieved()) return std::nullopt;
+  return SelfCalibration::Disparities{state_.head<3>(), covariance_.topLeftCorner<3, 3>()};
 }
 
 Eigen::Vector4d DisparityCalibration::Row(double u_px, double disparity_px) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -10,6 +11,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/options.h"
 #include "vo_process/tracking/disparity_check.h"
+#include "vo_process/tracking/self_calibration.h"
 #include "vo_process/tracking/tracked_frame.h"
 
 namespace plslam::vo {
@@ -31,6 +33,10 @@ namespace plslam::vo {
 class DisparityCalibration {
  public:
   DisparityCalibration(const StereoCamera& camera, const DisparityCalibrationOptions& options);
+
+  /// Goes on from what was learned before, and believes it; before the first frame.
+  void Begin(const SelfCalibration::Disparities& learned);
+  std::optional<SelfCalibration::Disparities> learned() const;
 
   /// What to subtract from a disparity measured at column `u_px`, a pixel at most; 0 until it is believed.
   double Offset_px(double u_px) const;

@@ -73,6 +73,17 @@ Eigen::Vector3d DisparityErrorSigmas(double sigma_px) {
 DisparityCheck::DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options)
     : camera_(camera), options_(options) {}
 
+/// As if the stretches that a verdict needs had said so, alike for both halves.
+void DisparityCheck::Begin(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2) {
+  all_.information = covariance_px2.inverse();
+  all_.vector = all_.information * coefficients_px;
+  const Evidence half{0.5 * all_.information, 0.5 * all_.vector};
+  by_landmark_ = by_depth_ = {half, half};
+  n_stretches_ = kMinStretches;
+  estimate_ = coefficients_px;
+  verdict_ = Verdict::kAgrees;
+}
+
 Eigen::Vector3d DisparityCheck::Row(double u_px) const { return DisparityErrorTerms(camera_, u_px); }
 
 double DisparityCheck::Estimate_px(double u_px) const { return Row(u_px).dot(estimate_); }

@@ -40,6 +40,9 @@ class DisparityCheck {
 
   DisparityCheck(const StereoCamera& camera, const DisparityCalibrationOptions& options);
 
+  /// Goes on from an estimate of another run that its check agreed with; before the first frame.
+  void Begin(const Eigen::Vector3d& coefficients_px, const Eigen::Matrix3d& covariance_px2);
+
   Verdict verdict() const { return verdict_; }
 
   /// The error of disparities measured at a column, as far as it is known.

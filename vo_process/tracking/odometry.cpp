@@ -362,8 +362,8 @@ int Odometry::TrackedFromKeyframe(const TrackedFrame& frame) const {
 }
 
 void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame, OdometryResult& result) {
-  if (tracked.reference != Reference::kCurrent) {
-    MakeKeyframe(KeyframeReason::kTracked, result);
+  if (tracked.reference != Reference::kCurrent || begins_session_) {
+    MakeKeyframe(begins_session_ ? KeyframeReason::kFirst : KeyframeReason::kTracked, result);
     return;
   }
   KeyframeCandidate candidate;
@@ -381,6 +381,7 @@ void Odometry::ChooseKeyframe(const Tracked& tracked, const TrackedFrame& frame,
 void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
   KeyframeStep step;
   step.id = next_keyframe_id_++;
+  begins_session_ = false;
   step.reason = reason;
   if (step.id > 0) {
     step.previous_id = step.id - 1;
@@ -394,6 +395,11 @@ void Odometry::MakeKeyframe(KeyframeReason reason, OdometryResult& result) {
   keyframe_line_id_ = landmarks_.next_line_id;
   keyframe_policy_.Restart();
   result.keyframe = step;
+}
+
+void Odometry::Begin(const SelfCalibration& learned) {
+  if (learned.rows) row_calibration_.Begin(*learned.rows);
+  if (learned.disparities) calibration_.Begin(*learned.disparities);
 }
 
 // How odometry takes over what the map knows, and how a camera goes on in a map that it was found in.
@@ -416,6 +422,12 @@ bool Odometry::Adopt(const Map& map, int64_t session, int64_t keyframe_id) {
   before.Adopt(*local_map, keep_own);
   landmarks_.NumberBehind(before);
   return true;
+}
+
+void Odometry::BeginSession() {
+  next_keyframe_id_ = 0;
+  keyframe_log_ = {};
+  begins_session_ = true;
 }
 
 bool Odometry::AdoptAround(const Map& map) {

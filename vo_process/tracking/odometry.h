@@ -78,6 +78,10 @@ class Odometry {
 
   const SyncCheck& sync_check() const { return sync_check_; }
 
+  /// Begins with what another tracker has learned of the same cameras; before the first frame.
+  void Begin(const SelfCalibration& learned);
+  SelfCalibration learned() const { return {row_calibration_.learned(), calibration_.learned()}; }
+
   /// Before the pair of this time is looked at: what it is expected to be like.
   void Expect(int64_t t_ns);
 
@@ -112,6 +116,14 @@ class Odometry {
   /// lost its way, what lies between is then as good as unknown; where it had not, odometry goes on as it did and
   /// T_w_odom takes the difference. False, and nothing done, where the map does not have the keyframe.
   bool Relocalise(const Map& map, int64_t map_keyframe_id, const SE3& T_w_odom);
+
+  /// Keyframes are for another session from now on: the next frame that is found is its first. Landmarks stay, and so
+  /// does where they are in the map.
+  void BeginSession();
+
+  /// Whether keyframes are only where the map is looked at anew (`MapUseOptions::localise_only`).
+  void SetLocaliseOnly(bool localise_only) { options_.map.localise_only = localise_only; }
+  bool localise_only() const { return options_.map.localise_only; }
 
   /// The camera has been found in a map, by `Adopt` or `Relocalise`.
   bool is_in_map() const { return is_in_map_; }
@@ -216,6 +228,7 @@ class Odometry {
   bool is_unanchored_ = false;
 
   int64_t next_keyframe_id_ = 0;
+  bool begins_session_ = false;  ///< the next frame that is found is a keyframe
   SE3 T_odom_kf_;
   /// As published, of the keyframe and of the motion since.
   Matrix6d covariance_odom_kf_ = Matrix6d::Zero();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -12,6 +13,7 @@
 #include "core/geometry/stereo_camera.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/row_field.h"
+#include "vo_process/tracking/self_calibration.h"
 
 namespace plslam::vo {
 
@@ -60,6 +62,12 @@ double RowHuberFactor(double deviation);
 class RowCalibration {
  public:
   RowCalibration(const StereoCamera& camera, const RowCalibrationOptions& options);
+
+  /// Goes on from what was learned before; before the first frame.
+  void Begin(const SelfCalibration::Rows& learned);
+  std::optional<SelfCalibration::Rows> learned() const {
+    return used_ ? std::optional<SelfCalibration::Rows>({state_, covariance_}) : std::nullopt;
+  }
 
   /// What is believed; zero until it is significant.
   RowField field() const { return used_ ? RowField(camera_, state_, TurnShown()) : RowField(); }

@@ -102,6 +102,25 @@ TEST_F(ToldLoop, ThatIsRefusedWhenAnotherRobotsKeyframeIsTheNewestFreesTheOthers
   EXPECT_EQ(Publish(kOtherRobot, 3, true, Answer(false)).closures.size(), 1U);
 }
 
+TEST_F(ToldLoop, IsNotWaitedForWhenItsSessionIsClosed) {
+  EXPECT_TRUE(Show(next_).closures.empty());
+  const StereoCamera camera = FeatureWorld::Camera();
+  mapping::MapperState empty;
+  empty.stored.version = mapper_.version() + 1;
+  mapper_ = mapping::Mapper(camera, mapping::MappingOptions(), std::move(empty));
+  MapUpdate reset = mapper_.Whole();
+  reset.source = 1;
+  reset.closed_sessions = {loop_.session};
+  EXPECT_TRUE(service_.OnUpdate(reset).closures.empty()) << "nothing is left to check";
+  Keyframe first = ring_.walk.keyframes.front();
+  first.session = kOtherRobot;
+  service_.OnKeyframe(first);
+  EXPECT_TRUE(MapOne(first, mapper_));
+  const auto output = Publish(kOtherRobot, first.keyframe_id, false);
+  ASSERT_EQ(output.closures.size(), 1U);
+  EXPECT_EQ(output.closures[0].session, kOtherRobot);
+}
+
 TEST_F(ToldLoop, IsWaitedForUntilTheMapAnswersIt) {
   EXPECT_TRUE(Show(next_).closures.empty());
   Publish(kOtherRobot, 3, true);

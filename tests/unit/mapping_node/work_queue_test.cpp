@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/run/process_names.h"
+
 namespace plslam::mapping {
 namespace {
 
@@ -186,14 +188,42 @@ TEST_F(WorkQueueTest, WhatIsSaidAgainAboutACommittedKeyframeOfLockstepChangesNot
 TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsCommitted) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
-  queue_.Save("a.plmap");
+  queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
   ExpectNothing();
   queue_.AskForWhole();
   Take(Kind::kPublishWhole);
   queue_.Add(ClosureOf(0));
   Take(Kind::kCorrect);
-  EXPECT_EQ(Take(Kind::kSave).path, "a.plmap");
+  EXPECT_EQ(Take(Kind::kOrder).order.argument, "a.plmap");
   ExpectNothing();
+}
+
+TEST_F(WorkQueueTest, OtherOrdersAreCarriedOutAtOnceButInTheirOrder) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(bus::Order{command_verb::kLocalise, "on"});
+  EXPECT_EQ(Take(Kind::kOrder).order.argument, "on");
+  queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
+  queue_.Add(bus::Order{command_verb::kReset, ""});
+  ExpectNothing();
+  queue_.Add(ClosureOf(0));
+  Take(Kind::kCorrect);
+  EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kSave);
+  EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kReset);
+}
+
+TEST_F(WorkQueueTest, WhenAnotherMapBeginsNothingOfTheOldOneIsLeft) {
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  Take(Kind::kInsert);
+  queue_.Add(KeyframeOf(1, true), 0.0);
+  queue_.Add(ClosureOf(1));
+  queue_.Add(bus::Order{command_verb::kLocalise, "on"});
+  queue_.BeginAnew({}, 0);
+  EXPECT_EQ(Take(Kind::kOrder).order.argument, "on") << "what was ordered behind it stays";
+  ExpectNothing();
+  EXPECT_EQ(queue_.n_waiting(), 0U);
+  queue_.Add(KeyframeOf(0, true), 0.0);
+  EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, 0);
 }
 
 TEST_F(WorkQueueTest, WhatCameBeforeIsPassedOver) {
@@ -295,7 +325,7 @@ TEST_F(WorkQueueTest, AfterARestartOnlyWhatIsNotInTheMapIsToBeDone) {
 
 TEST_F(WorkQueueTest, AfterARestartAMapIsSavedWhenItHasWhatCameBefore) {
   queue_.Restore({{kSession, 4}}, kSession);
-  queue_.Save("a.plmap");
+  queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
   for (int64_t id = 5; id < 7; ++id) {
     queue_.Add(KeyframeOf(id, true), 0.0);
     queue_.Add(ClosureOf(id));
@@ -304,7 +334,7 @@ TEST_F(WorkQueueTest, AfterARestartAMapIsSavedWhenItHasWhatCameBefore) {
     EXPECT_EQ(Take(Kind::kInsert).keyframes[0].keyframe.keyframe_id, id);
     EXPECT_EQ(Take(Kind::kCorrect).closure.session_keyframe_id, id);
   }
-  Take(Kind::kSave);
+  Take(Kind::kOrder);
   ExpectNothing();
 }
 

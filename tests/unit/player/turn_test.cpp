@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 namespace plslam::player {
 namespace {
 
@@ -95,6 +97,23 @@ TEST(Turn, PosesBehindTheFrameThatIsGoneBackToDoNotCount) {
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kTimeout) << "said again for the dead";
   turn.OnPose({4, 40});
   EXPECT_EQ(turn.WaitForPose(kNow), Event::kPose);
+}
+
+TEST(Turn, WaitsWhilePausedUntilSomebodyEndsThatOrFramesAreWantedAgain) {
+  Turn turn;
+  EXPECT_EQ(turn.WaitWhilePaused(), Event::kPose);
+  turn.SetPaused(true);
+  turn.Expect({8, 80});
+  turn.OnGoBack(21, {3, 30});
+  EXPECT_EQ(turn.WaitWhilePaused(), Event::kGoBack);
+  turn.GoBack();
+  std::thread somebody([&turn] { turn.SetPaused(false); });
+  EXPECT_EQ(turn.WaitWhilePaused(), Event::kPose);
+  somebody.join();
+  EXPECT_FALSE(turn.paused());
+  turn.SetPaused(true);
+  turn.Stop();
+  EXPECT_EQ(turn.WaitWhilePaused(), Event::kStopped);
 }
 
 TEST(Turn, StopEndsEveryWait) {

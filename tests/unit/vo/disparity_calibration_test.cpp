@@ -71,6 +71,23 @@ TEST(DisparityCalibration, PerfectRigIsLeftAlone) {
   EXPECT_EQ(odometry.disparity_calibration().Largest_px(), 0.0);
 }
 
+TEST(DisparityCalibration, WhatWasLearnedIsTakenAwayFromTheFirstFrameOnAndUnlearnedWhereItIsWrong) {
+  const SelfCalibration learned = Drive(Constant, true, 120).learned();
+  ASSERT_TRUE(learned.disparities.has_value());
+  Odometry next(FeatureWorld::Camera(), VoOptions());
+  next.Begin(learned);
+  EXPECT_NEAR(Offset(next, 320.0), learned.disparities->coefficients_px(0), 1e-9);
+  DriveOn(0, 40, Constant, next);
+  EXPECT_NEAR(Offset(next, 320.0), -0.4, 0.1);
+  EXPECT_EQ(next.disparity_calibration().check().verdict(), DisparityCheck::Verdict::kAgrees);
+
+  // The camera has been put right, and its calibration file has not been touched.
+  Odometry other(FeatureWorld::Camera(), VoOptions());
+  other.Begin(learned);
+  DriveOn(0, 200, Nothing, other);
+  EXPECT_NEAR(Offset(other, 320.0), 0.0, 0.2);
+}
+
 TEST(DisparityCalibration, ConstantOffsetIsFound) {
   const Odometry odometry = Drive(Constant, true, 120);
   EXPECT_NEAR(odometry.disparity_calibration().check().Estimate_px(320.0), -0.4, 0.1);

@@ -50,6 +50,24 @@ TEST(OdometryAndMap, KeyframeThatTheMapDoesNotHaveChangesNothing) {
   }
 }
 
+TEST(OdometryAndMap, KeyframesOfAnotherSessionBeginAtTheNextFrameWhichGoesOnInTheMap) {
+  const FeatureWorld world({300, 60}, 4);
+  Odometry odometry(FeatureWorld::Camera(), VoOptions());
+  Odometry without(FeatureWorld::Camera(), VoOptions());
+  for (int i = 0; i < 20; ++i) {
+    if (i == 11) odometry.BeginSession();
+    const OdometryResult result = odometry.Track(i * kMappedFrame_ns, See(world, i, 0.3));
+    const OdometryResult expected = without.Track(i * kMappedFrame_ns, See(world, i, 0.3));
+    EXPECT_EQ(result.state, expected.state);
+    EXPECT_LT(DistanceTo(result.T_odom_c, expected.T_odom_c), 1e-12) << "frame " << i;
+    if (i != 11) continue;
+    ASSERT_TRUE(result.keyframe.has_value());
+    EXPECT_EQ(result.keyframe->id, 0);
+    EXPECT_EQ(result.keyframe->previous_id, -1);
+    EXPECT_EQ(result.keyframe->reason, KeyframeReason::kFirst);
+  }
+}
+
 class OdometryAndMapBy : public testing::TestWithParam<const char*> {};
 
 TEST_P(OdometryAndMapBy, PosesInOdomDoNotJumpAndMapFromOdometryIsFound) {

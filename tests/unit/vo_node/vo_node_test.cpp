@@ -40,6 +40,7 @@ class VoNodeTest : public testing::Test {
   }
 
   void Start(const VoOptions& options, bool lockstep) {
+    localise_only_ = options.map.localise_only;
     frames_ = std::make_unique<bus::FramePublisher>(**others_, lockstep);
     (*others_)->Subscribe<pose_t>(bus::kPose, [this](const pose_t& pose) { Keep([&] { pose_ = pose; }); });
     (*others_)->Subscribe<status_t>(bus::kStatus, [this](const status_t& status) {
@@ -58,6 +59,7 @@ class VoNodeTest : public testing::Test {
     maps_ = std::make_unique<bus::MapUpdatePublisher>(**others_, [] {});
     MapUpdate update = WholeMap(map);
     update.version = 1;
+    update.localise_only = localise_only_;
     maps_->Publish(update);
   }
 
@@ -129,6 +131,7 @@ class VoNodeTest : public testing::Test {
   std::vector<int> shown_;
   /// Left and right of what is shown.
   bool exchanged_ = false;
+  bool localise_only_ = false;  ///< what the map says of itself
 
   /// Until the tracker says such a thing of itself.
   bool Says(const std::function<bool(const status_t&)>& what) {

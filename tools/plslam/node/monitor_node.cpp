@@ -93,6 +93,7 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 void MonitorNode::OnStatus(const status_t& message) {
   if (message.process == process_name::kPlayer) {
     player_heard_s_ = bus::NowS();
+    is_paused_ = bus::CounterOf(message, kPlayerPaused) > 0.0;
     sent_.OnStatus(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
                    static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }
@@ -107,8 +108,9 @@ void MonitorNode::OnStatus(const status_t& message) {
 }
 
 bool MonitorNode::PlayerWaitsForTime(double now_s) const {
-  if (sent_.ended() || lockstep_) return false;
   const bool heard = player_heard_s_ >= 0.0 && now_s - player_heard_s_ < kDead_s;
+  if (is_paused_) return heard;
+  if (sent_.ended() || lockstep_) return false;
   return heard && sent_.sent() > 0 && statistics_.newest_frame().first + 1 >= sent_.sent();
 }
 

@@ -66,7 +66,9 @@ class MonitorNode {
   FrameTally frames() const;
   /// What the processes say of the data.
   const RunCounters& counters() const { return counters_; }
-  /// It plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it
+  /// Somebody has paused the player.
+  bool is_paused() const { return is_paused_; }
+  /// It is paused; or it plays at the pace of the data and has not come to the end, was heard of late, and the newest frame it says it
   /// has sent has a pose. `now_s`: steady time.
   bool PlayerWaitsForTime(double now_s) const;
   /// `viewer`: process id on this host.
@@ -93,6 +95,7 @@ class MonitorNode {
   int64_t poses_heard_ = 0;
   double player_heard_s_ = -1.0;
   bool lockstep_ = false;
+  bool is_paused_ = false;
 };
 
 }  // namespace plslam::launcher

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/process/order.h"
+
+#include "plslam/command_answer_t.hpp"
+#include "plslam/command_t.hpp"
+
+namespace plslam::bus {
+
+std::optional<Order> OrderTo(const Process& process, const command_t& message) {
+  if (message.target != process.name() && message.target != "*") return std::nullopt;
+  return Order{message.verb, message.argument, message.header.source, message.header.seq};
+}
+
+void Answer(Process& process, const Order& order, const std::string& failure) {
+  command_answer_t message{};
+  message.command_source = order.source;
+  message.command_seq = order.seq;
+  message.process = process.name();
+  message.failure = failure;
+  process.bus().Publish(kCommandAnswer, message);
+}
+
+}  // namespace plslam::bus

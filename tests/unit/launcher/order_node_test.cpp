@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/plslam/node/order_node.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/run/process_names.h"
+#include "plslam/command_answer_t.hpp"
+#include "plslam/command_t.hpp"
+#include "plslam/status_t.hpp"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam::launcher {
+namespace {
+
+using bus::test::Eventually;
+
+/// Somebody who gives an order, and a stand-in for the process that gets it.
+class OrderNodeTest : public testing::Test {
+ protected:
+  OrderNodeTest() {
+    process_->Subscribe<command_t>(bus::kCommand, [this](const command_t& command) {
+      source_ = command.header.source;
+      EXPECT_EQ(command.argument, "house.plmap");
+      seq_ = command.header.seq;
+      ++n_;
+    });
+    process_.Start();
+    tool_.Start();
+  }
+  ~OrderNodeTest() override {
+    tool_.Join();
+    process_.Join();
+  }
+
+  void SayAlive(int64_t pid, double uptime_s) {
+    status_t status{};
+    status.process = process_name::kMapping;
+    status.pid = pid;
+    status.uptime_s = uptime_s;
+    process_->Publish(bus::kStatus, status);
+  }
+  void SayAnswer(int64_t source, const std::string& failure) {
+    command_answer_t answer{};
+    answer.command_source = source;
+    answer.command_seq = seq_;
+    answer.failure = failure;
+    process_->Publish(bus::kCommandAnswer, answer);
+  }
+  bool HasAnswer() {
+    auto has = std::make_shared<std::atomic<bool>>(false);
+    return Eventually([&] {
+      tool_->Post([this, has] { *has = order_.answer().has_value(); });
+      return has->load();
+    });
+  }
+
+  const bus::BusOptions options_ = [] {
+    bus::BusOptions options;
+    options.url = bus::test::PrivateUrl();
+    return options;
+  }();
+  std::atomic<int> n_{0};
+  std::atomic<int64_t> source_{0};
+  std::atomic<int64_t> seq_{0};
+  bus::test::RunningBus process_{options_, "mapping"};
+  bus::test::RunningBus tool_{options_, "plslam"};
+  OrderNode order_{*tool_, process_name::kMapping, command_verb::kSave};
+};
+
+TEST_F(OrderNodeTest, IsGivenAtOnceAndAgainToAProcessThatIsStartedLater) {
+  tool_->Post([this] { order_.Send("house.plmap"); });
+  EXPECT_TRUE(Eventually([this] { return n_ == 1; }));
+  SayAlive(7, 1000.0);
+  SayAlive(7, 1001.0);
+  SayAlive(8, 0.0);
+  EXPECT_TRUE(Eventually([this] { return n_ == 2; }));
+  SayAnswer(source_ + 1, "is somebody else's");
+  SayAnswer(source_, "no room");
+  ASSERT_TRUE(HasAnswer());
+  EXPECT_EQ(*order_.answer(), "no room");
+}
+
+TEST_F(OrderNodeTest, IsGivenOnce) {
+  SayAlive(7, 1000.0);
+  tool_->Post([this] { order_.Send("house.plmap"); });
+  tool_->Post([this] { order_.Send("house.plmap"); });
+  EXPECT_TRUE(Eventually([this] { return n_ >= 1; }));
+  SayAnswer(source_, "");
+  ASSERT_TRUE(HasAnswer());
+  EXPECT_EQ(*order_.answer(), "");
+  EXPECT_EQ(n_, 1);
+}
+
+}  // namespace
+}  // namespace plslam::launcher

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/bus/bus.h"
+
+namespace plslam {
+class command_answer_t;
+class status_t;
+}  // namespace plslam
+
+namespace plslam::launcher {
+
+/// The sentence for a bus on which no such process ("mapping") has been heard for so long.
+std::string NobodyHeard(const std::string& process, const bus::BusOptions& options, std::chrono::seconds waited);
+
+/// Gives an order to a running process, and hears what became of it. One that is started after the order was given,
+/// and before it was answered, gets it again: each may be carried out twice.
+class OrderNode {
+ public:
+  /// Subscribes; `Bus::Run` delivers. `verb` as in `command_verb`.
+  OrderNode(bus::Bus& bus, std::string process, std::string verb);
+
+  /// The order, the first time that it is called. On the thread of the bus, or before that runs.
+  void Send(const std::string& argument);
+
+  bool heard() const { return pid_ != 0; }
+  /// nullopt: no answer has come; empty: it is done; else why it is not.
+  const std::optional<std::string>& answer() const { return answer_; }
+
+ private:
+  void OnStatus(const status_t& message);
+  void OnAnswer(const command_answer_t& message);
+  void Publish();
+
+  bus::Bus& bus_;
+  const std::string process_;
+  const std::string verb_;
+  std::optional<std::string> argument_;  ///< it has been sent
+  double sent_s_ = 0.0;                  ///< when, of the steady clock
+  int64_t pid_ = 0;                      ///< of the process as heard last
+  int64_t n_sent_ = 0;                   ///< times it was sent
+  std::optional<std::string> answer_;
+};
+
+}  // namespace plslam::launcher

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/node/self_calibration_file.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
+
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+
+#include "core/bus/transport/wire.h"
+#include "core/io/files/atomic_file.h"
+#include "core/io/files/sealed_file.h"
+#include "plslam/camera_t.hpp"
+
+namespace plslam::vo {
+namespace {
+
+constexpr FileKind kCalibration{{'P', 'L', 'S', 'L', 'C', 'A', 'M', 'T'}, 1, "camera"};
+// No camera is off by more, and no covariance is larger.
+constexpr double kLargest = 1000.0;
+
+template <class Matrix>
+std::string Text(const Matrix& matrix) {
+  std::vector<std::string> numbers;
+  for (const double value : matrix.reshaped()) numbers.push_back(fmt::format("{:.17g}", value));
+  return fmt::format("[{}]", fmt::join(numbers, ", "));
+}
+
+[[noreturn]] void Fail(const std::string& path, const std::string& key, const std::string& what) {
+  throw std::runtime_error(fmt::format("{}: {} {}; remove the file, and it is learned anew", path, key, what));
+}
+
+template <class Matrix>
+Matrix Numbers(const std::string& path, const YAML::Node& map, const std::string& name, const std::string& key) {
+  Matrix matrix;
+  std::vector<double> numbers;
+  try {
+    numbers = map[key].as<std::vector<double>>();
+  } catch (const YAML::Exception&) {
+    Fail(path, name + "." + key, "is no list of numbers");
+  }
+  if (numbers.size() != static_cast<size_t>(matrix.size()))
+    Fail(path, name + "." + key, fmt::format("has {} numbers in place of {}", numbers.size(), matrix.size()));
+  for (const double value : numbers) {
+    if (!(std::abs(value) <= kLargest))
+      Fail(path, name + "." + key, fmt::format("= {}: must be within {}", value, kLargest));
+  }
+  matrix = Eigen::Map<const Matrix>(numbers.data());
+  return matrix;
+}
+
+template <class Matrix>
+Matrix Covariance(const std::string& path, const YAML::Node& map, const std::string& name) {
+  const Matrix matrix = Numbers<Matrix>(path, map, name, "covariance_px2");
+  const bool symmetric = (matrix - matrix.transpose()).norm() <= 1e-9 * matrix.norm();
+  if (!symmetric || matrix.llt().info() != Eigen::Success) Fail(path, name + ".covariance_px2", "is no covariance");
+  return matrix;
+}
+
+}  // namespace
+
+std::string NameOfCalibration(const std::vector<uint8_t>& camera) {
+  std::optional<camera_t> message = bus::Decoded<camera_t>(camera);
+  if (!message) throw std::runtime_error("a camera's message is damaged");
+  message->header = {};
+  const Seal seal = MakeSeal(kCalibration, bus::Encoded(*message));
+  return fmt::format("{:02x}", fmt::join(seal.checksum.begin(), seal.checksum.begin() + 8, ""));
+}
+
+void WriteSelfCalibration(const std::string& path, const std::string& calibration, const SelfCalibration& learned) {
+  std::string text = fmt::format(
+      "# What vo_process has learned of this rig beyond its calibration, which it is used with only. Remove the file "
+      "to learn it anew.\ncalibration: {}\nwritten: {:%Y-%m-%dT%H:%M:%SZ}\n",
+      calibration, fmt::gmtime(std::time(nullptr)));
+  if (learned.rows) {
+    text += fmt::format("rows:\n  offsets_px: {}\n  covariance_px2: {}\n", Text(learned.rows->offsets_px),
+                        Text(learned.rows->covariance_px2));
+  }
+  if (learned.disparities) {
+    text += fmt::format("disparities:\n  coefficients_px: {}\n  covariance_px2: {}\n",
+                        Text(learned.disparities->coefficients_px), Text(learned.disparities->covariance_px2));
+  }
+  WriteFileAtomically(path, text);
+}
+
+std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, const std::string& calibration) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  YAML::Node file;
+  try {
+    file = YAML::LoadFile(path);
+    if (!file.IsMap() || !file["calibration"].IsDefined()) Fail(path, "calibration", "is missing");
+    if (file["calibration"].as<std::string>() != calibration) return std::nullopt;
+  } catch (const YAML::Exception& error) {
+    Fail(path, "the file", fmt::format("is no YAML ({})", error.what()));
+  }
+  SelfCalibration learned;
+  if (const YAML::Node rows = file["rows"]; rows.IsDefined()) {
+    learned.rows = {Numbers<RowField::Coefficients>(path, rows, "rows", "offsets_px"),
+                    Covariance<Eigen::Matrix<double, 6, 6>>(path, rows, "rows")};
+  }
+  if (const YAML::Node disparities = file["disparities"]; disparities.IsDefined()) {
+    learned.disparities = {Numbers<Eigen::Vector3d>(path, disparities, "disparities", "coefficients_px"),
+                           Covariance<Eigen::Matrix3d>(path, disparities, "disparities")};
+  }
+  return learned;
+}
+
+}  // namespace plslam::vo

@@ -75,6 +75,13 @@ struct MapUseOptions {
   bool localise_only = false;
 };
 
+/// What another program says is to be left out of a frame (channel MASK).
+struct MaskUseOptions {
+  bool enabled = false;
+  double wait_s = 15.0;
+  double live_wait_ms = 20.0;
+};
+
 /// Being found again in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
@@ -110,6 +117,7 @@ struct VoOptions {
   RowCalibrationOptions row_calibration;
   LandmarkOptions landmarks;
   TrackingOptions tracking;
+  MaskUseOptions masks;
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
@@ -154,6 +162,13 @@ void VisitFields(Visitor& visit, MapUseOptions& o) {
 }
 
 template <class Visitor>
+void VisitFields(Visitor& visit, MaskUseOptions& o) {
+  visit("enabled", o.enabled, "whether frames wait for what another program says is to be left out of them");
+  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits where no such program is heard of");
+  visit("live_wait_ms", o.live_wait_ms, Bounds{0, 1000}, "how long a frame in real time waits");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
   visit("enabled", o.enabled, "whether loop_process is asked where the camera is when tracking is lost");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
@@ -181,6 +196,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("disparity_calibration", o.disparity_calibration, "self-calibration of the disparities");
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
   visit("tracking", o.tracking, "search, and what counts as tracked");
+  visit("masks", o.masks, "use of masks for single frames");
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");

@@ -23,6 +23,7 @@ std::span<const Channel> Channels() {
                                        kStatus,
                                        kCommand,
                                        kCommandAnswer,
+                                       kMask,
                                        kRepairRequest,
                                        kAnnounce};
   return kRows;

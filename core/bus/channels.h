@@ -107,6 +107,12 @@ inline constexpr Channel kCommand{
     "COMMAND", "command_t", "plslam, vo", Delivery::kEvery, Retention::kUnacknowledged, "orders to processes"};
 inline constexpr Channel kCommandAnswer{"COMMAND_ANSWER", "command_answer_t",         "mapping, player",
                                         Delivery::kEvery, Retention::kUnacknowledged, "what became of orders"};
+inline constexpr Channel kMask{"MASK",
+                               "mask_t",
+                               "detector of yours",
+                               Delivery::kEvery,
+                               Retention::kUnacknowledged,
+                               "what is left out of the images of a frame"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
     Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};

@@ -18,6 +18,12 @@ struct MaskPolygon {
   bool operator==(const MaskPolygon&) const = default;
 };
 
+/// What is left out of the images of one frame.
+struct FrameMask {
+  std::vector<MaskPolygon> left;
+  std::vector<MaskPolygon> right;
+};
+
 /// Corners of all polygons of a camera, at most: the masks of both cameras travel in one datagram.
 inline constexpr size_t kMaxMaskCorners = 2000;
 

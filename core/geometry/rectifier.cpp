@@ -83,6 +83,17 @@ void Rectifier::CheckImage(const cv::Mat& image, int type, const char* side) con
   throw std::runtime_error(text.str());
 }
 
+cv::Mat Rectifier::LeftMask(const cv::Mat& in_use) const { return MaskWith(left_, in_use); }
+cv::Mat Rectifier::RightMask(const cv::Mat& in_use) const { return MaskWith(right_, in_use); }
+
+cv::Mat Rectifier::MaskWith(const Maps& maps, const cv::Mat& in_use) const {
+  if (in_use.empty()) return maps.mask;
+  // A pixel that something left out has a share in is left out.
+  cv::Mat mask = maps.warp ? cv::Mat(maps.warp->Apply(in_use) == 255) : in_use.clone();
+  if (!maps.mask.empty()) cv::bitwise_and(mask, maps.mask, mask);
+  return mask;
+}
+
 cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
   CheckImage(image, CV_8UC1, "left");
   if (rectification_.identity) return image;

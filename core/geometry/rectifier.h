@@ -33,6 +33,9 @@ class Rectifier {
   /// 255 where the rectified left (right) image shows something that is in use; empty when that is everywhere.
   const cv::Mat& left_mask() const { return left_.mask; }
   const cv::Mat& right_mask() const { return right_.mask; }
+  /// The same where `in_use` (of an image as recorded: 0 where pixels are left out; empty: nowhere) counts as well.
+  cv::Mat LeftMask(const cv::Mat& in_use) const;
+  cv::Mat RightMask(const cv::Mat& in_use) const;
 
  private:
   struct Maps {
@@ -43,6 +46,7 @@ class Rectifier {
   };
 
   Maps MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const;
+  cv::Mat MaskWith(const Maps& maps, const cv::Mat& in_use) const;
   void CheckImage(const cv::Mat& image, int type, const char* side) const;
 
   Rectification rectification_;

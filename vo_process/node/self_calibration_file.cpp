@@ -13,6 +13,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/bus/messages/convert.h"
 #include "core/bus/transport/wire.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/sealed_file.h"
@@ -66,10 +67,9 @@ Matrix Covariance(const std::string& path, const YAML::Node& map, const std::str
 }  // namespace
 
 std::string NameOfCalibration(const std::vector<uint8_t>& camera) {
-  std::optional<camera_t> message = bus::Decoded<camera_t>(camera);
+  const std::optional<camera_t> message = bus::Decoded<camera_t>(camera);
   if (!message) throw std::runtime_error("a camera's message is damaged");
-  message->header = {};
-  const Seal seal = MakeSeal(kCalibration, bus::Encoded(*message));
+  const Seal seal = MakeSeal(kCalibration, bus::RigBytes(*message));
   return fmt::format("{:02x}", fmt::join(seal.checksum.begin(), seal.checksum.begin() + 8, ""));
 }
 

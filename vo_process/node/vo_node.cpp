@@ -23,6 +23,7 @@
 #include "core/run/run_warnings.h"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
+#include "plslam/mask_t.hpp"
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -38,6 +39,9 @@ constexpr size_t kMaxWaitingFrames = 8;
 // Time that goes back by less is of the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
 constexpr std::chrono::milliseconds kWaitTick(200);
+// Masks that are kept, of frames that may still come; and how often a frame in real time is looked at that waits.
+constexpr size_t kMaxMasks = 64;
+constexpr std::chrono::milliseconds kMaskTick(5);
 // Fewer features are not worth a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
 // How long an unanchored camera asks while the map grows: another robot may find out, or a loop is closed.
@@ -74,6 +78,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
       settings_(ToYaml("vo", options_)),
       keyframes_(process.bus()),
       relocalisation_(process.bus(), options.relocalisation.wait_s),
+      mask_wait_(options.masks.wait_s),
       checkpoint_(options.state_file),
       camera_(
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
@@ -85,6 +90,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) ListenToTheMap();
+  if (options_.masks.enabled) ListenToMasks();
   process_.SetConfiguration(settings_);
   Restore();
 }
@@ -125,7 +131,7 @@ void VoNode::OnFrame(const Frame& frame) {
     frames_asked_s_.reset();
     waiting_.clear();
   }
-  if (WaitsFor() == Wait::kNothing) return Track(frame);
+  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsMask(frame)) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
@@ -156,7 +162,7 @@ VoNode::Wait VoNode::WaitsFor() const {
 
 void VoNode::GoOn() {
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
-  while (WaitsFor() == Wait::kNothing && !waiting_.empty()) {
+  while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsMask(waiting_.front())) {
     const Frame frame = std::move(waiting_.front());
     waiting_.erase(waiting_.begin());
     if (!IsRepeated(frame)) Track(frame);
@@ -187,6 +193,42 @@ void VoNode::ListenToTheMap() {
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kWaitTick, [this] { GiveUpWaits(); });
+}
+
+void VoNode::ListenToMasks() {
+  process_.bus().Subscribe<mask_t>(bus::kMask, [this](const mask_t& message) {
+    const auto mask = bus::FromMessage(message);
+    if (!mask) return process_.bus().CountRejected();
+    mask_wait_.OnSignOfLife(bus::NowS());
+    masks_[{message.frame_id, message.header.t_ns}] = *mask;
+    if (masks_.size() > kMaxMasks) masks_.erase(masks_.begin());
+    GoOn();
+  });
+  process_.bus().Every(kMaskTick, [this] {
+    if (mask_wait_.GiveUp(bus::NowS())) spdlog::warn("nobody sends masks: frames are taken as they are");
+    if (!waiting_.empty()) GoOn();
+  });
+}
+
+/// Of each frame once: where its mask does not come it goes on without.
+bool VoNode::AwaitsMask(const Frame& frame) {
+  const std::pair name(frame.images.frame_id, frame.images.t_ns);
+  if (!options_.masks.enabled || masks_.contains(name)) return false;
+  const double now_s = bus::NowS();
+  if (mask_awaited_ != name) {
+    mask_awaited_ = name;
+    mask_awaited_since_s_ = now_s;
+    mask_wait_.Begin(name.first, now_s);
+  }
+  if (frame.lockstep) return mask_wait_.awaited().has_value();
+  return now_s - mask_awaited_since_s_ < 1e-3 * options_.masks.live_wait_ms;
+}
+
+void VoNode::UseMask(const Frame& frame) {
+  if (!options_.masks.enabled) return;
+  const auto mask = masks_.find({frame.images.frame_id, frame.images.t_ns});
+  if (mask == masks_.end()) Count("masks.missing", 1);
+  front_end_->SetMask(mask == masks_.end() ? FrameMask() : mask->second);
 }
 
 void VoNode::GiveUpWaits() {
@@ -303,6 +345,7 @@ void VoNode::Track(const Frame& frame) {
   const bool too_early = IsTooEarly(frame);
   if (!odometry_ || (frame.images.t_ns < session_.last_t_ns && !too_early)) BeginSession();
   session_.lockstep = frame.lockstep;
+  UseMask(frame);
   if (!too_early) session_.last_t_ns = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
@@ -32,8 +33,8 @@ namespace plslam::vo {
 /// In: camera, frames, the map (`MapLink`), relocalisation results (`RelocalisationClient`), status of the other
 /// processes. Out: a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
 ///
-/// A frame is tracked when it comes, unless the tracker waits (`Wait`); then up to eight frames are kept. What ends
-/// each wait stands with its name.
+/// A frame is tracked when it comes, unless the tracker waits (`Wait`), or the frame itself for its mask
+/// (`vo.masks`); then up to eight frames are kept. What ends each wait stands with its name.
 ///
 /// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing
 /// of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
@@ -79,6 +80,9 @@ class VoNode {
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
   void ListenToTheMap();
+  void ListenToMasks();
+  bool AwaitsMask(const Frame& frame);
+  void UseMask(const Frame& frame);
   void GiveUpWaits();
 
   Wait WaitsFor() const;
@@ -136,6 +140,12 @@ class VoNode {
   /// The newest keyframe, which in lockstep is published once the map of the one before has been taken over.
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
+  /// Number and time of a frame.
+  using FrameName = std::pair<int64_t, int64_t>;
+  std::map<FrameName, FrameMask> masks_;
+  bus::PartnerWait mask_wait_;
+  FrameName mask_awaited_{-1, 0};
+  double mask_awaited_since_s_ = 0.0;  ///< of the steady clock
   TrackerCheckpoint checkpoint_;
   /// The state of a killed tracker was taken over, and no frame has come since.
   bool restored_ = false;

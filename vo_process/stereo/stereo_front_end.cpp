@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/image_mask.h"
 #include "vo_process/stereo/stereo_matcher.h"
 
 namespace plslam::vo {
@@ -16,11 +17,10 @@ constexpr double kUnknownRowSigma_px = 2.0;
 
 /// What the camera leaves out may have more corners than all the rest; the few along the edge of a warped image cost
 /// nothing.
-std::vector<PointFeature> PointsInside(FeatureExtractor& extractor, const cv::Mat& image,
-                                       const CameraCalibration& camera, const FeatureMask& mask,
-                                       std::optional<int> max_points) {
+std::vector<PointFeature> PointsInside(FeatureExtractor& extractor, const cv::Mat& image, bool leaves_out,
+                                       const FeatureMask& mask, std::optional<int> max_points) {
   ImageFeatures features;
-  features.points = extractor.ExtractPoints(image, camera.mask.empty() ? cv::Mat() : mask.inside(), max_points);
+  features.points = extractor.ExtractPoints(image, leaves_out ? mask.inside() : cv::Mat(), max_points);
   mask.RemoveOutside(features);
   return std::move(features.points);
 }
@@ -61,6 +61,16 @@ StereoFrontEnd::StereoFrontEnd(const RigCalibration& rig, const VoOptions& optio
       left_extractor_(options.features),
       right_extractor_(options.features) {}
 
+void StereoFrontEnd::SetMask(const FrameMask& mask) {
+  const auto drawn = [](CameraCalibration camera, const std::vector<MaskPolygon>& polygons) {
+    camera.mask = polygons;
+    return DrawMask(camera);
+  };
+  if (mask.left != mask_.left) left_mask_ = FeatureMask(rectifier_.LeftMask(drawn(rig_.left, mask.left)));
+  if (mask.right != mask_.right) right_mask_ = FeatureMask(rectifier_.RightMask(drawn(rig_.right, mask.right)));
+  mask_ = mask;
+}
+
 StereoFeatures StereoFrontEnd::Process(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                        std::optional<int> max_points) {
   const bool rgbd = rig_.kind == RigCalibration::Kind::kRgbd;
@@ -79,15 +89,15 @@ StereoFeatures StereoFrontEnd::LookForRows(const StereoImages& images, const Pai
   worker_.RunBoth(
       [&] {
         left = rectifier_.RectifyLeft(images.left);
-        left_features.points = PointsInside(left_extractor_, left, rig_.left, left_mask_, std::nullopt);
+        left_features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, std::nullopt);
       },
       [&] {
         right = rectifier_.RectifyRight(images.right);
-        right_features.points = PointsInside(right_extractor_, right, rig_.right, right_mask_, std::nullopt);
+        right_features.points = PointsInside(right_extractor_, right, LeavesOutRight(), right_mask_, std::nullopt);
       });
   StereoFeatures features = MatchStereo(std::move(left_features), std::move(right_features), left, right,
                                         RowField().With(skew), options, OnBothThreads());
-  if (!rig_.right.mask.empty()) ForgetPartnersOutside(right_mask_, features);
+  if (LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
   return features;
 }
 
@@ -111,14 +121,15 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
     worker_.RunBoth(
         [&] {
           left = HalvedImages(rectifier_.RectifyLeft(images.left));
-          left_features.points = PointsInside(left_extractor_, left.front(), rig_.left, left_mask_, max_points);
+          left_features.points = PointsInside(left_extractor_, left.front(), LeavesOutLeft(), left_mask_, max_points);
           if (lines_alone) find_left_lines();
         },
         [&] {
           right = HalvedImages(rectifier_.RectifyRight(images.right));
           right_features.lines = LinesInside(right_extractor_, right.front(), right_mask_);
           if (!NeedsRightPoints(rows, options_.stereo)) return;
-          right_features.points = PointsInside(right_extractor_, right.front(), rig_.right, right_mask_, max_points);
+          right_features.points =
+              PointsInside(right_extractor_, right.front(), LeavesOutRight(), right_mask_, max_points);
         });
   });
   return timer.Time("stereo", [&] {
@@ -132,7 +143,7 @@ StereoFeatures StereoFrontEnd::ProcessStereo(const StereoImages& images, StageTi
                       matcher.MatchPoints();
                     });
     StereoFeatures features = matcher.Finish();
-    if (!rig_.right.mask.empty()) ForgetPartnersOutside(right_mask_, features);
+    if (LeavesOutRight()) ForgetPartnersOutside(right_mask_, features);
     return features;
   });
 }
@@ -145,8 +156,9 @@ StereoFeatures StereoFrontEnd::ProcessRgbd(const StereoImages& images, StageTime
   timer.Time("features", [&] {
     worker_.RunBoth([&] { left = rectifier_.RectifyLeft(images.left); },
                     [&] { depth = rectifier_.RectifyDepth(images.right); });
-    worker_.RunBoth([&] { features.points = PointsInside(left_extractor_, left, rig_.left, left_mask_, max_points); },
-                    [&] { features.lines = LinesInside(left_extractor_, left, left_mask_); });
+    worker_.RunBoth(
+        [&] { features.points = PointsInside(left_extractor_, left, LeavesOutLeft(), left_mask_, max_points); },
+        [&] { features.lines = LinesInside(left_extractor_, left, left_mask_); });
   });
   return timer.Time("stereo", [&] {
     return AttachDepth(std::move(features), depth, rig_.depth_units_per_m, camera(), options_.stereo);

@@ -25,6 +25,9 @@ class StereoFrontEnd {
 
   const StereoCamera& camera() const { return rectifier_.camera(); }
 
+  /// What is left out of the pairs that follow, beside what the rig leaves out.
+  void SetMask(const FrameMask& mask);
+
   /// Features in rectified left pixels; `rows` is what is known of rows that differ between the two rectified images,
   /// `max_points` how many corners are wanted, where not as many as the options say. Throws std::runtime_error where
   /// the images do not fit the rig.
@@ -36,6 +39,8 @@ class StereoFrontEnd {
   StereoFeatures LookForRows(const StereoImages& images, const PairSkew& skew = {});
 
  private:
+  bool LeavesOutLeft() const { return !rig_.left.mask.empty() || !mask_.left.empty(); }
+  bool LeavesOutRight() const { return !rig_.right.mask.empty() || !mask_.right.empty(); }
   RunBoth OnBothThreads();
   StereoFeatures ProcessStereo(const StereoImages& images, StageTimer& timer, const RowField& rows,
                                std::optional<int> max_points);
@@ -44,9 +49,10 @@ class StereoFrontEnd {
   RigCalibration rig_;
   VoOptions options_;
   Rectifier rectifier_;
-  // Against the edge of the warped image, and what the rig leaves out.
+  // Against the edge of the warped image, what the rig leaves out, and what is left out of this pair.
   FeatureMask left_mask_;
   FeatureMask right_mask_;
+  FrameMask mask_;
   FeatureExtractor left_extractor_;
   FeatureExtractor right_extractor_;
   SideWorker worker_;

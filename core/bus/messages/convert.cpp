@@ -11,6 +11,7 @@
 #include "plslam/camera_t.hpp"
 #include "plslam/intrinsics_t.hpp"
 #include "plslam/line_feature_t.hpp"
+#include "plslam/mask_t.hpp"
 #include "plslam/point_feature_t.hpp"
 #include "plslam/polygon_t.hpp"
 #include "plslam/pose3_t.hpp"
@@ -247,6 +248,22 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
   line.sigma_disparity_p_px = message.sigma_disparity_p_px;
   line.sigma_disparity_q_px = message.sigma_disparity_q_px;
   return line;
+}
+
+mask_t ToMessage(const FrameMask& mask) {
+  mask_t message{};
+  for (const MaskPolygon& polygon : mask.left) message.left.push_back(ToPolygon(polygon));
+  for (const MaskPolygon& polygon : mask.right) message.right.push_back(ToPolygon(polygon));
+  message.n_left = static_cast<int32_t>(message.left.size());
+  message.n_right = static_cast<int32_t>(message.right.size());
+  return message;
+}
+
+std::optional<FrameMask> FromMessage(const mask_t& message) {
+  auto left = FromPolygons(message.left);
+  auto right = FromPolygons(message.right);
+  if (!left || !right) return std::nullopt;
+  return FrameMask{*std::move(left), *std::move(right)};
 }
 
 std::vector<uint8_t> RigBytes(camera_t message) {

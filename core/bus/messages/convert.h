@@ -13,6 +13,7 @@ namespace plslam {
 class camera_t;
 class intrinsics_t;
 class line_feature_t;
+class mask_t;
 class point_feature_t;
 class pose3_t;
 }  // namespace plslam
@@ -43,6 +44,9 @@ Descriptor FromBytes(const uint8_t (&bytes)[32]);
 /// Header not filled in.
 camera_t ToMessage(const RigCalibration& rig);
 std::optional<RigCalibration> FromMessage(const camera_t& message);
+/// Header and frame number not filled in. Such masks are bounded as those of a rig.
+mask_t ToMessage(const FrameMask& mask);
+std::optional<FrameMask> FromMessage(const mask_t& message);
 /// The encoded rig without its header, which differs from message to message: equal for equal rigs.
 std::vector<uint8_t> RigBytes(camera_t message);
 

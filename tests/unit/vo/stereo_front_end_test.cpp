@@ -84,6 +84,44 @@ TEST(StereoFrontEnd, MaskedPartTakesNoneOfThePointsThatAnImageMayHave) {
   EXPECT_GT(StereoFrontEnd(rig, options).Process(Textured(320, 240), timer).points.size(), 190U);
 }
 
+TEST(StereoFrontEnd, MaskOfAFrameIsLikeThatOfTheRigAndOfNoOtherFrame) {
+  StageTimer timer;
+  const StereoImages images = Textured(320, 240);
+  RigCalibration rig = Rig(320, 240);
+  StereoFrontEnd front_end(rig, VoOptions());
+  const size_t n_before = front_end.Process(images, timer).points.size();
+  const FrameMask mask{{Rectangle(0, 180, 319, 239)}, {Rectangle(0, 0, 100, 239)}};
+  front_end.SetMask(mask);
+  const StereoFeatures features = front_end.Process(images, timer);
+  rig.left.mask = mask.left;
+  rig.right.mask = mask.right;
+  const StereoFeatures expected = StereoFrontEnd(rig, VoOptions()).Process(images, timer);
+  ASSERT_EQ(features.points.size(), expected.points.size());
+  for (size_t i = 0; i < features.points.size(); ++i) {
+    EXPECT_EQ(features.points[i].left.px, expected.points[i].left.px);
+    EXPECT_EQ(features.points[i].disparity_px, expected.points[i].disparity_px);
+  }
+  EXPECT_EQ(features.lines.size(), expected.lines.size());
+  front_end.SetMask({});
+  EXPECT_EQ(front_end.Process(images, timer).points.size(), n_before);
+}
+
+TEST(StereoFrontEnd, MaskOfAFrameIsWarpedWithItsImage) {
+  RigCalibration rig = Rig(320, 240);
+  rig.left.model = rig.right.model = "radtan";
+  rig.left.distortion = rig.right.distortion = {-0.2, 0.05, 0.0, 0.0};
+  const StereoImages images = Textured(320, 240);
+  StageTimer timer;
+  StereoFrontEnd front_end(rig, VoOptions());
+  const FrameMask mask{{Rectangle(0, 100, 319, 239)}, {}};
+  front_end.SetMask(mask);
+  const size_t n_points = front_end.Process(images, timer).points.size();
+  rig.left.mask = mask.left;
+  const size_t n_expected = StereoFrontEnd(rig, VoOptions()).Process(images, timer).points.size();
+  EXPECT_GT(n_points, 50U);
+  EXPECT_NEAR(static_cast<double>(n_points), static_cast<double>(n_expected), 0.05 * static_cast<double>(n_expected));
+}
+
 TEST(StereoFrontEnd, ImagesOfAnotherSizeAreRefusedWithBothSizes) {
   StereoFrontEnd front_end(Rig(320, 240), VoOptions());
   StageTimer timer;

@@ -15,6 +15,7 @@
 #include "core/datasets/open_dataset.h"
 #include "core/process/process_status.h"
 #include "plslam/camera_t.hpp"
+#include "plslam/mask_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/support/slam_run.h"
 #include "tests/unit/bus/bus_fixture.h"
@@ -105,6 +106,16 @@ class VoNodeTest : public testing::Test {
   double ErrorInMap(const pose_t& pose) const {
     const SE3 T_w_c = *bus::FromMessage(pose.T_w_odom) * *bus::FromMessage(pose.T_odom_c);
     return (T_w_c.translation() - Truth(shown_.back()).translation()).norm();
+  }
+  void SayMask(int64_t frame_id, const FrameMask& mask) {
+    mask_t message = bus::ToMessage(mask);
+    message.frame_id = frame_id;
+    message.header.t_ns = kFrame_ns * (frame_id + 1);
+    (*others_)->Publish(bus::kMask, message);
+  }
+  bool HasPose(int64_t frame_id, std::chrono::milliseconds limit) {
+    std::unique_lock lock(mutex_);
+    return changed_.wait_for(lock, limit, [&] { return pose_ && pose_->frame_id == frame_id; });
   }
   bool HasAsked() {
     const std::lock_guard lock(mutex_);
@@ -202,6 +213,34 @@ TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
 }
 
 // The first may have died with the question: taken from the bus, not answered.
+TEST_F(VoNodeTest, FramesOfLockstepWaitForTheirMasks) {
+  VoOptions options;
+  options.map.enabled = false;
+  options.masks.enabled = true;
+  Start(options, true);
+  SayMask(0, {});
+  const pose_t without = ShowNext(0);
+  EXPECT_GT(without.n_points, 200);
+  std::thread detector([&] {
+    EXPECT_FALSE(HasPose(1, std::chrono::milliseconds(300)));
+    SayMask(1, {{{{{0.0F, 0.0F}, {375.0F, 0.0F}, {375.0F, 119.0F}, {0.0F, 119.0F}}}}, {}});
+  });
+  const pose_t with = ShowNext(1);
+  detector.join();
+  EXPECT_GT(with.n_points, 50);
+  EXPECT_LT(with.n_points, without.n_points);
+  EXPECT_NE(with.state, kLost);
+}
+
+TEST_F(VoNodeTest, ALiveFrameWaitsForItsMaskForAMomentOnly) {
+  VoOptions options;
+  options.map.enabled = false;
+  options.masks.enabled = true;
+  Start(options, false);
+  for (int i = 0; i < 3; ++i) EXPECT_GT(ShowNext(i).n_points, 200);
+  EXPECT_TRUE(Says([](const status_t& status) { return bus::CounterOf(status, "masks.missing") >= 3.0; }));
+}
+
 TEST_F(VoNodeTest, ALoopProcessThatIsStartedAgainIsAskedAgain) {
   const Map map = plslam::test::RunSlam(*dataset_, {}, {}, 1, 20).map;
   VoOptions options;

@@ -38,19 +38,19 @@ std::string Text(const Matrix& matrix) {
 }
 
 template <class Matrix>
-Matrix Numbers(const std::string& path, const YAML::Node& map, const std::string& name, const std::string& key) {
+Matrix Numbers(const std::string& path, const YAML::Node& map, const std::string& section, const std::string& key) {
   Matrix matrix;
+  const std::string name = fmt::format("{}.{}", section, key);
   std::vector<double> numbers;
   try {
     numbers = map[key].as<std::vector<double>>();
   } catch (const YAML::Exception&) {
-    Fail(path, name + "." + key, "is no list of numbers");
+    Fail(path, name, "is no list of numbers");
   }
   if (numbers.size() != static_cast<size_t>(matrix.size()))
-    Fail(path, name + "." + key, fmt::format("has {} numbers in place of {}", numbers.size(), matrix.size()));
+    Fail(path, name, fmt::format("has {} numbers in place of {}", numbers.size(), matrix.size()));
   for (const double value : numbers) {
-    if (!(std::abs(value) <= kLargest))
-      Fail(path, name + "." + key, fmt::format("= {}: must be within {}", value, kLargest));
+    if (!(std::abs(value) <= kLargest)) Fail(path, name, fmt::format("= {}: must be within {}", value, kLargest));
   }
   matrix = Eigen::Map<const Matrix>(numbers.data());
   return matrix;
@@ -58,7 +58,7 @@ Matrix Numbers(const std::string& path, const YAML::Node& map, const std::string
 
 template <class Matrix>
 Matrix Covariance(const std::string& path, const YAML::Node& map, const std::string& name) {
-  const Matrix matrix = Numbers<Matrix>(path, map, name, "covariance_px2");
+  Matrix matrix = Numbers<Matrix>(path, map, name, "covariance_px2");
   const bool symmetric = (matrix - matrix.transpose()).norm() <= 1e-9 * matrix.norm();
   if (!symmetric || matrix.llt().info() != Eigen::Success) Fail(path, name + ".covariance_px2", "is no covariance");
   return matrix;

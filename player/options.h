@@ -8,9 +8,6 @@
 
 namespace plslam::player {
 
-/// `PlayerOptions::resume_after`: behind the newest frame that a pose on the bus is of.
-inline constexpr const char* kResumeFromBus = "bus";
-
 /// What the player plays, and how. Frames are numbered as in the dataset.
 struct PlayerOptions {
   std::string dataset;

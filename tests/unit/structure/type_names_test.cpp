@@ -39,7 +39,8 @@ TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
       {"vo_process/", "plslam::vo"},          {"mapping_process/", "plslam::mapping"},
       {"loop_process/", "plslam::loop"},      {"player/", "plslam::player"},
       {"viewer_headless/", "plslam::viewer"}, {"tools/plslam/", "plslam::launcher"},
-      {"tools/export/", "plslam::exports"},   {"tools/doctor/", "plslam::doctor"}};
+      {"tools/export/", "plslam::exports"},   {"tools/doctor/", "plslam::doctor"},
+      {"core/stream/", "plslam::stream"}};
   for (const SourceFile& file : test::AllSourceFiles()) {
     for (const auto& [folder, space] : spaces) {
       if (!file.path.starts_with(folder)) continue;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "player/node/turn.h"
+#include "core/stream/node/turn.h"
 
 #include <gtest/gtest.h>
 
-namespace plslam::player {
+namespace plslam::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -106,4 +106,4 @@ TEST(Turn, StopEndsEveryWait) {
 }
 
 }  // namespace
-}  // namespace plslam::player
+}  // namespace plslam::stream

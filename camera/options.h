@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/config/fields.h"
+
+namespace plslam::camera {
+
+/// Which cameras are read, and how; the rest stands in the rig file.
+struct CameraOptions {
+  std::string rig;
+  std::string pace = "realtime";
+  bool exit = false;
+  /// Go on behind this frame, "ID@T_NS" as its pose said, or "bus", the newest that a pose on the bus is of. Empty:
+  /// from the start.
+  std::string resume_after;
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, CameraOptions& o) {
+  visit("rig", o.rig, "rig file: the keys of camera.yaml, and `source`");
+  visit("pace", o.pace, "realtime, or lockstep (files only: each frame waits for the pose of the one before)");
+  visit("exit", o.exit, "end when all of a source that ends is sent and acknowledged");
+  visit("resume_after", o.resume_after,
+        "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
+}
+
+}  // namespace plslam::camera

@@ -18,6 +18,7 @@ namespace {
 constexpr GstClockTime kPrepareLimit = 10 * GST_SECOND;
 /// Of each camera; live, the oldest is dropped where there are more.
 constexpr guint kMostBuffers = 4;
+constexpr size_t kLongestDetails = 120;
 
 template <class T>
 using Owned = std::unique_ptr<T, void (*)(T*)>;
@@ -45,12 +46,13 @@ std::string SentenceOf(GstMessage* message) {
   const size_t line = details.find('\n');
   std::string more = line == std::string::npos ? "" : details.substr(line + 1);
   for (char& c : more) c = c == '\n' ? ' ' : c;
+  if (more.size() > kLongestDetails) more = more.substr(0, kLongestDetails) + "...";
   std::string text = fmt::format("{} ({}{}{})", error->message, GST_OBJECT_NAME(GST_MESSAGE_SRC(message)),
                                  more.empty() ? "" : ": ", more);
   if (details.find("not-negotiated") != std::string::npos) {
     text += "; is `videoconvert ! video/x-raw,format=GRAY8` in front of each appsink, and has the camera this size?";
   }
-  if (details.find("issing decoder") != std::string::npos) text += "; apt-get install gstreamer1.0-libav";
+  if (details.find("Missing decoder") != std::string::npos) text += "; apt-get install gstreamer1.0-libav";
   g_error_free(error);
   g_free(debug);
   return text;

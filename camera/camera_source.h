@@ -11,8 +11,8 @@
 #include <optional>
 #include <string>
 
-#include "camera/capture_health.h"
 #include "camera/camera_pipeline.h"
+#include "camera/capture_health.h"
 #include "camera/pairing.h"
 #include "camera/rig_file.h"
 #include "camera/wakeup.h"

@@ -11,9 +11,9 @@ namespace {
 
 constexpr size_t kWindow = 101;
 constexpr int kSampled_px = 4;
-/// A little below white and above black, since drivers scale what sensors give.
-constexpr uint8_t kWhite = 250;
-constexpr uint8_t kBlack = 8;
+/// White and black of video, which are also near those of sensors.
+constexpr uint8_t kWhite = 235;
+constexpr uint8_t kBlack = 16;
 constexpr double kMostly = 0.5;
 
 void Push(std::deque<int64_t>* window, int64_t value) {

@@ -19,11 +19,10 @@ struct CameraOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, CameraOptions& o) {
-  visit("rig", o.rig, "rig file: the keys of camera.yaml, and `source`");
-  visit("pace", o.pace, "realtime, or lockstep (files only: each frame waits for the pose of the one before)");
-  visit("exit", o.exit, "end when all of a source that ends is sent and acknowledged");
-  visit("resume_after", o.resume_after,
-        "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
+  visit("rig", o.rig, "rig file: camera.yaml with a source");
+  visit("pace", o.pace, "realtime, or lockstep (files only)");
+  visit("exit", o.exit, "as player.exit");
+  visit("resume_after", o.resume_after, "as player.resume_after");
 }
 
 }  // namespace plslam::camera

@@ -74,7 +74,7 @@ void HealthReport::OnOutage(const std::string& why) {
     spdlog::info("frames come again");
     process_.SetReason("");
   } else if (!is_out_) {
-    process_.SetCounter("cameras.outages", static_cast<double>(++outages_));
+    process_.SetCounter(kOutages, static_cast<double>(++outages_));
     spdlog::warn("no frames: {}; it is tried again", why);
     process_.SetReason(fmt::format("no frames: {}", why));
   }

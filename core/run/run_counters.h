@@ -16,8 +16,8 @@ namespace plslam {
 /// left ones than the right ones, the same in frames, and by how much the times differ in which the two cameras read
 /// an image. By the player, where the dataset has a ground truth: frames with a true pose, and without. By the
 /// viewer: frames without the picture that report, film or overlays should have had. By live cameras: pairs of images,
-/// the median time between left and right, frames that are missing between others, images without a partner, and
-/// pairs that are mostly white or mostly black.
+/// the median time between left and right, frames that are missing between others, images without a partner,
+/// pairs that are mostly white or mostly black, and how often they gave nothing for a while.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kFramesDark = "frames.dark";
@@ -39,10 +39,11 @@ inline constexpr const char* kDroppedLeft = "frames.dropped_left";
 inline constexpr const char* kDroppedRight = "frames.dropped_right";
 inline constexpr const char* kOverexposed = "frames.overexposed";
 inline constexpr const char* kUnderexposed = "frames.underexposed";
-inline constexpr std::array<const char*, 19> kRunCounters{
+inline constexpr const char* kOutages = "cameras.outages";
+inline constexpr std::array<const char*, 20> kRunCounters{
     kPointsSeen,      kPointsMatched, kFramesDark,   kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
     kPicturesMissing, kRightLate,     kLeftLate,     kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
-    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed};
+    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed,   kOutages};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -291,6 +291,16 @@ const Row kCameraRows[] = {
        return Numbers{
            {"captured", f.frames_captured}, {"white", f.frames_overexposed}, {"black", f.frames_underexposed}};
      }},
+    {"camera_outages", [](const RunFindings& f) { return f.outages > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the cameras gave no frames for a while, {:.0f} time{}: look at cables and power; logs/camera.log says "
+           "more",
+           f.outages, f.outages > 1.0 ? "s" : "");
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"outages", f.outages}};
+     }},
 };
 
 void AddWarnings(std::span<const Row> rows, const RunFindings& findings, std::vector<RunWarning>* warnings) {
@@ -320,6 +330,7 @@ void RunFindings::Take(const RunCounters& counters) {
   frames_dropped = counters.Sum(kDroppedLeft) + counters.Sum(kDroppedRight);
   frames_overexposed = counters.Sum(kOverexposed);
   frames_underexposed = counters.Sum(kUnderexposed);
+  outages = counters.Sum(kOutages);
 }
 
 nlohmann::ordered_json ToJson(const RunWarning& warning) {

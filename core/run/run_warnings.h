@@ -37,6 +37,7 @@ struct RunFindings {
   double frames_dropped = 0.0;
   double frames_overexposed = 0.0;
   double frames_underexposed = 0.0;
+  double outages = 0.0;
   /// Root mean square of the errors of position after alignment; and of the distances of the true positions from
   /// their mean.
   std::optional<double> ate_m;

@@ -97,6 +97,7 @@ TEST_F(CameraRun, KilledInLockstepItGoesOnWhereItWas) {
   if (const pid_t camera = killed.PidOf("camera"); camera > 0) kill(camera, SIGKILL);
   ASSERT_EQ(killed.Wait(), 0) << killed.Logs();
   EXPECT_EQ(killed.Read("trajectory.tum"), whole.Read("trajectory.tum")) << killed.Logs();
+  EXPECT_EQ(killed.Summary()["processes"]["camera"]["restarts"], 1) << "it was there to be killed";
 }
 
 TEST_F(CameraRun, LiveCamerasAreFollowedAtTheirRate) {

@@ -36,7 +36,7 @@ struct OptionSection {
 inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
   return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
           {"player", "What is played, and how.", ListFields(all.player)},
-          {"camera", "Which live cameras are read, and how.", ListFields(all.camera)},
+          {"camera", "Live cameras.", ListFields(all.camera)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
           {"loop", "Places seen before (PL-SLAM §VI).", ListFields(all.loop)},

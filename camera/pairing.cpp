@@ -15,7 +15,7 @@ constexpr size_t kMostWaiting = 32;
 
 void Pairing::Drop(Camera* camera) {
   camera->images.pop_front();
-  ++camera->dropped;
+  if (had_pair_) ++camera->dropped;
 }
 
 void Pairing::Add(Side side, CapturedImage image) {
@@ -63,6 +63,7 @@ std::optional<CapturedPair> Pairing::Pop() {
     const Verdict verdict = Judge(earlier, left_first ? right : left);
     if (verdict == Verdict::kUnknown) return std::nullopt;
     if (verdict == Verdict::kPair) {
+      had_pair_ = true;
       CapturedPair pair{std::move(left.images.front()), std::move(right.images.front())};
       left.images.pop_front();
       right.images.pop_front();

@@ -24,8 +24,8 @@ struct CapturedPair {
 };
 
 /// Puts images of two cameras together by their times: each goes with the nearest one of the other camera, at most
-/// `max_skew_ns` apart. Images without a partner are dropped and counted, and so are those that are not later than
-/// the one before of their camera.
+/// `max_skew_ns` apart. Images without a partner are dropped, and counted from the first pair on, since cameras do not
+/// start at once. So are those that are not later than the one before of their camera.
 ///
 /// A pair is given as soon as no later image can be nearer: at once where the camera whose image is the earlier one
 /// has never taken two images in so short a time, otherwise (the first time, mostly) with its next image. The result
@@ -57,12 +57,13 @@ class Pairing {
 
   Camera& Of(Side side) { return cameras_[static_cast<size_t>(side)]; }
   const Camera& Of(Side side) const { return cameras_[static_cast<size_t>(side)]; }
-  static void Drop(Camera* camera);
+  void Drop(Camera* camera);
   enum class Verdict { kPair, kDropEarlier, kUnknown };
   Verdict Judge(const Camera& earlier, const Camera& later) const;
 
   int64_t max_skew_ns_;
   std::array<Camera, 2> cameras_;
+  bool had_pair_ = false;
 };
 
 }  // namespace plslam::camera

@@ -48,11 +48,14 @@ std::string OneCamera(const LiveRig& live, const std::string& input, const Camer
   const std::string size = SizeAndRate(live.rig, camera, camera.width_px);
   switch (live.source.type) {
     case SourceSpec::Type::kGige:
-      return fmt::format("aravissrc camera-name={} ! video/x-raw,{} ! {}", Quoted(input), size, kToGrey);
+      // Without do-timestamp each camera counts from its own first image, and the two could not be compared.
+      return fmt::format("aravissrc camera-name={} do-timestamp=true ! video/x-raw,{} ! {}", Quoted(input), size,
+                         kToGrey);
     case SourceSpec::Type::kFiles:
       return fmt::format("filesrc location={} ! decodebin ! {}", Quoted(input), kToGrey);
     case SourceSpec::Type::kRtsp:
-      return fmt::format("rtspsrc location={} latency=0 ! decodebin ! {}", Quoted(input), kToGrey);
+      return fmt::format("rtspsrc location={} latency=0 ! application/x-rtp,media=video ! decodebin ! {}",
+                         Quoted(input), kToGrey);
     default:
       return VideoDevice(input, size);
   }

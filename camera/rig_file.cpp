@@ -24,7 +24,8 @@ struct Row {
 constexpr std::array<Row, 6> kRows{{
     {SourceSpec::Type::kSideBySide, "side_by_side", "one device, /dev/video0", 1, false},
     {SourceSpec::Type::kPair, "pair", "two devices, [/dev/video0, /dev/video2]", 2, false},
-    {SourceSpec::Type::kGige, "gige", "two serial numbers, [LEFT, RIGHT]", 2, false},
+    {SourceSpec::Type::kGige, "gige", "two names as arv-tool-0.8 lists them, [VENDOR-SERIAL, VENDOR-SERIAL]", 2,
+     false},
     {SourceSpec::Type::kFiles, "files", "two files, [left.mp4, right.mp4]", 2, true},
     {SourceSpec::Type::kRtsp, "rtsp", "two addresses, [rtsp://..., rtsp://...]", 2, false},
     {SourceSpec::Type::kPipeline, "pipeline", "one text with two appsinks, named left and right", 1, true},

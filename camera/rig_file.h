@@ -14,7 +14,7 @@ struct SourceSpec {
   enum class Type { kSideBySide, kPair, kGige, kFiles, kRtsp, kPipeline };
 
   Type type = Type::kPair;
-  /// One (an image with both side by side, or a pipeline) or two, left and right: devices, serial numbers, files or
+  /// One (an image with both side by side, or a pipeline) or two, left and right: devices, names of GigE cameras, files or
   /// URLs.
   std::vector<std::string> inputs;
   /// Left and right images that are taken further apart are no pair.

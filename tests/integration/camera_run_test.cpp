@@ -136,6 +136,21 @@ TEST_F(CameraRun, KilledLiveItGoesOnInTheSameSession) {
   EXPECT_GE(summary["tracked_frames"].get<int>(), summary["all_frames"].get<int>() - 5) << run.Logs();
 }
 
+TEST_F(CameraRun, GivenUpItEndsWithTheMapOfWhatCameBefore) {
+  PLSLAM_REQUIRE_ELEMENTS("pngdec", "imagefreeze", "videoconvert", "identity");
+  WriteWorld(1);
+  WholeRun run;
+  const std::string map = folder_.Path("map.plmap");
+  run.Start({"run", WriteRig(StandingCameras("! identity error-after=40") + "  give_up_s: 1\n"), "--save-map", map});
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return run.PidOf("camera") > 0; })) << run.Logs();
+  usleep(1'000'000);
+  fs::remove_all(Images("right"));
+  EXPECT_EQ(run.Wait(), 1) << run.Logs();
+  EXPECT_THAT(run.Logs(), testing::ContainsRegex("plslam: error: .*rig.yaml: source.pipeline: no frames for .*s "));
+  EXPECT_GE(run.Summary()["tracked_frames"], 30) << run.Logs();
+  EXPECT_TRUE(fs::exists(map)) << run.Logs();
+}
+
 TEST_F(CameraRun, WhatDoesNotGoWithCamerasIsSaid) {
   WriteWorld(1);
   WholeRun run;

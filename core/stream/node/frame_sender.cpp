@@ -130,9 +130,24 @@ void FrameSender::SendAll() {
   } while (IsGoneBack());
 }
 
+/// Where there will be no more of it, what came before is handled to its end.
+std::optional<LoadedFrame> FrameSender::NextFrame() {
+  try {
+    return source_->Next();
+  } catch (...) {
+    if (n_sent_ > 0) PublishEnd();
+    throw;
+  }
+}
+
+void FrameSender::PublishEnd() {
+  PublishStream("end", n_sent_);
+  process_.bus().Flush(kFlushTick);
+}
+
 /// False where the process ends first.
 bool FrameSender::SendRest() {
-  while (std::optional<LoadedFrame> frame = source_->Next()) {
+  while (std::optional<LoadedFrame> frame = NextFrame()) {
     if (!frame->error.empty()) {
       PassOver(*frame);
       continue;
@@ -220,8 +235,7 @@ bool FrameSender::WaitUntilDue(int64_t t_ns) {
 void FrameSender::PassOver(const LoadedFrame& frame) {
   process_.SetCounter("frames.bad", static_cast<double>(++n_bad_));
   if (!options_.skip_bad) {
-    PublishStream("end", n_sent_);
-    process_.bus().Flush(kFlushTick);
+    PublishEnd();
     throw DatasetError(frame.error + " (--skip-bad passes over frames that cannot be read)");
   }
   spdlog::warn("passed over: {}", frame.error);

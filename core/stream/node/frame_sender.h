@@ -51,6 +51,7 @@ class FrameSender {
  private:
   void SendAll();
   bool SendRest();
+  std::optional<LoadedFrame> NextFrame();
   bool WaitForReaders(bool silent_too = false);
   bool IsGoneBack();
   bool Begin(const std::optional<ResumePoint>& resume);
@@ -63,6 +64,7 @@ class FrameSender {
   void PassOver(const LoadedFrame& frame);
   void PublishRig();
   void PublishTruth(const LoadedFrame& frame);
+  void PublishEnd();
   void PublishStream(const char* event, int64_t n_frames);
 
   bus::Process& process_;

@@ -53,7 +53,7 @@ TEST(RigFile, ErrorsNameLineKeyAndWhatToDo) {
       {"max_skew_ms: 3", "rig.yaml:9: source names no cameras: give one of side_by_side, pair, gige, files, rtsp"},
       {"pair: [/dev/video0]", "rig.yaml:9: pair has 1 entries: give two devices, [/dev/video0, /dev/video2]"},
       {"pair: [/dev/video0, '']", "pair has 2 entries, of which one is empty: give two devices"},
-      {"gige: [A, A]", "gige = 'A' is named twice: give two serial numbers"},
+      {"gige: [A, A]", "gige = 'A' is named twice: give two names as arv-tool-0.8 lists them"},
       {"side_by_side: [/dev/video0, /dev/video1]", "side_by_side has 2 entries: give one device"},
       {"pair: [a, b]\n  rtsp: [c, d]", "rtsp contradicts pair: give one of the two"},
       {"pairs: [a, b]", "rig.yaml:9: pairs is not a known key (max_skew_ms, give_up_s, side_by_side"},
@@ -91,12 +91,14 @@ TEST(PipelineText, OneDeviceWithBothImagesIsCutInTheMiddle) {
 
 TEST(PipelineText, NetworkCamerasFilesAndOwnPipelines) {
   const ScratchFolder folder;
-  EXPECT_THAT(Pipeline(folder, "gige: [12345, 67890]"),
-              AllOf(HasSubstr("aravissrc camera-name=\"12345\" ! video/x-raw,width=752,height=480,framerate=20/1 ! "),
-                    HasSubstr("aravissrc camera-name=\"67890\"")));
-  EXPECT_THAT(Pipeline(folder, "rtsp: ['rtsp://a/1', 'rtsp://b/\"2\"']"),
-              AllOf(HasSubstr("rtspsrc location=\"rtsp://a/1\" latency=0 ! decodebin"),
-                    HasSubstr("location=\"rtsp://b/\\\"2\\\"\"")));
+  EXPECT_THAT(Pipeline(folder, "gige: [Basler-12345, Basler-67890]"),
+              AllOf(HasSubstr("aravissrc camera-name=\"Basler-12345\" do-timestamp=true ! "
+                              "video/x-raw,width=752,height=480,framerate=20/1 ! "),
+                    HasSubstr("aravissrc camera-name=\"Basler-67890\"")));
+  EXPECT_THAT(
+      Pipeline(folder, "rtsp: ['rtsp://a/1', 'rtsp://b/\"2\"']"),
+      AllOf(HasSubstr("rtspsrc location=\"rtsp://a/1\" latency=0 ! application/x-rtp,media=video ! decodebin"),
+            HasSubstr("location=\"rtsp://b/\\\"2\\\"\"")));
   const std::string beside = std::filesystem::path(folder.Path("left.mp4")).string();
   EXPECT_THAT(Pipeline(folder, "files: [left.mp4, /data/right.mp4]"),
               AllOf(HasSubstr("filesrc location=\"" + beside + "\" ! decodebin"),

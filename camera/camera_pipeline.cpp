@@ -16,6 +16,8 @@ namespace {
 
 /// For files to be opened and their first images to be decoded.
 constexpr GstClockTime kPrepareLimit = 10 * GST_SECOND;
+/// What has failed says why a little later, from a thread of its own.
+constexpr GstClockTime kComplaintLimit = GST_SECOND / 2;
 /// Of each camera; live, the oldest is dropped where there are more.
 constexpr guint kMostBuffers = 4;
 constexpr size_t kLongestDetails = 120;
@@ -71,7 +73,7 @@ struct CameraPipeline::Impl {
   GstAppSink* Sink(Side side) const { return GST_APP_SINK(sinks[static_cast<size_t>(side)].get()); }
   void FindSink(Side side);
   void ListenTo(Side side);
-  std::string Complaint() const;
+  std::string Complaint(GstClockTime patience = 0) const;
 };
 
 namespace {
@@ -127,8 +129,8 @@ void CameraPipeline::Impl::ListenTo(Side side) {
 }
 
 /// Errors only: the others are dropped before they are kept.
-std::string CameraPipeline::Impl::Complaint() const {
-  GstMessage* message = gst_bus_pop_filtered(bus.get(), GST_MESSAGE_ERROR);
+std::string CameraPipeline::Impl::Complaint(GstClockTime patience) const {
+  GstMessage* message = gst_bus_timed_pop_filtered(bus.get(), patience, GST_MESSAGE_ERROR);
   if (message == nullptr) return "";
   std::string text = SentenceOf(message);
   gst_message_unref(message);
@@ -153,7 +155,7 @@ CameraPipeline::CameraPipeline(const std::string& text, Wakeup* wakeup) : impl_(
   };
   gst_bus_set_sync_handler(impl_->bus.get(), keep_errors, wakeup, nullptr);
   const auto fail = [this](const char* otherwise) {
-    const std::string why = impl_->Complaint();
+    const std::string why = impl_->Complaint(kComplaintLimit);
     gst_element_set_state(impl_->pipeline.get(), GST_STATE_NULL);
     throw std::runtime_error(why.empty() ? otherwise : why);
   };

@@ -194,7 +194,12 @@ std::optional<stream::LoadedFrame> CameraSource::Next() {
       if (pair->left.t_ns > behind_t_ns_) return MakeFrame(std::move(*pair));
       continue;
     }
-    if (pipeline_ && MayEnd(live_.source.type) && IsOver()) return std::nullopt;
+    if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {
+      // One that fails ends its streams, too, after it has said so.
+      const std::string failure = pipeline_->Failure();
+      if (failure.empty()) return std::nullopt;
+      OnFailure(failure);
+    }
     TakeImages();
   }
   return std::nullopt;

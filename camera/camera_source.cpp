@@ -188,6 +188,19 @@ stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
   return frame;
 }
 
+/// A source without a single frame is none.
+std::optional<stream::LoadedFrame> CameraSource::End() const {
+  constexpr Clock::time_point kNever{};
+  const bool resumed = behind_t_ns_ != std::numeric_limits<int64_t>::min();
+  if (had_frames_ || resumed) return std::nullopt;
+  if (last_images_[0] == kNever || last_images_[1] == kNever) {
+    throw std::runtime_error(Named("the stream has ended without images of both cameras"));
+  }
+  throw std::runtime_error(Named(fmt::format(
+      "the stream has ended without a pair: left and right images are further apart than source.max_skew_ms = {}",
+      live_.source.max_skew_ms)));
+}
+
 std::optional<stream::LoadedFrame> CameraSource::Next() {
   while (!stopped_) {
     if (std::optional<CapturedPair> pair = pairing_.Pop()) {
@@ -197,7 +210,7 @@ std::optional<stream::LoadedFrame> CameraSource::Next() {
     if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {
       // One that fails ends its streams, too, after it has said so.
       const std::string failure = pipeline_->Failure();
-      if (failure.empty()) return std::nullopt;
+      if (failure.empty()) return End();
       OnFailure(failure);
     }
     TakeImages();

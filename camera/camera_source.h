@@ -56,6 +56,7 @@ class CameraSource : public stream::FrameSource {
   void TakeImages();
   bool Take(Side side);
   bool IsOver();
+  std::optional<stream::LoadedFrame> End() const;
   void OnFailure(const std::string& why);
   void BuildAgain();
   void CheckSize(Side side, const cv::Mat& pixels) const;

@@ -171,6 +171,15 @@ TEST_F(CameraSourceTest, SizesThatDoNotFitAreNamed) {
   EXPECT_THAT([&] { source.Next(); }, ThrowsMessage<std::runtime_error>(HasSubstr("t images are of 80x48 pixels")));
 }
 
+TEST_F(CameraSourceTest, StreamWithoutAPairIsAnError) {
+  PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
+  CameraSource source = Open(TestPicture("num-buffers=20") + "! appsink name=left " +
+                             TestPicture("num-buffers=20 timestamp-offset=9000000") + "! appsink name=right");
+  source.Begin(std::nullopt);
+  EXPECT_THAT([&] { source.Next(); },
+              ThrowsMessage<std::runtime_error>(HasSubstr("further apart than source.max_skew_ms = 5")));
+}
+
 TEST_F(CameraSourceTest, StopEndsTheWaitForFrames) {
   PLSLAM_REQUIRE_ELEMENTS("videotestsrc");
   CameraSource source = Open(TestPicture("is-live=true", 1) + kToSinks);

@@ -18,10 +18,12 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
 # lcm-logger, lcm-logplayer; the text of figures, for which any font will do; lcm-spy with the jar of the types.
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS "liblcm-bin, fonts-dejavu-core")
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java")
+# Plug-ins of GStreamer that camera loads: devices and formats; more formats, and GigE cameras.
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS
+    "liblcm-bin, fonts-dejavu-core, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java, gstreamer1.0-libav, libaravis-0.8-0")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
-    "Tracking, mapping, loop closing, a player of datasets and a viewer without display, as processes that talk over LCM.")
+    "Tracking, mapping, loop closing, a player of datasets, live cameras and a viewer without display, as processes that talk over LCM.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libplslam-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS

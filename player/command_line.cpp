@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/stream/pacing.h"
+
 namespace plslam::player {
 
 void PlayerCommandLine::AddTo(void* app) {
@@ -40,7 +42,7 @@ PlayerOptions PlayerCommandLine::Options(const Config& config) const {
   options.bounce |= bounce_;
   options.skip_bad |= skip_bad_;
   options.exit |= exit_;
-  if (resume_) options.resume_after = kResumeFromBus;
+  if (resume_) options.resume_after = stream::kResumeFromBus;
   return options;
 }
 

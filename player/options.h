@@ -8,9 +8,6 @@
 
 namespace plslam::player {
 
-/// `PlayerOptions::resume_after`: behind the newest frame that a pose on the bus is of.
-inline constexpr const char* kResumeFromBus = "bus";
-
 /// What the player plays, and how. Frames are numbered as in the dataset.
 struct PlayerOptions {
   std::string dataset;
@@ -41,20 +38,17 @@ void VisitFields(Visitor& visit, PlayerOptions& o) {
         "format of the dataset; empty: found by looking");
   visit("pace", o.pace, "lockstep (each frame waits for the pose of the one before), realtime, or realtimexN");
   visit("start", o.start, Bounds{0, 1e9}, "first frame");
-  visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end of the dataset");
+  visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end");
   visit("stride", o.stride, Bounds{1, 1e9}, "every so many-th frame");
   visit("loop", o.loop, Bounds{1, 1e6}, "times to play it, with continuing time and frame ids");
   visit("right_offset_frames", o.right_offset_frames, Bounds{-1e6, 1e6},
-        "the left image of a frame is played with the right image of so many frames later (earlier where negative): "
-        "for "
-        "pairs that were put together wrongly");
+        "the right image of so many frames later (negative: earlier) goes with a left one, where pairs are wrong");
   visit("bounce", o.bounce, "each time forth and back, so that the path closes");
   visit("skip_bad", o.skip_bad, "pass over frames that cannot be read, and count them");
-  visit("exit", o.exit, "end when all is sent and acknowledged, instead of staying for late readers");
+  visit("exit", o.exit, "end when all is sent and acknowledged");
   visit("mask_left", o.mask_left, "image of the left camera's size; where it is black (0), no features are taken");
   visit("mask_right", o.mask_right, "the same of the right camera");
-  visit("resume_after", o.resume_after,
-        "go on behind this frame (ID@T_NS, as its pose said), or behind the newest pose on the bus (bus)");
+  visit("resume_after", o.resume_after, "go on behind this frame (ID@T_NS), or behind the newest pose (bus)");
   visit("paused", o.paused, "send no frame before `plslam resume`");
 }
 

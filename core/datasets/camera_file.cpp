@@ -177,7 +177,7 @@ double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, dou
 
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
 RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
-  yaml.AllowOnly({"from", "name", "rate_hz"});
+  yaml.AllowOnly({"from", "name", "rate_hz", "source"});
   std::vector<std::string> paths;
   for (const std::string& name : yaml.Texts("from")) {
     const fs::path file(name);
@@ -207,6 +207,16 @@ std::string CameraText(const CameraCalibration& camera) {
 }
 
 }  // namespace
+
+bool NamesSource(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  if ((extension != ".yaml" && extension != ".yml") || !fs::is_regular_file(path)) return false;
+  try {
+    return YamlMap::FromFile(path).Has("source");
+  } catch (const DatasetError&) {
+    return false;
+  }
+}
 
 std::vector<std::string> CalibrationOf(const std::string& folder) {
   const std::string own = (fs::path(folder) / "camera.yaml").string();
@@ -240,7 +250,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
   if (!ForeignFormat(path).empty()) return ReadForeignCalibration({path}, image_size).rig;
   const YamlMap yaml = YamlMap::FromFile(path);
   if (yaml.Has("from")) return ReadFrom(yaml, image_size);
-  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m"});
+  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "depth_units_per_m", "source"});
   const std::string kind = yaml.Has("kind") ? yaml.Text("kind") : "stereo";
   if (kind != "stereo" && kind != "rgbd") yaml.Fail("kind", fmt::format("'{}' is none of stereo, rgbd", kind));
   RigCalibration rig;

@@ -25,6 +25,10 @@ void AddMaskImage(const std::string& path, CameraCalibration* camera);
 /// DatasetError.
 RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_size);
 
+/// `path` is a file of our own that says by `source` where live images come from: a camera file like any other
+/// elsewhere. False, too, where it cannot be read.
+bool NamesSource(const std::string& path);
+
 /// The calibration of a folder: its camera.yaml, or else the file (or pair of files) of another program that lies in
 /// it; empty where there is none. Throws DatasetError where it cannot be told which one is meant.
 std::vector<std::string> CalibrationOf(const std::string& folder);

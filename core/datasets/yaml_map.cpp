@@ -83,12 +83,19 @@ std::string YamlMap::Text(std::string_view key) const {
 }
 
 std::vector<std::string> YamlMap::Texts(std::string_view key) const {
+  std::vector<std::string> texts = WholeTexts(key);
+  for (std::string& text : texts) text = Shown(text);
+  return texts;
+}
+
+std::vector<std::string> YamlMap::WholeTexts(std::string_view key) const {
   const YAML::Node node = Get(key);
-  if (!node.IsSequence()) return {Text(key)};
+  if (node.IsScalar()) return {node.Scalar()};
+  if (!node.IsSequence()) Fail(key, "must be a word or a list of words");
   std::vector<std::string> texts;
   for (const YAML::Node& element : node) {
     if (!element.IsScalar()) Fail(key, "must be a word or a list of words");
-    texts.push_back(Shown(element.Scalar()));
+    texts.push_back(element.Scalar());
   }
   return texts;
 }

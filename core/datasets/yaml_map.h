@@ -22,6 +22,8 @@ class YamlMap {
   std::string Text(std::string_view key) const;
   /// One word, or a list of words.
   std::vector<std::string> Texts(std::string_view key) const;
+  /// The same, to the last character: `Text` and `Texts` are made to be shown, and cut what is long.
+  std::vector<std::string> WholeTexts(std::string_view key) const;
   double Number(std::string_view key) const;
   /// A list of `min_count` to `max_count` numbers.
   std::vector<double> Numbers(std::string_view key, size_t min_count, size_t max_count) const;

@@ -15,7 +15,9 @@ namespace plslam {
 /// corner, by how many disparities are off, by how much later the right images are taken than the left ones, or the
 /// left ones than the right ones, the same in frames, and by how much the times differ in which the two cameras read
 /// an image. By the player, where the dataset has a ground truth: frames with a true pose, and without. By the
-/// viewer: frames without the picture that report, film or overlays should have had.
+/// viewer: frames without the picture that report, film or overlays should have had. By live cameras: pairs of images,
+/// the median time between left and right, frames that are missing between others, images without a partner,
+/// pairs that are mostly white or mostly black, and how often they gave nothing for a while.
 inline constexpr const char* kPointsSeen = "points.seen";
 inline constexpr const char* kPointsMatched = "points.matched";
 inline constexpr const char* kFramesDark = "frames.dark";
@@ -30,11 +32,20 @@ inline constexpr const char* kLateFrames = "sync.late_frames";
 /// Of that, what is made up for; beyond, frames are at most weak.
 inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
-/// Of the player, beside these: 1 while it is paused.
-inline constexpr const char* kPlayerPaused = "paused";
-inline constexpr std::array<const char*, 12> kRunCounters{
-    kPointsSeen,   kPointsMatched,   kFramesDark, kCornerRows, kDisparityError, kTruthFrames,
-    kTruthMissing, kPicturesMissing, kRightLate,  kLeftLate,   kLateFrames,     kUnequalReadout};
+/// Of whoever sends frames, beside these: 1 while it is paused.
+inline constexpr const char* kSenderPaused = "paused";
+inline constexpr const char* kFramesCaptured = "frames.captured";
+inline constexpr const char* kSkew = "frames.skew_ms";
+inline constexpr const char* kFramesMissing = "frames.missing";
+inline constexpr const char* kDroppedLeft = "frames.dropped_left";
+inline constexpr const char* kDroppedRight = "frames.dropped_right";
+inline constexpr const char* kOverexposed = "frames.overexposed";
+inline constexpr const char* kUnderexposed = "frames.underexposed";
+inline constexpr const char* kOutages = "cameras.outages";
+inline constexpr std::array<const char*, 20> kRunCounters{
+    kPointsSeen,      kPointsMatched, kFramesDark,   kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
+    kPicturesMissing, kRightLate,     kLeftLate,     kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
+    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed,   kOutages};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

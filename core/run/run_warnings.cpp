@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/run/run_counters.h"
 
@@ -20,6 +21,8 @@ constexpr double kFewMatched = 0.15;
 constexpr double kEnoughPoints = 2000.0;
 constexpr double kManyDark = 0.1;
 constexpr double kManySkipped = 0.01;
+/// At 1 m/s, 1 mm of the baseline.
+constexpr double kFarSkew_ms = 1.0;
 /// So much the tracker follows; a calibration that is off by it costs accuracy all the same.
 constexpr double kFarRows_px = 4.0;
 /// At a disparity of 25 px, 2 % of the depth.
@@ -80,6 +83,10 @@ std::string OutOfStepText(const RunFindings& f) {
   }
   return fmt::format("the {} images are taken {:.3g} ms after the {} ones: {}", right ? "right" : "left",
                      std::max(f.right_late_ms, f.left_late_ms), right ? "left" : "right", remedy);
+}
+
+bool IsBadlyExposed(const RunFindings& f) {
+  return std::max(f.frames_overexposed, f.frames_underexposed) > kManyDark * f.frames_captured;
 }
 
 struct Row {
@@ -160,7 +167,7 @@ const Row kRows[] = {
      }},
     {"dark_images",
      [](const RunFindings& f) {
-       return f.dark_frames > 0.0 && f.dark_frames > kManyDark * Count(f.frames.answered());
+       return !IsBadlyExposed(f) && f.dark_frames > 0.0 && f.dark_frames > kManyDark * Count(f.frames.answered());
      },
      [](const RunFindings& f) {
        return fmt::format("{:.0f} of {} frames are nearly black: check exposure, light and lens", f.dark_frames,
@@ -246,6 +253,62 @@ const Row kRows[] = {
      }},
 };
 
+/// Of live cameras.
+const Row kCameraRows[] = {
+    {"cameras_skewed", [](const RunFindings& f) { return f.skew_ms > kFarSkew_ms; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "left and right images are taken {:.1f} ms apart (median): trigger the cameras together, or one by the "
+           "other",
+           f.skew_ms);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"skew_ms", f.skew_ms}};
+     }},
+    {"camera_frames_missing",
+     [](const RunFindings& f) {
+       return f.frames_missing + f.frames_dropped > kManySkipped * (f.frames_captured + f.frames_missing);
+     },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "beside the {:.0f} pairs that the cameras gave, {:.0f} are missing, and {:.0f} images have no partner: "
+           "look "
+           "at cables, the bandwidth of USB or network, long exposures and other load of this machine",
+           f.frames_captured, f.frames_missing, f.frames_dropped);
+     },
+     [](const RunFindings& f) {
+       return Numbers{
+           {"captured", f.frames_captured}, {"missing", f.frames_missing}, {"without_partner", f.frames_dropped}};
+     }},
+    {"badly_exposed", IsBadlyExposed,
+     [](const RunFindings& f) {
+       return fmt::format(
+           "of {:.0f} pairs of images, {:.0f} are mostly white and {:.0f} mostly black: set exposure and gain of the "
+           "cameras",
+           f.frames_captured, f.frames_overexposed, f.frames_underexposed);
+     },
+     [](const RunFindings& f) {
+       return Numbers{
+           {"captured", f.frames_captured}, {"white", f.frames_overexposed}, {"black", f.frames_underexposed}};
+     }},
+    {"camera_outages", [](const RunFindings& f) { return f.outages > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the cameras gave no frames for a while, {:.0f} time{}: look at cables and power; logs/camera.log says "
+           "more",
+           f.outages, f.outages > 1.0 ? "s" : "");
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"outages", f.outages}};
+     }},
+};
+
+void AddWarnings(std::span<const Row> rows, const RunFindings& findings, std::vector<RunWarning>* warnings) {
+  for (const Row& row : rows) {
+    if (row.holds(findings)) warnings->push_back({row.code, row.sentence(findings), row.numbers(findings)});
+  }
+}
+
 }  // namespace
 
 void RunFindings::Take(const RunCounters& counters) {
@@ -261,6 +324,13 @@ void RunFindings::Take(const RunCounters& counters) {
   truth_frames = counters.Sum(kTruthFrames);
   truth_missing = counters.Sum(kTruthMissing);
   pictures_missing = counters.Largest(kPicturesMissing);
+  frames_captured = counters.Sum(kFramesCaptured);
+  skew_ms = counters.Largest(kSkew);
+  frames_missing = counters.Sum(kFramesMissing);
+  frames_dropped = counters.Sum(kDroppedLeft) + counters.Sum(kDroppedRight);
+  frames_overexposed = counters.Sum(kOverexposed);
+  frames_underexposed = counters.Sum(kUnderexposed);
+  outages = counters.Sum(kOutages);
 }
 
 nlohmann::ordered_json ToJson(const RunWarning& warning) {
@@ -271,15 +341,21 @@ nlohmann::ordered_json ToJson(const RunWarning& warning) {
 
 std::vector<RunWarning> WarningsOf(const RunFindings& findings) {
   std::vector<RunWarning> warnings;
-  for (const Row& row : kRows) {
-    if (row.holds(findings)) warnings.push_back({row.code, row.sentence(findings), row.numbers(findings)});
-  }
+  AddWarnings(kRows, findings, &warnings);
+  AddWarnings(kCameraRows, findings, &warnings);
+  return warnings;
+}
+
+std::vector<RunWarning> CameraWarningsOf(const RunFindings& findings) {
+  std::vector<RunWarning> warnings;
+  AddWarnings(kCameraRows, findings, &warnings);
   return warnings;
 }
 
 std::vector<std::string> WarningCodes() {
   std::vector<std::string> codes;
   for (const Row& row : kRows) codes.emplace_back(row.code);
+  for (const Row& row : kCameraRows) codes.emplace_back(row.code);
   return codes;
 }
 

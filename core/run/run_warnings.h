@@ -30,6 +30,14 @@ struct RunFindings {
   double truth_frames = 0.0;
   double truth_missing = 0.0;
   double pictures_missing = 0.0;
+  /// Of live cameras. Images of either camera without a partner are `frames_dropped`.
+  double frames_captured = 0.0;
+  double skew_ms = 0.0;
+  double frames_missing = 0.0;
+  double frames_dropped = 0.0;
+  double frames_overexposed = 0.0;
+  double frames_underexposed = 0.0;
+  double outages = 0.0;
   /// Root mean square of the errors of position after alignment; and of the distances of the true positions from
   /// their mean.
   std::optional<double> ate_m;
@@ -55,6 +63,9 @@ nlohmann::ordered_json ToJson(const RunWarning& warning);
 
 /// One for each row of the table whose condition holds, in its order. docs/metrics.md has the table for users.
 std::vector<RunWarning> WarningsOf(const RunFindings& findings);
+
+/// Those of live cameras, which are told while a run goes on, too.
+std::vector<RunWarning> CameraWarningsOf(const RunFindings& findings);
 
 /// All codes there are, in the order of the table.
 std::vector<std::string> WarningCodes();

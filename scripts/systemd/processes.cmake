@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What differs between the units of the processes, plslam-NAME@.service, which are made of process@.service.template.
 
-# plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [NICE how] [RESTART when])
+# plslam_process_unit(FOLDER NAME PROGRAM ABOUT [MORE arguments] [COMMAND line] [NICE how] [RESTART when] [VIDEO])
 function(plslam_process_unit folder name program about)
-  cmake_parse_arguments(unit "" "MORE;COMMAND;NICE;RESTART" "" ${ARGN})
+  cmake_parse_arguments(unit "VIDEO" "MORE;COMMAND;NICE;RESTART" "" ${ARGN})
   set(arguments "--config /etc/plslam/%i.yaml ${unit_MORE} --set bus.history_dir=%S/plslam/%i/${name}")
   string(REPLACE "  " " " arguments ${arguments})
   set(command "${PLSLAM_BIN}/${program} ${arguments}")
@@ -18,6 +18,11 @@ function(plslam_process_unit folder name program about)
   set(restart always)
   if(unit_RESTART)
     set(restart ${unit_RESTART})
+  endif()
+  set(devices "PrivateDevices=yes")
+  if(unit_VIDEO)
+    # GStreamer keeps there what it has learned of its plug-ins: a second at each start otherwise.
+    set(devices "SupplementaryGroups=video\nEnvironment=GST_REGISTRY=%S/plslam/%i/${name}/registry")
   endif()
   configure_file(${PLSLAM_UNITS}/process@.service.template ${folder}/plslam-${name}@.service @ONLY)
 endfunction()
@@ -35,6 +40,9 @@ function(plslam_process_units folder)
   # A dataset that has come to its end is not played again.
   plslam_process_unit(${folder} player player "player (the dataset of player.dataset as stereo frames)"
                       RESTART on-failure)
+  # After a crash frames keep their numbers.
+  plslam_process_unit(${folder} camera camera "camera (the live cameras of camera.rig as stereo frames)"
+                      MORE "--set camera.resume_after=bus" RESTART on-failure VIDEO)
   # The shell names each log by its time.
   set(log "%S/plslam/%i/recorder/$$(date -u +%%Y%%m%%dT%%H%%M%%S).lcm")
   plslam_process_unit(${folder} recorder plslam "recorder (all traffic as LCM event logs)"

@@ -149,7 +149,7 @@ TEST_F(Orders, LocaliseHoldsTheMapStillAndLetsItGrowAgain) {
 
 TEST_F(Orders, ThatNobodyHearsFailInASentence) {
   EXPECT_EQ(Order({"pause"}), 1);
-  EXPECT_THAT(said_, HasSubstr("no process 'player' is heard"));
+  EXPECT_THAT(said_, HasSubstr("no process 'player' or 'camera' is heard"));
   EXPECT_EQ(Order({"localise", "perhaps"}), 1);
 }
 

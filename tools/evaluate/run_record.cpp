@@ -112,7 +112,7 @@ std::map<std::string, std::string> OptionsOf(const json& summary) {
   for (const auto& [process, sections] : configuration.items()) {
     // What is shown and how it is sent does not make the result.
     if (process == process_name::kViewer || !sections.is_object()) continue;
-    if (process != "player") processes += (processes.empty() ? "" : "+") + process;
+    if (!process_name::SendsFrames(process)) processes += (processes.empty() ? "" : "+") + process;
     for (const auto& [section, values] : sections.items()) {
       if (section != "bus") Flatten(values, section, options);
     }

@@ -97,7 +97,7 @@ struct OrderOptions {
 /// What is to be ordered of whom, and what is printed when it is done.
 struct OrderRow {
   const char* verb;
-  const char* process;
+  std::vector<std::string> processes;  ///< names, of which one is there
   const char* done;
 };
 
@@ -105,7 +105,7 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
   bus::BusOptions bus_options;
   arguments.MakeConfig().Read("bus", bus_options);
   bus::Bus bus(bus_options, "plslam");
-  OrderNode order(bus, row.process, row.verb);
+  OrderNode order(bus, row.processes, row.verb);
   order.Send(argument);
   const auto began = std::chrono::steady_clock::now();
   bus.Every(kTick, [&] {
@@ -117,19 +117,19 @@ int GiveOrder(const OrderRow& row, const std::string& argument, const bus::Proce
     fmt::print("{}\n", fmt::format(fmt::runtime(row.done), argument));
     return 0;
   }
-  std::string failure = fmt::format("the process '{}' has not answered for {} s", row.process, kAnswerLimit.count());
-  if (!order.heard()) failure = NobodyHeard(row.process, bus_options, kHearLimit);
+  std::string failure = fmt::format("no answer has come for {} s", kAnswerLimit.count());
+  if (!order.heard()) failure = NobodyHeard(row.processes, bus_options, kHearLimit);
   if (order.answer()) failure = *order.answer();
   bus::PrintError(fmt::format("plslam: error: {} {}: {}", row.verb, argument, failure));
   return 1;
 }
 
-constexpr OrderRow kSaveRow{command_verb::kSave, process_name::kMapping, "the map is in {}"};
-constexpr OrderRow kLoadRow{command_verb::kLoad, process_name::kMapping, "the map is that of {}"};
-constexpr OrderRow kResetRow{command_verb::kReset, process_name::kMapping, "a new map has begun"};
-constexpr OrderRow kLocaliseRow{command_verb::kLocalise, process_name::kMapping, "localising only is {}"};
-constexpr OrderRow kPauseRow{command_verb::kPause, process_name::kPlayer, "paused"};
-constexpr OrderRow kResumeRow{command_verb::kResume, process_name::kPlayer, "resumed"};
+const OrderRow kSaveRow{command_verb::kSave, {process_name::kMapping}, "the map is in {}"};
+const OrderRow kLoadRow{command_verb::kLoad, {process_name::kMapping}, "the map is that of {}"};
+const OrderRow kResetRow{command_verb::kReset, {process_name::kMapping}, "a new map has begun"};
+const OrderRow kLocaliseRow{command_verb::kLocalise, {process_name::kMapping}, "localising only is {}"};
+const OrderRow kPauseRow{command_verb::kPause, {process_name::kPlayer, process_name::kCamera}, "paused"};
+const OrderRow kResumeRow{command_verb::kResume, {process_name::kPlayer, process_name::kCamera}, "resumed"};
 
 /// An order about a file on the machine of the process.
 void AddFileOrder(CLI::App* app, Command* command, const OrderRow& row, const char* meaning, const char* file) {
@@ -170,8 +170,8 @@ void AddOrderCommands(CLI::App* app, Command* command) {
   sub->footer("Example:\n  plslam localise on --url udpm://239.255.76.67:7667?ttl=0");
   sub->callback(
       [=] { *command = [options] { return GiveOrder(kLocaliseRow, options->argument, options->common); }; });
-  AddBareOrder(app, command, kPauseRow, "has the player send no more frames");
-  AddBareOrder(app, command, kResumeRow, "has a paused player go on");
+  AddBareOrder(app, command, kPauseRow, "has player or camera send no more frames");
+  AddBareOrder(app, command, kResumeRow, "has a paused player or camera go on");
 }
 
 namespace {

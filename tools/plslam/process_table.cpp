@@ -12,6 +12,7 @@ namespace {
 using Arguments = std::vector<std::string>;
 
 constexpr const char* kRecorder = "recorder";
+using process_name::kCamera;
 using process_name::kLoop;
 using process_name::kMapping;
 using process_name::kPlayer;
@@ -23,6 +24,8 @@ bool WithMap(const RunOptions& options) { return !options.no_mapping; }
 bool WithLoops(const RunOptions& options) { return !options.no_mapping && !options.no_loops; }
 bool OwnMap(const RunOptions& options) { return WithMap(options) && options.map_prefix.empty(); }
 bool OwnLoops(const RunOptions& options) { return WithLoops(options) && options.map_prefix.empty(); }
+bool FromCameras(const RunOptions& options) { return options.from_cameras; }
+bool FromDataset(const RunOptions& options) { return !options.from_cameras; }
 bool Recorded(const RunOptions& options) { return !options.record.empty(); }
 
 Arguments RecorderArguments(const RunOptions& options) { return {RecordingOf(options, 0).string()}; }
@@ -99,6 +102,13 @@ Arguments PlayerArguments(const RunOptions& options) {
   return settings.Take();
 }
 
+Arguments CameraArguments(const RunOptions& options) {
+  Settings settings(kCamera);
+  settings.Add("rig", options.dataset);
+  settings.Add("pace", options.pace);
+  return settings.Take();
+}
+
 Arguments CommonArguments(const RunOptions& options) {
   Arguments arguments = {"--url", options.url, "--parent", std::to_string(getpid())};
   if (!options.prefix.empty()) arguments.insert(arguments.end(), {"--prefix", options.prefix});
@@ -123,8 +133,10 @@ constexpr ProcessRow kTable[] = {
      false, OwnLoops, kStandsBack, NoArguments},
     {kVo, "vo_process", "stereo odometry with points and lines", Supervisor::Ending::kRestart, false, Always,
      kFirstWhenLive, VoArguments},
-    {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true, Always,
-     kSourceOfFrames, PlayerArguments},
+    {kPlayer, "player", "datasets and synthetic worlds to stereo frames", Supervisor::Ending::kMayEnd, true,
+     FromDataset, kSourceOfFrames, PlayerArguments},
+    {kCamera, "camera", "live cameras to stereo frames", Supervisor::Ending::kMayEnd, true, FromCameras, kFirst,
+     CameraArguments},
 };
 
 }  // namespace
@@ -132,6 +144,8 @@ constexpr ProcessRow kTable[] = {
 std::span<const ProcessRow> ProcessTable() { return kTable; }
 
 std::string_view TitleOf(const ProcessRow& row) { return row.name == kRecorder ? row.name : row.executable; }
+
+const char* SourceOfFrames(const RunOptions& options) { return options.from_cameras ? kCamera : kPlayer; }
 
 int NicenessOf(const ProcessRow& row, const RunOptions& options) {
   return options.pace.starts_with("realtime") ? row.niceness.live : row.niceness.lockstep;
@@ -163,14 +177,14 @@ std::vector<std::string> ArgumentsOf(const ProcessRow& row, const RunOptions& op
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments) {
   if (restart.name == kRecorder) arguments.back() = RecordingOf(options, restart.number).string();
-  if (restart.name == kPlayer && restart.newest_frame.first >= 0) {
+  if (process_name::SendsFrames(restart.name) && restart.newest_frame.first >= 0) {
     arguments.emplace_back("--set");
     arguments.push_back(
-        fmt::format("player.resume_after={}@{}", restart.newest_frame.first, restart.newest_frame.second));
+        fmt::format("{}.resume_after={}@{}", restart.name, restart.newest_frame.first, restart.newest_frame.second));
   }
-  if (restart.name == kPlayer && restart.paused) {
+  if (process_name::SendsFrames(restart.name) && restart.paused) {
     arguments.emplace_back("--set");
-    arguments.emplace_back("player.paused=true");
+    arguments.push_back(fmt::format("{}.paused=true", restart.name));
   }
   return arguments;
 }

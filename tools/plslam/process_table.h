@@ -40,6 +40,9 @@ std::filesystem::path StateFileOf(const RunOptions& options, const std::string& 
 /// Its name in sentences: "mapping_process", but not "plslam" for the recorder.
 std::string_view TitleOf(const ProcessRow& row);
 
+/// The name of the process that sends frames.
+const char* SourceOfFrames(const RunOptions& options);
+
 /// Of the pace that `plslam run` was asked for.
 int NicenessOf(const ProcessRow& row, const RunOptions& options);
 
@@ -62,7 +65,7 @@ struct Restart {
   bool paused = false;  ///< the player was
 };
 
-/// From those of its first start: the player is told where to go on, the recorder another file.
+/// From those of its first start: who sends frames is told where to go on, the recorder another file.
 std::vector<std::string> ArgumentsOfRestart(const RunOptions& options, const Restart& restart,
                                             std::vector<std::string> arguments);
 

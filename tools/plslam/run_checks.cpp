@@ -8,18 +8,21 @@
 #include <cerrno>
 #include <cstring>
 #include <initializer_list>
-#include <memory>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "camera/options.h"
 #include "core/bus/options.h"
+#include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
 #include "core/geometry/rectification.h"
 #include "core/io/files/atomic_file.h"
+#include "core/io/files/shared_file.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_file.h"
 #include "core/process/process_arguments.h"
+#include "core/run/process_names.h"
 #include "player/options.h"
 #include "tools/plslam/process_table.h"
 
@@ -89,7 +92,9 @@ void ReadConfiguration(RunOptions* options) {
   bus::BusOptions bus;
   player::PlayerOptions player;
   config.Read("bus", bus);
+  camera::CameraOptions camera;
   config.Read("player", player);
+  config.Read("camera", camera);
   const auto take = [](std::string* option, const std::string& configured) {
     if (option->empty()) *option = configured;
   };
@@ -97,7 +102,7 @@ void ReadConfiguration(RunOptions* options) {
   take(&options->prefix, bus.prefix);
   take(&options->map_prefix, bus.map_prefix);
   take(&options->kind, player.kind);
-  take(&options->pace, player.pace);
+  take(&options->pace, options->from_cameras ? camera.pace : player.pace);
   if (options->map_prefix.empty()) return;
   if (options->url.empty()) {
     throw std::runtime_error("bus.map_prefix: robots that share a map share a bus: name it by --url or bus.url");
@@ -110,8 +115,28 @@ void ReadConfiguration(RunOptions* options) {
 void CheckMapToGoOnFrom(const RunOptions& options) {
   if (options.map.empty()) return;
   const StoredMap stored = ReadMapFile(options.map.string());
-  const std::unique_ptr<Dataset> dataset = OpenDataset(options.dataset, options.kind);
-  CheckCamera(stored, Rectify(dataset->rig()).camera, options.map.string());
+  const RigCalibration rig =
+      options.from_cameras ? ReadCameraFile(options.dataset, {}) : OpenDataset(options.dataset, options.kind)->rig();
+  CheckCamera(stored, Rectify(rig).camera, options.map.string());
+}
+
+void CheckCameras(const RunOptions& options) {
+  if (!options.from_cameras) return;
+  const std::pair<const char*, bool> of_datasets[] = {
+      {"--kind", !options.kind.empty()}, {"--start", options.start >= 0}, {"--stop", options.stop >= 0},
+      {"--stride", options.stride >= 0}, {"--loop", options.loop >= 0},   {"--bounce", options.bounce},
+      {"--skip-bad", options.skip_bad}};
+  for (const auto& [option, is_given] : of_datasets) {
+    if (!is_given) continue;
+    throw std::runtime_error(
+        fmt::format("{} is for datasets, and {} names cameras (source)", option, options.dataset));
+  }
+  const path program = ProgramFolder() / process_name::kCamera;
+  if (access(program.c_str(), X_OK) == 0) return;
+  throw std::runtime_error(
+      fmt::format("{} names cameras (source), and there is no program {}: install libgstreamer1.0-dev and "
+                  "libgstreamer-plugins-base1.0-dev, and build again",
+                  options.dataset, program.string()));
 }
 
 std::filesystem::file_time_type FileTimeNow(const RunOptions& options) {

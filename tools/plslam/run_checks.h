@@ -20,6 +20,10 @@ void ReadConfiguration(RunOptions* options);
 /// sentence.
 void CheckMapToGoOnFrom(const RunOptions& options);
 
+/// That a run from cameras has the program for it, and no option of datasets. Throws std::runtime_error with one
+/// sentence.
+void CheckCameras(const RunOptions& options);
+
 /// Now, as files that are written in the folder of outputs from here on will have it: times of files step by
 /// milliseconds behind the clock, and a file server has a clock of its own. The folder exists. Throws
 /// std::runtime_error where nothing can be written.

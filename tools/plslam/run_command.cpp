@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 
+#include "core/datasets/camera_file.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
@@ -112,7 +113,9 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
 }
 
 int Run(RunOptions options) {
+  options.from_cameras = NamesSource(options.dataset);
   if (options.out.empty()) options.out = DefaultOut(options.dataset);
+  CheckCameras(options);
   ReadConfiguration(&options);
   CheckMapToGoOnFrom(options);
   OutputFolder folder(options.out);
@@ -134,7 +137,9 @@ int Run(RunOptions options) {
 void AddOptions(CLI::App* sub, RunOptions* o) {
   sub->add_option("--out", o->out, "folder for trajectories, summary, pictures and logs [out/DATASET]")
       ->type_name("DIR");
-  sub->add_option("--pace", o->pace, "lockstep (every frame, as fast as it goes; default), realtime, realtimexN");
+  sub->add_option(
+      "--pace", o->pace,
+      "lockstep (every frame, as fast as it goes; default of datasets), realtime (of cameras), realtimexN");
   sub->add_option("--features", o->features, "points, lines or both (default)")
       ->check(CLI::IsMember({"points", "lines", "both"}));
   sub->add_flag("--no-mapping", o->no_mapping, "odometry alone: no map is made, and none is tracked against");
@@ -186,10 +191,11 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
 
 void AddRunCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RunOptions>();
-  auto* sub = app->add_subcommand("run", "plays a dataset through all processes");
+  auto* sub = app->add_subcommand("run", "plays a dataset, or live cameras, through all processes");
   sub->add_option("dataset", options->dataset,
-                  "folder (KITTI odometry, EuRoC, TUM RGB-D, left/right images), LCM log, or built-in world "
-                  "(synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall)")
+                  "folder (KITTI odometry, EuRoC, TUM RGB-D, left/right images), LCM log, built-in world "
+                  "(synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall), or rig file of live "
+                  "cameras")
       ->required();
   sub->add_option("--kind", options->kind, "format: kitti, euroc, tum, images, log, synthetic [found by looking]");
   sub->add_option("--record", options->record, "LCM event log of all traffic to write, in the place of an old one")
@@ -199,6 +205,7 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "Examples:\n"
       "  plslam run synthetic:room --out out/room\n"
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
+      "  plslam run rig.yaml --record out/walk.lcm\n"
       "  plslam run /data/euroc/MH_01 --config config/plslam.yaml --record out/mh01.lcm\n"
       "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "
       "saved,\n"

@@ -11,6 +11,8 @@ namespace plslam::launcher {
 /// What `plslam run` was asked for.
 struct RunOptions {
   std::string dataset;
+  /// `dataset` is a rig file: frames come from live cameras, or what stands for them.
+  bool from_cameras = false;
   std::string kind;
   std::filesystem::path out;
   std::string pace;

@@ -40,7 +40,7 @@ RunSession::RunSession(const RunOptions& options, bus::Bus& bus)
       bus_(bus),
       monitor_(bus),
       keeper_(bus, options.out),
-      save_(bus, process_name::kMapping, command_verb::kSave),
+      save_(bus, {process_name::kMapping}, command_verb::kSave),
       supervisor_(SupervisorOptions()),
       progress_line_(!options.quiet && !options.json),
       phase_began_(began_),
@@ -91,7 +91,7 @@ void RunSession::Interrupt() {
     TellOfStop(saves ? fmt::format("stopping, and saving the map as {}", options_.save_map.string()) : "stopping");
     if (phase_ == Phase::kStarting) return BeginStop(lacks_map_ ? LackOfMap() : "interrupted");
     if (phase_ != Phase::kPlaying) return;
-    supervisor_.Interrupt(process_name::kPlayer);
+    supervisor_.Interrupt(SourceOfFrames(options_));
     EndPlaying(Phase::kDraining, Clock::now());
   });
 }
@@ -153,7 +153,7 @@ bool RunSession::HearsSharedMap() const {
 /// The player, which is the last to be started, has opened its dataset: from here on this run is the one in the
 /// folder.
 void RunSession::CheckAccepted() {
-  const std::string player = monitor_.StateOf(supervisor_.pid(process_name::kPlayer));
+  const std::string player = monitor_.StateOf(supervisor_.pid(SourceOfFrames(options_)));
   const bool plays =
       player == process_state::kReady || player == process_state::kRunning || player == process_state::kFinished;
   if (!plays && monitor_.statistics().frames().answered() == 0) return;
@@ -167,12 +167,12 @@ void RunSession::CheckFailed(Clock::time_point now) {
   if (!accepted_ || phase_ == Phase::kStarting) return BeginStop("");
   // A player that cannot read an image says that the stream ends there: what came before is handled as always.
   const bool goes_on = monitor_.stream_ended() || now - *failed_at_ < kDrainLimit;
-  if (supervisor_.failed() == process_name::kPlayer && monitor_.statistics().frames().answered() > 0 && goes_on)
+  if (supervisor_.failed() == SourceOfFrames(options_) && monitor_.statistics().frames().answered() > 0 && goes_on)
     return;
   if (!lacks_map_ || supervisor_.failed() == process_name::kMapping) return BeginStop("");
   if (phase_ == Phase::kSaving) return;
   // What there is, before the end of the stream.
-  supervisor_.Interrupt(process_name::kPlayer);
+  supervisor_.Interrupt(SourceOfFrames(options_));
   EndPlaying(Phase::kSaving, now);
 }
 

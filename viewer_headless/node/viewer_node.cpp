@@ -143,7 +143,7 @@ void ViewerNode::OnPose(const pose_t& message) {
 void ViewerNode::OnStatus(const status_t& message) {
   if (message.process == process_name::kVo) vo_finished_ = message.state == process_state::kFinished;
   if (message.process == process_name::kMapping) mapping_heard_ = true;
-  if (message.process == process_name::kPlayer) {
+  if (process_name::SendsFrames(message.process)) {
     recorder_.SetSent(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
                       static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }

@@ -176,7 +176,10 @@ void VoNode::EndWaits() {
 
 void VoNode::OnStatus(const status_t& message) {
   const double now_s = bus::NowS();
-  if (message.process == process_name::kPlayer) player_ = message.header.source;
+  if (process_name::SendsFrames(message.process)) {
+    player_ = message.header.source;
+    player_name_ = message.process;
+  }
   if (message.process == process_name::kMapping && map_) map_->wait().OnSignOfLife(now_s);
   if (message.process == process_name::kLoop) relocalisation_.OnLoopProcess(message.header.source, now_s);
 }
@@ -662,7 +665,7 @@ bool VoNode::LacksFramesBefore(const Frame& frame) const {
 void VoNode::AskForFrames() {
   if (!frames_asked_s_) frames_asked_s_ = bus::NowS();
   command_t command{};
-  command.target = process_name::kPlayer;
+  command.target = player_name_;
   command.verb = command_verb::kGoBack;
   command.argument = fmt::format("{} {}@{}", player_, session_.last_frame_id, session_.last_t_ns);
   process_.bus().Publish(bus::kCommand, command);

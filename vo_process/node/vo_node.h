@@ -12,6 +12,7 @@
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/process/process.h"
+#include "core/run/process_names.h"
 #include "vo_process/node/map_link.h"
 #include "vo_process/node/relocalisation_client.h"
 #include "vo_process/node/tracker_state.h"
@@ -153,6 +154,7 @@ class VoNode {
   std::optional<double> frames_asked_s_;
   /// Process that published frames, or a player's status, last.
   int64_t player_ = 0;
+  std::string player_name_ = process_name::kPlayer;  // or of another process that sends frames
   int64_t announced_frames_ = -1;
   std::map<std::string, double> counts_;
   std::string state_;

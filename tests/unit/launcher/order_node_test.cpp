@@ -69,7 +69,7 @@ class OrderNodeTest : public testing::Test {
   std::atomic<int64_t> seq_{0};
   bus::test::RunningBus process_{options_, "mapping"};
   bus::test::RunningBus tool_{options_, "plslam"};
-  OrderNode order_{*tool_, process_name::kMapping, command_verb::kSave};
+  OrderNode order_{*tool_, {process_name::kMapping}, command_verb::kSave};
 };
 
 TEST_F(OrderNodeTest, IsGivenAtOnceAndAgainToAProcessThatIsStartedLater) {

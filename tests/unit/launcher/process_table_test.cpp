@@ -43,9 +43,26 @@ TEST(ProcessTable, RecorderThatIsStartedAgainWritesAnotherFile) {
   EXPECT_EQ(ArgumentsOfRestart(options, {"recorder", 2}, arguments).back(), "/x/run.lcm.3");
 }
 
+TEST(ProcessTable, CameraTakesThePlaceOfThePlayer) {
+  RunOptions options;
+  EXPECT_TRUE(Row("player").wanted(options));
+  EXPECT_FALSE(Row("camera").wanted(options));
+  options.from_cameras = true;
+  options.dataset = "rig.yaml";
+  options.pace = "realtime";
+  EXPECT_FALSE(Row("player").wanted(options));
+  EXPECT_TRUE(Row("camera").wanted(options));
+  EXPECT_STREQ(SourceOfFrames(options), "camera");
+  const auto arguments = ArgumentsOf(Row("camera"), options);
+  EXPECT_THAT(arguments, Contains("camera.rig=rig.yaml"));
+  EXPECT_THAT(arguments, Contains("camera.pace=realtime"));
+}
+
 TEST(ProcessTable, PlayerThatIsStartedAgainGoesOnBehindTheNewestPose) {
   EXPECT_THAT(ArgumentsOfRestart({}, {"player", 1, {7, 123}}, {"a"}),
               ElementsAre("a", "--set", "player.resume_after=7@123"));
+  EXPECT_THAT(ArgumentsOfRestart({}, {"camera", 1, {7, 123}}, {"a"}),
+              ElementsAre("a", "--set", "camera.resume_after=7@123"));
   EXPECT_THAT(ArgumentsOfRestart({}, {"player", 1}, {"a"}), ElementsAre("a"));
   EXPECT_THAT(ArgumentsOfRestart({}, {"vo", 1, {7, 123}}, {"a"}), ElementsAre("a"));
 }

@@ -42,11 +42,11 @@ TEST(NobodyHeard, NamesUrlPrefixAndWhatHelps) {
   options.prefix = "team/";
   options.url = "udpm://239.255.76.67:7668?ttl=0";
   EXPECT_THAT(
-      NobodyHeard("mapping", options, std::chrono::seconds(10)),
+      NobodyHeard({"mapping"}, options, std::chrono::seconds(10)),
       testing::StartsWith("no process 'mapping' is heard on udpm://239.255.76.67:7668?ttl=0 with prefix 'team/' "
                           "for 10 s; give the --url and --prefix"));
   options.url.clear();
-  EXPECT_THAT(NobodyHeard("mapping", options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
+  EXPECT_THAT(NobodyHeard({"mapping"}, options, std::chrono::seconds(10)), testing::HasSubstr("heard on udpm://"))
       << "the default is named, too";
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "player/node/frame_loader.h"
+#include "player/frame_loader.h"
 
 #include <gtest/gtest.h>
 

@@ -86,7 +86,7 @@ class Reader {
     command_t command{};
     command.target = "player";
     command.verb = "go_back";
-    command.argument = std::to_string(player) + " " + ToText({to, t_ns_.at(to)});
+    command.argument = std::to_string(player) + " " + stream::ToText({to, t_ns_.at(to)});
     bus_.Publish(bus::kCommand, command);
   }
   int64_t player() const { return player_; }
@@ -265,7 +265,7 @@ TEST_F(PlayerNodeTest, FrameThatWasAnsweredMeanwhileIsNotWaitedFor) {
   EXPECT_EQ(Player(options_).Join(), "");
   const int64_t t_ns = OpenDataset(options_.dataset, "")->t_ns(0);
   // Whoever started it had heard of the first pose only.
-  options_.resume_after = ToText({0, t_ns});
+  options_.resume_after = stream::ToText({0, t_ns});
   Player resumed(options_);
   EXPECT_EQ(resumed.Join(), "");
   ASSERT_TRUE(reader.WaitFor([&] { return reader.streams_.size() == 4; }));

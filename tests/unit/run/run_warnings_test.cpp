@@ -30,6 +30,7 @@ RunFindings GoodRun() {
   findings.nees_poses = 99;
   findings.truth_frames = 100;
   findings.recordings = {"a.lcm"};
+  findings.frames_captured = 100;
   return findings;
 }
 
@@ -84,7 +85,21 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        [](RunFindings& f) {
          f.recordings = {"a.lcm", "a.lcm.2"};
        },
-       "the recorder was started again, so the recording of a.lcm goes on in a.lcm.2"}};
+       "the recorder was started again, so the recording of a.lcm goes on in a.lcm.2"},
+      {"cameras_skewed", [](RunFindings& f) { f.skew_ms = 2.34; }, "taken 2.3 ms apart (median)"},
+      {"camera_frames_missing",
+       [](RunFindings& f) {
+         f.frames_missing = 3;
+         f.frames_dropped = 2;
+       },
+       "beside the 100 pairs that the cameras gave, 3 are missing, and 2 images have no partner"},
+      {"badly_exposed",
+       [](RunFindings& f) {
+         f.frames_overexposed = 20;
+         f.dark_frames = 30;
+       },
+       "of 100 pairs of images, 20 are mostly white and 0 mostly black"},
+      {"camera_outages", [](RunFindings& f) { f.outages = 2; }, "gave no frames for a while, 2 times"}};
   std::vector<std::string> codes;
   for (const Case& c : cases) {
     RunFindings findings = GoodRun();

@@ -10,14 +10,14 @@ std::string ConfigurationReference() {
   std::string text = R"(# Configuration
 
 One YAML file serves all processes (`--config FILE`); each reads its own section and `bus`. Single options are set over
-the file with `--set vo.features.orb.max_points=800`, as often as needed; the last one wins. `config/plslam.yaml` has all
-of them at their defaults, to copy from.
+the file with `--set vo.features.orb.max_points=800`; the last one wins. `config/plslam.yaml` has all of them at their
+defaults.
 
-Unknown keys, duplicate keys, wrong types and values out of bounds stop a process before the first frame, with one
-sentence that names file, line, key and the nearest known key. What a process really uses stands in its status messages
-and in `summary.json`; `plslam config --config FILE --set KEY=VALUE` prints it beforehand, with the meaning of each option.
+Unknown or duplicate keys, wrong types and values out of bounds stop a process with one sentence that names file, line
+and key. What a process uses stands in its status messages and in `summary.json`; `plslam config --config FILE` prints
+it beforehand.
 
-This file is generated from the option structs by `scripts/document`; a test compares.
+This file is generated from the option structs by `scripts/document`.
 )";
   for (const launcher::OptionSection& section : launcher::SectionsOf(defaults)) {
     text +=

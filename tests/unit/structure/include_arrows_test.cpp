@@ -55,7 +55,11 @@ const std::vector<Arrow> kArrows = {
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},
     {"core/datasets/mcap/", {"core/geometry/", "core/io/", "core/datasets/"}},
     {"core/datasets/synthetic/", {"core/geometry/", "core/io/", "core/datasets/dataset.h"}},
+    {"core/stream/",
+     {"core/geometry/", "core/io/", "core/bus/", "core/process/", "core/run/process_names.h",
+      "core/run/run_counters.h"}},
     {"player/", {"core/"}},
+    {"camera/", {"core/"}},
     {"vo_process/", {"core/"}},
     {"vo_process/stereo/", {"core/", "vo_process/options.h"}},
     {"vo_process/tracking/", {"core/", "vo_process/options.h", "vo_process/stereo/"}},
@@ -75,8 +79,8 @@ const std::vector<Arrow> kArrows = {
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",
-     {"core/", "player/options.h", "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h",
-      "viewer_headless/options.h", "tools/evaluate/", "tools/export/export_command.h",
+     {"core/", "camera/options.h", "player/options.h", "vo_process/options.h", "mapping_process/options.h",
+      "loop_process/options.h", "viewer_headless/options.h", "tools/evaluate/", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
       "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
     {"tools/calibration/", {"core/"}},
@@ -84,8 +88,9 @@ const std::vector<Arrow> kArrows = {
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };
 
-const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",         "player",          "vo_process",
-                                                  "mapping_process", "loop_process", "viewer_headless", "tools"};
+const std::vector<std::string> kProductFolders = {
+    "lcmtypes",        "core",         "camera",          "player", "vo_process",
+    "mapping_process", "loop_process", "viewer_headless", "tools"};
 
 /// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others
 /// know neither LCM nor its types.

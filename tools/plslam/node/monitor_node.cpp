@@ -91,9 +91,9 @@ MonitorNode::MonitorNode(bus::Bus& bus) : host_(bus::HostName()) {
 }
 
 void MonitorNode::OnStatus(const status_t& message) {
-  if (message.process == process_name::kPlayer) {
+  if (process_name::SendsFrames(message.process)) {
     player_heard_s_ = bus::NowS();
-    is_paused_ = bus::CounterOf(message, kPlayerPaused) > 0.0;
+    is_paused_ = bus::CounterOf(message, kSenderPaused) > 0.0;
     sent_.OnStatus(static_cast<int64_t>(bus::CounterOf(message, "frames.sent")),
                    static_cast<int64_t>(bus::CounterOf(message, "frames.bad")));
   }

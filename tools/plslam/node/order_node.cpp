@@ -2,6 +2,9 @@
 #include "tools/plslam/node/order_node.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/transport.h"
@@ -11,21 +14,23 @@
 
 namespace plslam::launcher {
 
-std::string NobodyHeard(const std::string& process, const bus::BusOptions& options, std::chrono::seconds waited) {
+std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options,
+                        std::chrono::seconds waited) {
   return fmt::format(
       "no process '{}' is heard on {} with prefix '{}' for {} s; give the --url and --prefix of the one that runs "
       "(plslam run takes a bus of its own where it has no --url), or start one",
-      process, bus::EffectiveUrl(options.url), options.prefix, waited.count());
+      fmt::join(processes, "' or '"), bus::EffectiveUrl(options.url), options.prefix, waited.count());
 }
 
-OrderNode::OrderNode(bus::Bus& bus, std::string process, std::string verb)
-    : bus_(bus), process_(std::move(process)), verb_(std::move(verb)) {
+OrderNode::OrderNode(bus::Bus& bus, std::vector<std::string> processes, std::string verb)
+    : bus_(bus), processes_(std::move(processes)), verb_(std::move(verb)) {
   bus_.Subscribe<command_answer_t>(bus::kCommandAnswer, [this](const command_answer_t& m) { OnAnswer(m); });
   bus_.Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
 }
 
 void OrderNode::OnStatus(const status_t& message) {
-  if (message.process != process_ || message.pid == pid_) return;
+  const bool ours = std::find(processes_.begin(), processes_.end(), message.process) != processes_.end();
+  if (!ours || message.pid == pid_) return;
   pid_ = message.pid;
   if (argument_ && message.uptime_s < bus::NowS() - sent_s_) Publish();
 }
@@ -39,7 +44,7 @@ void OrderNode::Send(const std::string& argument) {
 void OrderNode::Publish() {
   sent_s_ = bus::NowS();
   command_t command{};
-  command.target = process_;
+  command.target = processes_.size() == 1 ? processes_.front() : "*";
   command.verb = verb_;
   command.argument = *argument_;
   bus_.Publish(bus::kCommand, command);

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/bus/bus.h"
 
@@ -16,15 +17,15 @@ class status_t;
 
 namespace plslam::launcher {
 
-/// The sentence for a bus on which no such process ("mapping") has been heard for so long.
-std::string NobodyHeard(const std::string& process, const bus::BusOptions& options, std::chrono::seconds waited);
+/// The sentence for a bus on which none of these processes ("mapping") has been heard for so long.
+std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options, std::chrono::seconds waited);
 
 /// Gives an order to a running process, and hears what became of it. One that is started after the order was given,
 /// and before it was answered, gets it again: each may be carried out twice.
 class OrderNode {
  public:
-  /// Subscribes; `Bus::Run` delivers. `verb` as in `command_verb`.
-  OrderNode(bus::Bus& bus, std::string process, std::string verb);
+  /// Subscribes; `Bus::Run` delivers. `processes`: names, of which one is there; `verb` as in `command_verb`.
+  OrderNode(bus::Bus& bus, std::vector<std::string> processes, std::string verb);
 
   /// The order, the first time that it is called. On the thread of the bus, or before that runs.
   void Send(const std::string& argument);
@@ -39,7 +40,7 @@ class OrderNode {
   void Publish();
 
   bus::Bus& bus_;
-  const std::string process_;
+  const std::vector<std::string> processes_;
   const std::string verb_;
   std::optional<std::string> argument_;  ///< it has been sent
   double sent_s_ = 0.0;                  ///< when, of the steady clock

@@ -9,13 +9,13 @@
 #include <optional>
 #include <set>
 
-#include "player/pacing.h"
+#include "core/stream/pacing.h"
 
-namespace plslam::player {
+namespace plslam::stream {
 
-/// Where the sending thread of the player waits for its turn, and what ends the waiting: the pose of the frame that
-/// is out, a new reader that needs it again, one that needs frames before it again, or the end of the process; and
-/// where it waits while somebody has paused it.
+/// Where the thread that sends frames waits for its turn, and what ends the waiting: the pose of the frame that is out,
+/// a new reader that needs it again, one that needs frames before it again, or the end of the process; and where it
+/// waits while somebody has paused it.
 class Turn {
  public:
   using Clock = std::chrono::steady_clock;
@@ -68,4 +68,4 @@ class Turn {
   bool stopped_ = false;
 };
 
-}  // namespace plslam::player
+}  // namespace plslam::stream

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "player/node/turn.h"
+#include "core/stream/node/turn.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
 
-namespace plslam::player {
+namespace plslam::stream {
 namespace {
 
 using std::chrono::milliseconds;
@@ -125,4 +125,4 @@ TEST(Turn, StopEndsEveryWait) {
 }
 
 }  // namespace
-}  // namespace plslam::player
+}  // namespace plslam::stream

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "player/node/turn.h"
+#include "core/stream/node/turn.h"
 
 #include <utility>
 
-namespace plslam::player {
+namespace plslam::stream {
 
 void Turn::Expect(const ResumePoint& frame) {
   const std::scoped_lock lock(mutex_);
@@ -106,4 +106,4 @@ bool Turn::stopped() const {
   return stopped_;
 }
 
-}  // namespace plslam::player
+}  // namespace plslam::stream

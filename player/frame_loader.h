@@ -10,16 +10,12 @@
 #include <thread>
 
 #include "core/datasets/dataset.h"
+#include "core/stream/frame_source.h"
 #include "player/pacing.h"
 
 namespace plslam::player {
 
-/// A frame ready to be sent; or why it cannot be.
-struct LoadedFrame {
-  StereoImages images;
-  std::optional<SE3> T_w_l;
-  std::string error;
-};
+using stream::LoadedFrame;
 
 /// Reads and decodes frames ahead, on a thread of its own, so that this overlaps with the work of those who get them.
 /// The order is that of `order`, always.

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera/camera_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "camera/pipeline_text.h"
+
+namespace plslam::camera {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kTick{100};
+constexpr milliseconds kFirstPause{200};
+constexpr milliseconds kLongestPause{2000};
+/// A camera that gives nothing for so long, and for so many periods, hangs. The first image takes longer.
+constexpr milliseconds kSilence{2000};
+constexpr milliseconds kFirstSilence{10000};
+constexpr int64_t kSilentPeriods = 20;
+constexpr int64_t kUsualPeriod_ns = 50'000'000;
+/// What is not live waits meanwhile.
+constexpr size_t kEnoughWaiting = 2;
+
+int64_t Nanoseconds(double ms) { return static_cast<int64_t>(1e6 * ms); }
+
+}  // namespace
+
+CameraSource::CameraSource(LiveRig live, bool resumes, Listener listener)
+    : live_(std::move(live)),
+      listener_(std::move(listener)),
+      text_(PipelineText(live_)),
+      utc_ns_(UtcOfGstClock_ns()),
+      resumes_(resumes),
+      pairing_(Nanoseconds(live_.source.max_skew_ms)),
+      health_(live_.rig.rate_hz),
+      last_frame_(Clock::now()),
+      pause_(kFirstPause) {
+  is_live_ = !MayEnd(live_.source.type);
+  try {
+    Build();
+  } catch (const std::runtime_error& error) {
+    // One that was killed together with its cable waits for it, as it would have done before.
+    if (!resumes_ || !is_live_) throw std::runtime_error(Named(error.what()));
+    outage_ = error.what();
+  }
+}
+
+void CameraSource::Build() {
+  playing_ = false;
+  built_ = Clock::now();
+  pipeline_ = std::make_unique<CameraPipeline>(text_, &wakeup_);
+  is_live_ = pipeline_->is_live();
+}
+
+/// "rig.yaml: source.pair: WHAT".
+std::string CameraSource::Named(const std::string& what) const {
+  return fmt::format("{}: source.{}: {}", live_.path, KeyOf(live_.source.type), what);
+}
+
+int64_t CameraSource::period_ns() const {
+  return live_.rig.rate_hz > 0.0 ? static_cast<int64_t>(1e9 / live_.rig.rate_hz) : kUsualPeriod_ns;
+}
+
+/// What is not live is played anew, and passed over until there: it cannot be told where an image lies in a file.
+int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
+  behind_t_ns_ = behind ? behind->t_ns : std::numeric_limits<int64_t>::min();
+  last_frame_ = Clock::now();
+  if (playing_ && !is_live_) {
+    pipeline_.reset();
+    pairing_ = Pairing(Nanoseconds(live_.source.max_skew_ms));
+    health_ = CaptureHealth(live_.rig.rate_hz);
+    Build();
+  }
+  if (pipeline_ && !playing_) Play();
+  return 0;
+}
+
+void CameraSource::Play() {
+  pipeline_->Play();
+  playing_ = true;
+}
+
+void CameraSource::Stop() {
+  stopped_ = true;
+  wakeup_.Call();
+}
+
+void CameraSource::CheckSize(Side side, const cv::Mat& pixels) const {
+  const CameraCalibration& camera = side == Side::kLeft ? live_.rig.left : live_.rig.right;
+  if (pixels.cols == camera.width_px && pixels.rows == camera.height_px) return;
+  throw std::runtime_error(Named(fmt::format(
+      "the {0} images are of {1}x{2} pixels, and {0}.resolution_px says {3}x{4}: set the camera to "
+      "the size that it was calibrated at",
+      side == Side::kLeft ? "left" : "right", pixels.cols, pixels.rows, camera.width_px, camera.height_px)));
+}
+
+bool CameraSource::Take(Side side) {
+  if (!is_live_ && pairing_.waiting(side) >= kEnoughWaiting) return false;
+  std::optional<CapturedImage> image;
+  try {
+    image = pipeline_->Take(side);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(Named(error.what()));
+  }
+  if (!image) {
+    return pipeline_->ended(side) && pairing_.End(side);
+  }
+  CheckSize(side, image->pixels);
+  if (is_live_) image->t_ns += utc_ns_;
+  last_images_[static_cast<size_t>(side)] = Clock::now();
+  pairing_.Add(side, std::move(*image));
+  return true;
+}
+
+bool CameraSource::IsOver() {
+  const auto is_over = [this](Side side) { return pipeline_->ended(side) && pairing_.waiting(side) == 0; };
+  return is_over(Side::kLeft) || is_over(Side::kRight);
+}
+
+std::string CameraSource::Silence() const {
+  const auto limit = std::max<std::chrono::nanoseconds>(had_frames_ ? kSilence : kFirstSilence,
+                                                        std::chrono::nanoseconds(kSilentPeriods * period_ns()));
+  const auto since = Clock::now() - limit;
+  if (std::max(last_frame_, built_) > since) return "";
+  const bool left = last_images_[0] > since, right = last_images_[1] > since;
+  if (left != right) return fmt::format("the {} camera gives no images", left ? "right" : "left");
+  return left ? "left and right images have no times in common (source.max_skew_ms)" : "the cameras give no images";
+}
+
+void CameraSource::TakeImages() {
+  if (!pipeline_) return BuildAgain();
+  const bool left = Take(Side::kLeft), right = Take(Side::kRight);
+  if (left || right) return;
+  std::string failure = pipeline_->Failure();
+  if (failure.empty() && is_live_) {
+    failure = IsOver() ? "the stream has ended" : Silence();
+  }
+  if (!failure.empty()) return OnFailure(failure);
+  wakeup_.WaitFor(kTick);
+}
+
+void CameraSource::OnFailure(const std::string& why) {
+  if (!is_live_ || (!had_frames_ && !resumes_)) throw std::runtime_error(Named(why));
+  outage_ = why;
+  pairing_.Clear();
+  health_.Interrupt();
+  // Devices are let go before they are opened again.
+  pipeline_.reset();
+}
+
+/// Tries it once. Whether frames come is seen later.
+void CameraSource::BuildAgain() {
+  listener_.on_outage(outage_);
+  const std::chrono::duration<double> silent = Clock::now() - last_frame_;
+  if (silent.count() > live_.source.give_up_s) {
+    throw std::runtime_error(
+        Named(fmt::format("no frames for {:.0f} s (source.give_up_s = {}): {}; check cable and power of the cameras",
+                          silent.count(), live_.source.give_up_s, outage_)));
+  }
+  const auto until = Clock::now() + pause_;
+  while (!stopped_ && Clock::now() < until) wakeup_.WaitFor(kTick);
+  if (stopped_) return;
+  pause_ = std::min(2 * pause_, kLongestPause);
+  try {
+    Build();
+    Play();
+  } catch (const std::runtime_error& error) {
+    outage_ = error.what();
+  }
+}
+
+stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
+  health_.Add(pair);
+  listener_.on_frame(health_, pairing_);
+  had_frames_ = true;
+  last_frame_ = Clock::now();
+  if (!outage_.empty()) listener_.on_outage("");
+  outage_.clear();
+  pause_ = kFirstPause;
+  stream::LoadedFrame frame;
+  frame.images.t_ns = pair.left.t_ns;
+  frame.images.left = std::move(pair.left.pixels);
+  frame.images.right = std::move(pair.right.pixels);
+  return frame;
+}
+
+/// A source without a single frame is none.
+std::optional<stream::LoadedFrame> CameraSource::End() const {
+  constexpr Clock::time_point kNever{};
+  const bool resumed = behind_t_ns_ != std::numeric_limits<int64_t>::min();
+  if (had_frames_ || resumed) return std::nullopt;
+  if (last_images_[0] == kNever || last_images_[1] == kNever) {
+    throw std::runtime_error(Named("the stream has ended without images of both cameras"));
+  }
+  throw std::runtime_error(Named(fmt::format(
+      "the stream has ended without a pair: left and right images are further apart than source.max_skew_ms = {}",
+      live_.source.max_skew_ms)));
+}
+
+std::optional<stream::LoadedFrame> CameraSource::Next() {
+  while (!stopped_) {
+    if (std::optional<CapturedPair> pair = pairing_.Pop()) {
+      if (pair->left.t_ns > behind_t_ns_) return MakeFrame(std::move(*pair));
+      continue;
+    }
+    if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {
+      // One that fails ends its streams, too, after it has said so.
+      const std::string failure = pipeline_->Failure();
+      if (failure.empty()) return End();
+      OnFailure(failure);
+    }
+    TakeImages();
+  }
+  return std::nullopt;
+}
+
+}  // namespace plslam::camera

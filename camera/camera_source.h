@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "camera/camera_pipeline.h"
+#include "camera/capture_health.h"
+#include "camera/pairing.h"
+#include "camera/rig_file.h"
+#include "camera/wakeup.h"
+#include "core/stream/frame_source.h"
+
+namespace plslam::camera {
+
+/// Frames of two live cameras, or of two video files, through GStreamer.
+///
+/// Times of live frames are UTC: the capture time that the driver gives, on a steady clock, and the difference of UTC
+/// from that clock at the start. Those of files count from their begin. A pipeline of live cameras that fails, ends
+/// or falls silent is built again, with pauses that grow, until frames come; `give_up_s` after the last frame it is
+/// given up, and `Next` throws. At the start there is nothing to wait for: a failure is thrown at once, unless
+/// frames go on behind those of a process that was killed.
+class CameraSource : public stream::FrameSource {
+ public:
+  struct Listener {
+    /// After each frame: numbers for the status.
+    std::function<void(const CaptureHealth& health, const Pairing& pairing)> on_frame;
+    /// Frames do not come any more, and why; empty: they come again.
+    std::function<void(const std::string& why)> on_outage;
+  };
+
+  /// Throws std::runtime_error where the pipeline cannot be built.
+  CameraSource(LiveRig live, bool resumes, Listener listener);
+
+  std::string name() const override { return live_.path; }
+  const RigCalibration& rig() const override { return live_.rig; }
+  int64_t size() const override { return -1; }
+  int64_t period_ns() const override;
+  bool is_live() const override { return is_live_; }
+  int64_t Begin(const std::optional<stream::ResumePoint>& behind) override;
+  std::optional<stream::LoadedFrame> Next() override;
+  void Stop() override;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void Build();
+  void Play();
+  void TakeImages();
+  bool Take(Side side);
+  bool IsOver();
+  std::optional<stream::LoadedFrame> End() const;
+  void OnFailure(const std::string& why);
+  void BuildAgain();
+  void CheckSize(Side side, const cv::Mat& pixels) const;
+  std::string Silence() const;
+  std::string Named(const std::string& what) const;
+  stream::LoadedFrame MakeFrame(CapturedPair pair);
+
+  const LiveRig live_;
+  const Listener listener_;
+  const std::string text_;
+  const int64_t utc_ns_;
+  const bool resumes_;
+  bool is_live_ = false;
+  Wakeup wakeup_;
+  std::atomic<bool> stopped_ = false;
+  std::unique_ptr<CameraPipeline> pipeline_;
+  bool playing_ = false;
+  Pairing pairing_;
+  CaptureHealth health_;
+  int64_t behind_t_ns_ = std::numeric_limits<int64_t>::min();
+  bool had_frames_ = false;
+  Clock::time_point last_frame_;
+  std::array<Clock::time_point, 2> last_images_;
+  Clock::time_point built_;
+  std::chrono::milliseconds pause_;
+  std::string outage_;  // why no frames come; empty: they do
+};
+
+}  // namespace plslam::camera

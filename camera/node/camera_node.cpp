@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera/node/camera_node.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "camera/rig_file.h"
+#include "core/run/run_counters.h"
+#include "core/run/run_warnings.h"
+
+namespace plslam::camera {
+namespace {
+
+/// Looked at, from so many frames on.
+constexpr int64_t kEnoughPairs = 50;
+
+stream::SenderOptions SenderOptionsOf(const CameraOptions& options) {
+  return {stream::ParsePace(options.pace), false, options.exit, options.resume_after,
+          options.paused};
+}
+
+std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOptions& options, HealthReport* report) {
+  if (options.rig.empty()) throw std::runtime_error("no rig file is named: camera RIG.yaml (--help tells more)");
+  const stream::Pace pace = stream::ParsePace(options.pace);
+  CameraSource::Listener listener;
+  listener.on_frame = [report](const auto& health, const auto& pairing) { report->OnFrame(health, pairing); };
+  listener.on_outage = [report](const std::string& why) { report->OnOutage(why); };
+  auto source = std::make_unique<CameraSource>(ReadRigFile(options.rig), !options.resume_after.empty(), listener);
+  if (source->is_live() && (pace.lockstep || pace.speed != 1.0)) {
+    throw std::runtime_error(
+        fmt::format("{}: camera.pace = {}: live cameras wait for nobody; use realtime", options.rig, options.pace));
+  }
+  CameraOptions shown = options;
+  process.SetConfiguration(ToYaml("camera", shown));
+  return source;
+}
+
+}  // namespace
+
+void HealthReport::Count(const CaptureHealth& health, const Pairing& pairing) {
+  process_.SetCounter("frames.rate_hz", health.rate_hz());
+  process_.SetCounter(kFramesCaptured, static_cast<double>(health.pairs()));
+  process_.SetCounter(kSkew, health.skew_ms());
+  process_.SetCounter(kFramesMissing, static_cast<double>(health.missing()));
+  process_.SetCounter(kDroppedLeft, static_cast<double>(pairing.dropped(Side::kLeft)));
+  process_.SetCounter(kDroppedRight, static_cast<double>(pairing.dropped(Side::kRight)));
+  process_.SetCounter(kOverexposed, static_cast<double>(health.overexposed()));
+  process_.SetCounter(kUnderexposed, static_cast<double>(health.underexposed()));
+}
+
+void HealthReport::Warn(const std::string& what, const std::string& sentence) {
+  if (!told_.insert(what).second) return;
+  spdlog::warn("{}", sentence);
+  process_.SetReason(sentence);
+}
+
+void HealthReport::OnFrame(const CaptureHealth& health, const Pairing& pairing) {
+  Count(health, pairing);
+  if (health.pairs() % kEnoughPairs != 0) return;
+  RunFindings findings;
+  findings.frames_captured = static_cast<double>(health.pairs());
+  findings.skew_ms = health.skew_ms();
+  findings.frames_missing = static_cast<double>(health.missing());
+  findings.frames_dropped = static_cast<double>(pairing.dropped(Side::kLeft) + pairing.dropped(Side::kRight));
+  findings.frames_overexposed = static_cast<double>(health.overexposed());
+  findings.frames_underexposed = static_cast<double>(health.underexposed());
+  for (const RunWarning& warning : CameraWarningsOf(findings)) Warn(warning.code, warning.sentence);
+}
+
+void HealthReport::OnOutage(const std::string& why) {
+  if (why.empty()) {
+    spdlog::info("frames come again");
+    process_.SetReason("");
+  } else if (!is_out_) {
+    process_.SetCounter(kOutages, static_cast<double>(++outages_));
+    spdlog::warn("no frames: {}; it is tried again", why);
+    process_.SetReason(fmt::format("no frames: {}", why));
+  }
+  is_out_ = !why.empty();
+}
+
+CameraNode::CameraNode(bus::Process& process, const CameraOptions& options)
+    : report_(process), sender_(process, Open(process, options, &report_), SenderOptionsOf(options)) {}
+
+}  // namespace plslam::camera

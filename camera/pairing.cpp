@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera/pairing.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+namespace plslam::camera {
+namespace {
+
+/// Of one camera while the other one gives none.
+constexpr size_t kMostWaiting = 32;
+
+}  // namespace
+
+void Pairing::Drop(Camera* camera) {
+  camera->images.pop_front();
+  if (had_pair_) ++camera->dropped;
+}
+
+void Pairing::Add(Side side, CapturedImage image) {
+  Camera& camera = Of(side);
+  if (image.t_ns <= camera.newest_t_ns) {
+    ++camera.dropped;
+    return;
+  }
+  if (camera.newest_t_ns != std::numeric_limits<int64_t>::min()) {
+    const int64_t step_ns = image.t_ns - camera.newest_t_ns;
+    camera.shortest_step_ns = camera.shortest_step_ns == 0 ? step_ns : std::min(camera.shortest_step_ns, step_ns);
+  }
+  camera.newest_t_ns = image.t_ns;
+  camera.images.push_back(std::move(image));
+  if (camera.images.size() > kMostWaiting) Drop(&camera);
+}
+
+bool Pairing::End(Side side) { return !std::exchange(Of(side).ended, true); }
+
+void Pairing::Clear() {
+  for (Camera& camera : cameras_) {
+    camera.images.clear();
+    camera.ended = false;
+  }
+}
+
+Pairing::Verdict Pairing::Judge(const Camera& earlier, const Camera& later) const {
+  const int64_t t_ns = later.images.front().t_ns;
+  const int64_t skew_ns = t_ns - earlier.images.front().t_ns;
+  if (skew_ns > max_skew_ns_) return Verdict::kDropEarlier;
+  if (earlier.images.size() > 1) {
+    return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Verdict::kDropEarlier : Verdict::kPair;
+  }
+  // The next image of the earlier camera would have to come within this time to be nearer.
+  const bool is_nearest = skew_ns == 0 || 2 * skew_ns <= earlier.shortest_step_ns;
+  return is_nearest || earlier.ended ? Verdict::kPair : Verdict::kUnknown;
+}
+
+std::optional<CapturedPair> Pairing::Pop() {
+  Camera& left = Of(Side::kLeft);
+  Camera& right = Of(Side::kRight);
+  while (!left.images.empty() && !right.images.empty()) {
+    const bool left_first = left.images.front().t_ns <= right.images.front().t_ns;
+    Camera& earlier = left_first ? left : right;
+    const Verdict verdict = Judge(earlier, left_first ? right : left);
+    if (verdict == Verdict::kUnknown) return std::nullopt;
+    if (verdict == Verdict::kPair) {
+      had_pair_ = true;
+      CapturedPair pair{std::move(left.images.front()), std::move(right.images.front())};
+      left.images.pop_front();
+      right.images.pop_front();
+      return pair;
+    }
+    Drop(&earlier);
+  }
+  return std::nullopt;
+}
+
+}  // namespace plslam::camera

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+namespace plslam::camera {
+
+enum class Side { kLeft = 0, kRight = 1 };
+
+struct CapturedImage {
+  int64_t t_ns = 0;
+  cv::Mat pixels;
+};
+
+struct CapturedPair {
+  CapturedImage left;
+  CapturedImage right;
+};
+
+/// Puts images of two cameras together by their times: each goes with the nearest one of the other camera, at most
+/// `max_skew_ns` apart. Images without a partner are dropped, and counted from the first pair on, since cameras do not
+/// start at once. So are those that are not later than the one before of their camera.
+///
+/// A pair is given as soon as no later image can be nearer: at once where the camera whose image is the earlier one
+/// has never taken two images in so short a time, otherwise (the first time, mostly) with its next image. The result
+/// depends on the order in each camera only, not on how the two come in turns.
+class Pairing {
+ public:
+  explicit Pairing(int64_t max_skew_ns) : max_skew_ns_(max_skew_ns) {}
+
+  void Add(Side side, CapturedImage image);
+  /// No more images of this camera will come. False where that is no news.
+  bool End(Side side);
+  /// The next pair that is sure; nullopt where images are lacking.
+  std::optional<CapturedPair> Pop();
+
+  /// Images that wait for a partner.
+  size_t waiting(Side side) const { return Of(side).images.size(); }
+  int64_t dropped(Side side) const { return Of(side).dropped; }
+  /// Forgets the images that wait, which are not counted; more may come of both cameras.
+  void Clear();
+
+ private:
+  struct Camera {
+    std::deque<CapturedImage> images;
+    bool ended = false;
+    int64_t newest_t_ns = std::numeric_limits<int64_t>::min();
+    int64_t shortest_step_ns = 0;  // 0: not known
+    int64_t dropped = 0;
+  };
+
+  Camera& Of(Side side) { return cameras_[static_cast<size_t>(side)]; }
+  const Camera& Of(Side side) const { return cameras_[static_cast<size_t>(side)]; }
+  void Drop(Camera* camera);
+  enum class Verdict { kPair, kDropEarlier, kUnknown };
+  Verdict Judge(const Camera& earlier, const Camera& later) const;
+
+  int64_t max_skew_ns_;
+  std::array<Camera, 2> cameras_;
+  bool had_pair_ = false;
+};
+
+}  // namespace plslam::camera

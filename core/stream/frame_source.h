@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+#include "core/io/images/image_file.h"
+#include "core/stream/pacing.h"
+
+namespace plslam::stream {
+
+/// A frame ready to be sent; or why it cannot be.
+struct LoadedFrame {
+  StereoImages images;
+  std::optional<SE3> T_w_l;
+  std::string error;
+};
+
+/// Where stereo frames come from, in order: a dataset or cameras. `Begin` and `Next` are called on one thread, `Stop`
+/// on any.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+
+  virtual std::string name() const = 0;
+  virtual const RigCalibration& rig() const = 0;
+  /// Number of frames; -1 where it is not known.
+  virtual int64_t size() const = 0;
+  /// Mean distance in time of the frames, as far as it is known before the first one.
+  virtual int64_t period_ns() const = 0;
+  /// Frames come when they are taken, and cannot wait for anybody.
+  virtual bool is_live() const { return false; }
+  /// There is a recorded truth, of whatever frames.
+  virtual bool HasRecordedTruth() const { return false; }
+
+  /// Begins, from the first frame or with the first one behind a frame that has been sent already; before frames are
+  /// asked for, and again whenever older frames are wanted once more. Returns how many of those passed over were
+  /// never sent, since they could not be read.
+  virtual int64_t Begin(const std::optional<ResumePoint>& behind) = 0;
+  /// Waits for the next frame. nullopt after the last one, and after `Stop`. Throws where there will be no more.
+  virtual std::optional<LoadedFrame> Next() = 0;
+  /// Ends `Next` for good.
+  virtual void Stop() = 0;
+};
+
+}  // namespace plslam::stream

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/bus/messages/frame_channel.h"
+#include "core/process/process.h"
+#include "core/stream/frame_source.h"
+#include "core/stream/node/turn.h"
+#include "core/stream/pacing.h"
+
+namespace plslam {
+class command_t;
+}  // namespace plslam
+
+namespace plslam::stream {
+
+struct SenderOptions {
+  Pace pace;
+  /// Pass over frames that cannot be read.
+  bool skip_bad = false;
+  /// End the process when all is sent and acknowledged.
+  bool exit = false;
+  /// Go on behind this frame ("ID@T_NS"), or behind the newest that a pose on the bus is of (`kResumeFromBus`).
+  std::string resume_after;
+  /// Sends no new frame before an order to resume.
+  bool paused = false;
+};
+
+/// Sends the frames of a source to the bus: the rig at 1 Hz, and on a thread of its own the begin of the stream, true
+/// poses, frames and the end of the stream.
+///
+/// In lockstep frame n + 1 goes out when a POSE of frame n has come back; without a reader it waits, and the status
+/// of the process says so. A vo_process that starts anew in between gets the pending frame again (the old one may
+/// have taken it with it), so readers must expect a frame id twice. A frame that cannot be read ends the stream and
+/// the process, or is counted.
+///
+/// Where a vo_process that was started again wants frames once more (the command "go_back"), lockstep goes back to
+/// them.
+///
+/// Somebody may pause it: then no frame goes out that has not been out before. Those of live cameras are lost.
+///
+/// A process that is started in the place of one that was killed goes on behind the frames that have been answered
+/// (`resume_after`), with continuing numbers.
+class FrameSender {
+ public:
+  /// Throws std::runtime_error for a resume point that is none. The process is ready then.
+  FrameSender(bus::Process& process, std::unique_ptr<FrameSource> source, const SenderOptions& options);
+  ~FrameSender();
+
+ private:
+  void SendAll();
+  bool SendRest();
+  std::optional<LoadedFrame> NextFrame();
+  bool WaitForReaders(bool silent_too = false);
+  bool IsGoneBack();
+  bool Begin(const std::optional<ResumePoint>& resume);
+  void OnCommand(const command_t& command);
+  void OnGoBack(const command_t& command);
+  void SetPaused(bool paused);
+  std::optional<ResumePoint> WhereToResume();
+  enum class Sent { kAnswered, kGoBack, kStopped };
+  Sent Send(const LoadedFrame& frame);
+  std::optional<Sent> WaitWhilePaused(int64_t frame_id);
+  Sent WaitForPose(const LoadedFrame& frame);
+  bool WaitUntilDue(int64_t t_ns);
+  void PassOver(const LoadedFrame& frame);
+  void PublishRig();
+  void PublishTruth(const LoadedFrame& frame);
+  void PublishEnd();
+  void PublishStream(const char* event, int64_t n_frames);
+
+  bus::Process& process_;
+  const SenderOptions options_;
+  const std::unique_ptr<FrameSource> source_;
+  std::optional<ResumePoint> resume_;  // where the options name it
+  RealtimeClock clock_;
+  bus::FramePublisher publisher_;
+  Turn turn_;
+  int64_t n_sent_ = 0;
+  int64_t newest_sent_ = -1;  ///< number of a frame
+  int64_t n_bad_ = 0;
+  int64_t n_late_ = 0;
+  int64_t n_true_ = 0;
+  int64_t n_without_truth_ = 0;
+  bool running_ = false;
+  std::thread sender_;
+};
+
+}  // namespace plslam::stream

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "player/dataset_source.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/datasets/camera_file.h"
+#include "core/datasets/open_dataset.h"
+
+namespace plslam::player {
+namespace {
+
+constexpr size_t kFramesAhead = 2;
+
+std::unique_ptr<Dataset> Open(const PlayerOptions& options) {
+  if (options.dataset.empty()) throw std::runtime_error("no dataset is named: player DATASET (--help tells more)");
+  std::unique_ptr<Dataset> dataset =
+      ShiftRightImages(OpenDataset(options.dataset, options.kind), static_cast<int>(options.right_offset_frames));
+  for (const std::string& note : dataset->Notes()) spdlog::warn("{}: {}", dataset->name(), note);
+  return dataset;
+}
+
+RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
+  const auto add = [](const char* key, const std::string& path, CameraCalibration* camera) {
+    if (path.empty()) return;
+    try {
+      AddMaskImage(path, camera);
+    } catch (const DatasetError& error) {
+      throw DatasetError(fmt::format("player.{} = {}", key, error.what()));
+    }
+  };
+  add("mask_left", options.mask_left, &rig.left);
+  add("mask_right", options.mask_right, &rig.right);
+  return rig;
+}
+
+PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
+  std::vector<int64_t> times_ns(static_cast<size_t>(dataset.size()));
+  for (int i = 0; i < dataset.size(); ++i) times_ns[static_cast<size_t>(i)] = dataset.t_ns(i);
+  return {times_ns, options, dataset.rig().rate_hz};
+}
+
+/// A hole in the dataset is told before the first frame, not when the run has come to it.
+void CheckFilesAreThere(const Dataset& dataset, const PlayOrder& order, bool skip_bad) {
+  std::string first;
+  int n = 0;
+  for (const PlayOrder::Item& item : order.pass()) {
+    const std::string missing = dataset.Missing(item.index);
+    if (missing.empty()) continue;
+    ++n;
+    if (first.empty()) first = missing;
+  }
+  if (n == 0) return;
+  const std::string sentence = fmt::format("{}; {} of {} frames lack an image", first, n, order.pass().size());
+  if (!skip_bad) throw DatasetError(sentence + " (--skip-bad passes over them)");
+  spdlog::warn("{}", sentence);
+}
+
+}  // namespace
+
+DatasetSource::DatasetSource(const PlayerOptions& options)
+    : dataset_(Open(options)), rig_(WithMasks(dataset_->rig(), options)), order_(Order(*dataset_, options)) {
+  CheckFilesAreThere(*dataset_, order_, options.skip_bad);
+}
+
+int64_t DatasetSource::Begin(const std::optional<stream::ResumePoint>& behind) {
+  PlayOrder order = order_;
+  const int64_t skipped = behind ? order.SkipTo(behind->t_ns) : 0;
+  const std::scoped_lock lock(mutex_);
+  loader_.reset();
+  if (!stopped_) loader_.emplace(*dataset_, std::move(order), kFramesAhead);
+  return behind ? std::max<int64_t>(0, skipped - behind->frame_id - 1) : 0;
+}
+
+std::optional<LoadedFrame> DatasetSource::Next() { return loader_ ? loader_->Next() : std::nullopt; }
+
+void DatasetSource::Stop() {
+  const std::scoped_lock lock(mutex_);
+  stopped_ = true;
+  if (loader_) loader_->Stop();
+}
+
+}  // namespace plslam::player

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/bus/transport/wire.h"
+#include "lcmtypes/message_layout.h"
+
+struct _lcm_t;
+
+namespace plslam::bus {
+
+/// LCM as other programs speak it: bytes as they come, messages above one datagram cut into fragments by LCM itself.
+/// Nothing is repaired, and nothing that is received has been checked (`CheckedMessage`).
+class StockLcm {
+ public:
+  /// Empty: LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error with one sentence that begins with `option`,
+  /// which the URL is of.
+  StockLcm(const std::string& url, const std::string& option);
+  ~StockLcm();
+  StockLcm(const StockLcm&) = delete;
+  StockLcm& operator=(const StockLcm&) = delete;
+
+  /// `take` is called by `Handle`. Of a slow reader a few messages wait; the others are lost.
+  void Subscribe(const std::string& channel, std::function<void(ByteView)> take);
+
+  /// Delivers what comes within this time. False where nothing more will come: a log is at its end. What `take`
+  /// throws leaves here.
+  bool Handle(int timeout_ms);
+
+  /// Safe from any thread. False where LCM cannot send, as to a relay that is gone.
+  bool Publish(const std::string& channel, ByteView bytes);
+
+ private:
+  struct Subscription {
+    std::function<void(ByteView)> take;
+    std::exception_ptr* failure = nullptr;
+  };
+
+  std::string url_;
+  _lcm_t* lcm_ = nullptr;
+  std::exception_ptr failure_;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+};
+
+/// The message of a foreign type that has this layout; nullopt where its bytes are not one, or lie about their sizes.
+template <class Message>
+std::optional<Message> CheckedMessage(const MessageLayout& layout, ByteView bytes) {
+  return MessageLength(layout, bytes) ? Decoded<Message>(bytes) : std::nullopt;
+}
+
+}  // namespace plslam::bus

@@ -183,8 +183,8 @@ void Write(std::ostream& out, const std::string& header, const std::string& func
   for (const auto& [title, s] : structs) WriteStruct(out, structs, s);
   out << "constexpr MessageLayout kLayouts[] = {\n";
   for (const auto& [title, s] : structs) {
-    out << "    {\"" << title << "\", &::" << s.package << "::" << s.name << "::getHash, k_" << s.Identifier() << ", &"
-        << function << "},\n";
+    out << "    {\"" << title << "\", &::" << s.package << "::" << s.name << "::getHash, k_" << s.Identifier()
+        << ", &" << function << "},\n";
   }
   out << "};\n\n}  // namespace\n\nstd::span<const MessageLayout> " << function << "() { return kLayouts; }\n\n"
       << "}  // namespace plslam\n";

@@ -8,11 +8,12 @@ namespace plslam {
 /// What processes call themselves in `status_t.process` and `command_t.target`.
 namespace process_name {
 inline constexpr const char* kPlayer = "player";
+inline constexpr const char* kAdapter = "adapter";
 inline constexpr const char* kVo = "vo";
 inline constexpr const char* kMapping = "mapping";
 inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
-inline constexpr std::array kAll = {kPlayer, kVo, kMapping, kLoop, kViewer};
+inline constexpr std::array kAll = {kPlayer, kAdapter, kVo, kMapping, kLoop, kViewer};
 }  // namespace process_name
 
 /// `status_t.state`, in the order in which a process goes through them; failed from anywhere.

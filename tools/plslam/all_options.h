@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapter/options.h"
 #include "core/bus/options.h"
 #include "core/config/config.h"
 #include "loop_process/options.h"
@@ -18,6 +19,7 @@ namespace plslam::launcher {
 struct AllOptions {
   bus::BusOptions bus;
   player::PlayerOptions player;
+  adapter::AdapterOptions adapter;
   vo::VoOptions vo;
   mapping::MappingOptions mapping;
   loop::LoopOptions loop;
@@ -34,6 +36,7 @@ struct OptionSection {
 inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
   return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
           {"player", "What is played, and how.", ListFields(all.player)},
+          {"adapter", "A robot that speaks LCM.", ListFields(all.adapter)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},
           {"loop", "Places seen before (PL-SLAM §VI).", ListFields(all.loop)},

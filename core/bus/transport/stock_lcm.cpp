@@ -47,8 +47,8 @@ StockLcm::StockLcm(const std::string& url, const std::string& option) : url_(Url
 StockLcm::~StockLcm() { lcm_destroy(lcm_); }
 
 void StockLcm::Subscribe(const std::string& channel, std::function<void(ByteView)> take) {
-  const auto& subscription = subscriptions_.emplace_back(
-      std::make_unique<Subscription>(Subscription{std::move(take), &failure_}));
+  const auto& subscription =
+      subscriptions_.emplace_back(std::make_unique<Subscription>(Subscription{std::move(take), &failure_}));
   // An exception must not pass through LCM, which is C.
   const auto handler = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
     const auto& self = *static_cast<const Subscription*>(user);

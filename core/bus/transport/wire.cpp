@@ -56,8 +56,7 @@ class Walker {
  private:
   static constexpr size_t kMaxMembers = 32;
 
-  bool Member(const MessageLayout& owner, const LayoutMember& member,
-              const std::array<int32_t, kMaxMembers>& sizes) {
+  bool Member(const MessageLayout& owner, const LayoutMember& member, const std::array<int32_t, kMaxMembers>& sizes) {
     size_t count = 1;
     for (const LayoutDimension& dimension : member.dimensions) {
       const int32_t extent = dimension.size_member < 0 ? dimension.constant : sizes[dimension.size_member];

@@ -114,10 +114,10 @@ cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
                                    expected.width, expected.height));
   }
   const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
+  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
   const auto n_bytes = static_cast<int64_t>(image.data.size());
-  if (expected.empty() || image.step_bytes < row_bytes ||
-      n_bytes < image.step_bytes * (expected.height - 1) + row_bytes) {
-    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, image.step_bytes,
+  if (expected.empty() || step_bytes < row_bytes || n_bytes < step_bytes * (expected.height - 1) + row_bytes) {
+    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
                                    image.width_px, image.height_px, encoding.name));
   }
   if (image.is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
@@ -125,7 +125,7 @@ cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
   }
   cv::Mat pixels(expected, encoding.type);
   for (int y = 0; y < expected.height; ++y) {
-    std::copy_n(image.data.data() + image.step_bytes * y, row_bytes, pixels.ptr(y));
+    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
   }
   if (encoding.is_rgb) {
     cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);

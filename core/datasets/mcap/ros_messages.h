@@ -84,7 +84,7 @@ RosCameraInfo ParseCameraInfo(std::span<const uint8_t> cdr);
 /// What an Image says of its pixels; nothing of it has been checked.
 struct RosPixels {
   int64_t width_px = 0, height_px = 0;
-  int64_t step_bytes = 0;  ///< from one row to the next
+  int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
   std::string encoding;    ///< "mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8"
   bool is_big_endian = false;
   std::span<const uint8_t> data;

@@ -19,6 +19,9 @@ int main(int argc, char** argv) {
     return std::make_shared<plslam::adapter::AdapterNode>(process, command_line.Options(config));
   };
   spec.waits_for = "images";
-  spec.results = {{"frames.sent", "frames"}, {"frames.rejected", "rejected"}, {"poses.sent", "poses"}};
+  spec.results = {{"frames.sent", "frames"},
+                  {"frames.unpaired", "unpaired"},
+                  {"frames.rejected", "rejected"},
+                  {"poses.sent", "poses"}};
   return plslam::bus::RunProcess(argc, argv, spec);
 }

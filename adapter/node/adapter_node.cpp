@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "adapter/node/adapter_node.h"
 
-#include <chrono>
-
 #include "core/bus/run_loop.h"
 
 namespace plslam::adapter {
 namespace {
 
 constexpr const char* kUrlOption = "adapter.foreign_url";
-constexpr std::chrono::milliseconds kTick{1000};
 constexpr int kWait_ms = 100;
 
 }  // namespace
@@ -25,13 +22,15 @@ AdapterNode::AdapterNode(bus::Process& process, const AdapterOptions& options)
                .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}) {
   AdapterOptions shown = options;
   process_.SetConfiguration(ToYaml("adapter", shown));
-  images_.Tick();
   listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });
+  worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { images_.Work(); }); });
 }
 
 AdapterNode::~AdapterNode() {
   stopped_ = true;
+  images_.Stop();
   listener_.join();
+  worker_.join();
 }
 
 void AdapterNode::SetBody(const SE3& T_b_c) {
@@ -40,13 +39,9 @@ void AdapterNode::SetBody(const SE3& T_b_c) {
 }
 
 void AdapterNode::Listen() {
-  auto due = std::chrono::steady_clock::now();
   while (!stopped_) {
     if (!poses_and_images_.Handle(kWait_ms)) return process_.Finish();
-    const auto now = std::chrono::steady_clock::now();
-    if (now < due) continue;
-    images_.Tick();
-    due = now + kTick;
+    process_.SetCounter("messages.lost", static_cast<double>(poses_and_images_.lost()));
   }
 }
 

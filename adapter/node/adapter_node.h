@@ -38,6 +38,7 @@ class AdapterNode {
   ImageSource images_;
   std::atomic<bool> stopped_ = false;
   std::thread listener_;
+  std::thread worker_;
 };
 
 }  // namespace plslam::adapter

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 
 #include "core/bus/messages/convert.h"
@@ -18,6 +19,9 @@ namespace plslam::adapter {
 namespace {
 
 constexpr double kNsPerMs = 1e6;
+constexpr std::chrono::milliseconds kTick{1000};
+/// Messages that wait: two pairs of images. What is older is of no use to a robot that moves.
+constexpr size_t kRoom = 4;
 
 /// Throws DatasetError where vo_process could do nothing with it.
 void CheckRig(const RigCalibration& rig) {
@@ -47,6 +51,7 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
       left_info_(GivenOr(options.left_info, options.left)),
       right_info_(GivenOr(options.right_info, options.right)),
       listener_(std::move(listener)),
+      inbox_(kRoom),
       publisher_(process.bus(), false),
       pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
   if (!options_.camera.empty()) {
@@ -60,8 +65,9 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
 }
 
 void ImageSource::Subscribe(bus::StockLcm& foreign) {
-  const auto listen = [&](const std::string& channel, const std::function<void(MessageBytes)>& take) {
-    foreign.Subscribe(channel, [this, channel, take](MessageBytes bytes) { Guarded(channel, [&] { take(bytes); }); });
+  const auto listen = [&](const std::string& name, std::function<void(MessageBytes)> take) {
+    foreign.Subscribe(name, [this, i = channels_.size()](MessageBytes bytes) { inbox_.Put(i, bytes); });
+    channels_.push_back({name, std::move(take)});
   };
   if (!options_.images.empty()) {
     listen(options_.images, [this](MessageBytes bytes) {
@@ -77,13 +83,27 @@ void ImageSource::Subscribe(bus::StockLcm& foreign) {
   listen(right_info_, [this](MessageBytes bytes) { OnInfo(Side::kRight, bytes); });
 }
 
+void ImageSource::Work() {
+  auto due = std::chrono::steady_clock::now();
+  while (!inbox_.stopped()) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= due) {
+      Tick();
+      due = now + kTick;
+    }
+    const auto limit = std::chrono::ceil<std::chrono::milliseconds>(due - now);
+    if (const auto message = inbox_.Take(limit)) Handle(*message);
+  }
+}
+
 /// What is wrong with one message is no reason to end.
-void ImageSource::Guarded(const std::string& channel, const std::function<void()>& take) {
+void ImageSource::Handle(const Inbox::Message& message) {
+  const Channel& channel = channels_[message.channel];
   try {
-    take();
+    channel.take(message.bytes);
   } catch (const DatasetError& error) {
     process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
-    complaints_.Tell(fmt::format("a message on {} {}", Shown(channel), error.what()));
+    complaints_.Tell(fmt::format("a message on {} {}", Shown(channel.name), error.what()));
   }
 }
 
@@ -144,6 +164,7 @@ void ImageSource::Publish(StereoImages images) {
 
 void ImageSource::Tick() {
   if (rig_) PublishRig();
+  process_.SetCounter("frames.dropped", static_cast<double>(inbox_.dropped()));
   if (n_sent_ == 0) process_.SetReason(WhatIsMissing());
 }
 

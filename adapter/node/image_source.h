@@ -6,11 +6,13 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "adapter/foreign_image.h"
 #include "adapter/frame_numbers.h"
 #include "adapter/node/complaints.h"
 #include "adapter/node/foreign_messages.h"
+#include "adapter/node/inbox.h"
 #include "adapter/options.h"
 #include "adapter/stamp_pairing.h"
 #include "core/bus/messages/frame_channel.h"
@@ -22,8 +24,9 @@ namespace plslam::adapter {
 /// Foreign images to frames of the bus: pairs them, makes them grey, numbers and publishes them as a live stream, and
 /// with them the rig, from a file or from the robot's own messages.
 ///
-/// A foreign message that cannot be used is counted (`frames.rejected`, `frames.unpaired`) and passed over. All is
-/// done on the thread that calls `StockLcm::Handle`, and `Tick` belongs there too.
+/// A foreign message that cannot be used is counted (`frames.rejected`, `frames.unpaired`) and passed over, and so is
+/// one that has to wait for too long because others come (`frames.dropped`). The thread of `StockLcm::Handle` only
+/// receives; `Work` has one of its own.
 class ImageSource {
  public:
   struct Listener {
@@ -36,14 +39,20 @@ class ImageSource {
   /// Throws where the file of the rig cannot be used.
   ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options, Listener listener);
 
-  /// At 1 Hz: the rig once more, and what is missing.
-  void Tick();
+  /// Handles what comes, until `Stop`, which any thread may call.
+  void Work();
+  void Stop() { inbox_.Stop(); }
 
  private:
   using Pair = std::pair<ForeignImage, ForeignImage>;
+  struct Channel {
+    std::string name;
+    std::function<void(MessageBytes)> take;
+  };
 
   void Subscribe(bus::StockLcm& foreign);
-  void Guarded(const std::string& channel, const std::function<void()>& take);
+  void Handle(const Inbox::Message& message);
+  void Tick();
   void OnImage(Side side, MessageBytes bytes);
   void OnInfo(Side side, MessageBytes bytes);
   void OnPair(const Pair& pair);
@@ -57,6 +66,8 @@ class ImageSource {
   const std::string left_info_;
   const std::string right_info_;
   Listener listener_;
+  std::vector<Channel> channels_;
+  Inbox inbox_;
   bus::FramePublisher publisher_;
   StampPairing<ForeignImage> pairing_;
   FrameNumbers numbers_;

@@ -2,10 +2,8 @@
 #include "adapter/node/pose_sink.h"
 
 #include <algorithm>
-#include <condition_variable>
-#include <deque>
+#include <chrono>
 #include <utility>
-#include <vector>
 
 #include "adapter/node/foreign_messages.h"
 #include "core/bus/messages/convert.h"
@@ -19,6 +17,7 @@ namespace {
 
 /// Frames whose poses are still believed to come, and poses that wait: seconds of a camera, and bounded.
 constexpr size_t kMostFrames = 256;
+constexpr std::chrono::milliseconds kTick{1000};
 
 std::optional<CameraPose> FromMessage(const pose_t& message) {
   const auto T_odom_c = bus::FromMessage(message.T_odom_c), T_w_odom = bus::FromMessage(message.T_w_odom),
@@ -31,41 +30,12 @@ std::optional<CameraPose> FromMessage(const pose_t& message) {
 
 }  // namespace
 
-/// Where the receiving thread of the bus, which may outlive the sink, puts poses.
-struct PoseSink::Inbox {
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<std::vector<uint8_t>> waiting;
-  bool stopped = false;
-
-  void Put(bus::ByteView bytes) {
-    const std::scoped_lock lock(mutex);
-    if (waiting.size() >= kMostFrames) waiting.pop_front();
-    waiting.emplace_back(bytes.begin(), bytes.end());
-    changed.notify_one();
-  }
-  /// Waits for the next one; nullopt after `Stop`.
-  std::optional<std::vector<uint8_t>> Take() {
-    std::unique_lock lock(mutex);
-    changed.wait(lock, [this] { return stopped || !waiting.empty(); });
-    if (stopped) return std::nullopt;
-    std::vector<uint8_t> bytes = std::move(waiting.front());
-    waiting.pop_front();
-    return bytes;
-  }
-  void Stop() {
-    const std::scoped_lock lock(mutex);
-    stopped = true;
-    changed.notify_one();
-  }
-};
-
 PoseSink::PoseSink(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options)
-    : process_(process), foreign_(foreign), options_(options), inbox_(std::make_shared<Inbox>()) {
+    : process_(process), foreign_(foreign), options_(options), inbox_(std::make_shared<Inbox>(kMostFrames)) {
   process_.bus().SubscribeBytes(
       bus::kPose, bus::Bus::Reading::kAsItComes, [] { return true; },
       [weak = std::weak_ptr<Inbox>(inbox_)](bus::ByteView bytes) {
-        if (const auto inbox = weak.lock()) inbox->Put(bytes);
+        if (const auto inbox = weak.lock()) inbox->Put(0, bytes);
       });
   thread_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Work(); }); });
 }
@@ -87,8 +57,10 @@ void PoseSink::OnFrame(int64_t t_ns) {
 }
 
 void PoseSink::Work() {
-  while (const auto bytes = inbox_->Take()) {
-    if (const auto message = bus::Decoded<pose_t>(*bytes)) Send(*message);
+  while (!inbox_->stopped()) {
+    const auto taken = inbox_->Take(kTick);
+    if (!taken) continue;
+    if (const auto message = bus::Decoded<pose_t>(taken->bytes)) Send(*message);
   }
 }
 

@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "adapter/body_pose.h"
+#include "adapter/node/inbox.h"
 #include "adapter/options.h"
 #include "core/bus/transport/stock_lcm.h"
 #include "core/process/process.h"
@@ -35,8 +36,6 @@ class PoseSink {
   void OnFrame(int64_t t_ns);
 
  private:
-  struct Inbox;
-
   void Work();
   void Send(const pose_t& message);
   std::optional<SE3> BodyOf(const pose_t& message);
@@ -48,6 +47,7 @@ class PoseSink {
   bus::StockLcm& foreign_;
   const AdapterOptions options_;
 
+  /// The receiving thread of the bus, which puts poses there, may outlive us.
   const std::shared_ptr<Inbox> inbox_;
   std::mutex mutex_;  // guards what follows
   std::optional<SE3> T_b_c_;

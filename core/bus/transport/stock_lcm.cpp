@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -18,15 +19,17 @@
 namespace plslam::bus {
 namespace {
 
-/// So few that what is handled is not old, and so many that two of a pair fit in.
+/// Where LCM keeps messages: so few that what is handled is not old, and so many that two of a pair fit in.
 constexpr int kWaitingMessages = 4;
+constexpr std::string_view kMulticast = "udpm://";
+constexpr int kBatch = 64;
 constexpr std::string_view kBusOption = "bus.url";
 
-std::string UrlOf(const std::string& url, const std::string& option) {
-  const std::string effective = EffectiveUrl(url);
-  if (!effective.starts_with("udpm://")) return effective;
+/// What `f` says of the URL of the bus is about that of another option.
+template <class F>
+auto Named(const std::string& option, const F& f) {
   try {
-    return WithReceiveBuffer(effective);
+    return f();
   } catch (const std::runtime_error& error) {
     std::string words = error.what();
     if (words.starts_with(kBusOption)) words.replace(0, kBusOption.size(), option);
@@ -34,9 +37,17 @@ std::string UrlOf(const std::string& url, const std::string& option) {
   }
 }
 
+std::string UrlOf(const std::string& url, const std::string& option) {
+  const std::string effective = EffectiveUrl(url);
+  if (!effective.starts_with(kMulticast)) return effective;
+  return Named(option, [&] { return WithReceiveBuffer(effective); });
+}
+
 }  // namespace
 
-StockLcm::StockLcm(const std::string& url, const std::string& option) : url_(UrlOf(url, option)) {
+StockLcm::StockLcm(const std::string& url, const std::string& option)
+    : url_(UrlOf(url, option)), long_messages_([this](std::string_view channel) { return IsSubscribed(channel); }) {
+  if (url_.starts_with(kMulticast)) Named(option, [&] { udp_.emplace(url_); });
   errno = 0;
   lcm_ = lcm_create(url_.c_str());
   if (lcm_ != nullptr) return;
@@ -47,8 +58,15 @@ StockLcm::StockLcm(const std::string& url, const std::string& option) : url_(Url
 StockLcm::~StockLcm() { lcm_destroy(lcm_); }
 
 void StockLcm::Subscribe(const std::string& channel, std::function<void(ByteView)> take) {
-  const auto& subscription =
-      subscriptions_.emplace_back(std::make_unique<Subscription>(Subscription{std::move(take), &failure_}));
+  Subscription& subscription =
+      *subscriptions_.emplace_back(std::make_unique<Subscription>(Subscription{channel, std::move(take), &failure_}));
+  if (!udp_) return SubscribeByLcm(subscription);
+  std::set<std::string, std::less<>> names;
+  for (const auto& each : subscriptions_) names.insert(each->channel);
+  FilterLargeDatagrams(udp_->fd(), names);
+}
+
+void StockLcm::SubscribeByLcm(Subscription& subscription) {
   // An exception must not pass through LCM, which is C.
   const auto handler = [](const lcm_recv_buf_t* buffer, const char*, void* user) {
     const auto& self = *static_cast<const Subscription*>(user);
@@ -58,12 +76,44 @@ void StockLcm::Subscribe(const std::string& channel, std::function<void(ByteView
       *self.failure = std::current_exception();
     }
   };
-  lcm_subscription_t* const made = lcm_subscribe(lcm_, Quoted(channel).c_str(), handler, subscription.get());
-  if (made == nullptr) throw std::runtime_error(fmt::format("LCM cannot listen to '{}' at {}", channel, url_));
+  lcm_subscription_t* const made = lcm_subscribe(lcm_, Quoted(subscription.channel).c_str(), handler, &subscription);
+  if (made == nullptr) {
+    throw std::runtime_error(fmt::format("LCM cannot listen to '{}' at {}", subscription.channel, url_));
+  }
   lcm_subscription_set_queue_capacity(made, kWaitingMessages);
 }
 
+bool StockLcm::IsSubscribed(std::string_view channel) const {
+  return std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                     [&](const auto& s) { return s->channel == channel; });
+}
+
+void StockLcm::Deliver(std::string_view channel, ByteView bytes) const {
+  for (const auto& subscription : subscriptions_) {
+    if (subscription->channel == channel) subscription->take(bytes);
+  }
+}
+
+void StockLcm::TakeDatagram(const UdpReceiver::Datagram& datagram) {
+  std::string_view channel;
+  ByteView bytes;
+  if (ParsePacket(datagram.bytes, &channel, &bytes)) return Deliver(channel, bytes);
+  const std::optional<MessagePart> part = ParsePart(datagram.bytes);
+  if (!part) return;
+  if (const auto message = long_messages_.Add(datagram.sender, *part)) Deliver(message->channel, message->bytes);
+}
+
 bool StockLcm::Handle(int timeout_ms) {
+  if (udp_) {
+    pollfd readable = {udp_->fd(), POLLIN, 0};
+    if (poll(&readable, 1, timeout_ms) <= 0) return true;
+    for (int i = 0; i < kBatch; ++i) {
+      const auto datagram = udp_->ReceiveDatagram();
+      if (!datagram) break;
+      TakeDatagram(*datagram);
+    }
+    return true;
+  }
   const int fd = lcm_get_fileno(lcm_);
   if (fd < 0) {  // tcpq without its relay: LCM tries to connect again within lcm_handle
     std::this_thread::sleep_for(std::chrono::milliseconds(timeout_ms));

@@ -20,7 +20,7 @@ bool ReadsTheWallClock(const test::SourceFile& file) {
 
 TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
   for (const auto& file : test::SourceFiles(
-           {"core", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools"})) {
+           {"core", "adapter", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools"})) {
     if (!ReadsTheWallClock(file)) continue;
     // process_status says it to whoever compares hosts.
     const bool may = file.path == "core/bus/transport/wall_clock.h" || file.path == "core/bus/logs/log_writer.cpp" ||

@@ -29,12 +29,12 @@ void VisitFields(Visitor& visit, AdapterOptions& o) {
   visit("foreign_url", o.foreign_url, "LCM URL of the robot; empty: LCM_DEFAULT_URL");
   visit("camera", o.camera, "file of the rig; empty: sensor_msgs.CameraInfo");
   visit("images", o.images, "channel of bot_core.images_t");
-  visit("left", o.left, "channel of left sensor_msgs.Image or CompressedImage");
-  visit("right", o.right, "of right ones");
-  visit("left_info", o.left_info, "channel of CameraInfo; empty: camera_info beside the images");
-  visit("right_info", o.right_info, "the same of the right camera");
+  visit("left", o.left, "of left sensor_msgs.Image or CompressedImage");
+  visit("right", o.right, "of right images");
+  visit("left_info", o.left_info, "of CameraInfo; empty: beside the images");
+  visit("right_info", o.right_info, "of the right one");
   visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "between the stamps of a pair");
-  visit("pose", o.pose, "channel for bot_core.pose_t; empty: none");
+  visit("pose", o.pose, "for bot_core.pose_t; empty: none");
   visit("odometry", o.odometry, "for nav_msgs.Odometry");
   visit("tf", o.tf, "for tf2_msgs.TFMessage");
   visit("map", o.map, "for sensor_msgs.PointCloud2");

@@ -46,8 +46,9 @@ std::string UrlOf(const std::string& url, const std::string& option) {
 }  // namespace
 
 StockLcm::StockLcm(const std::string& url, const std::string& option)
-    : url_(UrlOf(url, option)), long_messages_([this](std::string_view channel) { return IsSubscribed(channel); }) {
-  if (url_.starts_with(kMulticast)) Named(option, [&] { udp_.emplace(url_); });
+    : option_(option),
+      url_(UrlOf(url, option)),
+      long_messages_([this](std::string_view channel) { return IsSubscribed(channel); }) {
   errno = 0;
   lcm_ = lcm_create(url_.c_str());
   if (lcm_ != nullptr) return;
@@ -60,7 +61,8 @@ StockLcm::~StockLcm() { lcm_destroy(lcm_); }
 void StockLcm::Subscribe(const std::string& channel, std::function<void(ByteView)> take) {
   Subscription& subscription =
       *subscriptions_.emplace_back(std::make_unique<Subscription>(Subscription{channel, std::move(take), &failure_}));
-  if (!udp_) return SubscribeByLcm(subscription);
+  if (!url_.starts_with(kMulticast)) return SubscribeByLcm(subscription);
+  if (!udp_) Named(option_, [&] { udp_.emplace(url_); });
   std::set<std::string, std::less<>> names;
   for (const auto& each : subscriptions_) names.insert(each->channel);
   FilterLargeDatagrams(udp_->fd(), names);
@@ -104,6 +106,7 @@ void StockLcm::TakeDatagram(const UdpReceiver::Datagram& datagram) {
 }
 
 bool StockLcm::Handle(int timeout_ms) {
+  if (subscriptions_.empty()) throw std::logic_error("StockLcm::Handle without a subscription");
   if (udp_) {
     pollfd readable = {udp_->fd(), POLLIN, 0};
     if (poll(&readable, 1, timeout_ms) <= 0) return true;

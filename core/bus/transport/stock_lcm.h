@@ -31,10 +31,10 @@ class StockLcm {
   StockLcm(const StockLcm&) = delete;
   StockLcm& operator=(const StockLcm&) = delete;
 
-  /// `take` is called by `Handle`. Of a slow reader the few messages wait that the socket has room for.
+  /// Throws as the constructor does. `take` is called by `Handle`. Of a slow reader the few messages wait that the socket has room for.
   void Subscribe(const std::string& channel, std::function<void(ByteView)> take);
 
-  /// Delivers what comes within this time. False where nothing more will come: a log is at its end. What `take`
+  /// Delivers what comes within this time, behind the first `Subscribe`. False where nothing more will come: a log is at its end. What `take`
   /// throws leaves here.
   bool Handle(int timeout_ms);
 
@@ -56,7 +56,8 @@ class StockLcm {
   void Deliver(std::string_view channel, ByteView bytes) const;
   void TakeDatagram(const UdpReceiver::Datagram& datagram);
 
-  std::string url_;
+  const std::string option_;
+  const std::string url_;
   _lcm_t* lcm_ = nullptr;
   std::exception_ptr failure_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;

@@ -117,7 +117,7 @@ TEST(StockLcm, TakesLongAndShortMessagesOfLcm) {
 
 TEST(StockLcm, NamesTheOptionOfABadUrl) {
   try {
-    StockLcm("udpm://10.0.0.1:7667", "adapter.foreign_url");
+    StockLcm("udpm://10.0.0.1:7667", "adapter.foreign_url").Subscribe("A", [](ByteView) {});
     FAIL();
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(std::string(error.what()).find("adapter.foreign_url: udpm://10.0.0.1:7667"), 0U) << error.what();

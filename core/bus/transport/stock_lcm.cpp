@@ -40,7 +40,10 @@ auto Named(const std::string& option, const F& f) {
 std::string UrlOf(const std::string& url, const std::string& option) {
   const std::string effective = EffectiveUrl(url);
   if (!effective.starts_with(kMulticast)) return effective;
-  return Named(option, [&] { return WithReceiveBuffer(effective); });
+  const std::string with_buffer = Named(option, [&] { return WithReceiveBuffer(effective); });
+  const std::string why_not = WhyNoGroup(ParseUdpGroup(effective).address);
+  if (!why_not.empty()) throw std::runtime_error(fmt::format("{}: {}: {}", option, effective, why_not));
+  return with_buffer;
 }
 
 }  // namespace

@@ -23,6 +23,8 @@ namespace {
 constexpr int kWaitingMessages = 4;
 constexpr std::string_view kMulticast = "udpm://";
 constexpr int kBatch = 64;
+/// LCM says a few words of each failure to connect.
+constexpr std::chrono::seconds kReconnect{5};
 constexpr std::string_view kBusOption = "bus.url";
 
 /// What `f` says of the URL of the bus is about that of another option.
@@ -38,9 +40,9 @@ auto Named(const std::string& option, const F& f) {
 }
 
 std::string UrlOf(const std::string& url, const std::string& option) {
-  const std::string effective = EffectiveUrl(url);
+  std::string effective = EffectiveUrl(url);
   if (!effective.starts_with(kMulticast)) return effective;
-  const std::string with_buffer = Named(option, [&] { return WithReceiveBuffer(effective); });
+  std::string with_buffer = Named(option, [&] { return WithReceiveBuffer(effective); });
   const std::string why_not = WhyNoGroup(ParseUdpGroup(effective).address);
   if (!why_not.empty()) throw std::runtime_error(fmt::format("{}: {}: {}", option, effective, why_not));
   return with_buffer;
@@ -123,6 +125,9 @@ bool StockLcm::Handle(int timeout_ms) {
   const int fd = lcm_get_fileno(lcm_);
   if (fd < 0) {  // tcpq without its relay: LCM tries to connect again within lcm_handle
     std::this_thread::sleep_for(std::chrono::milliseconds(timeout_ms));
+    const auto now = std::chrono::steady_clock::now();
+    if (now - tried_at_ < kReconnect) return true;
+    tried_at_ = now;
     lcm_handle(lcm_);
     return true;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -60,6 +61,7 @@ class StockLcm {
   const std::string url_;
   _lcm_t* lcm_ = nullptr;
   std::exception_ptr failure_;
+  std::chrono::steady_clock::time_point tried_at_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   std::optional<UdpReceiver> udp_;
   LongMessages long_messages_;

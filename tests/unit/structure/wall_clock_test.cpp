@@ -19,8 +19,8 @@ bool ReadsTheWallClock(const test::SourceFile& file) {
 }
 
 TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
-  for (const auto& file : test::SourceFiles(
-           {"core", "adapter", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless", "tools"})) {
+  for (const auto& file : test::SourceFiles({"core", "adapter", "player", "vo_process", "mapping_process",
+                                             "loop_process", "viewer_headless", "tools"})) {
     if (!ReadsTheWallClock(file)) continue;
     // process_status says it to whoever compares hosts.
     const bool may = file.path == "core/bus/transport/wall_clock.h" || file.path == "core/bus/logs/log_writer.cpp" ||

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Build-time tool: reads .lcm files (one struct each) and writes the table behind MessageLayouts().
+// Build-time tool: reads .lcm files (one struct each) and writes the table behind MessageLayouts(), or behind another
+// function of that kind.
 //
-//   generate_layouts OUT.cpp a_t.lcm b_t.lcm ...
+//   generate_layouts OUT.cpp HEADER FUNCTION a_t.lcm b_t.lcm ...
 //
-// It knows the part of LCM's language that this folder uses: package, struct, primitive and struct members, and
-// arrays with constant or variable extents. Anything else stops the build with file and line.
+// HEADER declares FUNCTION in the namespace plslam. The tool knows the part of LCM's language that this folder uses:
+// package, struct, primitive and struct members, and arrays with constant or variable extents. Anything else stops
+// the build with file and line.
 #include <algorithm>
 #include <cctype>
 #include <cstdlib>
@@ -29,9 +31,22 @@ struct Member {
   std::vector<std::string> extents;
 };
 
+constexpr const char* kOwnPackage = "plslam";
+
 struct Struct {
+  std::string package;
   std::string name;
   std::vector<Member> members;
+
+  /// In the table: "pose_t" of our own package, "std_msgs.Header" of another.
+  std::string Title() const { return TitleOf(name); }
+  /// That of a type that a member of this struct names.
+  std::string TitleOf(const std::string& type) const {
+    if (package == kOwnPackage || type.find('.') != std::string::npos) return type;
+    return package + "." + type;
+  }
+  /// Part of names of the generated code.
+  std::string Identifier() const { return package == kOwnPackage ? name : package + "_" + name; }
 };
 
 const std::map<std::string, std::string> kPrimitives = {
@@ -65,10 +80,10 @@ class Parser {
 
   Struct Parse() {
     Expect("package");
-    if (Take() != "plslam") Fail("package must be plslam");
+    const std::string package = Take();
     Expect(";");
     Expect("struct");
-    Struct result{Take(), {}};
+    Struct result{package, Take(), {}};
     Expect("{");
     while (Peek() != "}") result.members.push_back(ParseMember());
     Expect("}");
@@ -126,8 +141,9 @@ void CheckDepth(const Structs& structs, const std::string& name, int depth) {
   if (depth > 8) throw std::runtime_error(name + ": types nest too deeply, or contain themselves");
   for (const Member& member : structs.at(name).members) {
     if (kPrimitives.contains(member.type)) continue;
-    StructIndex(structs, member.type, name);
-    CheckDepth(structs, member.type, depth + 1);
+    const std::string type = structs.at(name).TitleOf(member.type);
+    StructIndex(structs, type, name);
+    CheckDepth(structs, type, depth + 1);
   }
 }
 
@@ -145,7 +161,7 @@ void WriteStruct(std::ostream& out, const Structs& structs, const Struct& s) {
   std::ostringstream rows;
   for (size_t i = 0; i < s.members.size(); ++i) {
     const Member& member = s.members[i];
-    const std::string extents = "k_" + s.name + "_" + member.name;
+    const std::string extents = "k_" + s.Identifier() + "_" + member.name;
     if (!member.extents.empty()) {
       out << "constexpr LayoutDimension " << extents << "[] = {";
       for (const std::string& extent : member.extents) out << Extent(s, i, extent) << ", ";
@@ -154,21 +170,23 @@ void WriteStruct(std::ostream& out, const Structs& structs, const Struct& s) {
     const auto primitive = kPrimitives.find(member.type);
     const bool is_struct = primitive == kPrimitives.end();
     rows << "    {\"" << member.name << "\", WireType::" << (is_struct ? "kStruct" : primitive->second) << ", "
-         << (is_struct ? StructIndex(structs, member.type, s.name) : -1) << ", "
+         << (is_struct ? StructIndex(structs, s.TitleOf(member.type), s.name) : -1) << ", "
          << (member.extents.empty() ? "{}" : extents) << "},\n";
   }
-  out << "constexpr LayoutMember k_" << s.name << "[] = {\n" << rows.str() << "};\n\n";
+  out << "constexpr LayoutMember k_" << s.Identifier() << "[] = {\n" << rows.str() << "};\n\n";
 }
 
-void Write(std::ostream& out, const Structs& structs) {
-  out << "// Generated from the .lcm files; do not edit.\n#include \"lcmtypes/message_layout.h\"\n\n";
-  for (const auto& [name, s] : structs) out << "#include \"plslam/" << name << ".hpp\"\n";
+void Write(std::ostream& out, const std::string& header, const std::string& function, const Structs& structs) {
+  out << "// Generated from the .lcm files; do not edit.\n#include \"" << header << "\"\n\n";
+  for (const auto& [title, s] : structs) out << "#include \"" << s.package << '/' << s.name << ".hpp\"\n";
   out << "\nnamespace plslam {\nnamespace {\n\n";
-  for (const auto& [name, s] : structs) WriteStruct(out, structs, s);
+  for (const auto& [title, s] : structs) WriteStruct(out, structs, s);
   out << "constexpr MessageLayout kLayouts[] = {\n";
-  for (const auto& [name, s] : structs)
-    out << "    {\"" << name << "\", &" << name << "::getHash, k_" << name << "},\n";
-  out << "};\n\n}  // namespace\n\nstd::span<const MessageLayout> MessageLayouts() { return kLayouts; }\n\n"
+  for (const auto& [title, s] : structs) {
+    out << "    {\"" << title << "\", &::" << s.package << "::" << s.name << "::getHash, k_" << s.Identifier()
+        << ", &" << function << "},\n";
+  }
+  out << "};\n\n}  // namespace\n\nstd::span<const MessageLayout> " << function << "() { return kLayouts; }\n\n"
       << "}  // namespace plslam\n";
 }
 
@@ -178,7 +196,7 @@ Structs Read(const std::vector<std::string>& paths) {
     std::ifstream in(path);
     if (!in) throw std::runtime_error(path + ": cannot be read");
     Struct s = Parser(path, Tokens(in)).Parse();
-    structs[s.name] = s;
+    structs[s.Title()] = s;
   }
   for (const auto& [name, s] : structs) CheckDepth(structs, name, 0);
   return structs;
@@ -188,9 +206,9 @@ Structs Read(const std::vector<std::string>& paths) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc < 3) throw std::runtime_error("usage: generate_layouts OUT.cpp FILE.lcm ...");
+    if (argc < 5) throw std::runtime_error("usage: generate_layouts OUT.cpp HEADER FUNCTION FILE.lcm ...");
     std::ostringstream text;
-    Write(text, Read({argv + 2, argv + argc}));
+    Write(text, argv[2], argv[3], Read({argv + 4, argv + argc}));
     std::ofstream out(argv[1]);
     out << text.str();
     out.close();

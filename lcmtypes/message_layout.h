@@ -20,7 +20,7 @@ struct LayoutDimension {
 struct LayoutMember {
   std::string_view name;
   WireType type = WireType::kByte;
-  int16_t struct_index = -1;  ///< for kStruct: row of MessageLayouts()
+  int16_t struct_index = -1;  ///< for kStruct: row of the table that the layout is of
   std::span<const LayoutDimension> dimensions;
 };
 
@@ -29,6 +29,8 @@ struct MessageLayout {
   std::string_view name;
   int64_t (*fingerprint)() = nullptr;
   std::span<const LayoutMember> members;
+  /// The table that it stands in.
+  std::span<const MessageLayout> (*table)() = nullptr;
 };
 
 /// All types of lcmtypes/, by name. Generated at build time from the .lcm files.

@@ -10,12 +10,13 @@ namespace plslam {
 namespace process_name {
 inline constexpr const char* kPlayer = "player";
 inline constexpr const char* kCamera = "camera";  ///< in the place of the player
+inline constexpr const char* kAdapter = "adapter";
 inline constexpr const char* kVo = "vo";
 inline constexpr const char* kMapping = "mapping";
 inline constexpr const char* kLoop = "loop";
 inline constexpr const char* kViewer = "viewer";
-inline constexpr std::array kAll = {kPlayer, kCamera, kVo, kMapping, kLoop, kViewer};
-inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera; }
+inline constexpr std::array kAll = {kPlayer, kCamera, kAdapter, kVo, kMapping, kLoop, kViewer};
+inline bool SendsFrames(std::string_view name) { return name == kPlayer || name == kCamera || name == kAdapter; }
 }  // namespace process_name
 
 /// `status_t.state`, in the order in which a process goes through them; failed from anywhere.

@@ -37,6 +37,7 @@ function(plslam_process_units folder)
   plslam_process_unit(${folder} viewer viewer_headless "viewer (trajectories, map and pictures as files)"
                       MORE "--set viewer.quiet=true --set viewer.out=%S/plslam/%i/viewer/out"
                       NICE 10)
+  plslam_process_unit(${folder} adapter adapter "adapter (a robot that speaks LCM: images in, poses and the map out)")
   # A dataset that has come to its end is not played again.
   plslam_process_unit(${folder} player player "player (the dataset of player.dataset as stereo frames)"
                       RESTART on-failure)

@@ -19,6 +19,7 @@
 #include "plslam/image_strip_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/map_update_t.hpp"
+#include "tests/fuzz/message_mutator.h"
 #include "tests/support/fuzzing.h"
 #include "tests/unit/bus/allocation_counter.h"
 #include "tests/unit/bus/bus_fixture.h"
@@ -29,36 +30,9 @@ namespace plslam::bus {
 namespace {
 
 using plslam::test::Fuzz;
+using plslam::test::Mutate;
 using Random = std::mt19937_64;
 using ByteVector = std::vector<uint8_t>;
-
-/// Flipped, set, inserted and removed bytes, extreme words, and truncation. The fingerprint mostly stays.
-void Mutate(ByteVector& bytes, Random& random) {
-  for (uint64_t n = random() % 6; n > 0 && bytes.size() > 8; --n) {
-    const size_t from = random() % 16 == 0 ? 0 : 8;
-    const size_t at = from + random() % (bytes.size() - from);
-    const auto place = bytes.begin() + static_cast<std::ptrdiff_t>(at);
-    switch (random() % 6) {
-      case 0:
-        bytes[at] ^= static_cast<uint8_t>(1U << (random() % 8));
-        break;
-      case 1:
-        bytes[at] = static_cast<uint8_t>(random());
-        break;
-      case 2:
-        bytes.insert(place, random() % 40, static_cast<uint8_t>(random()));
-        break;
-      case 3:
-        bytes.erase(place, place + static_cast<std::ptrdiff_t>(std::min<size_t>(random() % 40, bytes.size() - at)));
-        break;
-      case 4:
-        for (size_t i = at; i < std::min(at + 4, bytes.size()); ++i) bytes[i] = random() % 2 == 0 ? 0xFF : 0x7F;
-        break;
-      default:
-        if (random() % 4 == 0) bytes.resize(at);
-    }
-  }
-}
 
 TEST(MessageFuzz, CheckedBytesDecodeWithinABound) {
   test::GeneratedTypes();  // the table of decoders is made at its first use, and is not theirs

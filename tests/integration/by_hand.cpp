@@ -81,6 +81,11 @@ int ByHand::Wait(const std::string& executable, int limit_s) {
   return process.Poll() ? process.Poll()->code : -1;
 }
 
+void ByHand::Kill(const std::string& executable) {
+  processes_.at(executable)->Signal(SIGKILL);
+  Wait(executable);
+}
+
 bool ByHand::StopAll() {
   for (const auto& [name, process] : processes_) {
     if (!process->Poll()) process->Signal(SIGINT);

@@ -53,6 +53,8 @@ class ByHand {
 
   /// Exit code; -1 (and killed) after `limit_s`.
   int Wait(const std::string& executable, int limit_s = 120);
+  /// SIGKILL, and waits until it is gone.
+  void Kill(const std::string& executable);
   /// SIGINT to all that run; true if all of them end with exit code 0.
   bool StopAll();
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapter/options.h"
 #include "camera/options.h"
 #include "core/bus/options.h"
 #include "core/config/config.h"
@@ -19,6 +20,7 @@ namespace plslam::launcher {
 struct AllOptions {
   bus::BusOptions bus;
   player::PlayerOptions player;
+  adapter::AdapterOptions adapter;
   camera::CameraOptions camera;
   vo::VoOptions vo;
   mapping::MappingOptions mapping;
@@ -36,6 +38,7 @@ struct OptionSection {
 inline std::vector<OptionSection> SectionsOf(AllOptions& all) {
   return {{"bus", "How each process joins the bus.", ListFields(all.bus)},
           {"player", "What is played, and how.", ListFields(all.player)},
+          {"adapter", "A robot that speaks LCM.", ListFields(all.adapter)},
           {"camera", "Live cameras.", ListFields(all.camera)},
           {"vo", "Odometry (PL-SLAM §IV).", ListFields(all.vo)},
           {"mapping", "The map (PL-SLAM §V).", ListFields(all.mapping)},

@@ -44,14 +44,6 @@ Transport::Kind KindOf(const std::string& url) {
   return writes ? Transport::Kind::kFileWrite : Transport::Kind::kFileRead;
 }
 
-/// Asks for a larger receive buffer where the system grants one and the user did not say.
-std::string WithReceiveBuffer(const std::string& url) {
-  const int64_t limit = SystemLimit("rmem_max");
-  if (ParseUdpGroup(url).buffer_bytes > 0 || 2 * limit <= SystemLimit("rmem_default")) return url;
-  const char* separator = url.find('?') == std::string::npos ? "?" : "&";
-  return url + separator + "recv_buf_size=" + std::to_string(std::min(limit, kWantedReceiveBuffer));
-}
-
 /// The share of the socket's buffer that flow control may fill; the rest is for other senders. The kernel counts its
 /// own overhead too, and doubles what it is asked for to make room for that.
 int64_t UdpWindow(const std::string& url) {
@@ -66,7 +58,21 @@ void OnLcmMessage(const lcm_recv_buf_t* buffer, const char* channel, void* user)
   if (receiver) receiver(channel, {static_cast<const uint8_t*>(buffer->data), buffer->data_size});
 }
 
-/// A channel name as a pattern that matches only itself.
+}  // namespace
+
+std::string EffectiveUrl(const std::string& url) {
+  if (!url.empty()) return url;
+  const char* environment = std::getenv("LCM_DEFAULT_URL");
+  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
+}
+
+std::string WithReceiveBuffer(const std::string& url) {
+  const int64_t limit = SystemLimit("rmem_max");
+  if (ParseUdpGroup(url).buffer_bytes > 0 || 2 * limit <= SystemLimit("rmem_default")) return url;
+  const char* separator = url.find('?') == std::string::npos ? "?" : "&";
+  return url + separator + "recv_buf_size=" + std::to_string(std::min(limit, kWantedReceiveBuffer));
+}
+
 std::string Quoted(const std::string& channel) {
   std::string pattern;
   for (const char c : channel) {
@@ -74,14 +80,6 @@ std::string Quoted(const std::string& channel) {
     pattern += plain ? std::string(1, c) : std::string("[") + c + "]";
   }
   return pattern;
-}
-
-}  // namespace
-
-std::string EffectiveUrl(const std::string& url) {
-  if (!url.empty()) return url;
-  const char* environment = std::getenv("LCM_DEFAULT_URL");
-  return environment != nullptr && *environment != '\0' ? environment : kDefaultUrl;
 }
 
 Transport::Transport(const std::string& url) : url_(EffectiveUrl(url)), kind_(KindOf(url_)), window_(kStreamWindow) {

@@ -23,6 +23,13 @@ namespace plslam::bus {
 /// The URL that counts where `url` may be empty: then LCM_DEFAULT_URL, or LCM's default.
 std::string EffectiveUrl(const std::string& url);
 
+/// A URL of the kind udpm, which asks for a larger receive buffer where the system grants one and the user did not
+/// say.
+std::string WithReceiveBuffer(const std::string& url);
+
+/// A channel name as a pattern for LCM that matches only itself.
+std::string Quoted(const std::string& channel);
+
 /// What a receive buffer is asked for where the system allows more than its default.
 inline constexpr int64_t kWantedReceiveBuffer = 2'000'000;
 

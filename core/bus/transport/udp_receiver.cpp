@@ -15,6 +15,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/bus/transport/long_messages.h"
 #include "core/bus/transport/transport.h"
 #include "core/errors/error_text.h"
 
@@ -168,12 +169,24 @@ UdpReceiver::UdpReceiver(const std::string& url)
 
 UdpReceiver::~UdpReceiver() { close(fd_); }
 
+std::optional<UdpReceiver::Datagram> UdpReceiver::ReceiveDatagram() {
+  sockaddr_in from{};
+  socklen_t length = sizeof from;
+  const ssize_t n =
+      recvfrom(fd_, buffer_.data(), buffer_.size(), MSG_DONTWAIT, reinterpret_cast<sockaddr*>(&from), &length);
+  if (n < 0) return std::nullopt;
+  return Datagram{uint64_t{from.sin_addr.s_addr} << 16 | from.sin_port,
+                  ByteView(buffer_).first(static_cast<size_t>(n))};
+}
+
 UdpReceiver::Outcome UdpReceiver::Receive(const Receiver& receiver) {
-  const ssize_t n = recv(fd_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-  if (n < 0) return Outcome::kNothing;
+  const std::optional<Datagram> datagram = ReceiveDatagram();
+  if (!datagram) return Outcome::kNothing;
   std::string_view channel;
   ByteView bytes;
-  if (!ParsePacket(ByteView(buffer_).first(static_cast<size_t>(n)), &channel, &bytes)) return Outcome::kJunk;
+  if (!ParsePacket(datagram->bytes, &channel, &bytes)) {
+    return ParsePart(datagram->bytes) ? Outcome::kPart : Outcome::kJunk;
+  }
   receiver(channel, bytes);
   return Outcome::kMessage;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -57,8 +58,16 @@ class UdpReceiver {
   /// Readable when there is something.
   int fd() const { return fd_; }
 
-  enum class Outcome { kMessage, kJunk, kNothing };
-  /// Takes one datagram that is there and hands its message on. kJunk: it holds none.
+  /// A datagram as it came, until the next one; `sender` tells the sockets apart that send. nullopt: there is none.
+  struct Datagram {
+    uint64_t sender = 0;
+    ByteView bytes;
+  };
+  std::optional<Datagram> ReceiveDatagram();
+
+  enum class Outcome { kMessage, kPart, kJunk, kNothing };
+  /// Takes one datagram that is there and hands its message on. kPart: it holds a part of a long message, which is
+  /// another program's. kJunk: it holds neither.
   Outcome Receive(const Receiver& receiver);
 
  private:

@@ -47,7 +47,7 @@ class Walker {
     for (size_t i = 0; i < layout.members.size(); ++i) {
       const LayoutMember& member = layout.members[i];
       const size_t at = position_;
-      if (!Member(member, sizes)) return false;
+      if (!Member(layout, member, sizes)) return false;
       if (member.type == WireType::kInt32 && member.dimensions.empty()) sizes[i] = ReadInt32(&bytes_[at]);
     }
     return true;
@@ -56,7 +56,7 @@ class Walker {
  private:
   static constexpr size_t kMaxMembers = 32;
 
-  bool Member(const LayoutMember& member, const std::array<int32_t, kMaxMembers>& sizes) {
+  bool Member(const MessageLayout& owner, const LayoutMember& member, const std::array<int32_t, kMaxMembers>& sizes) {
     size_t count = 1;
     for (const LayoutDimension& dimension : member.dimensions) {
       const int32_t extent = dimension.size_member < 0 ? dimension.constant : sizes[dimension.size_member];
@@ -68,7 +68,7 @@ class Walker {
     const size_t size = FixedSize(member.type);
     if (size > 0) return Skip(size * count);
     for (size_t i = 0; i < count; ++i) {
-      const bool ok = member.type == WireType::kString ? String() : Struct(MessageLayouts()[member.struct_index]);
+      const bool ok = member.type == WireType::kString ? String() : Struct(owner.table()[member.struct_index]);
       if (!ok) return false;
     }
     return true;

@@ -233,7 +233,7 @@ class McapDataset : public Dataset {
       const std::vector<McapMessage> messages = reader_.Messages(channel->topic);
       if (!messages.empty()) return ParseCameraInfo(reader_.Read(messages.front()));
     }
-    throw DatasetError(fmt::format("has no camera_info for {}: give camera=FILE.yaml", image_topic));
+    throw DatasetError(fmt::format("has no camera_info for {}: give a camera file", image_topic));
   }
 
   void ReadRig() {

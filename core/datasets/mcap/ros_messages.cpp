@@ -47,31 +47,14 @@ const Encoding& EncodingOf(const std::string& name) {
 }
 
 cv::Mat RawPixels(CdrReader& cdr, const cv::Size& expected) {
-  const auto height = cdr.Get<uint32_t>(), width = cdr.Get<uint32_t>();
-  const Encoding& encoding = EncodingOf(cdr.Text());
-  const bool is_big_endian = cdr.Get<uint8_t>() != 0;
-  const auto step = cdr.Get<uint32_t>();
-  const std::span<const uint8_t> data = cdr.Bytes();
-  if (width != static_cast<uint32_t>(expected.width) || height != static_cast<uint32_t>(expected.height)) {
-    throw DatasetError(
-        fmt::format("has {} x {} pixels where {} x {} are expected", width, height, expected.width, expected.height));
-  }
-  const auto row_bytes = static_cast<uint64_t>(expected.width) * static_cast<uint64_t>(CV_ELEM_SIZE(encoding.type));
-  if (step < row_bytes || data.size() < uint64_t{step} * (height - 1) + row_bytes) {
-    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", data.size(), step, width,
-                                   height, encoding.name));
-  }
-  if (is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
-    throw DatasetError("its pixels of 16 bits are in the order of big-endian machines");
-  }
-  cv::Mat pixels(expected, encoding.type);
-  for (int y = 0; y < expected.height; ++y) {
-    std::copy_n(data.data() + uint64_t{step} * static_cast<uint64_t>(y), row_bytes, pixels.ptr(y));
-  }
-  if (encoding.is_rgb) {
-    cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
-  }
-  return GreyPixels(pixels);
+  RosPixels pixels;
+  pixels.height_px = cdr.Get<uint32_t>();
+  pixels.width_px = cdr.Get<uint32_t>();
+  pixels.encoding = cdr.Text();
+  pixels.is_big_endian = cdr.Get<uint8_t>() != 0;
+  pixels.step_bytes = cdr.Get<uint32_t>();
+  pixels.data = cdr.Bytes();
+  return GreyOfRosPixels(pixels, expected);
 }
 
 template <class Matrix>
@@ -98,7 +81,7 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   if (!is_radtan && !is_rational) {
     throw DatasetError(fmt::format(
         "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
-        "and equidistant (4): rectify the images, or give camera=FILE.yaml",
+        "and equidistant (4): rectify the images, or give a camera file",
         Shown(info.model), d.size()));
   }
   const std::string complaint = SetOpenCvDistortion(d, &camera);
@@ -123,6 +106,32 @@ bool IsRotation(const Eigen::Matrix3d& R) {
 }
 
 }  // namespace
+
+cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
+  const Encoding& encoding = EncodingOf(image.encoding);
+  if (image.width_px != expected.width || image.height_px != expected.height) {
+    throw DatasetError(fmt::format("has {} x {} pixels where {} x {} are expected", image.width_px, image.height_px,
+                                   expected.width, expected.height));
+  }
+  const int64_t row_bytes = int64_t{expected.width} * CV_ELEM_SIZE(encoding.type);
+  const int64_t step_bytes = image.step_bytes != 0 ? image.step_bytes : row_bytes;
+  const auto n_bytes = static_cast<int64_t>(image.data.size());
+  if (expected.empty() || step_bytes < row_bytes || n_bytes < step_bytes * (expected.height - 1) + row_bytes) {
+    throw DatasetError(fmt::format("has {} bytes in rows of {} for {} x {} pixels of {}", n_bytes, step_bytes,
+                                   image.width_px, image.height_px, encoding.name));
+  }
+  if (image.is_big_endian && CV_MAT_DEPTH(encoding.type) == CV_16U) {
+    throw DatasetError("its pixels of 16 bits are in the order of big-endian machines");
+  }
+  cv::Mat pixels(expected, encoding.type);
+  for (int y = 0; y < expected.height; ++y) {
+    std::copy_n(image.data.data() + step_bytes * y, row_bytes, pixels.ptr(y));
+  }
+  if (encoding.is_rgb) {
+    cv::cvtColor(pixels, pixels, pixels.channels() == 3 ? cv::COLOR_RGB2BGR : cv::COLOR_RGBA2BGRA);
+  }
+  return GreyPixels(pixels);
+}
 
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message) {
   CdrReader cdr(message);
@@ -170,7 +179,7 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
   rig.right = CameraFromRos(right, rectified);
   const double b = (left.P(0, 3) - right.P(0, 3)) / right.P(0, 0);
   if (!std::isfinite(b) || b == 0.0) {
-    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b): give camera=FILE.yaml");
+    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b): give a camera file");
   }
   if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
     throw DatasetError("R of camera_info is no rotation");

@@ -81,6 +81,17 @@ struct RosCameraInfo {
 };
 RosCameraInfo ParseCameraInfo(std::span<const uint8_t> cdr);
 
+/// What an Image says of its pixels; nothing of it has been checked.
+struct RosPixels {
+  int64_t width_px = 0, height_px = 0;
+  int64_t step_bytes = 0;  ///< from one row to the next; 0: without padding
+  std::string encoding;    ///< "mono8", "mono16", "bgr8", "rgb8", "bgra8", "rgba8"
+  bool is_big_endian = false;
+  std::span<const uint8_t> data;
+};
+/// Grey pixels of them, which must have that size.
+cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected);
+
 /// Grey pixels of an Image or a CompressedImage (`type`).
 cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> cdr, const cv::Size& expected);
 

@@ -95,7 +95,7 @@ class Writer {
       }
       size_t count = 1;
       for (const auto& d : member.dimensions) count *= d.size_member < 0 ? d.constant : sizes[d.size_member];
-      for (size_t k = 0; k < count; ++k) Value(member);
+      for (size_t k = 0; k < count; ++k) Value(layout, member);
     }
   }
 
@@ -109,11 +109,11 @@ class Writer {
     return false;
   }
 
-  void Value(const LayoutMember& member) {
+  void Value(const MessageLayout& owner, const LayoutMember& member) {
     static const std::map<WireType, int> kBytes = {
         {WireType::kBoolean, 1}, {WireType::kByte, 1},  {WireType::kInt8, 1},  {WireType::kInt16, 2},
         {WireType::kInt32, 4},   {WireType::kInt64, 8}, {WireType::kFloat, 4}, {WireType::kDouble, 8}};
-    if (member.type == WireType::kStruct) return Struct(MessageLayouts()[static_cast<size_t>(member.struct_index)]);
+    if (member.type == WireType::kStruct) return Struct(owner.table()[static_cast<size_t>(member.struct_index)]);
     if (member.type != WireType::kString) return AppendInteger(bytes_, random_(), kBytes.at(member.type));
     const size_t length = random_() % 6;
     AppendInteger(bytes_, length + 1, 4);

@@ -33,6 +33,7 @@ constexpr std::array kNotRun = {
     NotRun{"colmap", "takes minutes; tests/integration has COLMAP read the model"},
     NotRun{"plslam run '?recording", "a recording of ROS 2: tests/integration/mcap_input_test.cpp plays one"},
     NotRun{"plslam calibrate pictures", "pictures of a board: tests/unit/calibration renders some"},
+    NotRun{"adapter", "a robot: tests/integration/adapter_test.cpp drives one"},
     NotRun{".*(--prefix team/|--map-prefix)", "several robots: tests/integration/fleet_test.cpp runs them"},
 };
 

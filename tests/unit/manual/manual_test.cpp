@@ -188,8 +188,8 @@ TEST_F(Shell, TroffTakesThePageWithoutWarning) {
 /// As built, of the real programs.
 TEST_F(Shell, EveryProgramHasAManualAndCompletion) {
   const fs::path share = test::BinaryFolder().parent_path() / "share";
-  for (const char* program : {"plslam", "player", "vo_process", "mapping_process", "loop_process", "viewer_headless",
-                              "evaluate", "train_vocabulary", "pose_graph"}) {
+  for (const char* program : {"plslam", "adapter", "player", "vo_process", "mapping_process", "loop_process",
+                              "viewer_headless", "evaluate", "train_vocabulary", "pose_graph"}) {
     const fs::path page = share / "man" / "man1" / (std::string(program) + ".1");
     const fs::path completion = share / "bash-completion" / "completions" / program;
     ASSERT_TRUE(fs::exists(page)) << page;

@@ -58,6 +58,7 @@ const std::vector<Arrow> kArrows = {
     {"core/stream/",
      {"core/geometry/", "core/io/", "core/bus/", "core/process/", "core/run/process_names.h",
       "core/run/run_counters.h"}},
+    {"adapter/", {"core/", "lcmtypes/message_layout.h"}},
     {"player/", {"core/"}},
     {"camera/", {"core/"}},
     {"vo_process/", {"core/"}},
@@ -79,7 +80,7 @@ const std::vector<Arrow> kArrows = {
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",
-     {"core/", "camera/options.h", "player/options.h", "vo_process/options.h", "mapping_process/options.h",
+     {"core/", "adapter/options.h", "camera/options.h", "player/options.h", "vo_process/options.h", "mapping_process/options.h",
       "loop_process/options.h", "viewer_headless/options.h", "tools/evaluate/", "tools/export/export_command.h",
       "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
       "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
@@ -89,7 +90,7 @@ const std::vector<Arrow> kArrows = {
 };
 
 const std::vector<std::string> kProductFolders = {
-    "lcmtypes",        "core",         "camera",          "player", "vo_process",
+    "lcmtypes",        "core",         "adapter", "camera",          "player", "vo_process",
     "mapping_process", "loop_process", "viewer_headless", "tools"};
 
 /// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others
@@ -121,7 +122,11 @@ bool IsOfTree(const std::string& include) {
   return include == "tests" || StartsWith(include, "tests/") || ArrowOf(include) != nullptr;
 }
 
-bool IsMessage(const std::string& include) { return std::regex_match(include, std::regex(R"(plslam/\w+_t\.hpp)")); }
+/// Ours, and those of lcmtypes/foreign/.
+bool IsMessage(const std::string& include) {
+  static const std::regex kMessage(R"(plslam/\w+_t\.hpp|bot_core/\w+_t\.hpp|(\w+_msgs)/\w+\.hpp)");
+  return std::regex_match(include, kMessage);
+}
 
 /// Why `file` must not include `include`; empty where it may.
 std::string Objection(const std::string& file, const std::string& include) {
@@ -168,6 +173,7 @@ TEST(Structure, WrongArrowsAreSeen) {
   EXPECT_NE(Objection("vo_process/tracking/odometry.cpp", "plslam/pose_t.hpp"), "");
   EXPECT_NE(Objection("vo_process/node/vo_node.cpp", "lcm/lcm-cpp.hpp"), "");
   EXPECT_EQ(Objection("vo_process/node/vo_node.cpp", "plslam/pose_t.hpp"), "");
+  EXPECT_NE(Objection("adapter/body_pose.cpp", "nav_msgs/Odometry.hpp"), "");
   EXPECT_EQ(Objection("core/bus/transport/transport.cpp", "lcm/lcm.h"), "");
   EXPECT_NE(Objection("player/node/player_node.cpp", "tests/support/data_folder.h"), "");
 }

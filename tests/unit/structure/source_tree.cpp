@@ -25,7 +25,7 @@ std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders) {
 }
 
 std::vector<SourceFile> AllSourceFiles() {
-  return SourceFiles({"lcmtypes", "core", "camera", "player", "vo_process", "mapping_process", "loop_process",
+  return SourceFiles({"lcmtypes", "core", "adapter", "camera", "player", "vo_process", "mapping_process", "loop_process",
                       "viewer_headless", "tools", "tests"});
 }
 

@@ -38,6 +38,7 @@ TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
   const std::map<std::string, std::string> spaces = {
       {"vo_process/", "plslam::vo"},         {"mapping_process/", "plslam::mapping"},
       {"loop_process/", "plslam::loop"},     {"player/", "plslam::player"},
+      {"adapter/", "plslam::adapter"},
       {"camera/", "plslam::camera"},         {"viewer_headless/", "plslam::viewer"},
       {"tools/plslam/", "plslam::launcher"}, {"tools/export/", "plslam::exports"},
       {"tools/doctor/", "plslam::doctor"},   {"core/stream/", "plslam::stream"}};

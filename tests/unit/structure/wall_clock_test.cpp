@@ -19,7 +19,7 @@ bool ReadsTheWallClock(const test::SourceFile& file) {
 }
 
 TEST(WallClock, IsReadForTimeStampsOfLogsAndByTheDoctorOnly) {
-  for (const auto& file : test::SourceFiles({"core", "camera", "player", "vo_process", "mapping_process",
+  for (const auto& file : test::SourceFiles({"core", "adapter", "camera", "player", "vo_process", "mapping_process",
                                              "loop_process", "viewer_headless", "tools"})) {
     if (!ReadsTheWallClock(file)) continue;
     // process_status says it to whoever compares hosts.

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "adapter/body_pose.h"
+
+#include "core/geometry/rectification.h"
+
+namespace plslam::adapter {
+namespace {
+
+bool IsIdentity(const SE3& T) { return T.Log().norm() < 1e-9; }
+
+/// x right, y down, z forward to x forward, y left, z up.
+SE3 BodyFromOptical() {
+  Eigen::Matrix3d R;
+  R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  return {R, Eigen::Vector3d::Zero()};
+}
+
+/// The covariance of a right perturbation in c, as one in b.
+Matrix6d Moved(const SE3& T_b_c, const Matrix6d& covariance) {
+  const Matrix6d A = T_b_c.Adjoint();
+  return A * covariance * A.transpose();
+}
+
+/// From the axes of the moving frame to the fixed ones.
+Matrix6d Turned(const Eigen::Matrix3d& R, const Matrix6d& covariance) {
+  Matrix6d A = Matrix6d::Zero();
+  A.topLeftCorner<3, 3>() = A.bottomRightCorner<3, 3>() = R;
+  return A * covariance * A.transpose();
+}
+
+}  // namespace
+
+SE3 BodyFromCamera(const RigCalibration& rig) {
+  const SE3 T_l_c(Rectify(rig).q_l_c, Eigen::Vector3d::Zero());
+  return (IsIdentity(rig.left.T_b_cam) ? BodyFromOptical() : rig.left.T_b_cam) * T_l_c;
+}
+
+BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
+  const SE3 T_c_b = T_b_c.Inverse();
+  const auto of_body = [&](const SE3& T) { return T_b_c * T * T_c_b; };
+  BodyPose body;
+  body.t_ns = camera.t_ns;
+  body.T_map_odom = of_body(camera.T_w_odom);
+  body.T_odom_b = of_body(camera.T_odom_c);
+  body.T_map_b = body.T_map_odom * body.T_odom_b;
+  body.covariance = Turned(body.T_odom_b.R(), Moved(T_b_c, camera.covariance));
+  if (!camera.dt_s) return body;
+  const double rate = 1.0 / *camera.dt_s;
+  body.velocity = rate * of_body(camera.T_prev_c).Log();
+  body.velocity_covariance = rate * rate * Moved(T_b_c, camera.motion_covariance);
+  return body;
+}
+
+}  // namespace plslam::adapter

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/geometry/calibration.h"
+#include "core/geometry/se3.h"
+
+namespace plslam::adapter {
+
+/// What the tracker says of a frame, in the frames of docs/frames.md. Covariances are those of right perturbations.
+struct CameraPose {
+  int64_t t_ns = 0;
+  SE3 T_w_odom;
+  SE3 T_odom_c;
+  Matrix6d covariance = Matrix6d::Zero();
+  SE3 T_prev_c;
+  Matrix6d motion_covariance = Matrix6d::Zero();
+  /// Since the frame that `T_prev_c` is of; nullopt where it is not known.
+  std::optional<double> dt_s;
+};
+
+/// The same of the robot's body b (x forward, z up), as ROS has it (REP 103, 105). The frames map and odom are those
+/// of w and odom with the axes of the body: where the first keyframe was made, the body stands at the origin of map
+/// and looks along x.
+struct BodyPose {
+  int64_t t_ns = 0;
+  SE3 T_map_odom;
+  SE3 T_odom_b;
+  SE3 T_map_b;
+  /// Of [position; rotation about the fixed axes] in odom, as in geometry_msgs/PoseWithCovariance.
+  Matrix6d covariance = Matrix6d::Zero();
+  /// [linear; angular] in b, the mean since the frame before; and its covariance. nullopt where time is not known.
+  std::optional<Vector6d> velocity;
+  Matrix6d velocity_covariance = Matrix6d::Zero();
+};
+
+/// Body from the rectified left camera: by the rig's `T_b_cam`; where that is the identity, so that nobody has said
+/// how the camera is mounted, it looks along the body's x axis with its image upright. Throws what `Rectify` throws.
+SE3 BodyFromCamera(const RigCalibration& rig);
+
+BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera);
+
+/// A point of the map w in the robot's frame map.
+inline Eigen::Vector3d ToMapFrame(const SE3& T_b_c, const Eigen::Vector3d& p_w) { return T_b_c * p_w; }
+
+}  // namespace plslam::adapter

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "adapter/node/adapter_node.h"
+
+#include "core/bus/run_loop.h"
+
+namespace plslam::adapter {
+namespace {
+
+constexpr const char* kUrlOption = "adapter.foreign_url";
+constexpr int kWait_ms = 100;
+
+}  // namespace
+
+AdapterNode::AdapterNode(bus::Process& process, const AdapterOptions& options)
+    : process_(process),
+      poses_and_images_(options.foreign_url, kUrlOption),
+      maps_(options.foreign_url, kUrlOption),
+      poses_(process, poses_and_images_, options),
+      map_(options.map.empty() ? nullptr : std::make_unique<MapSink>(process, maps_, options.map)),
+      images_(process, poses_and_images_, options,
+              {.on_rig = [this](const RigCalibration& rig) { SetBody(BodyFromCamera(rig)); },
+               .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}) {
+  AdapterOptions shown = options;
+  process_.SetConfiguration(ToYaml("adapter", shown));
+  listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });
+  worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { images_.Work(); }); });
+}
+
+AdapterNode::~AdapterNode() {
+  stopped_ = true;
+  images_.Stop();
+  listener_.join();
+  worker_.join();
+}
+
+void AdapterNode::SetBody(const SE3& T_b_c) {
+  poses_.SetBody(T_b_c);
+  if (map_) map_->SetBody(T_b_c);
+}
+
+void AdapterNode::Listen() {
+  while (!stopped_) {
+    if (!poses_and_images_.Handle(kWait_ms)) return process_.Finish();
+    process_.SetCounter("messages.lost", static_cast<double>(poses_and_images_.lost()));
+  }
+}
+
+}  // namespace plslam::adapter

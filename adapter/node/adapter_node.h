@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <thread>
+
+#include "adapter/node/image_source.h"
+#include "adapter/node/map_sink.h"
+#include "adapter/node/pose_sink.h"
+#include "adapter/options.h"
+#include "core/bus/transport/stock_lcm.h"
+#include "core/process/process.h"
+
+namespace plslam::adapter {
+
+/// Joins a robot that speaks LCM to the bus: its images in (`ImageSource`), poses (`PoseSink`) and the map (`MapSink`)
+/// out. What it keeps can be had again from the robot and from the bus, so it may be killed and started again in the
+/// middle of a session.
+class AdapterNode {
+ public:
+  /// Throws where the robot's bus cannot be opened or the file of the rig cannot be used.
+  AdapterNode(bus::Process& process, const AdapterOptions& options);
+  ~AdapterNode();
+  AdapterNode(const AdapterNode&) = delete;
+  AdapterNode& operator=(const AdapterNode&) = delete;
+
+ private:
+  void Listen();
+  void SetBody(const SE3& T_b_c);
+
+  bus::Process& process_;
+  bus::StockLcm poses_and_images_;
+  /// Apart: a large map takes longer to send than a pose may wait.
+  bus::StockLcm maps_;
+  PoseSink poses_;
+  std::unique_ptr<MapSink> map_;
+  ImageSource images_;
+  std::atomic<bool> stopped_ = false;
+  std::thread listener_;
+  std::thread worker_;
+};
+
+}  // namespace plslam::adapter

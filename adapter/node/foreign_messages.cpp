@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "adapter/node/foreign_messages.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <optional>
+#include <string>
+
+#include "adapter/node/foreign_layouts.h"
+#include "bot_core/images_t.hpp"
+#include "core/bus/messages/convert.h"
+#include "core/bus/transport/stock_lcm.h"
+#include "core/io/files/dataset_error.h"
+#include "sensor_msgs/CameraInfo.hpp"
+#include "sensor_msgs/CompressedImage.hpp"
+#include "sensor_msgs/Image.hpp"
+
+namespace plslam::adapter {
+namespace {
+
+constexpr int64_t kNsPerS = 1'000'000'000;
+constexpr int64_t kNsPerUs = 1'000;
+/// In `bot_core.images_t.image_types`.
+constexpr int kLeftImage = 0;
+constexpr int kRightImage = 1;
+/// In `sensor_msgs.PointField.datatype`.
+constexpr uint8_t kFloat32 = 7;
+constexpr double kUnknownVariance = 1e6;
+
+bool IsOfType(MessageBytes bytes, std::string_view type) {
+  return bytes.size() >= 8 && bus::ReadInt64(bytes.data()) == ForeignLayout(type).fingerprint();
+}
+
+template <class Message>
+Message Decoded(MessageBytes bytes, std::string_view type) {
+  if (!IsOfType(bytes, type)) throw DatasetError(fmt::format("is no {}", type));
+  std::optional<Message> message = bus::CheckedMessage<Message>(ForeignLayout(type), bytes);
+  if (!message) throw DatasetError(fmt::format("is a {} that ends too early or is damaged", type));
+  return *std::move(message);
+}
+
+int64_t FromStamp(const std_msgs::Header& header) {
+  const std_msgs::Time& stamp = header.stamp;
+  if (stamp.sec < 0 || stamp.nsec < 0 || stamp.nsec >= kNsPerS) {
+    throw DatasetError(fmt::format("has a stamp that cannot be: {} s, {} ns", stamp.sec, stamp.nsec));
+  }
+  return stamp.sec * kNsPerS + stamp.nsec;
+}
+
+int64_t FromUtime(int64_t utime) {
+  constexpr int64_t kLatest_us = int64_t{1} << 52;
+  if (utime < 0 || utime > kLatest_us) throw DatasetError(fmt::format("has a utime that cannot be: {}", utime));
+  return utime * kNsPerUs;
+}
+
+std_msgs::Header ToHeader(int64_t t_ns, const char* frame) {
+  std_msgs::Header header{};
+  header.stamp.sec = static_cast<int32_t>(t_ns / kNsPerS);
+  header.stamp.nsec = static_cast<int32_t>(t_ns % kNsPerS);
+  header.frame_id = frame;
+  return header;
+}
+
+template <class Vector>
+Vector ToVector(const Eigen::Vector3d& v) {
+  Vector message{};
+  message.x = v.x();
+  message.y = v.y();
+  message.z = v.z();
+  return message;
+}
+
+geometry_msgs::Quaternion ToQuaternion(const Eigen::Quaterniond& q) {
+  geometry_msgs::Quaternion message{};
+  message.x = q.x();
+  message.y = q.y();
+  message.z = q.z();
+  message.w = q.w();
+  return message;
+}
+
+ForeignImage FromBotImage(bot_core::image_t& image, int64_t utime) {
+  ForeignImage out;
+  out.t_ns = FromUtime(utime);
+  out.width_px = image.width;
+  out.height_px = image.height;
+  out.step_bytes = image.row_stride;
+  out.encoding = EncodingOfPixelFormat(image.pixelformat);
+  out.bytes = std::move(image.data);
+  return out;
+}
+
+geometry_msgs::TransformStamped ToTransform(int64_t t_ns, const char* parent, const char* child, const SE3& T) {
+  geometry_msgs::TransformStamped message{};
+  message.header = ToHeader(t_ns, parent);
+  message.child_frame_id = child;
+  message.transform.translation = ToVector<geometry_msgs::Vector3>(T.translation());
+  message.transform.rotation = ToQuaternion(T.rotation());
+  return message;
+}
+
+void Append(float value, std::vector<uint8_t>& bytes) {
+  const auto bits = std::bit_cast<uint32_t>(value);
+  for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<uint8_t>(bits >> (8 * i)));
+}
+
+}  // namespace
+
+std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes) {
+  auto message = Decoded<bot_core::images_t>(bytes, "bot_core.images_t");
+  const auto image_of = [&](int type) {
+    for (size_t i = 0; i < message.images.size(); ++i) {
+      if (message.image_types[i] == type) return FromBotImage(message.images[i], message.utime);
+    }
+    throw DatasetError(fmt::format("has no {} image (type {})", type == kLeftImage ? "left" : "right", type));
+  };
+  ForeignImage left = image_of(kLeftImage);
+  return {std::move(left), image_of(kRightImage)};
+}
+
+ForeignImage ImageFromBytes(MessageBytes bytes) {
+  ForeignImage out;
+  if (IsOfType(bytes, "sensor_msgs.CompressedImage")) {
+    auto message = Decoded<sensor_msgs::CompressedImage>(bytes, "sensor_msgs.CompressedImage");
+    out.t_ns = FromStamp(message.header);
+    out.bytes = std::move(message.data);
+    return out;
+  }
+  if (!IsOfType(bytes, "sensor_msgs.Image")) {
+    throw DatasetError("is neither a sensor_msgs.Image nor a sensor_msgs.CompressedImage");
+  }
+  auto message = Decoded<sensor_msgs::Image>(bytes, "sensor_msgs.Image");
+  if (message.encoding.empty()) throw DatasetError("names no encoding");
+  out.t_ns = FromStamp(message.header);
+  out.width_px = message.width;
+  out.height_px = message.height;
+  out.step_bytes = message.step;
+  out.encoding = message.encoding;
+  out.is_big_endian = message.is_bigendian != 0;
+  out.bytes = std::move(message.data);
+  return out;
+}
+
+RosCameraInfo CameraInfoFromBytes(MessageBytes bytes) {
+  const auto message = Decoded<sensor_msgs::CameraInfo>(bytes, "sensor_msgs.CameraInfo");
+  using Rows3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  using Rows34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  RosCameraInfo info;
+  info.width_px = message.width;
+  info.height_px = message.height;
+  info.model = message.distortion_model;
+  info.distortion = message.D;
+  info.K = Eigen::Map<const Rows3>(&message.K[0]);
+  info.R = Eigen::Map<const Rows3>(&message.R[0]);
+  info.P = Eigen::Map<const Rows34>(&message.P[0]);
+  return info;
+}
+
+bot_core::pose_t ToBotPose(const BodyPose& pose) {
+  bot_core::pose_t message{};
+  message.utime = pose.t_ns / kNsPerUs;
+  const Vector6d velocity = pose.velocity.value_or(Vector6d::Zero());
+  const Eigen::Quaterniond& q = pose.T_map_b.rotation();
+  const double q_wxyz[4] = {q.w(), q.x(), q.y(), q.z()};
+  for (int i = 0; i < 4; ++i) message.orientation[i] = q_wxyz[i];
+  for (int i = 0; i < 3; ++i) {
+    message.pos[i] = pose.T_map_b.translation()[i];
+    message.vel[i] = velocity[i];
+    message.rotation_rate[i] = velocity[3 + i];
+  }
+  return message;
+}
+
+nav_msgs::Odometry ToOdometry(const BodyPose& pose) {
+  nav_msgs::Odometry message{};
+  message.header = ToHeader(pose.t_ns, kOdomFrame);
+  message.child_frame_id = kBodyFrame;
+  message.pose.pose.position = ToVector<geometry_msgs::Point>(pose.T_odom_b.translation());
+  message.pose.pose.orientation = ToQuaternion(pose.T_odom_b.rotation());
+  bus::ToArray(pose.covariance, message.pose.covariance);
+  const Vector6d velocity = pose.velocity.value_or(Vector6d::Zero());
+  message.twist.twist.linear = ToVector<geometry_msgs::Vector3>(velocity.head<3>());
+  message.twist.twist.angular = ToVector<geometry_msgs::Vector3>(velocity.tail<3>());
+  const Matrix6d unknown = kUnknownVariance * Matrix6d::Identity();
+  bus::ToArray(pose.velocity ? pose.velocity_covariance : unknown, message.twist.covariance);
+  return message;
+}
+
+tf2_msgs::TFMessage ToTransforms(const BodyPose& pose) {
+  tf2_msgs::TFMessage message{};
+  message.transforms = {ToTransform(pose.t_ns, kMapFrame, kOdomFrame, pose.T_map_odom),
+                        ToTransform(pose.t_ns, kOdomFrame, kBodyFrame, pose.T_odom_b)};
+  message.transforms_length = static_cast<int32_t>(message.transforms.size());
+  return message;
+}
+
+sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t t_ns) {
+  sensor_msgs::PointCloud2 message{};
+  message.header = ToHeader(t_ns, kMapFrame);
+  message.point_step = 12;
+  for (const char* name : {"x", "y", "z"}) {
+    sensor_msgs::PointField& field = message.fields.emplace_back();
+    field.name = name;
+    field.offset = 4 * message.fields_length++;
+    field.datatype = kFloat32;
+    field.count = 1;
+  }
+  for (const auto& [id, point] : map.points()) {
+    const Eigen::Vector3d p_map = ToMapFrame(T_b_c, point.p_w);
+    for (const double value : p_map) Append(static_cast<float>(value), message.data);
+    ++message.width;
+  }
+  message.height = 1;
+  message.data_length = static_cast<int32_t>(message.data.size());
+  message.row_step = message.data_length;
+  message.is_dense = 1;
+  return message;
+}
+
+}  // namespace plslam::adapter

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "adapter/body_pose.h"
+#include "adapter/foreign_image.h"
+#include "bot_core/pose_t.hpp"
+#include "core/datasets/mcap/ros_messages.h"
+#include "core/map/map.h"
+#include "nav_msgs/Odometry.hpp"
+#include "sensor_msgs/PointCloud2.hpp"
+#include "tf2_msgs/TFMessage.hpp"
+
+namespace plslam::adapter {
+
+// Messages of other programs to values and back. The bytes that come are checked: types by their fingerprints, sizes,
+// stamps. What is wrong throws DatasetError with a phrase that goes on behind the name of the channel ("has no ...").
+
+using MessageBytes = std::span<const uint8_t>;
+
+/// Left and right image of a `bot_core.images_t`, in any order among others.
+std::pair<ForeignImage, ForeignImage> PairFromBytes(MessageBytes bytes);
+/// A `sensor_msgs.Image` or `sensor_msgs.CompressedImage`.
+ForeignImage ImageFromBytes(MessageBytes bytes);
+/// A `sensor_msgs.CameraInfo`.
+RosCameraInfo CameraInfoFromBytes(MessageBytes bytes);
+
+/// Names of frames in messages, those of ROS (REP 105).
+inline constexpr const char* kMapFrame = "map";
+inline constexpr const char* kOdomFrame = "odom";
+inline constexpr const char* kBodyFrame = "base_link";
+
+/// The body in map; velocities in the body's axes. The accelerations are 0.
+bot_core::pose_t ToBotPose(const BodyPose& pose);
+/// The body in odom. Where the velocity is not known, it is 0 with variances of 1e6.
+nav_msgs::Odometry ToOdometry(const BodyPose& pose);
+/// map to odom, and odom to base_link.
+tf2_msgs::TFMessage ToTransforms(const BodyPose& pose);
+/// The points of a map in the frame map: x, y, z in 32 bits.
+sensor_msgs::PointCloud2 ToPointCloud(const SE3& T_b_c, const Map& map, int64_t t_ns);
+
+}  // namespace plslam::adapter

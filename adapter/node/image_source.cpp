@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "adapter/node/image_source.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "core/bus/messages/convert.h"
+#include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
+#include "core/errors/error_text.h"
+#include "core/run/process_names.h"
+#include "plslam/camera_t.hpp"
+#include "plslam/intrinsics_t.hpp"
+#include "plslam/stream_t.hpp"
+
+namespace plslam::adapter {
+namespace {
+
+constexpr double kNsPerMs = 1e6;
+constexpr std::chrono::milliseconds kTick{1000};
+/// Messages that wait: two pairs of images. What is older is of no use to a robot that moves.
+constexpr size_t kRoom = 4;
+
+/// Throws DatasetError where vo_process could do nothing with it.
+void CheckRig(const RigCalibration& rig) {
+  const std::string complaint = RigComplaint(rig);
+  if (!complaint.empty()) throw DatasetError("describes a rig that cannot be: " + complaint);
+  AsDatasetError([&] { BodyFromCamera(rig); });
+}
+
+std::string GivenOr(const std::string& given, const std::string& image_channel) {
+  return given.empty() ? InfoChannelOf(image_channel) : given;
+}
+
+}  // namespace
+
+std::string InfoChannelOf(const std::string& image_channel) {
+  const size_t hash = image_channel.find('#');
+  std::string topic = image_channel.substr(0, hash);
+  const size_t slash = topic.rfind('/');
+  if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
+  return topic + "/camera_info" + (hash == std::string::npos ? "" : "#sensor_msgs.CameraInfo");
+}
+
+ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options,
+                         Listener listener)
+    : process_(process),
+      options_(options),
+      left_info_(GivenOr(options.left_info, options.left)),
+      right_info_(GivenOr(options.right_info, options.right)),
+      listener_(std::move(listener)),
+      inbox_(kRoom),
+      publisher_(process.bus(), false),
+      pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
+  if (!options_.camera.empty()) {
+    RigCalibration rig = ReadCalibration({options_.camera}, {});
+    if (rig.kind != RigCalibration::Kind::kStereo) {
+      throw DatasetError(options_.camera + ": is of an RGB-D camera, and a stereo rig is wanted");
+    }
+    UseRig(std::move(rig));
+  }
+  Subscribe(foreign);
+}
+
+void ImageSource::Subscribe(bus::StockLcm& foreign) {
+  const auto listen = [&](const std::string& name, std::function<void(MessageBytes)> take) {
+    foreign.Subscribe(name, [this, i = channels_.size()](MessageBytes bytes) { inbox_.Put(i, bytes); });
+    channels_.push_back({name, std::move(take)});
+  };
+  if (!options_.images.empty()) {
+    listen(options_.images, [this](MessageBytes bytes) {
+      ++n_messages_;
+      OnPair(PairFromBytes(bytes));
+    });
+    return;
+  }
+  listen(options_.left, [this](MessageBytes bytes) { OnImage(Side::kLeft, bytes); });
+  listen(options_.right, [this](MessageBytes bytes) { OnImage(Side::kRight, bytes); });
+  if (!options_.camera.empty()) return;
+  listen(left_info_, [this](MessageBytes bytes) { OnInfo(Side::kLeft, bytes); });
+  listen(right_info_, [this](MessageBytes bytes) { OnInfo(Side::kRight, bytes); });
+}
+
+void ImageSource::Work() {
+  auto due = std::chrono::steady_clock::now();
+  while (!inbox_.stopped()) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now >= due) {
+      Tick();
+      due = now + kTick;
+    }
+    const auto limit = std::chrono::ceil<std::chrono::milliseconds>(due - now);
+    if (const auto message = inbox_.Take(limit)) Handle(*message);
+  }
+}
+
+/// What is wrong with one message is no reason to end.
+void ImageSource::Handle(const Inbox::Message& message) {
+  const Channel& channel = channels_[message.channel];
+  try {
+    channel.take(message.bytes);
+  } catch (const DatasetError& error) {
+    process_.SetCounter("frames.rejected", static_cast<double>(++n_rejected_));
+    complaints_.Tell(fmt::format("a message on {} {}", Shown(channel.name), error.what()));
+  }
+}
+
+void ImageSource::OnImage(Side side, MessageBytes bytes) {
+  ++n_messages_;
+  const auto pair = pairing_.Add(side, ImageFromBytes(bytes));
+  process_.SetCounter("frames.unpaired", static_cast<double>(pairing_.unpaired()));
+  if (pair) OnPair(*pair);
+}
+
+void ImageSource::OnInfo(Side side, MessageBytes bytes) {
+  infos_[static_cast<size_t>(side)] = CameraInfoFromBytes(bytes);
+  if (!infos_[0] || !infos_[1]) return;
+  const bool rectified = options_.left.find("rect") != std::string::npos;
+  UseRig(RigFromRos(*infos_[0], *infos_[1], rectified));
+}
+
+void ImageSource::OnPair(const Pair& pair) {
+  if (!rig_) return;
+  if (pair.first.t_ns == last_t_ns_) throw DatasetError("has the stamp of the one before");
+  StereoImages images;
+  images.t_ns = pair.first.t_ns;
+  images.left = GreyOf(pair.first, {rig_->left.width_px, rig_->left.height_px});
+  images.right = GreyOf(pair.second, {rig_->right.width_px, rig_->right.height_px});
+  Publish(std::move(images));
+}
+
+void ImageSource::UseRig(RigCalibration rig) {
+  rig.name = process_name::kAdapter;
+  std::vector<uint8_t> bytes = bus::RigBytes(bus::ToMessage(rig));
+  if (bytes == rig_bytes_) return;
+  CheckRig(rig);
+  rig_bytes_ = std::move(bytes);
+  rig_ = std::move(rig);
+  listener_.on_rig(*rig_);
+  PublishRig();
+}
+
+void ImageSource::PublishRig() { process_.bus().Publish(bus::kCamera, bus::ToMessage(*rig_)); }
+
+void ImageSource::Publish(StereoImages images) {
+  if (n_sent_ == 0) {
+    stream_t stream{};
+    stream.header.session = process_.bus().source();
+    stream.dataset = options_.images.empty() ? options_.left : options_.images;
+    stream.event = "begin";
+    stream.pace = "realtime";
+    stream.n_frames = -1;
+    process_.bus().Publish(bus::kStream, std::move(stream));
+    process_.SetState(process_state::kRunning);
+  }
+  images.frame_id = numbers_.Next(images.t_ns);
+  last_t_ns_ = images.t_ns;
+  listener_.on_frame(images.t_ns);
+  publisher_.Publish(images);
+  process_.SetCounter("frames.sent", static_cast<double>(++n_sent_));
+}
+
+void ImageSource::Tick() {
+  if (rig_) PublishRig();
+  process_.SetCounter("frames.dropped", static_cast<double>(inbox_.dropped()));
+  if (n_sent_ == 0) process_.SetReason(WhatIsMissing());
+}
+
+std::string ImageSource::WhatIsMissing() const {
+  if (n_messages_ == 0) {
+    return options_.images.empty() ? fmt::format("waiting for images on {} and {}", options_.left, options_.right)
+                                   : fmt::format("waiting for images on {}", options_.images);
+  }
+  if (!rig_) {
+    return fmt::format("waiting for sensor_msgs.CameraInfo on {} and {} (or name a file with --camera)", left_info_,
+                       right_info_);
+  }
+  return n_rejected_ > 0 ? "no image could be used: see the log" : "no left image has the stamp of a right one";
+}
+
+}  // namespace plslam::adapter

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapter/foreign_image.h"
+#include "adapter/frame_numbers.h"
+#include "adapter/node/complaints.h"
+#include "adapter/node/foreign_messages.h"
+#include "adapter/node/inbox.h"
+#include "adapter/options.h"
+#include "adapter/stamp_pairing.h"
+#include "core/bus/messages/frame_channel.h"
+#include "core/bus/transport/stock_lcm.h"
+#include "core/process/process.h"
+
+namespace plslam::adapter {
+
+/// Foreign images to frames of the bus: pairs them, makes them grey, numbers and publishes them as a live stream, and
+/// with them the rig, from a file or from the robot's own messages.
+///
+/// A foreign message that cannot be used is counted (`frames.rejected`, `frames.unpaired`) and passed over, and so is
+/// one that has to wait for too long because others come (`frames.dropped`). The thread of `StockLcm::Handle` only
+/// receives; `Work` has one of its own.
+class ImageSource {
+ public:
+  struct Listener {
+    /// The rig in use, before the first frame and when it changes.
+    std::function<void(const RigCalibration& rig)> on_rig;
+    /// A frame with this stamp is about to be published.
+    std::function<void(int64_t t_ns)> on_frame;
+  };
+
+  /// Throws where the file of the rig cannot be used.
+  ImageSource(bus::Process& process, bus::StockLcm& foreign, const AdapterOptions& options, Listener listener);
+
+  /// Handles what comes, until `Stop`, which any thread may call.
+  void Work();
+  void Stop() { inbox_.Stop(); }
+
+ private:
+  using Pair = std::pair<ForeignImage, ForeignImage>;
+  struct Channel {
+    std::string name;
+    std::function<void(MessageBytes)> take;
+  };
+
+  void Subscribe(bus::StockLcm& foreign);
+  void Handle(const Inbox::Message& message);
+  void Tick();
+  void OnImage(Side side, MessageBytes bytes);
+  void OnInfo(Side side, MessageBytes bytes);
+  void OnPair(const Pair& pair);
+  void UseRig(RigCalibration rig);
+  void PublishRig();
+  void Publish(StereoImages images);
+  std::string WhatIsMissing() const;
+
+  bus::Process& process_;
+  const AdapterOptions options_;
+  const std::string left_info_;
+  const std::string right_info_;
+  Listener listener_;
+  std::vector<Channel> channels_;
+  Inbox inbox_;
+  bus::FramePublisher publisher_;
+  StampPairing<ForeignImage> pairing_;
+  FrameNumbers numbers_;
+  Complaints complaints_;
+  std::optional<RosCameraInfo> infos_[2];
+  std::optional<RigCalibration> rig_;
+  std::vector<uint8_t> rig_bytes_;
+  int64_t n_messages_ = 0;
+  int64_t n_sent_ = 0;
+  int64_t n_rejected_ = 0;
+  int64_t last_t_ns_ = -1;
+};
+
+/// The channel of the CameraInfo that goes with images: "/a/left/image_raw#sensor_msgs.Image" has
+/// "/a/left/camera_info#sensor_msgs.CameraInfo", "/left" has "/left/camera_info".
+std::string InfoChannelOf(const std::string& image_channel);
+
+}  // namespace plslam::adapter

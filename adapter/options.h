@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/config/fields.h"
+
+namespace plslam::adapter {
+
+/// Which foreign channels are joined to the bus. An output channel that is empty is not published.
+struct AdapterOptions {
+  std::string foreign_url;
+  std::string camera;
+  std::string images;
+  std::string left;
+  std::string right;
+  std::string left_info;
+  std::string right_info;
+  double max_skew_ms = 5.0;
+  std::string pose = "POSE_BODY";
+  std::string odometry = "/odom#nav_msgs.Odometry";
+  std::string tf = "/tf#tf2_msgs.TFMessage";
+  std::string map = "/map#sensor_msgs.PointCloud2";
+};
+
+template <class Visitor>
+void VisitFields(Visitor& visit, AdapterOptions& o) {
+  visit("foreign_url", o.foreign_url, "LCM URL of the robot; empty: LCM_DEFAULT_URL");
+  visit("camera", o.camera, "file of the rig; empty: sensor_msgs.CameraInfo");
+  visit("images", o.images, "channel of bot_core.images_t");
+  visit("left", o.left, "of left sensor_msgs.Image or CompressedImage");
+  visit("right", o.right, "of right images");
+  visit("left_info", o.left_info, "of CameraInfo; empty: beside the images");
+  visit("right_info", o.right_info, "of the right one");
+  visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "between the stamps of a pair");
+  visit("pose", o.pose, "for bot_core.pose_t; empty: none");
+  visit("odometry", o.odometry, "for nav_msgs.Odometry");
+  visit("tf", o.tf, "for tf2_msgs.TFMessage");
+  visit("map", o.map, "for sensor_msgs.PointCloud2");
+}
+
+}  // namespace plslam::adapter

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <deque>
+#include <optional>
+#include <utility>
+
+namespace plslam::adapter {
+
+enum class Side { kLeft = 0, kRight = 1 };
+
+/// Puts left and right images together by their stamps, whichever comes first. An image whose partner has not come
+/// when a later pair is complete, or when too many wait, stays unpaired and is counted.
+template <class Image>
+class StampPairing {
+ public:
+  explicit StampPairing(int64_t max_skew_ns) : max_skew_ns_(max_skew_ns) {}
+
+  /// Left and right image, where `image` completes a pair. `Image::t_ns` is its stamp, not negative.
+  std::optional<std::pair<Image, Image>> Add(Side side, Image image) {
+    std::deque<Image>& own = waiting_[static_cast<size_t>(side)];
+    std::deque<Image>& others = waiting_[1 - static_cast<size_t>(side)];
+    const auto skew = [&](const Image& other) { return std::abs(other.t_ns - image.t_ns); };
+    const auto nearest = std::min_element(others.begin(), others.end(),
+                                          [&](const Image& a, const Image& b) { return skew(a) < skew(b); });
+    if (nearest == others.end() || skew(*nearest) > max_skew_ns_) {
+      own.push_back(std::move(image));
+      if (own.size() > kMaxWaiting) Drop(own, own.begin() + 1);
+      return std::nullopt;
+    }
+    Image partner = std::move(*nearest);
+    Drop(others, nearest);
+    others.pop_front();
+    Drop(own, own.end());
+    if (side == Side::kRight) std::swap(image, partner);
+    return std::pair(std::move(image), std::move(partner));
+  }
+
+  int64_t unpaired() const { return unpaired_; }
+
+ private:
+  static constexpr size_t kMaxWaiting = 4;
+
+  void Drop(std::deque<Image>& images, typename std::deque<Image>::iterator end) {
+    unpaired_ += end - images.begin();
+    images.erase(images.begin(), end);
+  }
+
+  int64_t max_skew_ns_;
+  std::array<std::deque<Image>, 2> waiting_;
+  int64_t unpaired_ = 0;
+};
+
+}  // namespace plslam::adapter

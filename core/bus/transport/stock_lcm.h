@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/bus/transport/long_messages.h"
+#include "core/bus/transport/udp_receiver.h"
+#include "core/bus/transport/wire.h"
+#include "lcmtypes/message_layout.h"
+
+struct _lcm_t;
+
+namespace plslam::bus {
+
+/// LCM as other programs speak it: bytes as they come, messages of any length, in parts where they are longer than a
+/// datagram. Nothing is repaired, and nothing that is received has been checked (`CheckedMessage`).
+///
+/// Over udpm:// our own receiver takes what comes (`UdpReceiver` says why); sending, and all other URLs, are LCM's.
+class StockLcm {
+ public:
+  /// Empty: LCM_DEFAULT_URL, or LCM's default. Throws std::runtime_error with one sentence that begins with `option`,
+  /// which the URL is of.
+  StockLcm(const std::string& url, const std::string& option);
+  ~StockLcm();
+  StockLcm(const StockLcm&) = delete;
+  StockLcm& operator=(const StockLcm&) = delete;
+
+  /// Throws as the constructor does. `take` is called by `Handle`. Of a slow reader the few messages wait that the socket has room for.
+  void Subscribe(const std::string& channel, std::function<void(ByteView)> take);
+
+  /// Delivers what comes within this time, behind the first `Subscribe`. False where nothing more will come: a log is at its end. What `take`
+  /// throws leaves here.
+  bool Handle(int timeout_ms);
+
+  /// Safe from any thread. False where LCM cannot send, as to a relay that is gone.
+  bool Publish(const std::string& channel, ByteView bytes);
+
+  /// Messages of which a part was lost.
+  int64_t lost() const { return long_messages_.lost(); }
+
+ private:
+  struct Subscription {
+    std::string channel;
+    std::function<void(ByteView)> take;
+    std::exception_ptr* failure = nullptr;
+  };
+
+  void SubscribeByLcm(Subscription& subscription);
+  bool IsSubscribed(std::string_view channel) const;
+  void Deliver(std::string_view channel, ByteView bytes) const;
+  void TakeDatagram(const UdpReceiver::Datagram& datagram);
+
+  const std::string option_;
+  const std::string url_;
+  _lcm_t* lcm_ = nullptr;
+  std::exception_ptr failure_;
+  std::chrono::steady_clock::time_point tried_at_;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::optional<UdpReceiver> udp_;
+  LongMessages long_messages_;
+};
+
+/// The message of a foreign type that has this layout; nullopt where its bytes are not one, or lie about their sizes.
+template <class Message>
+std::optional<Message> CheckedMessage(const MessageLayout& layout, ByteView bytes) {
+  return MessageLength(layout, bytes) ? Decoded<Message>(bytes) : std::nullopt;
+}
+
+}  // namespace plslam::bus

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "adapter/body_pose.h"
+#include "core/bus/run_loop.h"
+#include "core/datasets/camera_file.h"
+#include "core/datasets/open_dataset.h"
+#include "plslam/pose_t.hpp"
+#include "plslam/stage_t.hpp"
+#include "tests/integration/by_hand.h"
+#include "tests/integration/lcm_robot.h"
+#include "tests/integration/whole_run.h"
+#include "tests/support/sanitized.h"
+#include "tests/unit/bus/bus_fixture.h"
+
+namespace plslam {
+namespace {
+
+using test::ByHand;
+using test::LcmRobot;
+using test::RobotImages;
+using test::WholeRun;
+
+#ifdef PLSLAM_SANITIZED
+constexpr double kRate_hz = 2.0;
+#else
+constexpr double kRate_hz = 20.0;
+#endif
+
+/// When poses came on our own bus, by their times.
+class OwnPoses {
+ public:
+  explicit OwnPoses(const std::string& url) : bus_(Options(url)) {
+    bus_->SubscribeBytes(
+        bus::kPose, bus::Bus::Reading::kAsItComes, [] { return true; },
+        [this](bus::ByteView bytes) {
+          const std::scoped_lock lock(mutex_);
+          at_s_.emplace(bus::ReadHeader(bytes).t_ns, bus::NowS());
+        });
+    bus_.Start();
+  }
+  ~OwnPoses() { bus_.Join(); }
+
+  std::map<int64_t, double> at_s() const {
+    const std::scoped_lock lock(mutex_);
+    return at_s_;
+  }
+
+ private:
+  static bus::BusOptions Options(const std::string& url) {
+    bus::BusOptions options;
+    options.url = url;
+    return options;
+  }
+
+  mutable std::mutex mutex_;
+  std::map<int64_t, double> at_s_;
+  bus::test::RunningBus bus_;
+};
+
+/// A robot with images of one kind, and the processes beside it.
+class Adapter : public testing::Test {
+ protected:
+  void Start(const std::string& world, RobotImages images, bool one_bus, bool whole) {
+    url_ = bus::test::PrivateUrl();
+    foreign_url_ = one_bus ? url_ : bus::test::PrivateUrl();
+    world_ = OpenDataset(world, "");
+    robot_ = std::make_unique<LcmRobot>(foreign_url_, *world_, images);
+    run_ = std::make_unique<ByHand>(url_);
+    own_ = std::make_unique<OwnPoses>(url_);
+    std::ofstream(run_->folder() / "camera.yaml") << CameraFileText(world_->rig());
+    if (whole) {
+      run_->StartPlain("mapping_process", {"--url", url_});
+      run_->StartPlain("loop_process", {"--url", url_});
+      run_->StartPlain("vo_process", {"--url", url_});
+    } else {
+      run_->StartPlain("vo_process", {"--url", url_, "--set", "vo.map.enabled=false"});
+    }
+    StartAdapter();
+  }
+
+  void StartAdapter() {
+    std::vector<std::string> arguments = robot_->AdapterArguments((run_->folder() / "camera.yaml").string());
+    arguments.insert(arguments.end(), {"--foreign-url", foreign_url_, "--url", url_});
+    run_->StartPlain("adapter", arguments);
+  }
+
+  /// Drives on the spot until the first pose is back: processes take their time to start.
+  void WaitForTheFirstPose() {
+    ASSERT_TRUE(WholeRun::WaitFor([&] {
+      robot_->Drive(0, 1, kRate_hz);
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      return !robot_->poses().empty();
+    })) << run_->Logs();
+  }
+
+  std::map<int64_t, bot_core::pose_t> PosesByTime() const {
+    std::map<int64_t, bot_core::pose_t> poses;
+    for (const auto& heard : robot_->poses()) poses[1000 * heard.message.utime] = heard.message;
+    return poses;
+  }
+
+  /// True pose of the body at a frame, in the axes of the body at frame 0.
+  SE3 Truth(int frame) const {
+    const SE3 T_b_c = adapter::BodyFromCamera(world_->rig());
+    const SE3 T_first_l = world_->GroundTruth(0)->Inverse() * *world_->GroundTruth(frame);
+    return T_b_c * T_first_l * T_b_c.Inverse();
+  }
+
+  /// Root mean square of the errors of position; fails where fewer than `least` of the frames have a pose.
+  double Rmse_m(int begin, int end, size_t least) const {
+    const auto poses = PosesByTime();
+    double sum = 0.0;
+    size_t n = 0;
+    for (int i = begin; i < end; ++i) {
+      const auto pose = poses.find(robot_->t_ns(i));
+      if (pose == poses.end()) continue;
+      const Eigen::Vector3d p(pose->second.pos[0], pose->second.pos[1], pose->second.pos[2]);
+      sum += (p - Truth(i).translation()).squaredNorm();
+      ++n;
+    }
+    EXPECT_GE(n, least) << run_->Logs();
+    return std::sqrt(sum / static_cast<double>(std::max<size_t>(n, 1)));
+  }
+
+  /// How much later a pose is heard on the robot's bus than on ours: the lower quartile, which other programs that
+  /// want the processors do not touch.
+  double Delay_ms() const {
+    const auto own = own_->at_s();
+    std::vector<double> delays;
+    for (const auto& heard : robot_->poses()) {
+      const auto at = own.find(1000 * heard.message.utime);
+      if (at != own.end()) delays.push_back(1e3 * (heard.at_s - at->second));
+    }
+    if (delays.empty()) return 1e9;
+    const auto quartile = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 4);
+    std::nth_element(delays.begin(), quartile, delays.end());
+    return *quartile;
+  }
+
+  std::string url_, foreign_url_;
+  std::unique_ptr<Dataset> world_;
+  std::unique_ptr<ByHand> run_;
+  std::unique_ptr<OwnPoses> own_;
+  std::unique_ptr<LcmRobot> robot_;
+};
+
+constexpr int kFrames = 200;
+const std::string kWorld = fmt::format("synthetic:room?size=376x240&frames={}&rate=20", kFrames);
+
+/// As with the player in real time, although the adapter is killed on the way; all on one bus.
+TEST_F(Adapter, RobotWithImagePairsIsLocalisedAcrossAKill) {
+  Start(kWorld, RobotImages::kBotGrey, true, true);
+  ASSERT_NO_FATAL_FAILURE(WaitForTheFirstPose());
+  robot_->Drive(1, kFrames / 2, kRate_hz);
+  run_->Kill("adapter");
+  StartAdapter();
+  robot_->Drive(kFrames / 2, kFrames, kRate_hz);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return PosesByTime().contains(robot_->t_ns(kFrames - 1)); })) << run_->Logs();
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return robot_->maps().size() > 2; })) << run_->Logs();
+
+  WholeRun played;
+  ASSERT_EQ(played.Run({"run", kWorld, "--pace", "realtime", "--no-loops"}), 0) << played.Logs();
+  const double expected_m = played.Summary()["accuracy_live_ate_m"].get<double>();
+  // The frames while no adapter was there have no poses, nor have those that a busy machine passes over.
+  constexpr size_t kLeast = kFrames / 2;
+  const double rmse_m = Rmse_m(1, kFrames, kLeast), delay_ms = Delay_ms();
+  std::cout << fmt::format("{:.4f} m, {:.4f} m with the player; {:.3f} ms behind our bus\n", rmse_m, expected_m,
+                           delay_ms);
+  EXPECT_LT(rmse_m, 2.0 * expected_m + 0.01);
+#ifndef PLSLAM_SANITIZED
+  EXPECT_LT(delay_ms, 1.0);
+#endif
+  const auto odometry = robot_->odometry();
+  const auto transforms = robot_->transforms();
+  EXPECT_GE(odometry.size(), kLeast);
+  EXPECT_GE(transforms.size(), kLeast);
+  EXPECT_EQ(odometry.back().message.child_frame_id, "base_link");
+  EXPECT_GT(odometry.back().message.pose.covariance[0], 0.0);
+  EXPECT_GT(robot_->maps().back().message.width, 100);
+  EXPECT_TRUE(run_->StopAll()) << run_->Logs();
+}
+
+class AdapterInputs : public Adapter, public testing::WithParamInterface<RobotImages> {};
+
+TEST_P(AdapterInputs, EachKindOfImagesIsTracked) {
+  constexpr int kFew = 40;
+  Start(fmt::format("synthetic:room?size=376x240&frames={}&rate=20", kFew), GetParam(), false, false);
+  ASSERT_NO_FATAL_FAILURE(WaitForTheFirstPose());
+  robot_->Drive(1, kFew, kRate_hz);
+  ASSERT_TRUE(WholeRun::WaitFor([&] { return PosesByTime().contains(robot_->t_ns(kFew - 1)); })) << run_->Logs();
+  EXPECT_LT(Rmse_m(1, kFew, kFew / 2), 0.02);
+  // From the frame tracked before the last to the last: the velocity is the way over the time.
+  const auto poses = PosesByTime();
+  int before = kFew - 2;
+  while (before > 0 && !poses.contains(robot_->t_ns(before))) --before;
+  const bot_core::pose_t pose = poses.at(robot_->t_ns(kFew - 1));
+  const double dt_s = 1e-9 * static_cast<double>(robot_->t_ns(kFew - 1) - robot_->t_ns(before));
+  const SE3 motion = Truth(before).Inverse() * Truth(kFew - 1);
+  const Eigen::Vector3d velocity(pose.vel[0], pose.vel[1], pose.vel[2]);
+  EXPECT_LT((velocity - motion.translation() / dt_s).norm(), 0.2) << velocity.transpose();
+  EXPECT_TRUE(run_->StopAll()) << run_->Logs();
+}
+
+INSTANTIATE_TEST_SUITE_P(Inputs, AdapterInputs,
+                         testing::Values(RobotImages::kBotJpeg, RobotImages::kRosColour,
+                                         RobotImages::kRosCompressed));
+
+}  // namespace
+}  // namespace plslam

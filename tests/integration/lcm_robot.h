@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bot_core/pose_t.hpp"
+#include "core/datasets/dataset.h"
+#include "nav_msgs/Odometry.hpp"
+#include "sensor_msgs/PointCloud2.hpp"
+#include "tf2_msgs/TFMessage.hpp"
+
+namespace plslam::test {
+
+/// What a robot's camera driver publishes.
+enum class RobotImages { kBotGrey, kBotJpeg, kRosColour, kRosCompressed };
+
+/// A robot that knows nothing of this project but the types that LCM robots speak: it publishes a world's images, as a
+/// camera driver does in real time, and keeps what comes back.
+class LcmRobot {
+ public:
+  /// What has been heard, and when by the steady clock in s.
+  template <class Message>
+  struct Heard {
+    double at_s = 0.0;
+    Message message;
+  };
+
+  LcmRobot(const std::string& url, const Dataset& world, RobotImages images);
+  ~LcmRobot();
+  LcmRobot(const LcmRobot&) = delete;
+  LcmRobot& operator=(const LcmRobot&) = delete;
+
+  /// What tells the adapter of these images.
+  std::vector<std::string> AdapterArguments(const std::string& camera_file) const;
+
+  /// Publishes frames [begin, end) at `rate_hz`, stamped with times of day that go on from call to call.
+  void Drive(int begin, int end, double rate_hz);
+  /// The stamp of a frame that has been published.
+  int64_t t_ns(int frame) const { return stamps_ns_.at(static_cast<size_t>(frame)); }
+
+  std::vector<Heard<bot_core::pose_t>> poses() const { return Copy(poses_); }
+  std::vector<Heard<nav_msgs::Odometry>> odometry() const { return Copy(odometry_); }
+  std::vector<Heard<tf2_msgs::TFMessage>> transforms() const { return Copy(transforms_); }
+  std::vector<Heard<sensor_msgs::PointCloud2>> maps() const { return Copy(maps_); }
+
+ private:
+  template <class Message>
+  std::vector<Heard<Message>> Copy(const std::vector<Heard<Message>>& heard) const {
+    const std::scoped_lock lock(mutex_);
+    return heard;
+  }
+  template <class Message>
+  void Keep(const std::string& channel, std::vector<Heard<Message>>& heard);
+  void Publish(int frame);
+  void PublishInfo();
+
+  const Dataset& world_;
+  const RobotImages images_;
+  std::vector<StereoImages> frames_;
+  std::vector<int64_t> stamps_ns_;
+  lcm::LCM in_;
+  lcm::LCM out_;
+  mutable std::mutex mutex_;
+  std::vector<Heard<bot_core::pose_t>> poses_;
+  std::vector<Heard<nav_msgs::Odometry>> odometry_;
+  std::vector<Heard<tf2_msgs::TFMessage>> transforms_;
+  std::vector<Heard<sensor_msgs::PointCloud2>> maps_;
+  std::atomic<bool> stopped_ = false;
+  std::thread listener_;
+};
+
+}  // namespace plslam::test

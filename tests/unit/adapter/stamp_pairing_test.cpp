@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "adapter/stamp_pairing.h"
+
+#include <gtest/gtest.h>
+
+namespace plslam::adapter {
+namespace {
+
+struct Stamped {
+  int64_t t_ns = 0;
+  Side side = Side::kLeft;
+};
+
+class Pairing {
+ public:
+  explicit Pairing(int64_t max_skew_ns) : pairing_(max_skew_ns) {}
+
+  /// Stamps of the pair that this image completes; {-1, -1} where it completes none.
+  std::pair<int64_t, int64_t> Add(Side side, int64_t t_ns) {
+    const auto pair = pairing_.Add(side, Stamped{t_ns, side});
+    if (!pair) return {-1, -1};
+    EXPECT_EQ(pair->first.side, Side::kLeft);
+    EXPECT_EQ(pair->second.side, Side::kRight);
+    return {pair->first.t_ns, pair->second.t_ns};
+  }
+  int64_t unpaired() const { return pairing_.unpaired(); }
+
+ private:
+  StampPairing<Stamped> pairing_;
+};
+
+constexpr std::pair<int64_t, int64_t> kNone = {-1, -1};
+
+TEST(StampPairing, WhicheverComesFirst) {
+  Pairing pairing(0);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 100), kNone);
+  EXPECT_EQ(pairing.Add(Side::kRight, 100), std::pair(int64_t{100}, int64_t{100}));
+  EXPECT_EQ(pairing.Add(Side::kRight, 200), kNone);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 200), std::pair(int64_t{200}, int64_t{200}));
+  EXPECT_EQ(pairing.unpaired(), 0);
+}
+
+TEST(StampPairing, NearestWithinTheSkew) {
+  Pairing pairing(10);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 100), kNone);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 120), kNone);
+  EXPECT_EQ(pairing.Add(Side::kRight, 111), std::pair(int64_t{120}, int64_t{111}));
+  EXPECT_EQ(pairing.unpaired(), 1);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 140), kNone);
+  EXPECT_EQ(pairing.Add(Side::kRight, 151), kNone);
+}
+
+TEST(StampPairing, LostImagesAreCountedAndHoldNothingUp) {
+  Pairing pairing(0);
+  for (int64_t t = 0; t < 1000; ++t) {
+    EXPECT_EQ(pairing.Add(Side::kLeft, t), kNone);
+    if (t % 2 == 1) {
+      EXPECT_EQ(pairing.Add(Side::kRight, t), std::pair(t, t));
+    }
+  }
+  EXPECT_EQ(pairing.unpaired(), 500);
+}
+
+// A robot that was started again, or a log that is played again: times go back.
+TEST(StampPairing, TimesThatGoBack) {
+  Pairing pairing(0);
+  for (int64_t t = 1000; t < 1010; ++t) pairing.Add(Side::kLeft, t);
+  EXPECT_EQ(pairing.Add(Side::kRight, 5), kNone);
+  EXPECT_EQ(pairing.Add(Side::kLeft, 5), std::pair(int64_t{5}, int64_t{5}));
+}
+
+}  // namespace
+}  // namespace plslam::adapter

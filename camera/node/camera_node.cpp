@@ -18,8 +18,7 @@ namespace {
 constexpr int64_t kEnoughPairs = 50;
 
 stream::SenderOptions SenderOptionsOf(const CameraOptions& options) {
-  return {stream::ParsePace(options.pace), false, options.exit, options.resume_after,
-          options.paused};
+  return {stream::ParsePace(options.pace), false, options.exit, options.resume_after, options.paused};
 }
 
 std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const CameraOptions& options, HealthReport* report) {

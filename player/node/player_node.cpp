@@ -9,8 +9,7 @@ namespace plslam::player {
 namespace {
 
 stream::SenderOptions SenderOptionsOf(const PlayerOptions& options) {
-  return {stream::ParsePace(options.pace), options.skip_bad, options.exit, options.resume_after,
-          options.paused};
+  return {stream::ParsePace(options.pace), options.skip_bad, options.exit, options.resume_after, options.paused};
 }
 
 std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const PlayerOptions& options) {

@@ -80,18 +80,18 @@ const std::vector<Arrow> kArrows = {
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",
-     {"core/", "adapter/options.h", "camera/options.h", "player/options.h", "vo_process/options.h", "mapping_process/options.h",
-      "loop_process/options.h", "viewer_headless/options.h", "tools/evaluate/", "tools/export/export_command.h",
-      "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
+     {"core/", "adapter/options.h", "camera/options.h", "player/options.h", "vo_process/options.h",
+      "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h", "tools/evaluate/",
+      "tools/export/export_command.h", "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
       "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
     {"tools/calibration/", {"core/"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };
 
-const std::vector<std::string> kProductFolders = {
-    "lcmtypes",        "core",         "adapter", "camera",          "player", "vo_process",
-    "mapping_process", "loop_process", "viewer_headless", "tools"};
+const std::vector<std::string> kProductFolders = {"lcmtypes",        "core",       "adapter",         "camera",
+                                                  "player",          "vo_process", "mapping_process", "loop_process",
+                                                  "viewer_headless", "tools"};
 
 /// Files that wire algorithms to messages: the folders named `node`, and what reads messages from logs. All others
 /// know neither LCM nor its types.

@@ -25,8 +25,8 @@ std::vector<SourceFile> SourceFiles(const std::vector<std::string>& folders) {
 }
 
 std::vector<SourceFile> AllSourceFiles() {
-  return SourceFiles({"lcmtypes", "core", "adapter", "camera", "player", "vo_process", "mapping_process", "loop_process",
-                      "viewer_headless", "tools", "tests"});
+  return SourceFiles({"lcmtypes", "core", "adapter", "camera", "player", "vo_process", "mapping_process",
+                      "loop_process", "viewer_headless", "tools", "tests"});
 }
 
 std::string ReadText(const std::filesystem::path& path) {

@@ -36,12 +36,12 @@ TEST(Structure, ATypeIsDefinedInOneHeader) {
 // The namespace of a file says which process or tool it belongs to; what several share is plain plslam, or a part of it.
 TEST(Structure, ProcessesAndToolsHaveNamespacesOfTheirOwn) {
   const std::map<std::string, std::string> spaces = {
-      {"vo_process/", "plslam::vo"},         {"mapping_process/", "plslam::mapping"},
-      {"loop_process/", "plslam::loop"},     {"player/", "plslam::player"},
-      {"adapter/", "plslam::adapter"},
-      {"camera/", "plslam::camera"},         {"viewer_headless/", "plslam::viewer"},
-      {"tools/plslam/", "plslam::launcher"}, {"tools/export/", "plslam::exports"},
-      {"tools/doctor/", "plslam::doctor"},   {"core/stream/", "plslam::stream"}};
+      {"vo_process/", "plslam::vo"},          {"mapping_process/", "plslam::mapping"},
+      {"loop_process/", "plslam::loop"},      {"player/", "plslam::player"},
+      {"adapter/", "plslam::adapter"},        {"camera/", "plslam::camera"},
+      {"viewer_headless/", "plslam::viewer"}, {"tools/plslam/", "plslam::launcher"},
+      {"tools/export/", "plslam::exports"},   {"tools/doctor/", "plslam::doctor"},
+      {"core/stream/", "plslam::stream"}};
   for (const SourceFile& file : test::AllSourceFiles()) {
     for (const auto& [folder, space] : spaces) {
       if (!file.path.starts_with(folder)) continue;

@@ -18,7 +18,8 @@ class status_t;
 namespace plslam::launcher {
 
 /// The sentence for a bus on which none of these processes ("mapping") has been heard for so long.
-std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options, std::chrono::seconds waited);
+std::string NobodyHeard(const std::vector<std::string>& processes, const bus::BusOptions& options,
+                        std::chrono::seconds waited);
 
 /// Gives an order to a running process, and hears what became of it. One that is started after the order was given,
 /// and before it was answered, gets it again: each may be carried out twice.

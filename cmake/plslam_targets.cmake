@@ -31,7 +31,9 @@ if(PLSLAM_SANITIZE)
   add_link_options(-fsanitize=${PLSLAM_SANITIZE})
   add_compile_definitions(PLSLAM_SANITIZED=1)
 endif()
-add_compile_definitions(PLSLAM_VERSION="${PROJECT_VERSION}")
+# In a file of its own, so that a new version is not a new build of everything.
+configure_file(${CMAKE_SOURCE_DIR}/cmake/plslam_version.h.in ${CMAKE_BINARY_DIR}/version/plslam_version.h)
+include_directories(${CMAKE_BINARY_DIR}/version)
 
 # A tenth of the time that ld takes, of a hundred programs.
 find_program(LLD_PROGRAM ld.lld)

@@ -16,6 +16,7 @@
 #include "core/process/process_signals.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
+#include "plslam_version.h"
 
 namespace plslam::bus {
 

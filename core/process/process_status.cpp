@@ -12,6 +12,7 @@
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
 #include "plslam/status_t.hpp"
+#include "plslam_version.h"
 
 namespace plslam::bus {
 namespace {

@@ -15,6 +15,7 @@
 #include "core/bus/options.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_usage.h"
+#include "plslam_version.h"
 #include "tools/doctor/host_checks.h"
 #include "tools/doctor/multicast_check.h"
 #include "tools/doctor/node/listen_node.h"

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "core/io/files/atomic_file.h"
+#include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/accuracy.h"
 #include "tools/evaluate/figures/accuracy_figure.h"

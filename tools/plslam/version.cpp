@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/plslam/version.h"
+#include "plslam_version.h"
 
 namespace plslam::launcher {
 

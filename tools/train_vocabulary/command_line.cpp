@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/features/matching/hamming.h"
+#include "plslam_version.h"
 #include "tools/command_line/run_command_line.h"
 #include "tools/train_vocabulary/left_features.h"
 #include "tools/train_vocabulary/vocabulary_trainer.h"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "plslam_version.h"
 #include "viewer_headless/report/map_tables.h"
 
 namespace plslam::viewer {

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "plslam_version.h"
 #include "viewer_headless/video/film_writer.h"
 
 int main(int argc, char** argv) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/io/trajectories/pose_covariance.h"
+#include "plslam_version.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/shell.h"
 #include "tests/unit/evaluate/pairs.h"

@@ -12,6 +12,7 @@
 
 #include "core/process/process_signals.h"
 #include "plslam/status_t.hpp"
+#include "plslam_version.h"
 #include "tests/support/text_file.h"
 #include "tools/plslam/child_process.h"
 #include "tools/plslam/run_bus.h"

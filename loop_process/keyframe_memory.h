@@ -37,6 +37,9 @@ class KeyframeMemory {
   /// Whether the features of a keyframe are here. Of one that has gone for good they are not.
   bool Knows(int64_t session, int64_t keyframe_id) const { return known_.contains({session, keyframe_id}); }
 
+  /// Sessions that the next map to follow has nothing of count as untaken (`kMostUntaken`).
+  void ForgetSessions() { taken_.clear(); }
+
   /// Keyframes that the map has come in, those it has no more go. Features of others wait as long as the map may
   /// still take them, that is until a later keyframe of their session is in it; see also `kMostUntaken`. Before there
   /// is a map all wait.

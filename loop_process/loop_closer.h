@@ -26,6 +26,8 @@ class LoopCloser {
 
   /// Features of a keyframe, which may come before or after the map has it. False where they are known.
   bool AddKeyframe(const Keyframe& keyframe) { return memory_.Add(keyframe); }
+  /// Another map has taken the place of the one before: sessions that it does not have are done with.
+  void ForgetSessions() { memory_.ForgetSessions(); }
   bool Knows(int64_t session, int64_t keyframe_id) const { return memory_.Knows(session, keyframe_id); }
 
   /// Brings the index of places in step with the map: keyframes that it lost leave, those that it has come in.

@@ -60,7 +60,14 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
   Output output;
   const int64_t source = replica_.source();
   if (replica_.Apply(update) != MapVersion::Step::kNext) return output;
-  if (replica_.source() != source) {
+  const bool is_replaced = update.began_version != 0 && update.began_version != began_version_;
+  began_version_ = update.began_version;
+  if (is_replaced) {
+    output.ends_adjustment = true;
+    requests_.clear();
+    closer_.ForgetSessions();
+  }
+  if (replica_.source() != source || is_replaced) {
     checked_.clear();
     newest_.clear();
     committed_.clear();
@@ -69,7 +76,6 @@ LoopService::Output LoopService::OnUpdate(const MapUpdate& update) {
     unadjusted_.reset();
     adjusting_.reset();
   }
-  for (const int64_t session : update.closed_sessions) Close(session, output);
   if (update.base_version == 0 || !lacking_.empty()) NoteLacking(update.base_version == 0);
   Follow(update, output);
   CheckWhatIsDue(output);
@@ -84,17 +90,6 @@ LoopService::Output LoopService::OnRequest(const Keyframe& frame) {
   requests_.push_back(frame);
   AnswerWhatIsDue(output);
   return output;
-}
-
-/// Nothing of that session comes into the map any more, nor an answer about it.
-void LoopService::Close(int64_t session, Output& output) {
-  std::erase_if(due_, [session](const Due& due) { return due.session == session; });
-  std::erase_if(requests_, [session](const Keyframe& frame) { return frame.session == session; });
-  if (told_ && told_->session == session) told_.reset();
-  if (unadjusted_ && unadjusted_->session == session) unadjusted_.reset();
-  if (!adjusting_ || adjusting_->session != session) return;
-  adjusting_.reset();
-  output.ends_adjustment = true;
 }
 
 /// What an update means for what is to be checked.

@@ -82,7 +82,6 @@ class LoopService {
     double heard_ms = 0.0;
   };
 
-  void Close(int64_t session, Output& output);
   void Follow(const MapUpdate& update, Output& output);
   void FollowAnswer(const LoopAnswer& answer, Output& output);
   void NoteNewest(const MapUpdate& update);
@@ -102,6 +101,7 @@ class LoopService {
   LoopCloser closer_;
   std::function<double()> now_ms_;
   MapReplica replica_;
+  int64_t began_version_ = 0;  ///< of that map
   /// Newest keyframe by session: that was checked, that is in the map, that is committed there.
   std::map<int64_t, int64_t> checked_;
   std::map<int64_t, int64_t> newest_;

@@ -92,6 +92,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
   committed_ = state.committed != 0;
   structural_version_ = state.structural_version;
   options_.localise_only = state.localise_only != 0;
+  began_version_ = state.began_version;
 }
 
 StoredMap Mapper::Store() {
@@ -107,7 +108,7 @@ MapperState Mapper::State() const {
           .committed = committed_ ? uint8_t{1} : uint8_t{0},
           .structural_version = structural_version_,
           .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
-          .closed_sessions = {}};
+          .began_version = began_version_};
 }
 
 StoredMap Mapper::Stored() const {
@@ -300,6 +301,7 @@ void Mapper::Sign(MapUpdate& update) const {
   update.t_ns = newest_t_ns_;
   update.committed = committed_;
   update.localise_only = options_.localise_only;
+  update.began_version = began_version_;
   update.adjustment = figures_;
 }
 

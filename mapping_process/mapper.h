@@ -76,7 +76,7 @@ class Mapper {
   /// All that is needed to go on with new sessions, but for `rig`. Recent landmarks are accepted, here too: so this
   /// mapper and one that goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
-  /// Everything as of the last update, but for `stored.rig` and `closed_sessions`, for a mapper that goes on after a crash of this one.
+  /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
   MapperState State() const;
 
   const Map& map() const { return map_; }
@@ -130,6 +130,7 @@ class Mapper {
   int64_t version_ = 0;
   /// The first version that has the last loop in it, or the last that brought two parts together.
   int64_t structural_version_ = 0;
+  int64_t began_version_ = 0;
   bool committed_ = false;
   AdjustmentFigures figures_;
   Failures failures_;

@@ -25,7 +25,7 @@ void Fields(Archive& a, T& f) {
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
   a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version,
-    state.localise_only, state.closed_sessions);
+    state.localise_only, state.began_version);
 }
 
 }  // namespace plslam::archive

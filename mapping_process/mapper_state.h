@@ -25,8 +25,7 @@ struct MapperState {
   /// Adjustments of the map as it was before this version are refused (`WhyNotOfMap`).
   int64_t structural_version = 0;
   uint8_t localise_only = 0;  ///< 1: the map stays as it is
-  /// What is said of them in updates (`MapUpdate::closed_sessions`).
-  std::vector<int64_t> closed_sessions;
+  int64_t began_version = 0;  ///< `MapUpdate::began_version`
 };
 
 /// The same state gives the same bytes. Throws std::runtime_error where its map breaks what `DecodeMap` demands.

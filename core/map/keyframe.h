@@ -31,6 +31,8 @@ struct Keyframe {
   int64_t frame_id = 0;
   /// -1 for the first of a session; then `T_prevkf_kf` is identity and `covariance` zero.
   int64_t previous_keyframe_id = -1;
+  /// `MapUpdate::began_version` of the map that the session began with: it is meant for no other one.
+  int64_t map_began_version = 0;
   SE3 T_prevkf_kf;
   /// Of T_prevkf_kf, right perturbation in kf.
   Matrix6d covariance = Matrix6d::Zero();

@@ -41,9 +41,6 @@ inline bool IsAnswerTo(const LoopAnswer& answer, const LoopClosure& loop) {
          answer.map_version == loop.map_version;
 }
 
-/// More sessions than this are not said to be closed: the newest are.
-inline constexpr size_t kMaxClosedSessions = 64;
-
 /// What changed in the map from one version to the next; the content of `map_update_t`. Landmarks and keyframes that
 /// changed come whole, but for those that a correction has only moved: of these there are the keyframes' poses.
 struct MapUpdate {
@@ -61,8 +58,8 @@ struct MapUpdate {
   LoopAnswer answer;
   /// The map stays as it is, whatever trackers send.
   bool localise_only = false;
-  /// Sessions whose keyframes come into the map no more, since another map has taken its place; said again like that.
-  std::vector<int64_t> closed_sessions;
+  /// The version with which this map took the place of another one; 0: it is the first. Said again like that.
+  int64_t began_version = 0;
   /// Applied to the map of the base version, before all else (`Map::Move`).
   std::vector<MovedKeyframe> moved_keyframes;
   std::vector<MapKeyframe> keyframes;

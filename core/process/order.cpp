@@ -5,6 +5,11 @@
 #include "plslam/command_t.hpp"
 
 namespace plslam::bus {
+namespace {
+
+constexpr size_t kLongestFailure = 2000;
+
+}  // namespace
 
 std::optional<Order> OrderTo(const Process& process, const command_t& message) {
   if (message.target != process.name() && message.target != "*") return std::nullopt;
@@ -16,7 +21,8 @@ void Answer(Process& process, const Order& order, const std::string& failure) {
   message.command_source = order.source;
   message.command_seq = order.seq;
   message.process = process.name();
-  message.failure = failure;
+  // It may name an argument as long as a message.
+  message.failure = failure.substr(0, kLongestFailure);
   process.bus().Publish(kCommandAnswer, message);
 }
 

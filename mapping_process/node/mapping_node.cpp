@@ -99,12 +99,17 @@ void MappingNode::OnCamera(const RigCalibration& rig) {
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
   if (keyframe.source == process_.bus().source()) return;  // of the map that was loaded
   Queue([&] {
-    if (IsClosed(keyframe.session)) return;
-    if (other_camera_ && !known_sessions_.contains(keyframe.session)) {
+    if (began_version_ != 0 && keyframe.map_began_version != began_version_) {
+      process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
+      return;
+    }
+    const bool is_known = known_sessions_.contains(keyframe.session) || known_trackers_.contains(keyframe.source);
+    if (other_camera_ && !is_known) {
       process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
       return;
     }
     known_sessions_.insert(keyframe.session);
+    if (!other_camera_) known_trackers_.insert(keyframe.source);
     const double now_ms = bus::NowMs();
     if (!queue_.Add(keyframe, now_ms)) return;
     arrived_ms_ = now_ms;
@@ -117,7 +122,6 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
 void MappingNode::OnClosure(const LoopClosure& closure) {
   Queue([&] {
     queue_.OnSignOfLife(bus::NowS());
-    if (IsClosed(closure.session)) return;
     queue_.Add(closure);
     arrived_ms_ = bus::NowMs();
   });
@@ -314,19 +318,13 @@ void MappingNode::Answer(const LoopClosure& loop, bool accepted) {
 
 void MappingNode::PublishWhole() {
   MapUpdate update = mapper_->Whole();
-  Sign(update);
-  publisher_.Publish(update);
-}
-
-/// What every update says again.
-void MappingNode::Sign(MapUpdate& update) const {
   update.answer = answer_;
-  update.closed_sessions = closed_sessions_;
+  publisher_.Publish(update);
 }
 
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
-  Sign(update);
+  update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
   if (update.version == 1) process_.SetState(process_state::kRunning);
@@ -382,14 +380,15 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   mapper_->SetLocaliseOnly(argument == "on");
   spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
   Publish({});
+  // Whoever is killed now comes back with it: its newest keyframe is committed (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
 }
 
 /// Its versions go on from those of the map before, so readers know which is the newer, and what was computed on the
-/// old map is refused. Ids go on, too: one that was of the old map names nothing.
+/// old map is refused. No id of the old map is given again.
 void MappingNode::Replace(MapperState next) {
   const StoredMap before = mapper_->Store();
-  next.stored.version = next.structural_version = before.version + 1;
+  next.stored.version = next.structural_version = next.began_version = before.version + 1;
   next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, before.next_keyframe_id);
   next.stored.next_point_id = std::max(next.stored.next_point_id, before.next_point_id);
   next.stored.next_line_id = std::max(next.stored.next_line_id, before.next_line_id);
@@ -397,11 +396,7 @@ void MappingNode::Replace(MapperState next) {
   next.localise_only = mapper_->localise_only() ? 1 : 0;
   {
     const std::lock_guard lock(mutex_);
-    for (const int64_t session : known_sessions_) {
-      if (!IsClosed(session)) closed_sessions_.push_back(session);
-    }
-    if (closed_sessions_.size() > kMaxClosedSessions)
-      closed_sessions_.erase(closed_sessions_.begin(), closed_sessions_.end() - kMaxClosedSessions);
+    began_version_ = next.began_version;
     known_sessions_.clear();
     queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
     for (const auto& [id, session] : next.stored.sessions) known_sessions_.insert(id);
@@ -414,10 +409,6 @@ void MappingNode::Replace(MapperState next) {
   PublishStored(keyframes);
   CountMap();
   if (!options_.state_file.empty()) KeepState();
-}
-
-bool MappingNode::IsClosed(int64_t session) const {
-  return std::find(closed_sessions_.begin(), closed_sessions_.end(), session) != closed_sessions_.end();
 }
 
 /// Before anything has come: what is in the map need not come again. A state that cannot be read is as good as none.
@@ -433,7 +424,7 @@ void MappingNode::ReadState() {
     return;
   }
   restored_ = true;
-  closed_sessions_ = state_->closed_sessions;
+  began_version_ = state_->began_version;
   Know(state_->stored);
 }
 
@@ -450,7 +441,6 @@ void MappingNode::KeepState() {
   try {
     MapperState state = mapper_->State();
     state.stored.rig = CameraBytes(*camera_);
-    state.closed_sessions = closed_sessions_;
     WriteStateFile(options_.state_file, state);
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {

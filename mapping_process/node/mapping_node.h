@@ -40,8 +40,8 @@ namespace plslam::mapping {
 /// of a lockstep stream bit for bit.
 ///
 /// A saved map is read at the start, or by order; its keyframes are sent as if a tracker did, for listeners that need
-/// their features. Where it takes the place of another map ("load", "reset"), the sessions of that one are closed:
-/// their trackers begin new ones.
+/// their features. Where another map takes the place of the one before ("load", "reset"), trackers begin new sessions,
+/// and keyframes of those before are left.
 class MappingNode {
  public:
   MappingNode(bus::Process& process, const MappingOptions& options);
@@ -85,9 +85,6 @@ class MappingNode {
   void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
   void PublishWhole();
-  void Sign(MapUpdate& update) const;
-  /// With mutex_, where not on the worker.
-  bool IsClosed(int64_t session) const;
   void CountMap();
   void CountFailures();
 
@@ -98,14 +95,18 @@ class MappingNode {
   // On the thread of the bus.
   bool other_camera_ = false;
   int64_t n_other_camera_ = 0;
+  int64_t n_other_map_ = 0;
 
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
+  /// Sessions that the map has, and trackers that have begun one before another camera was heard of: they may begin
+  /// further ones.
   std::set<int64_t> known_sessions_;
-  /// Of these nothing comes into the map any more; the newest last.
-  std::vector<int64_t> closed_sessions_;
+  std::set<int64_t> known_trackers_;
+  /// As of the mapper: keyframes that are meant for another map are left.
+  int64_t began_version_ = 0;
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
   /// When the last keyframe or closure came; the start, before that.

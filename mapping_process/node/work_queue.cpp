@@ -68,7 +68,8 @@ std::optional<WorkQueue::Work> WorkQueue::Take(double now_s) {
   Work work;
   caught_up_ = caught_up_ || keyframes_.size() == 0;
   const bool saves = !orders_.empty() && orders_.front().verb == command_verb::kSave;
-  if (!orders_.empty() && (!saves || (newest_.committed && caught_up_))) {
+  const bool waits = saves || (!orders_.empty() && orders_.front().verb == command_verb::kLocalise);
+  if (!orders_.empty() && (!waits || (newest_.committed && (caught_up_ || !saves)))) {
     work.kind = Work::Kind::kOrder;
     work.order = std::move(orders_.front());
     orders_.pop_front();

@@ -72,8 +72,9 @@ class WorkQueue {
   /// not come is kept up to `kMostParts`, the latest.
   void Add(const LoopClosure& closure);
   void AskForWhole() { asked_ = true; }
-  /// Orders are carried out one after the other, each at once, but "save": a map that is saved has all that came
-  /// before, and one that was started again first takes in what the histories hold.
+  /// Orders are carried out one after the other: "localise" when all is said about the newest keyframe, "save" when
+  /// the map has all that came before, too (one that was started again first takes in what the histories hold); the
+  /// others at once.
   void Add(const bus::Order& order) { orders_.push_back(order); }
 
   /// Another map has taken the place of this one: nothing that was said about the old one counts any more.

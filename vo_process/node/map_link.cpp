@@ -27,11 +27,16 @@ MapLink::MapLink(bus::Bus& bus, double wait_s, bool localise_only, const Tracker
       wait_(wait_s),
       subscriber_(bus, [this](const MapUpdate& update) { OnUpdate(update); }) {}
 
+/// Version 0: of a mapping_process that knows of no other map.
+bool MapLink::IsOfAnotherMap() const { return began_version_ != 0 && began_version_ != session_.map_began_version; }
+
 void MapLink::OnUpdate(const MapUpdate& update) {
-  const auto& closed = update.closed_sessions;
-  is_session_closed_ = std::find(closed.begin(), closed.end(), session_.id) != closed.end();
-  const bool is_other = std::exchange(localise_only_, update.localise_only) != update.localise_only;
-  if (is_session_closed_ || is_other) on_order_();
+  began_version_ = update.began_version;
+  // A robot that is only to be localised stays so in a map that grows.
+  const bool changes = said_ ? *said_ != update.localise_only : update.localise_only;
+  said_ = update.localise_only;
+  const bool was_localise_only = std::exchange(localise_only_, changes ? update.localise_only : localise_only_);
+  if (localise_only_ != was_localise_only || IsOfAnotherMap()) on_order_();
   if (session_.lockstep && !update.committed) return;
   if (update.session == session_.id) {
     newest_keyframe_id_ = update.session_keyframe_id;
@@ -43,7 +48,6 @@ void MapLink::OnUpdate(const MapUpdate& update) {
 
 void MapLink::BeginSession(int64_t adopted_keyframe_id) {
   newest_keyframe_id_ = -1;
-  is_session_closed_ = false;
   adopted_keyframe_id_ = adopted_keyframe_id;
 }
 

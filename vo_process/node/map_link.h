@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "core/bus/messages/map_channel.h"
 #include "core/process/partner_wait.h"
@@ -21,17 +22,27 @@ namespace plslam::vo {
 class MapLink {
  public:
   /// `on_map` is called after each update that counts, `on_order` before that where one changes `localise_only` or
-  /// closes the session. `session` must outlive this.
+  /// is of another map than the session began with. `session` must outlive this.
   MapLink(bus::Bus& bus, double wait_s, bool localise_only, const TrackerSession& session,
           std::function<void()> on_order, std::function<void()> on_map);
 
   const Map& map() const { return subscriber_.replica().map(); }
   /// Whether a map has come at all; it may have no keyframes.
   bool has_map() const { return subscriber_.replica().version() != 0; }
-  /// Whether the map stays as it is, and whether the session's keyframes come into it no more: as it last said,
-  /// committed or not.
+  /// Whether no keyframes are to be sent: as the owner of the map has last changed it (committed or not), and before
+  /// that as begun with.
   bool localise_only() const { return localise_only_; }
-  bool is_session_closed() const { return is_session_closed_; }
+  /// Another map has taken the place of the one that the session began with.
+  bool IsOfAnotherMap() const;
+  /// `MapUpdate::began_version` as last heard.
+  int64_t began_version() const { return began_version_; }
+  /// As a tracker knows it that goes on with a state.
+  void Restore(bool localise_only, bool map_is_fixed) {
+    localise_only_ = localise_only;
+    said_ = map_is_fixed;
+  }
+  /// What the map has last said of itself.
+  bool map_is_fixed() const { return said_.value_or(false); }
 
   /// Nothing of another session is in the map yet; `adopted_keyframe_id` as a restarted tracker knows it.
   void BeginSession(int64_t adopted_keyframe_id = -1);
@@ -54,7 +65,8 @@ class MapLink {
   std::function<void()> on_order_;
   std::function<void()> on_map_;
   bool localise_only_;
-  bool is_session_closed_ = false;
+  std::optional<bool> said_;  ///< of itself, by the map
+  int64_t began_version_ = 0;
   bus::PartnerWait wait_;
   /// The newest keyframe of the session in the map; keyframes of other robots may be in it too.
   int64_t newest_keyframe_id_ = -1;

@@ -16,13 +16,13 @@ template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
   a(k.session, k.t_ns, k.keyframe_id, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance, k.T_odom_kf,
     k.state, k.lockstep, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids, k.line_map_ids,
-    k.withdrawn_points, k.withdrawn_lines);
+    k.withdrawn_points, k.withdrawn_lines, k.map_began_version);
 }
 
 template <class Archive, Is<vo::TrackerState> T>
 void Fields(Archive& a, T& s) {
   a(s.settings, s.camera, s.n_restored, s.session, s.lockstep, s.t_ns, s.frame_id, s.source, s.poses, s.anchored_t_ns,
-    s.adopted_keyframe_id, s.odometry, s.keyframe);
+    s.adopted_keyframe_id, s.odometry, s.keyframe, s.map_began_version, s.localise_only, s.map_is_fixed);
 }
 
 }  // namespace plslam::archive
@@ -32,7 +32,7 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 7, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 8, "state of a tracker", Checksum::kPoly1305};
 
 /// How often one state is gone on with. Maybe the state is what kills trackers.
 constexpr int kMaxRestored = 5;

@@ -28,6 +28,8 @@ struct TrackerSession {
   bool follows_keyframe = false;
   /// Time of the newest frame in which the camera was anchored in the map, or was lost.
   int64_t anchored_t_ns = 0;
+  /// `Keyframe::map_began_version`.
+  int64_t map_began_version = 0;
   /// Poses of the newest frames, which a player may ask for again.
   std::deque<pose_t> recent;
 
@@ -66,6 +68,10 @@ struct TrackerState {
   std::vector<std::vector<uint8_t>> poses;
   /// As in `TrackerSession`.
   int64_t anchored_t_ns = 0;
+  int64_t map_began_version = 0;
+  /// As in `MapLink`: 1, or 0.
+  uint8_t localise_only = 0;
+  uint8_t map_is_fixed = 0;
   int64_t adopted_keyframe_id = -1;
   /// The fields of an Odometry.
   std::vector<uint8_t> odometry;

@@ -131,12 +131,13 @@ void VoNode::OnFrame(const Frame& frame) {
     frames_asked_s_.reset();
     waiting_.clear();
   }
-  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsMask(frame)) return Track(frame);
+  const WaitingFrame waiting{frame, bus::NowS()};
+  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsMask(waiting)) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
   }
-  waiting_.push_back(frame);
+  waiting_.push_back(waiting);
 }
 
 bool VoNode::IsRepeated(const Frame& frame) const {
@@ -163,7 +164,7 @@ VoNode::Wait VoNode::WaitsFor() const {
 void VoNode::GoOn() {
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
   while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsMask(waiting_.front())) {
-    const Frame frame = std::move(waiting_.front());
+    const Frame frame = std::move(waiting_.front().frame);
     waiting_.erase(waiting_.begin());
     if (!IsRepeated(frame)) Track(frame);
   }
@@ -203,8 +204,8 @@ void VoNode::ListenToMasks() {
     const auto mask = bus::FromMessage(message);
     if (!mask) return process_.bus().CountRejected();
     mask_wait_.OnSignOfLife(bus::NowS());
-    masks_[{message.frame_id, message.header.t_ns}] = *mask;
-    if (masks_.size() > kMaxMasks) masks_.erase(masks_.begin());
+    masks_.emplace_back(FrameName(message.frame_id, message.header.t_ns), *mask);
+    if (masks_.size() > kMaxMasks) masks_.pop_front();
     GoOn();
   });
   process_.bus().Every(kMaskTick, [this] {
@@ -213,25 +214,33 @@ void VoNode::ListenToMasks() {
   });
 }
 
-/// Of each frame once: where its mask does not come it goes on without.
-bool VoNode::AwaitsMask(const Frame& frame) {
-  const std::pair name(frame.images.frame_id, frame.images.t_ns);
-  if (!options_.masks.enabled || masks_.contains(name)) return false;
+std::deque<std::pair<VoNode::FrameName, FrameMask>>::iterator VoNode::MaskOf(const Frame& frame) {
+  const FrameName name(frame.images.frame_id, frame.images.t_ns);
+  return std::find_if(masks_.begin(), masks_.end(), [&name](const auto& mask) { return mask.first == name; });
+}
+
+/// In lockstep until it comes, or nobody is heard of; live for a moment after the frame has come, and not where more
+/// frames wait than are kept.
+bool VoNode::AwaitsMask(const WaitingFrame& waiting) {
+  if (!options_.masks.enabled || MaskOf(waiting.frame) != masks_.end()) return false;
   const double now_s = bus::NowS();
-  if (mask_awaited_ != name) {
-    mask_awaited_ = name;
-    mask_awaited_since_s_ = now_s;
-    mask_wait_.Begin(name.first, now_s);
-  }
-  if (frame.lockstep) return mask_wait_.awaited().has_value();
-  return now_s - mask_awaited_since_s_ < 1e-3 * options_.masks.live_wait_ms;
+  if (!waiting.frame.lockstep)
+    return now_s - waiting.came_s < 1e-3 * options_.masks.live_wait_ms && waiting_.size() < kMaxWaitingFrames;
+  const FrameName name(waiting.frame.images.frame_id, waiting.frame.images.t_ns);
+  if (std::exchange(mask_awaited_, name) != name) mask_wait_.Begin(name.first, now_s);
+  return mask_wait_.awaited().has_value();
 }
 
 void VoNode::UseMask(const Frame& frame) {
   if (!options_.masks.enabled) return;
-  const auto mask = masks_.find({frame.images.frame_id, frame.images.t_ns});
-  if (mask == masks_.end()) Count("masks.missing", 1);
-  front_end_->SetMask(mask == masks_.end() ? FrameMask() : mask->second);
+  mask_wait_.End();
+  const auto mask = MaskOf(frame);
+  if (mask == masks_.end()) {
+    Count("masks.missing", 1);
+    return front_end_->SetMask({});
+  }
+  front_end_->SetMask(mask->second);
+  masks_.erase(mask);
 }
 
 void VoNode::GiveUpWaits() {
@@ -253,7 +262,7 @@ void VoNode::FollowOrders() {
   EndWaits();
   const bool grows = !map_->localise_only() && odometry_->localise_only();
   odometry_->SetLocaliseOnly(map_->localise_only());
-  if (map_->is_session_closed()) {
+  if (map_->IsOfAnotherMap()) {
     spdlog::info("another map has begun: so does a new session");
     BeginSession();
   } else if (grows) {
@@ -325,7 +334,8 @@ void VoNode::BeginSessionHere() {
 void VoNode::NameSession() {
   TrackerSession next;
   // The session of a tracker whose state this one has taken over is not the one before ours.
-  next.id = session_.last_t_ns != 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
+  next.id = session_.last_frame_id >= 0 ? std::max(session_.id + 1, process_.bus().source()) : session_.id;
+  next.map_began_version = map_ && map_->began_version() != 0 ? map_->began_version() : session_.map_began_version;
   next.lockstep = session_.lockstep;
   next.last_t_ns = session_.last_t_ns;
   next.last_frame_id = session_.last_frame_id;
@@ -577,6 +587,7 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;
   keyframe.lockstep = frame.lockstep;
+  keyframe.map_began_version = session_.map_began_version;
   AwaitMap(keyframe.keyframe_id);
   held_keyframe_ = std::move(keyframe);
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
@@ -622,6 +633,8 @@ void VoNode::GoOnWith(const TrackerState& state) {
     session_.recent.push_back(std::move(*pose));
   }
   session_.anchored_t_ns = state.anchored_t_ns;
+  session_.map_began_version = state.map_began_version;
+  if (map_) map_->Restore(state.localise_only != 0, state.map_is_fixed != 0);
   session_.follows_keyframe = true;
   session_.last_keyframe_id = state.keyframe.keyframe_id;
   if (map_) map_->BeginSession(state.adopted_keyframe_id);
@@ -648,6 +661,9 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   state.source = session_.last_source;
   for (const pose_t& pose : session_.recent) state.poses.push_back(bus::Encoded(pose));
   state.anchored_t_ns = session_.anchored_t_ns;
+  state.map_began_version = session_.map_began_version;
+  state.localise_only = IsLocaliseOnly() ? 1 : 0;
+  state.map_is_fixed = map_ && map_->map_is_fixed() ? 1 : 0;
   state.adopted_keyframe_id = map_ ? map_->adopted_keyframe_id() : -1;
   state.odometry = archive::ToBytes(*odometry_);
   state.keyframe = keyframe;

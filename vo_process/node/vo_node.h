@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <optional>
@@ -61,6 +62,12 @@ class VoNode {
 
  private:
   using Frame = bus::FrameSubscriber::Frame;
+  struct WaitingFrame {
+    Frame frame;
+    double came_s = 0.0;  ///< of the steady clock
+  };
+  /// Number and time of a frame.
+  using FrameName = std::pair<int64_t, int64_t>;
 
   /// What the next frame has to wait for.
   enum class Wait {
@@ -82,7 +89,8 @@ class VoNode {
   void OnRelocalisation(const relocalisation_t& message);
   void ListenToTheMap();
   void ListenToMasks();
-  bool AwaitsMask(const Frame& frame);
+  std::deque<std::pair<FrameName, FrameMask>>::iterator MaskOf(const Frame& frame);
+  bool AwaitsMask(const WaitingFrame& waiting);
   void UseMask(const Frame& frame);
   void GiveUpWaits();
 
@@ -136,17 +144,15 @@ class VoNode {
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
   std::optional<Odometry> odometry_;
-  std::vector<Frame> waiting_;
+  std::vector<WaitingFrame> waiting_;
   bus::KeyframePublisher keyframes_;
   /// The newest keyframe, which in lockstep is published once the map of the one before has been taken over.
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
-  /// Number and time of a frame.
-  using FrameName = std::pair<int64_t, int64_t>;
-  std::map<FrameName, FrameMask> masks_;
+  /// In the order in which they came.
+  std::deque<std::pair<FrameName, FrameMask>> masks_;
   bus::PartnerWait mask_wait_;
   FrameName mask_awaited_{-1, 0};
-  double mask_awaited_since_s_ = 0.0;  ///< of the steady clock
   TrackerCheckpoint checkpoint_;
   /// The state of a killed tracker was taken over, and no frame has come since.
   bool restored_ = false;

@@ -22,6 +22,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.keyframe_id = keyframe.keyframe_id;
   page.frame_id = keyframe.frame_id;
   page.previous_keyframe_id = keyframe.previous_keyframe_id;
+  page.map_began_version = keyframe.map_began_version;
   page.T_prevkf_kf = ToMessage(keyframe.T_prevkf_kf);
   ToArray(keyframe.covariance, page.covariance);
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
@@ -49,7 +50,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const auto T_odom_kf = FromMessage(page.T_odom_kf);
   const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
                       page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
-                      (page.lockstep == 0 || page.lockstep == 1);
+                      (page.lockstep == 0 || page.lockstep == 1) && page.map_began_version >= 0;
   if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
   Keyframe keyframe;
   keyframe.source = page.header.source;
@@ -58,6 +59,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   keyframe.keyframe_id = page.keyframe_id;
   keyframe.frame_id = page.frame_id;
   keyframe.previous_keyframe_id = page.previous_keyframe_id;
+  keyframe.map_began_version = page.map_began_version;
   keyframe.T_prevkf_kf = *T_prevkf_kf;
   keyframe.covariance = *covariance;
   keyframe.T_odom_kf = *T_odom_kf;

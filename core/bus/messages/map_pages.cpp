@@ -35,8 +35,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.answer.map_version = update.answer.map_version;
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
-  page.n_closed_sessions = static_cast<int32_t>(update.closed_sessions.size());
-  page.closed_sessions = update.closed_sessions;
+  page.began_version = update.began_version;
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
   return page;
@@ -212,8 +211,8 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
                           page.session_keyframe_id >= -1 && page.stages.size() <= kMaxStages &&
                           (page.committed == 0 || page.committed == 1) && page.answer.session_keyframe_id >= -1 &&
                           page.answer.map_version >= 0 && (page.answer.accepted == 0 || page.answer.accepted == 1) &&
-                          (page.localise_only == 0 || page.localise_only == 1) &&
-                          page.closed_sessions.size() <= kMaxClosedSessions;
+                          (page.localise_only == 0 || page.localise_only == 1) && page.began_version >= 0 &&
+                          page.began_version <= page.version;
   if (!totals || !adjustment || !numbers_ok) return std::nullopt;
   MapUpdate update;
   update.source = page.header.source;
@@ -226,7 +225,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
   update.answer = {page.answer.session, page.answer.session_keyframe_id, page.answer.map_version,
                    page.answer.accepted != 0};
   update.localise_only = page.localise_only != 0;
-  update.closed_sessions = page.closed_sessions;
+  update.began_version = page.began_version;
   update.totals = *totals;
   update.adjustment = *adjustment;
   for (const stage_t& stage : page.stages) {

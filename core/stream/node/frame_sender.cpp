@@ -169,7 +169,6 @@ bool FrameSender::SendRest() {
       PassOver(*frame);
       continue;
     }
-    if (source_->is_live() && turn_.paused()) continue;
     frame->images.frame_id = n_sent_;
     const Sent sent = Send(*frame);
     if (sent == Sent::kStopped || (sent == Sent::kGoBack && !Begin(turn_.GoBack()))) return false;
@@ -221,10 +220,12 @@ std::optional<FrameSender::Sent> FrameSender::WaitWhilePaused(int64_t frame_id) 
 }
 
 FrameSender::Sent FrameSender::Send(const LoadedFrame& frame) {
+  const bool waits = !options_.pace.lockstep && !source_->is_live();
+  if (waits && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
   if (turn_.paused()) {
+    if (source_->is_live()) return Sent::kAnswered;  // of a moment that nobody asks for
     if (const std::optional<Sent> sent = WaitWhilePaused(frame.images.frame_id)) return *sent;
   }
-  if (!options_.pace.lockstep && !source_->is_live() && !WaitUntilDue(frame.images.t_ns)) return Sent::kStopped;
   turn_.Expect({frame.images.frame_id, frame.images.t_ns});
   PublishTruth(frame);
   publisher_.Publish(frame.images);

@@ -102,15 +102,14 @@ TEST_F(ToldLoop, ThatIsRefusedWhenAnotherRobotsKeyframeIsTheNewestFreesTheOthers
   EXPECT_EQ(Publish(kOtherRobot, 3, true, Answer(false)).closures.size(), 1U);
 }
 
-TEST_F(ToldLoop, IsNotWaitedForWhenItsSessionIsClosed) {
+TEST_F(ToldLoop, IsNotWaitedForWhenAnotherMapHasTakenThePlaceOfIts) {
   EXPECT_TRUE(Show(next_).closures.empty());
   const StereoCamera camera = FeatureWorld::Camera();
   mapping::MapperState empty;
-  empty.stored.version = mapper_.version() + 1;
+  empty.stored.version = empty.began_version = mapper_.version() + 1;
   mapper_ = mapping::Mapper(camera, mapping::MappingOptions(), std::move(empty));
   MapUpdate reset = mapper_.Whole();
   reset.source = 1;
-  reset.closed_sessions = {loop_.session};
   EXPECT_TRUE(service_.OnUpdate(reset).closures.empty()) << "nothing is left to check";
   Keyframe first = ring_.walk.keyframes.front();
   first.session = kOtherRobot;

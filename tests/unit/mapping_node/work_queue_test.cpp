@@ -198,17 +198,19 @@ TEST_F(WorkQueueTest, TheMapIsSavedWhenItsNewestKeyframeIsCommitted) {
   ExpectNothing();
 }
 
-TEST_F(WorkQueueTest, OtherOrdersAreCarriedOutAtOnceButInTheirOrder) {
+TEST_F(WorkQueueTest, ResetIsCarriedOutAtOnceButBehindWhatWasOrderedBefore) {
   queue_.Add(KeyframeOf(0, true), 0.0);
   Take(Kind::kInsert);
-  queue_.Add(bus::Order{command_verb::kLocalise, "on"});
-  EXPECT_EQ(Take(Kind::kOrder).order.argument, "on");
+  queue_.Add(bus::Order{command_verb::kReset, ""});
+  EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kReset);
   queue_.Add(bus::Order{command_verb::kSave, "a.plmap"});
+  queue_.Add(bus::Order{command_verb::kLocalise, "on"});
   queue_.Add(bus::Order{command_verb::kReset, ""});
   ExpectNothing();
   queue_.Add(ClosureOf(0));
   Take(Kind::kCorrect);
   EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kSave);
+  EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kLocalise);
   EXPECT_EQ(Take(Kind::kOrder).order.verb, command_verb::kReset);
 }
 

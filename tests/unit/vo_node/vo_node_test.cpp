@@ -64,6 +64,8 @@ class VoNodeTest : public testing::Test {
     maps_->Publish(update);
   }
 
+  void PublishUpdate(const MapUpdate& update) { maps_->Publish(update); }
+
   /// The next frame of the stream, and its pose.
   pose_t Show(int index, int64_t t_ns, bool covered = false) {
     StereoImages images = dataset_->Read(index);
@@ -213,6 +215,31 @@ TEST_F(VoNodeTest, ExchangedImagesAreToldInTheStatus) {
 }
 
 // The first may have died with the question: taken from the bus, not answered.
+TEST_F(VoNodeTest, ATrackerThatOnlyLocalisesBeginsAnewInTheMapThatTakesThePlaceOfIts) {
+  VoOptions options;
+  options.map.localise_only = true;
+  Start(options, false);
+  PublishMap(Map());
+  const int64_t session = ShowNext(0).header.session;
+  EXPECT_EQ(ShowNext(1).header.session, session);
+  MapUpdate other = WholeMap(Map());
+  other.version = other.began_version = 2;
+  other.localise_only = true;
+  PublishUpdate(other);
+  int64_t next = session;
+  for (int i = 2; i < 40 && next == session; ++i) next = ShowNext(i).header.session;
+  EXPECT_NE(next, session);
+}
+
+TEST_F(VoNodeTest, ARobotThatOnlyLocalisesStaysSoInAMapThatGrows) {
+  VoOptions options;
+  options.map.localise_only = true;
+  Start(options, false);
+  localise_only_ = false;
+  PublishMap(Map());
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(ShowNext(i).keyframe_id, -1);
+}
+
 TEST_F(VoNodeTest, FramesOfLockstepWaitForTheirMasks) {
   VoOptions options;
   options.map.enabled = false;

@@ -13,11 +13,12 @@ constexpr int kWait_ms = 100;
 
 AdapterNode::AdapterNode(bus::Process& process, const AdapterOptions& options)
     : process_(process),
-      poses_and_images_(options.foreign_url, kUrlOption),
-      maps_(options.foreign_url, kUrlOption),
-      poses_(process, poses_and_images_, options),
-      map_(options.map.empty() ? nullptr : std::make_unique<MapSink>(process, maps_, options.map)),
-      images_(process, poses_and_images_, options,
+      images_lcm_(options.foreign_url, kUrlOption),
+      poses_lcm_(options.foreign_url, kUrlOption),
+      maps_lcm_(options.foreign_url, kUrlOption),
+      poses_(process, poses_lcm_, options),
+      map_(options.map.empty() ? nullptr : std::make_unique<MapSink>(process, maps_lcm_, options.map)),
+      images_(process, images_lcm_, options,
               {.on_rig = [this](const RigCalibration& rig) { SetBody(BodyFromCamera(rig)); },
                .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}) {
   AdapterOptions shown = options;
@@ -40,8 +41,8 @@ void AdapterNode::SetBody(const SE3& T_b_c) {
 
 void AdapterNode::Listen() {
   while (!stopped_) {
-    if (!poses_and_images_.Handle(kWait_ms)) return process_.Finish();
-    process_.SetCounter("messages.lost", static_cast<double>(poses_and_images_.lost()));
+    if (!images_lcm_.Handle(kWait_ms)) return process_.Finish();
+    process_.SetCounter("messages.lost", static_cast<double>(images_lcm_.lost()));
   }
 }
 

@@ -30,9 +30,10 @@ class AdapterNode {
   void SetBody(const SE3& T_b_c);
 
   bus::Process& process_;
-  bus::StockLcm poses_and_images_;
-  /// Apart: a large map takes longer to send than a pose may wait.
-  bus::StockLcm maps_;
+  /// Each of one thread; and a large map takes longer to send than a pose may wait.
+  bus::StockLcm images_lcm_;
+  bus::StockLcm poses_lcm_;
+  bus::StockLcm maps_lcm_;
   PoseSink poses_;
   std::unique_ptr<MapSink> map_;
   ImageSource images_;

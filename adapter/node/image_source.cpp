@@ -5,8 +5,12 @@
 
 #include <chrono>
 #include <cmath>
+#include <regex>
+#include <string_view>
+#include <utility>
 
 #include "core/bus/messages/convert.h"
+#include "core/bus/messages/frame_assembler.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/errors/error_text.h"
@@ -27,6 +31,10 @@ constexpr size_t kRoom = 4;
 void CheckRig(const RigCalibration& rig) {
   const std::string complaint = RigComplaint(rig);
   if (!complaint.empty()) throw DatasetError("describes a rig that cannot be: " + complaint);
+  if (!bus::FrameAssembler::CanHold(rig.left.width_px, rig.left.height_px, 1)) {
+    throw DatasetError(fmt::format("describes images of {}x{}, more than a message may hold", rig.left.width_px,
+                                   rig.left.height_px));
+  }
   AsDatasetError([&] { BodyFromCamera(rig); });
 }
 
@@ -36,9 +44,16 @@ std::string GivenOr(const std::string& given, const std::string& image_channel) 
 
 }  // namespace
 
+bool NamesRectified(const std::string& image_channel) {
+  static const std::regex kRectified("[/_]rect(ified)?([/_#]|$)");
+  return std::regex_search(image_channel, kRectified);
+}
+
 std::string InfoChannelOf(const std::string& image_channel) {
   const size_t hash = image_channel.find('#');
   std::string topic = image_channel.substr(0, hash);
+  constexpr std::string_view kCompressed = "/compressed";
+  if (topic.ends_with(kCompressed)) topic.resize(topic.size() - kCompressed.size());
   const size_t slash = topic.rfind('/');
   if (slash != std::string::npos && topic.compare(slash + 1, 5, "image") == 0) topic.resize(slash);
   return topic + "/camera_info" + (hash == std::string::npos ? "" : "#sensor_msgs.CameraInfo");
@@ -51,7 +66,7 @@ ImageSource::ImageSource(bus::Process& process, bus::StockLcm& foreign, const Ad
       left_info_(GivenOr(options.left_info, options.left)),
       right_info_(GivenOr(options.right_info, options.right)),
       listener_(std::move(listener)),
-      inbox_(kRoom),
+      inbox_(options.camera.empty() ? 2 * kRoom : kRoom),  // of images beside their CameraInfo
       publisher_(process.bus(), false),
       pairing_(std::llround(options.max_skew_ms * kNsPerMs)) {
   if (!options_.camera.empty()) {
@@ -117,8 +132,9 @@ void ImageSource::OnImage(Side side, MessageBytes bytes) {
 void ImageSource::OnInfo(Side side, MessageBytes bytes) {
   infos_[static_cast<size_t>(side)] = CameraInfoFromBytes(bytes);
   if (!infos_[0] || !infos_[1]) return;
-  const bool rectified = options_.left.find("rect") != std::string::npos;
-  UseRig(RigFromRos(*infos_[0], *infos_[1], rectified));
+  // Each only once: a new one of one camera does not go with an old one of the other.
+  const auto infos = std::exchange(infos_, {});
+  UseRig(RigFromRos(*infos[0], *infos[1], NamesRectified(options_.left)));
 }
 
 void ImageSource::OnPair(const Pair& pair) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -72,7 +73,7 @@ class ImageSource {
   StampPairing<ForeignImage> pairing_;
   FrameNumbers numbers_;
   Complaints complaints_;
-  std::optional<RosCameraInfo> infos_[2];
+  std::array<std::optional<RosCameraInfo>, 2> infos_;
   std::optional<RigCalibration> rig_;
   std::vector<uint8_t> rig_bytes_;
   int64_t n_messages_ = 0;
@@ -84,5 +85,7 @@ class ImageSource {
 /// The channel of the CameraInfo that goes with images: "/a/left/image_raw#sensor_msgs.Image" has
 /// "/a/left/camera_info#sensor_msgs.CameraInfo", "/left" has "/left/camera_info".
 std::string InfoChannelOf(const std::string& image_channel);
+/// Whether the images of that channel are rectified, by its name (image_rect, rect/image).
+bool NamesRectified(const std::string& image_channel);
 
 }  // namespace plslam::adapter

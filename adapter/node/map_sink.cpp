@@ -25,7 +25,9 @@ void MapSink::Tick() {
   const std::optional<SE3> T_b_c = T_b_c_;
   lock.unlock();
   if (!T_b_c || !changed_t_ns_) return;
-  foreign_.Publish(channel_, bus::Encoded(ToPointCloud(*T_b_c, map_.replica().map(), *changed_t_ns_)));
+  const bool sent =
+      foreign_.Publish(channel_, bus::Encoded(ToPointCloud(*T_b_c, map_.replica().map(), *changed_t_ns_)));
+  if (!sent) return;
   changed_t_ns_.reset();
   process_.SetCounter("maps.sent", static_cast<double>(++n_sent_));
 }

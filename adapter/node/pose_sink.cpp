@@ -8,6 +8,7 @@
 #include "adapter/node/foreign_messages.h"
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/run/tracking_state.h"
 #include "plslam/pose3_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/stage_t.hpp"
@@ -76,9 +77,11 @@ std::optional<SE3> PoseSink::BodyOf(const pose_t& message) {
 /// The motion of a pose is that since the one before it, which must have come for its time to be known.
 std::optional<double> PoseSink::SecondsSinceLast(const pose_t& message) {
   const header_t& header = message.header;
-  const bool follows = header.source == last_source_ && header.seq == last_seq_ + 1 && header.t_ns > last_t_ns_;
+  const bool follows = header.source == last_source_ && header.session == last_session_ &&
+                       header.seq == last_seq_ + 1 && header.t_ns > last_t_ns_;
   const double dt_s = 1e-9 * static_cast<double>(header.t_ns - last_t_ns_);
   last_source_ = header.source;
+  last_session_ = header.session;
   last_seq_ = header.seq;
   last_t_ns_ = header.t_ns;
   return follows ? std::optional(dt_s) : std::nullopt;
@@ -92,12 +95,15 @@ void PoseSink::Publish(const std::string& channel, const Message& message) {
 
 void PoseSink::Send(const pose_t& message) {
   const std::optional<SE3> T_b_c = BodyOf(message);
-  if (!T_b_c) return;
+  const auto state = static_cast<TrackingState>(message.state);
+  // Before there is anything to track, motion and covariance are zero, and say nothing.
+  if (!T_b_c || state == TrackingState::kInitialising) return;
   std::optional<CameraPose> camera = FromMessage(message);
   if (!camera) return process_.bus().CountRejected();
   camera->dt_s = SecondsSinceLast(message);
   const BodyPose pose = ToBody(*T_b_c, *camera);
-  Publish(options_.pose, ToBotPose(pose));
+  // It has no covariance, so its readers could not tell a guess from a pose.
+  if (state != TrackingState::kLost) Publish(options_.pose, ToBotPose(pose));
   Publish(options_.odometry, ToOdometry(pose));
   Publish(options_.tf, ToTransforms(pose));
   process_.SetCounter("poses.sent", static_cast<double>(++n_sent_));

@@ -54,7 +54,7 @@ class PoseSink {
   std::deque<int64_t> frames_;
 
   // Of the thread.
-  int64_t last_source_ = 0, last_seq_ = 0, last_t_ns_ = 0;
+  int64_t last_source_ = 0, last_session_ = 0, last_seq_ = 0, last_t_ns_ = 0;
   int64_t n_sent_ = 0, n_failed_ = 0;
   std::thread thread_;
 };

@@ -43,6 +43,16 @@ TEST(InfoChannel, StandsBesideTheImages) {
   EXPECT_EQ(InfoChannelOf("/left#sensor_msgs.Image"), "/left/camera_info#sensor_msgs.CameraInfo");
   EXPECT_EQ(InfoChannelOf("/a/left/image_raw#sensor_msgs.Image"), "/a/left/camera_info#sensor_msgs.CameraInfo");
   EXPECT_EQ(InfoChannelOf("LEFT"), "LEFT/camera_info");
+  EXPECT_EQ(InfoChannelOf("/l/image_raw/compressed#sensor_msgs.CompressedImage"),
+            "/l/camera_info#sensor_msgs.CameraInfo");
+}
+
+TEST(NamesRectified, IsAWordOfTheNameAndNotAPartOfOne) {
+  for (const char* name :
+       {"/left/image_rect#sensor_msgs.Image", "/left/image_rect_color", "/rect/left", "/l/rectified"})
+    EXPECT_TRUE(NamesRectified(name)) << name;
+  for (const char* name : {"/direct/left/image_raw", "/left/image_corrected", "/rectangle/left"})
+    EXPECT_FALSE(NamesRectified(name)) << name;
 }
 
 }  // namespace

@@ -21,6 +21,8 @@ constexpr milliseconds kLongestPause{2000};
 constexpr milliseconds kSilence{2000};
 constexpr milliseconds kFirstSilence{10000};
 constexpr int64_t kSilentPeriods = 20;
+constexpr std::chrono::seconds kStall{10};
+constexpr int64_t kClockStep_ns = 1'000'000'000;
 constexpr int64_t kUsualPeriod_ns = 50'000'000;
 /// What is not live waits meanwhile.
 constexpr size_t kEnoughWaiting = 2;
@@ -35,7 +37,7 @@ CameraSource::CameraSource(LiveRig live, bool resumes, Listener listener)
       text_(PipelineText(live_)),
       utc_ns_(UtcOfGstClock_ns()),
       resumes_(resumes),
-      pairing_(Nanoseconds(live_.source.max_skew_ms)),
+      pairing_(MakePairing()),
       health_(live_.rig.rate_hz),
       last_frame_(Clock::now()),
       pause_(kFirstPause) {
@@ -44,14 +46,17 @@ CameraSource::CameraSource(LiveRig live, bool resumes, Listener listener)
     Build();
   } catch (const std::runtime_error& error) {
     // One that was killed together with its cable waits for it, as it would have done before.
-    if (!resumes_ || !is_live_) throw std::runtime_error(Named(error.what()));
+    if (!resumes_ || live_.source.type == SourceSpec::Type::kFiles) throw std::runtime_error(Named(error.what()));
     outage_ = error.what();
   }
+  pairing_ = MakePairing();
 }
+
+Pairing CameraSource::MakePairing() const { return Pairing(Nanoseconds(live_.source.max_skew_ms), is_live_); }
 
 void CameraSource::Build() {
   playing_ = false;
-  built_ = Clock::now();
+  gave_images_ = false;
   pipeline_ = std::make_unique<CameraPipeline>(text_, &wakeup_);
   is_live_ = pipeline_->is_live();
 }
@@ -71,7 +76,7 @@ int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
   last_frame_ = Clock::now();
   if (playing_ && !is_live_) {
     pipeline_.reset();
-    pairing_ = Pairing(Nanoseconds(live_.source.max_skew_ms));
+    pairing_ = MakePairing();
     health_ = CaptureHealth(live_.rig.rate_hz);
     Build();
   }
@@ -82,6 +87,7 @@ int64_t CameraSource::Begin(const std::optional<stream::ResumePoint>& behind) {
 void CameraSource::Play() {
   pipeline_->Play();
   playing_ = true;
+  built_ = Clock::now();  // opening may have taken long
 }
 
 void CameraSource::Stop() {
@@ -104,6 +110,8 @@ bool CameraSource::Take(Side side) {
   try {
     image = pipeline_->Take(side);
   } catch (const std::runtime_error& error) {
+    // A camera may give such an image now and then; one that gives no others falls silent.
+    if (is_live_ && had_frames_) return true;
     throw std::runtime_error(Named(error.what()));
   }
   if (!image) {
@@ -111,7 +119,8 @@ bool CameraSource::Take(Side side) {
   }
   CheckSize(side, image->pixels);
   if (is_live_) image->t_ns += utc_ns_;
-  last_images_[static_cast<size_t>(side)] = Clock::now();
+  last_images_[static_cast<size_t>(side)] = waits_since_ = Clock::now();
+  gave_images_ = true;
   pairing_.Add(side, std::move(*image));
   return true;
 }
@@ -122,7 +131,7 @@ bool CameraSource::IsOver() {
 }
 
 std::string CameraSource::Silence() const {
-  const auto limit = std::max<std::chrono::nanoseconds>(had_frames_ ? kSilence : kFirstSilence,
+  const auto limit = std::max<std::chrono::nanoseconds>(gave_images_ ? kSilence : kFirstSilence,
                                                         std::chrono::nanoseconds(kSilentPeriods * period_ns()));
   const auto since = Clock::now() - limit;
   if (std::max(last_frame_, built_) > since) return "";
@@ -140,7 +149,15 @@ void CameraSource::TakeImages() {
     failure = IsOver() ? "the stream has ended" : Silence();
   }
   if (!failure.empty()) return OnFailure(failure);
+  TellOfStall();
   wakeup_.WaitFor(kTick);
+}
+
+/// What is not live may come over a network, and cannot be built again where it was.
+void CameraSource::TellOfStall() {
+  if (is_live_ || !outage_.empty() || Clock::now() - waits_since_ < kStall) return;
+  outage_ = fmt::format("the stream gives no images for {} s", kStall.count());
+  listener_.on_outage(outage_);
 }
 
 void CameraSource::OnFailure(const std::string& why) {
@@ -182,7 +199,7 @@ stream::LoadedFrame CameraSource::MakeFrame(CapturedPair pair) {
   outage_.clear();
   pause_ = kFirstPause;
   stream::LoadedFrame frame;
-  frame.images.t_ns = pair.left.t_ns;
+  last_t_ns_ = frame.images.t_ns = pair.left.t_ns;
   frame.images.left = std::move(pair.left.pixels);
   frame.images.right = std::move(pair.right.pixels);
   return frame;
@@ -201,10 +218,19 @@ std::optional<stream::LoadedFrame> CameraSource::End() const {
       live_.source.max_skew_ms)));
 }
 
+/// Files: what is behind the frame that was sent last. Live frames are new, whatever the clock of the process before
+/// has said; only a step back of less than a second is passed over, since the stream goes on.
+bool CameraSource::IsNew(int64_t t_ns) const {
+  if (!is_live_) return t_ns > behind_t_ns_;
+  const bool is_later = last_t_ns_ == std::numeric_limits<int64_t>::min() || t_ns > last_t_ns_;
+  return is_later || last_t_ns_ - t_ns >= kClockStep_ns;
+}
+
 std::optional<stream::LoadedFrame> CameraSource::Next() {
+  waits_since_ = Clock::now();
   while (!stopped_) {
     if (std::optional<CapturedPair> pair = pairing_.Pop()) {
-      if (pair->left.t_ns > behind_t_ns_) return MakeFrame(std::move(*pair));
+      if (IsNew(pair->left.t_ns)) return MakeFrame(std::move(*pair));
       continue;
     }
     if (pipeline_ && MayEnd(live_.source.type) && IsOver()) {

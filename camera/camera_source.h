@@ -51,9 +51,12 @@ class CameraSource : public stream::FrameSource {
  private:
   using Clock = std::chrono::steady_clock;
 
+  Pairing MakePairing() const;
   void Build();
   void Play();
   void TakeImages();
+  void TellOfStall();
+  bool IsNew(int64_t t_ns) const;
   bool Take(Side side);
   bool IsOver();
   std::optional<stream::LoadedFrame> End() const;
@@ -77,7 +80,10 @@ class CameraSource : public stream::FrameSource {
   Pairing pairing_;
   CaptureHealth health_;
   int64_t behind_t_ns_ = std::numeric_limits<int64_t>::min();
+  int64_t last_t_ns_ = std::numeric_limits<int64_t>::min();
   bool had_frames_ = false;
+  bool gave_images_ = false;  ///< since the pipeline was built
+  Clock::time_point waits_since_;
   Clock::time_point last_frame_;
   std::array<Clock::time_point, 2> last_images_;
   Clock::time_point built_;

@@ -37,8 +37,9 @@ bool Pairing::End(Side side) { return !std::exchange(Of(side).ended, true); }
 
 void Pairing::Clear() {
   for (Camera& camera : cameras_) {
-    camera.images.clear();
-    camera.ended = false;
+    const int64_t dropped = camera.dropped;
+    camera = {};
+    camera.dropped = dropped;
   }
 }
 
@@ -50,7 +51,7 @@ Pairing::Verdict Pairing::Judge(const Camera& earlier, const Camera& later) cons
     return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Verdict::kDropEarlier : Verdict::kPair;
   }
   // The next image of the earlier camera would have to come within this time to be nearer.
-  const bool is_nearest = skew_ns == 0 || 2 * skew_ns <= earlier.shortest_step_ns;
+  const bool is_nearest = skew_ns == 0 || (is_live_ && 2 * skew_ns <= earlier.shortest_step_ns);
   return is_nearest || earlier.ended ? Verdict::kPair : Verdict::kUnknown;
 }
 

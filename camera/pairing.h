@@ -27,12 +27,12 @@ struct CapturedPair {
 /// `max_skew_ns` apart. Images without a partner are dropped, and counted from the first pair on, since cameras do not
 /// start at once. So are those that are not later than the one before of their camera.
 ///
-/// A pair is given as soon as no later image can be nearer: at once where the camera whose image is the earlier one
-/// has never taken two images in so short a time, otherwise (the first time, mostly) with its next image. The result
-/// depends on the order in each camera only, not on how the two come in turns.
+/// A pair is given as soon as no later image can be nearer, which the next image of the camera tells whose image is the
+/// earlier one: so the result depends on the order in each camera only, not on how the two come in turns. Live it is
+/// given at once where that camera has not taken two images in so short a time.
 class Pairing {
  public:
-  explicit Pairing(int64_t max_skew_ns) : max_skew_ns_(max_skew_ns) {}
+  explicit Pairing(int64_t max_skew_ns, bool is_live = false) : max_skew_ns_(max_skew_ns), is_live_(is_live) {}
 
   void Add(Side side, CapturedImage image);
   /// No more images of this camera will come. False where that is no news.
@@ -43,7 +43,7 @@ class Pairing {
   /// Images that wait for a partner.
   size_t waiting(Side side) const { return Of(side).images.size(); }
   int64_t dropped(Side side) const { return Of(side).dropped; }
-  /// Forgets the images that wait, which are not counted; more may come of both cameras.
+  /// Forgets the images that wait, which are not counted, and times; more may come of both cameras.
   void Clear();
 
  private:
@@ -62,6 +62,7 @@ class Pairing {
   Verdict Judge(const Camera& earlier, const Camera& later) const;
 
   int64_t max_skew_ns_;
+  bool is_live_;
   std::array<Camera, 2> cameras_;
   bool had_pair_ = false;
 };

@@ -116,7 +116,7 @@ TEST_F(CameraSourceTest, LiveFramesHaveTheTimeOfDayAndComeAtTheirRate) {
   ASSERT_GE(frames.size(), 55U);
   EXPECT_GE(frames.front().images.t_ns, before_ns - 1'000'000);
   EXPECT_LE(frames.back().images.t_ns, after_ns);
-  EXPECT_NEAR(heard_.rate_hz, 30.0, 0.5);
+  EXPECT_NEAR(heard_.rate_hz, 30.0, 3.0);
   EXPECT_EQ(heard_.skew_ms, 0.0);
 }
 

@@ -66,8 +66,19 @@ TEST(Pairing, NearestPartnerIsTaken) {
   EXPECT_EQ(pairing.dropped(Side::kLeft), 0) << "that was before the first pair";
 }
 
-TEST(Pairing, FirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
+TEST(Pairing, OfFilesANextImageMayAlwaysBeNearer) {
   Pairing pairing(5 * kMs);
+  Add(&pairing, Side::kLeft, {0, 50});
+  Add(&pairing, Side::kRight, {0, 54});
+  EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(0, 0)));
+  Add(&pairing, Side::kLeft, {56, 100});
+  Add(&pairing, Side::kRight, {104});
+  EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(56, 54)));
+  EXPECT_EQ(pairing.dropped(Side::kLeft), 1);
+}
+
+TEST(Pairing, LiveTheFirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
+  Pairing pairing(5 * kMs, true);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});
   EXPECT_THAT(Sure(&pairing), IsEmpty()) << "a left image at 4 would be nearer";

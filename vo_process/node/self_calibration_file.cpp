@@ -4,10 +4,12 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
 #include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <stdexcept>
 
@@ -109,6 +111,28 @@ std::optional<SelfCalibration> ReadSelfCalibration(const std::string& path, cons
                            Covariance<Eigen::Matrix3d>(path, disparities, "disparities")};
   }
   return learned;
+}
+
+void BeginWithLearned(const std::string& path, const std::vector<uint8_t>& camera, Odometry& odometry) {
+  if (path.empty()) return;
+  try {
+    const auto learned = ReadSelfCalibration(path, NameOfCalibration(camera));
+    if (!learned) return;
+    odometry.Begin(*learned);
+    spdlog::info("begins with what {} says of the rig", path);
+  } catch (const std::exception& error) {
+    spdlog::warn("what was learned of the rig is not used: {}", error.what());
+  }
+}
+
+void KeepLearned(const std::string& path, const std::vector<uint8_t>& camera, const Odometry& odometry) {
+  const SelfCalibration learned = odometry.learned();
+  if (path.empty() || (!learned.rows && !learned.disparities)) return;
+  try {
+    WriteSelfCalibration(path, NameOfCalibration(camera), learned);
+  } catch (const std::exception& error) {
+    spdlog::warn("what was learned of the rig is not kept: {}", error.what());
+  }
 }
 
 }  // namespace plslam::vo

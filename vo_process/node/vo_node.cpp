@@ -17,13 +17,10 @@
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/run_loop.h"
 #include "core/bus/transport/wire.h"
-#include "core/errors/error_text.h"
 #include "core/io/files/archive.h"
 #include "core/run/process_names.h"
-#include "core/run/run_warnings.h"
 #include "plslam/command_t.hpp"
 #include "plslam/header_t.hpp"
-#include "plslam/mask_t.hpp"
 #include "plslam/relocalisation_t.hpp"
 #include "plslam/status_t.hpp"
 #include "plslam/stream_t.hpp"
@@ -39,9 +36,6 @@ constexpr size_t kMaxWaitingFrames = 8;
 // Time that goes back by less is of the same stream.
 constexpr uint64_t kClockStep_ns = 1'000'000'000;
 constexpr std::chrono::milliseconds kWaitTick(200);
-// Masks that are kept, of frames that may still come; and how often a frame in real time is looked at that waits.
-constexpr size_t kMaxMasks = 64;
-constexpr std::chrono::milliseconds kMaskTick(5);
 // Fewer features are not worth a relocalisation request.
 constexpr size_t kLeastToAsk = 20;
 // How long an unanchored camera asks while the map grows: another robot may find out, or a loop is closed.
@@ -51,16 +45,6 @@ constexpr std::chrono::milliseconds kAskPeriod(500);
 constexpr double kFramesWait_s = 15.0;
 // Frames after which what was learned of the rig is kept: a robot may be switched off.
 constexpr int64_t kKeepLearnedEvery = 500;
-
-/// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
-bool IsNearlyBlack(const cv::Mat& image) {
-  constexpr int kEveryRow = 8;
-  constexpr double kDark = 8.0;
-  double sum = 0.0;
-  int rows = 0;
-  for (int row = 0; row < image.rows; row += kEveryRow, ++rows) sum += cv::mean(image.row(row))[0];
-  return rows > 0 && sum < kDark * rows;
-}
 
 bool IsOfMap(const FeatureTrack& track) { return track.map_id >= 0; }
 
@@ -76,13 +60,13 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
     : process_(process),
       options_(options),
       settings_(ToYaml("vo", options_)),
+      report_(process),
       keyframes_(process.bus()),
       relocalisation_(process.bus(), options.relocalisation.wait_s),
-      mask_wait_(options.masks.wait_s),
       checkpoint_(options.state_file),
       camera_(
           process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); },
-          [this] { Count("cameras.rejected", 1); }),
+          [this] { report_.Count("cameras.rejected", 1); }),
       frames_(process.bus(), bus::FrameSubscriber::Mode::kReliable, [this](const Frame& f) { OnFrame(f); }) {
   session_.id = process.bus().source();
   // Left and right are the two threads; more inside OpenCV would only get in their way.
@@ -90,7 +74,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<stream_t>(bus::kStream, [this](const stream_t& m) { OnStream(m); });
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) ListenToTheMap();
-  if (options_.masks.enabled) ListenToMasks();
+  if (options_.masks.enabled) masks_.emplace(process_.bus(), options_.masks, [this] { GoOn(); });
   process_.SetConfiguration(settings_);
   Restore();
 }
@@ -116,7 +100,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     waiting_.clear();
   }
   rig_ = rig;
-  warned_about_rows_ = false;
+  report_.OnCamera();
   odometry_.reset();  // what it has learned is of the other camera
   GoOn();
 }
@@ -135,7 +119,7 @@ void VoNode::OnFrame(const Frame& frame) {
   if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsMask(waiting)) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
-    Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
+    report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
   }
   waiting_.push_back(waiting);
 }
@@ -148,7 +132,7 @@ bool VoNode::IsRepeated(const Frame& frame) const {
 
 /// A player that sends a frame again has not heard of its pose, or has gone back for a tracker that needed no more.
 void VoNode::AnswerAgain(const Frame& frame) {
-  Count("frames.repeated", 1);
+  report_.Count("frames.repeated", 1);
   const pose_t* pose = frame.lockstep ? session_.FindPose(frame.images.frame_id, frame.images.t_ns) : nullptr;
   if (pose != nullptr) process_.bus().Publish(bus::kPose, pose_t(*pose));
 }
@@ -159,6 +143,20 @@ VoNode::Wait VoNode::WaitsFor() const {
   if (map_ && map_->wait().awaited()) return Wait::kMap;
   if (relocalisation_.wait().awaited()) return Wait::kRelocalisation;
   return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
+}
+
+/// Not where more frames wait than are kept.
+bool VoNode::AwaitsMask(const WaitingFrame& waiting) {
+  const Frame& frame = waiting.frame;
+  return masks_ && (frame.lockstep || waiting_.size() < kMaxWaitingFrames) &&
+         masks_->Awaits({frame.images.frame_id, frame.images.t_ns}, frame.lockstep, waiting.came_s);
+}
+
+void VoNode::UseMask(const Frame& frame) {
+  if (!masks_) return;
+  const std::optional<FrameMask> mask = masks_->Take({frame.images.frame_id, frame.images.t_ns});
+  if (!mask) report_.Count("masks.missing", 1);
+  front_end_->SetMask(mask.value_or(FrameMask()));
 }
 
 void VoNode::GoOn() {
@@ -197,50 +195,6 @@ void VoNode::ListenToTheMap() {
   process_.bus().Subscribe<relocalisation_t>(bus::kRelocalisation,
                                              [this](const relocalisation_t& m) { OnRelocalisation(m); });
   process_.bus().Every(kWaitTick, [this] { GiveUpWaits(); });
-}
-
-void VoNode::ListenToMasks() {
-  process_.bus().Subscribe<mask_t>(bus::kMask, [this](const mask_t& message) {
-    const auto mask = bus::FromMessage(message);
-    if (!mask) return process_.bus().CountRejected();
-    mask_wait_.OnSignOfLife(bus::NowS());
-    masks_.emplace_back(FrameName(message.frame_id, message.header.t_ns), *mask);
-    if (masks_.size() > kMaxMasks) masks_.pop_front();
-    GoOn();
-  });
-  process_.bus().Every(kMaskTick, [this] {
-    if (mask_wait_.GiveUp(bus::NowS())) spdlog::warn("nobody sends masks: frames are taken as they are");
-    if (!waiting_.empty()) GoOn();
-  });
-}
-
-std::deque<std::pair<VoNode::FrameName, FrameMask>>::iterator VoNode::MaskOf(const Frame& frame) {
-  const FrameName name(frame.images.frame_id, frame.images.t_ns);
-  return std::find_if(masks_.begin(), masks_.end(), [&name](const auto& mask) { return mask.first == name; });
-}
-
-/// In lockstep until it comes, or nobody is heard of; live for a moment after the frame has come, and not where more
-/// frames wait than are kept.
-bool VoNode::AwaitsMask(const WaitingFrame& waiting) {
-  if (!options_.masks.enabled || MaskOf(waiting.frame) != masks_.end()) return false;
-  const double now_s = bus::NowS();
-  if (!waiting.frame.lockstep)
-    return now_s - waiting.came_s < 1e-3 * options_.masks.live_wait_ms && waiting_.size() < kMaxWaitingFrames;
-  const FrameName name(waiting.frame.images.frame_id, waiting.frame.images.t_ns);
-  if (std::exchange(mask_awaited_, name) != name) mask_wait_.Begin(name.first, now_s);
-  return mask_wait_.awaited().has_value();
-}
-
-void VoNode::UseMask(const Frame& frame) {
-  if (!options_.masks.enabled) return;
-  mask_wait_.End();
-  const auto mask = MaskOf(frame);
-  if (mask == masks_.end()) {
-    Count("masks.missing", 1);
-    return front_end_->SetMask({});
-  }
-  front_end_->SetMask(mask->second);
-  masks_.erase(mask);
 }
 
 void VoNode::GiveUpWaits() {
@@ -295,33 +249,7 @@ void VoNode::BeginSession() {
   KeepLearned();
   odometry_.emplace(front_end_->camera(), options_);
   odometry_->SetLocaliseOnly(IsLocaliseOnly());
-  BeginWithLearned();
-}
-
-/// A file that cannot be used is told, and all is learned anew.
-void VoNode::BeginWithLearned() {
-  if (options_.self_calibration_file.empty()) return;
-  try {
-    const std::string calibration = NameOfCalibration(camera_.bytes());
-    const auto learned = ReadSelfCalibration(options_.self_calibration_file, calibration);
-    if (!learned) return;
-    odometry_->Begin(*learned);
-    spdlog::info("begins with what {} says of the rig", options_.self_calibration_file);
-  } catch (const std::exception& error) {
-    spdlog::warn("what was learned of the rig is not used: {}", error.what());
-  }
-}
-
-/// Where nothing is believed an older file stays.
-void VoNode::KeepLearned() {
-  if (options_.self_calibration_file.empty() || !odometry_) return;
-  const SelfCalibration learned = odometry_->learned();
-  if (!learned.rows && !learned.disparities) return;
-  try {
-    WriteSelfCalibration(options_.self_calibration_file, NameOfCalibration(camera_.bytes()), learned);
-  } catch (const std::exception& error) {
-    spdlog::warn("what was learned of the rig is not kept: {}", error.what());
-  }
+  BeginWithLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
 /// Where the camera is in the map: the first keyframe shows landmarks of it.
@@ -343,6 +271,10 @@ void VoNode::NameSession() {
   next.anchored_t_ns = session_.anchored_t_ns;
   session_ = std::move(next);
   if (map_) map_->BeginSession();
+}
+
+void VoNode::KeepLearned() const {
+  if (odometry_) vo::KeepLearned(options_.self_calibration_file, camera_.bytes(), *odometry_);
 }
 
 /// Of the stream of the frame before, and a little before it.
@@ -376,82 +308,17 @@ void VoNode::Track(const Frame& frame) {
   if (result.keyframe) MakeKeyframe(frame, result, requests);
   if (requests) RequestRelocalisation(frame, result);
   session_.follows_keyframe = result.keyframe && !requests;
-  SetState(process_state::kRunning);
-  Count("frames", 1);
-  if (static_cast<int64_t>(counts_["frames"]) % kKeepLearnedEvery == 0) KeepLearned();
-  Count("frames.skipped", frame.skipped);
-  if (StateOf(result) == TrackingState::kLost) Count("frames.lost", 1);
-  if (result.keyframe) Count("keyframes", 1);
-  LookAt(frame.images, result.features);
-  WarnAboutRows();
-  TellOfCameras();
-  TellOfWarnings();
+  report_.SetState(process_state::kRunning);
+  report_.Count("frames", 1);
+  if (report_.frames() % kKeepLearnedEvery == 0) KeepLearned();
+  report_.Count("frames.skipped", frame.skipped);
+  if (StateOf(result) == TrackingState::kLost) report_.Count("frames.lost", 1);
+  if (result.keyframe) report_.Count("keyframes", 1);
+  report_.LookAt(frame.images, result.features, rig_->kind == RigCalibration::Kind::kRgbd);
+  report_.TellOfRows(odometry_->rows(), front_end_->camera());
+  report_.TellOfCameras(odometry_->sync_check(), odometry_->disparity_calibration());
+  report_.TellOfWarnings();
   FinishIfDone();
-}
-
-/// Counts what tells of bad images and of a bad calibration.
-void VoNode::LookAt(const StereoImages& images, const StereoFeatures& features) {
-  if (IsNearlyBlack(images.left)) Count(kFramesDark, 1);
-  if (rig_->kind == RigCalibration::Kind::kRgbd) return;
-  // Flat lines have no depth even where all is well.
-  const auto matched =
-      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
-  Count(kPointsSeen, static_cast<double>(features.points.size()));
-  Count(kPointsMatched, static_cast<double>(matched));
-}
-
-/// With the state, for who looks at the run while it goes on.
-void VoNode::TellOfWarnings() {
-  static constexpr int kEvery = 20;
-  if (static_cast<int64_t>(counts_["frames"]) % kEvery != 0) return;
-  RunFindings findings;
-  findings.points_seen = counts_[kPointsSeen];
-  findings.points_matched = counts_[kPointsMatched];
-  findings.corner_rows_px = counts_[kCornerRows];
-  findings.right_late_ms = counts_[kRightLate];
-  findings.left_late_ms = counts_[kLeftLate];
-  findings.late_frames = counts_[kLateFrames];
-  findings.unequal_readout_ms = counts_[kUnequalReadout];
-  findings.disparity_error_px = counts_[kDisparityError];
-  std::string warnings;
-  for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
-  if (warnings == warnings_) return;
-  warnings_ = std::move(warnings);
-  process_.SetState(state_, warnings_);
-}
-
-/// Once for each camera.
-void VoNode::WarnAboutRows() {
-  if (warned_about_rows_) return;
-  const RowField rows = odometry_->rows();
-  if (rows.is_zero()) return;
-  warned_about_rows_ = true;
-  const StereoCamera& camera = front_end_->camera();
-  double most_px = 0.0;
-  for (const double u_px : {0.0, camera.width_px - 1.0}) {
-    for (const double v_px : {0.0, camera.height_px - 1.0}) {
-      most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
-    }
-  }
-  Count(kCornerRows, most_px);
-  spdlog::info(
-      "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
-      "but the calibration could be better",
-      most_px);
-}
-
-/// As these are known now, which grows better with time. Of cameras that are in step and well calibrated there are no
-/// such counters.
-void VoNode::TellOfCameras() {
-  const auto tell = [this](const char* name, double value) {
-    if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
-  };
-  const SyncCheck& sync = odometry_->sync_check();
-  tell(kRightLate, 1e3 * sync.late_s());
-  tell(kLeftLate, -1e3 * sync.late_s());
-  tell(kLateFrames, std::abs(sync.late_frames()));
-  tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
-  tell(kDisparityError, odometry_->disparity_calibration().Largest_px());
 }
 
 StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer) {
@@ -459,7 +326,7 @@ StereoFeatures VoNode::SeeFeatures(const StereoImages& images, StageTimer& timer
     return SeePair(*front_end_, *odometry_, images, timer);
   } catch (const std::exception& error) {
     spdlog::warn("frame {}: {}", images.frame_id, error.what());
-    Count("frames.bad", 1);
+    report_.Count("frames.bad", 1);
     return {};
   }
 }
@@ -471,7 +338,7 @@ StereoFeatures VoNode::NoFeatures(const StereoImages& images) {
         "frame {} is of an earlier time than the one before it, by less than a second: such frames are not used",
         images.frame_id);
   }
-  Count("frames.bad", 1);
+  report_.Count("frames.bad", 1);
   return {};
 }
 
@@ -520,7 +387,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   asked.point_landmark_ids.assign(asked.features.points.size(), -1);
   asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
   relocalisation_.Ask(std::move(asked), result.T_odom_c, now_s);
-  Count("relocalisation.asked", 1);
+  report_.Count("relocalisation.asked", 1);
 }
 
 /// An unanchored camera is always where it made its own keyframes since.
@@ -537,7 +404,7 @@ void VoNode::OnRelocalisation(const relocalisation_t& message) {
   const Map& map = map_->map();
   if (result->found && IsNews(map, result->keyframe_id) &&
       odometry_->Relocalise(map, result->keyframe_id, *T_w_odom)) {
-    Count("relocalisation.found", 1);
+    report_.Count("relocalisation.found", 1);
   }
   GoOn();
 }
@@ -667,7 +534,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   state.adopted_keyframe_id = map_ ? map_->adopted_keyframe_id() : -1;
   state.odometry = archive::ToBytes(*odometry_);
   state.keyframe = keyframe;
-  if (checkpoint_.Keep(state)) Count("state.written", 1);
+  if (checkpoint_.Keep(state)) report_.Count("state.written", 1);
 }
 
 /// A player is ahead of a tracker that has gone back to its newest keyframe, and so may be one that is started beside
@@ -695,19 +562,9 @@ void VoNode::AskAgainForFrames() {
   GoOn();
 }
 
-void VoNode::Count(const std::string& name, double increment) {
-  double& count = counts_[name];
-  count += increment;
-  process_.SetCounter(name, count);
-}
-
 void VoNode::FinishIfDone() {
-  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_) SetState(process_state::kFinished);
-}
-
-void VoNode::SetState(const std::string& state) {
-  if (state == std::exchange(state_, state)) return;
-  process_.SetState(state, warnings_);
+  if (announced_frames_ >= 0 && session_.last_frame_id + 1 >= announced_frames_)
+    report_.SetState(process_state::kFinished);
 }
 
 bus::ProcessSpec VoSpec() {

@@ -2,12 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/bus/messages/frame_channel.h"
@@ -15,7 +12,9 @@
 #include "core/process/process.h"
 #include "core/run/process_names.h"
 #include "vo_process/node/map_link.h"
+#include "vo_process/node/mask_link.h"
 #include "vo_process/node/relocalisation_client.h"
+#include "vo_process/node/tracker_report.h"
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
 #include "vo_process/stereo/stereo_front_end.h"
@@ -66,8 +65,6 @@ class VoNode {
     Frame frame;
     double came_s = 0.0;  ///< of the steady clock
   };
-  /// Number and time of a frame.
-  using FrameName = std::pair<int64_t, int64_t>;
 
   /// What the next frame has to wait for.
   enum class Wait {
@@ -88,8 +85,6 @@ class VoNode {
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
   void ListenToTheMap();
-  void ListenToMasks();
-  std::deque<std::pair<FrameName, FrameMask>>::iterator MaskOf(const Frame& frame);
   bool AwaitsMask(const WaitingFrame& waiting);
   void UseMask(const Frame& frame);
   void GiveUpWaits();
@@ -101,8 +96,7 @@ class VoNode {
   void AnswerAgain(const Frame& frame);
   void BeginSession();
   void BeginSessionHere();
-  void BeginWithLearned();
-  void KeepLearned();
+  void KeepLearned() const;
   void NameSession();
   bool IsTooEarly(const Frame& frame) const;
 
@@ -129,17 +123,12 @@ class VoNode {
   void AskForFrames();
   void AskAgainForFrames();
 
-  void Count(const std::string& name, double increment);
-  void SetState(const std::string& state);
   void FinishIfDone();
-  void WarnAboutRows();
-  void TellOfCameras();
-  void LookAt(const StereoImages& images, const StereoFeatures& features);
-  void TellOfWarnings();
 
   bus::Process& process_;
   VoOptions options_;
   std::string settings_;  ///< the options as text
+  TrackerReport report_;
   TrackerSession session_;
   std::optional<RigCalibration> rig_;
   std::optional<StereoFrontEnd> front_end_;
@@ -149,10 +138,7 @@ class VoNode {
   /// The newest keyframe, which in lockstep is published once the map of the one before has been taken over.
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
-  /// In the order in which they came.
-  std::deque<std::pair<FrameName, FrameMask>> masks_;
-  bus::PartnerWait mask_wait_;
-  FrameName mask_awaited_{-1, 0};
+  std::optional<MaskLink> masks_;
   TrackerCheckpoint checkpoint_;
   /// The state of a killed tracker was taken over, and no frame has come since.
   bool restored_ = false;
@@ -162,11 +148,7 @@ class VoNode {
   int64_t player_ = 0;
   std::string player_name_ = process_name::kPlayer;  // or of another process that sends frames
   int64_t announced_frames_ = -1;
-  std::map<std::string, double> counts_;
-  std::string state_;
-  std::string warnings_;  ///< what the state is told with
   bool was_too_early_ = false;
-  bool warned_about_rows_ = false;
   std::optional<MapLink> map_;
   // Last: their handlers need all of the above.
   bus::CameraSubscriber camera_;

@@ -80,10 +80,11 @@ const std::vector<Arrow> kArrows = {
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",
-     {"core/", "adapter/options.h", "camera/options.h", "player/options.h", "vo_process/options.h",
-      "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h", "tools/evaluate/",
-      "tools/export/export_command.h", "tools/doctor/doctor_command.h", "tools/rectify_check/rectify_check_command.h",
-      "tools/calibration/calibration_command.h", "viewer_headless/report/report_page.h"}},
+     {"core/", "lcmtypes/message_layout.h", "adapter/options.h", "camera/options.h", "player/options.h",
+      "vo_process/options.h", "mapping_process/options.h", "loop_process/options.h", "viewer_headless/options.h",
+      "tools/evaluate/", "tools/export/export_command.h", "tools/doctor/doctor_command.h",
+      "tools/rectify_check/rectify_check_command.h", "tools/calibration/calibration_command.h",
+      "viewer_headless/report/report_page.h"}},
     {"tools/calibration/", {"core/"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
@@ -158,7 +159,8 @@ TEST(Structure, IncludesOfTheTreeStartAtItsRoot) {
     for (const std::string& line : file.lines) {
       const auto include = IncludedFile(line);
       if (!include || line.find('"') == std::string::npos) continue;
-      EXPECT_TRUE(IsOfTree(*include) || IsMessage(*include)) << file.path << ": " << line;
+      const bool is_generated = *include == "plslam_version.h";
+      EXPECT_TRUE(is_generated || IsOfTree(*include) || IsMessage(*include)) << file.path << ": " << line;
     }
   }
 }

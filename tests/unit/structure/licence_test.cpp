@@ -28,9 +28,10 @@ TEST(Licence, StandsFirstInEverySource) {
   for (auto entry = fs::recursive_directory_iterator(test::SourceFolder());
        entry != fs::recursive_directory_iterator(); ++entry) {
     const fs::path& path = entry->path();
-    // Builds are beside the sources, and hidden folders belong to other programs.
+    // Builds are beside the sources, hidden folders belong to other programs, and recordings end in .lcm, too.
     const bool is_foreign = path.filename() == "build" || path.filename().string().starts_with(".") ||
-                            path.filename() == "node_modules" || path.filename() == "__pycache__";
+                            path.filename() == "node_modules" || path == test::SourceFolder() / "tests/golden" ||
+                            path.filename() == "__pycache__";
     if (is_foreign && entry->is_directory()) entry.disable_recursion_pending();
     if (!entry->is_regular_file()) continue;
     std::ifstream file(path);

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/node/tracker_report.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <utility>
+
+#include "core/errors/error_text.h"
+#include "core/run/run_counters.h"
+#include "core/run/run_warnings.h"
+
+namespace plslam::vo {
+namespace {
+
+/// Darker than the noise of a sensor that sees something: of every 8th row, 8 of 255 on average.
+bool IsNearlyBlack(const cv::Mat& image) {
+  constexpr int kEveryRow = 8;
+  constexpr double kDark = 8.0;
+  double sum = 0.0;
+  int rows = 0;
+  for (int row = 0; row < image.rows; row += kEveryRow, ++rows) sum += cv::mean(image.row(row))[0];
+  return rows > 0 && sum < kDark * rows;
+}
+
+}  // namespace
+
+void TrackerReport::Count(const std::string& name, double increment) {
+  double& count = counts_[name];
+  count += increment;
+  process_.SetCounter(name, count);
+}
+
+void TrackerReport::SetState(const std::string& state) {
+  if (state == std::exchange(state_, state)) return;
+  process_.SetState(state, warnings_);
+}
+
+void TrackerReport::LookAt(const StereoImages& images, const StereoFeatures& features, bool is_rgbd) {
+  if (IsNearlyBlack(images.left)) Count(kFramesDark, 1);
+  if (is_rgbd) return;
+  // Flat lines have no depth even where all is well.
+  const auto matched =
+      std::count_if(features.points.begin(), features.points.end(), [](const auto& p) { return p.HasDepth(); });
+  Count(kPointsSeen, static_cast<double>(features.points.size()));
+  Count(kPointsMatched, static_cast<double>(matched));
+}
+
+void TrackerReport::TellOfWarnings() {
+  static constexpr int kEvery = 20;
+  if (frames() % kEvery != 0) return;
+  RunFindings findings;
+  findings.points_seen = counts_[kPointsSeen];
+  findings.points_matched = counts_[kPointsMatched];
+  findings.corner_rows_px = counts_[kCornerRows];
+  findings.right_late_ms = counts_[kRightLate];
+  findings.left_late_ms = counts_[kLeftLate];
+  findings.late_frames = counts_[kLateFrames];
+  findings.unequal_readout_ms = counts_[kUnequalReadout];
+  findings.disparity_error_px = counts_[kDisparityError];
+  std::string warnings;
+  for (const RunWarning& warning : WarningsOf(findings)) warnings = Joined(warnings, warning.sentence);
+  if (warnings == warnings_) return;
+  warnings_ = std::move(warnings);
+  process_.SetState(state_, warnings_);
+}
+
+void TrackerReport::TellOfRows(const RowField& rows, const StereoCamera& camera) {
+  if (told_of_rows_ || rows.is_zero()) return;
+  told_of_rows_ = true;
+  double most_px = 0.0;
+  for (const double u_px : {0.0, camera.width_px - 1.0}) {
+    for (const double v_px : {0.0, camera.height_px - 1.0}) {
+      most_px = std::max(most_px, std::abs(rows.Offset_px({u_px, v_px})));
+    }
+  }
+  Count(kCornerRows, most_px);
+  spdlog::info(
+      "in the corners, rows of the right image differ from those of the left by up to {:.1f} px: they are followed, "
+      "but the calibration could be better",
+      most_px);
+}
+
+void TrackerReport::TellOfCameras(const SyncCheck& sync, const DisparityCalibration& calibration) {
+  const auto tell = [this](const char* name, double value) {
+    if (value > 0.0 || counts_[name] > 0.0) Count(name, std::max(value, 0.0) - counts_[name]);
+  };
+  tell(kRightLate, 1e3 * sync.late_s());
+  tell(kLeftLate, -1e3 * sync.late_s());
+  tell(kLateFrames, std::abs(sync.late_frames()));
+  tell(kUnequalReadout, 1e3 * std::abs(sync.longer_readout_s()));
+  tell(kDisparityError, calibration.Largest_px());
+}
+
+}  // namespace plslam::vo

@@ -26,7 +26,7 @@ class CaptureHealth {
   int64_t pairs() const { return pairs_; }
   /// Frames that should have come between two others.
   int64_t missing() const { return missing_; }
-  /// Pairs of which an image is mostly white, or mostly black.
+  /// Pairs with an image that is mostly white, or mostly black.
   int64_t overexposed() const { return overexposed_; }
   int64_t underexposed() const { return underexposed_; }
 

@@ -43,16 +43,16 @@ void Pairing::Clear() {
   }
 }
 
-Pairing::Verdict Pairing::Judge(const Camera& earlier, const Camera& later) const {
+Pairing::Decision Pairing::Decide(const Camera& earlier, const Camera& later) const {
   const int64_t t_ns = later.images.front().t_ns;
   const int64_t skew_ns = t_ns - earlier.images.front().t_ns;
-  if (skew_ns > max_skew_ns_) return Verdict::kDropEarlier;
+  if (skew_ns > max_skew_ns_) return Decision::kDropEarlier;
   if (earlier.images.size() > 1) {
-    return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Verdict::kDropEarlier : Verdict::kPair;
+    return std::abs(earlier.images[1].t_ns - t_ns) < skew_ns ? Decision::kDropEarlier : Decision::kPair;
   }
   // The next image of the earlier camera would have to come within this time to be nearer.
   const bool is_nearest = skew_ns == 0 || (is_live_ && 2 * skew_ns <= earlier.shortest_step_ns);
-  return is_nearest || earlier.ended ? Verdict::kPair : Verdict::kUnknown;
+  return is_nearest || earlier.ended ? Decision::kPair : Decision::kUnknown;
 }
 
 std::optional<CapturedPair> Pairing::Pop() {
@@ -61,9 +61,9 @@ std::optional<CapturedPair> Pairing::Pop() {
   while (!left.images.empty() && !right.images.empty()) {
     const bool left_first = left.images.front().t_ns <= right.images.front().t_ns;
     Camera& earlier = left_first ? left : right;
-    const Verdict verdict = Judge(earlier, left_first ? right : left);
-    if (verdict == Verdict::kUnknown) return std::nullopt;
-    if (verdict == Verdict::kPair) {
+    const Decision decision = Decide(earlier, left_first ? right : left);
+    if (decision == Decision::kUnknown) return std::nullopt;
+    if (decision == Decision::kPair) {
       had_pair_ = true;
       CapturedPair pair{std::move(left.images.front()), std::move(right.images.front())};
       left.images.pop_front();

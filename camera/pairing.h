@@ -58,8 +58,8 @@ class Pairing {
   Camera& Of(Side side) { return cameras_[static_cast<size_t>(side)]; }
   const Camera& Of(Side side) const { return cameras_[static_cast<size_t>(side)]; }
   void Drop(Camera* camera);
-  enum class Verdict { kPair, kDropEarlier, kUnknown };
-  Verdict Judge(const Camera& earlier, const Camera& later) const;
+  enum class Decision { kPair, kDropEarlier, kUnknown };
+  Decision Decide(const Camera& earlier, const Camera& later) const;
 
   int64_t max_skew_ns_;
   bool is_live_;

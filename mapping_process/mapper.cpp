@@ -111,6 +111,15 @@ MapperState Mapper::State() const {
           .began_version = began_version_};
 }
 
+void Mapper::Precede(MapperState& next) const {
+  next.stored.version = next.structural_version = next.began_version = version_ + 1;
+  next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, next_keyframe_id_);
+  next.stored.next_point_id = std::max(next.stored.next_point_id, landmark_ids_.next_point);
+  next.stored.next_line_id = std::max(next.stored.next_line_id, landmark_ids_.next_line);
+  next.committed = 1;
+  next.localise_only = options_.localise_only ? 1 : 0;
+}
+
 StoredMap Mapper::Stored() const {
   StoredMap stored;
   stored.map = map_;

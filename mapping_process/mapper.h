@@ -61,6 +61,10 @@ class Mapper {
   /// where it cannot be one of this map; `reason` says why.
   bool Correct(const LoopClosure& closure, std::string* reason);
 
+  /// Makes `next` the state of a mapper that takes the place of this one with another map. Versions go on, so readers
+  /// know which is the newer, and what was computed on this map is refused. No id of this map is given again.
+  void Precede(MapperState& next) const;
+
   /// Whether the map stays as it is: then `Insert` and `Correct` refuse everything.
   void SetLocaliseOnly(bool localise_only) { options_.localise_only = localise_only; }
   bool localise_only() const { return options_.localise_only; }

@@ -25,7 +25,7 @@ struct Order {
 /// nullopt where it is meant for another process.
 std::optional<Order> OrderTo(const Process& process, const command_t& message);
 
-/// Tells whoever gave the order that it is done, or in a sentence why it is not. From any thread.
+/// Answers the order: it is done, or `failure` says in a sentence why it is not. From any thread.
 void Answer(Process& process, const Order& order, const std::string& failure = "");
 
 }  // namespace plslam::bus

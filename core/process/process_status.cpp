@@ -134,6 +134,14 @@ double StatusPublisher::counter(const std::string& name) const {
   return found == counters_.end() ? 0.0 : found->second;
 }
 
+double LongestQueueOf(const status_t& status) {
+  double longest = 0.0;
+  for (const counter_t& counter : status.counters) {
+    if (counter.name.starts_with("queue.")) longest = std::max(longest, counter.value);
+  }
+  return longest;
+}
+
 double CounterOf(const status_t& status, const std::string& name) {
   for (const counter_t& counter : status.counters) {
     if (counter.name == name) return counter.value;

@@ -59,5 +59,7 @@ class StatusPublisher {
 
 /// A counter of a status; 0 where it has none of this name.
 double CounterOf(const status_t& status, const std::string& name);
+/// The longest of its queues (counters that begin with `queue.`); 0 where it has none.
+double LongestQueueOf(const status_t& status);
 
 }  // namespace plslam::bus

@@ -32,7 +32,7 @@ inline constexpr const char* kLateFrames = "sync.late_frames";
 /// Of that, what is made up for; beyond, frames are at most weak.
 inline constexpr double kMostLateMadeUpFor_frames = 0.3;
 inline constexpr const char* kUnequalReadout = "sync.unequal_readout_ms";
-/// Of whoever sends frames, beside these: 1 while it is paused.
+/// Set by the process that sends frames, beside these: 1 while it is paused.
 inline constexpr const char* kSenderPaused = "paused";
 inline constexpr const char* kFramesCaptured = "frames.captured";
 inline constexpr const char* kSkew = "frames.skew_ms";

@@ -380,20 +380,12 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   mapper_->SetLocaliseOnly(argument == "on");
   spdlog::info("the map {}", mapper_->localise_only() ? "stays as it is from now on" : "grows from now on");
   Publish({});
-  // Whoever is killed now comes back with it: its newest keyframe is committed (`WorkQueue::Take`).
+  // A process that is killed from now on starts again with it; the newest keyframe is committed (`WorkQueue::Take`).
   if (!options_.state_file.empty()) KeepState();
 }
 
-/// Its versions go on from those of the map before, so readers know which is the newer, and what was computed on the
-/// old map is refused. No id of the old map is given again.
 void MappingNode::Replace(MapperState next) {
-  const StoredMap before = mapper_->Store();
-  next.stored.version = next.structural_version = next.began_version = before.version + 1;
-  next.stored.next_keyframe_id = std::max(next.stored.next_keyframe_id, before.next_keyframe_id);
-  next.stored.next_point_id = std::max(next.stored.next_point_id, before.next_point_id);
-  next.stored.next_line_id = std::max(next.stored.next_line_id, before.next_line_id);
-  next.committed = 1;
-  next.localise_only = mapper_->localise_only() ? 1 : 0;
+  mapper_->Precede(next);
   {
     const std::lock_guard lock(mutex_);
     began_version_ = next.began_version;

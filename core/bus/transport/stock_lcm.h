@@ -42,7 +42,7 @@ class StockLcm {
   /// Safe from any thread. False where LCM cannot send, as to a relay that is gone.
   bool Publish(const std::string& channel, ByteView bytes);
 
-  /// Messages of which a part was lost.
+  /// Messages that lost a part.
   int64_t lost() const { return long_messages_.lost(); }
 
  private:

@@ -51,9 +51,7 @@ ProcessStatus FromMessage(const status_t& message) {
   const auto count = [&](const char* name) { return static_cast<int64_t>(bus::CounterOf(message, name)); };
   status.messages = {count("bus.lost"), count("bus.repaired"), count("bus.rejected")};
   status.frames = bus::CounterOf(message, "frames");
-  for (const counter_t& counter : message.counters) {
-    if (counter.name.starts_with("queue.")) status.queue = std::max(status.queue, counter.value);
-  }
+  status.queue = bus::LongestQueueOf(message);
   return status;
 }
 

@@ -107,10 +107,7 @@ void TopNode::OnStatus(const std::string& robot, const status_t& status) {
   load.lost = count("bus.lost");
   load.repaired = count("bus.repaired");
   load.rejected = count("bus.rejected");
-  load.queue = 0;
-  for (const counter_t& counter : status.counters) {
-    if (counter.name.starts_with("queue.")) load.queue = std::max(load.queue, static_cast<int64_t>(counter.value));
-  }
+  load.queue = static_cast<int64_t>(bus::LongestQueueOf(status));
   spoken.heard_s = bus::NowS();
 }
 

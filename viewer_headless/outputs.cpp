@@ -137,6 +137,26 @@ std::string PosesCsv(const Recorder& recorder) {
   return text;
 }
 
+std::string BodiesCsv(const Recorder& recorder, const Map& map) {
+  std::string text = "session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n";
+  const auto out = std::back_inserter(text);
+  const FinalPoses final_poses(map, recorder);
+  for (const auto& [frame_id, bodies] : recorder.bodies()) {
+    const auto frame = recorder.frames().find(frame_id);
+    if (frame == recorder.frames().end() || !HasPose(frame->second)) continue;
+    const SE3 T_w_c = final_poses(frame_id, frame->second);
+    for (const BodyRecord& body : bodies) {
+      const SE3 T_w_body = T_w_c * body.T_c_body;
+      const Eigen::Vector3d& t = T_w_body.translation();
+      const Eigen::Quaterniond& q = T_w_body.rotation();
+      fmt::format_to(out, "{},{},{},{},{:.6f},{:.6f},{:.6f},{:.9f},{:.9f},{:.9f},{:.9f},{}\n", frame->second.session,
+                     body.id, frame_id, SecondsText(frame->second.t_ns), t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
+                     q.w(), body.n_features);
+    }
+  }
+  return text;
+}
+
 void PrepareOutputFolder(const std::string& folder) {
   MakeFolder(folder);
   const std::string probe = folder + "/.write_test";
@@ -155,6 +175,7 @@ std::vector<std::string> WriteOutputs(const std::string& folder, const Recorder&
   attempts.Try([&] { WritePoseCovariances(folder + "/covariance.txt", run.covariances); });
   attempts.Try([&] { WritePoseCovariances(folder + "/motion_covariance.txt", run.motion_covariances); });
   attempts.Try([&] { WriteFileAtomically(folder + "/poses.csv", PosesCsv(recorder)); });
+  attempts.Try([&] { WriteFileAtomically(folder + "/bodies.csv", BodiesCsv(recorder, map)); });
   if (!map.keyframes().empty()) attempts.Try([&] { WriteFileAtomically(folder + "/map.ply", MapPly(map)); });
   return attempts.TakeFailures();
 }

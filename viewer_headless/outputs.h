@@ -47,6 +47,9 @@ RunTrajectories BuildTrajectories(const Recorder& recorder, const Map& map, cons
 /// One row for each frame, lost ones included: time, state, counts, stage times.
 std::string PosesCsv(const Recorder& recorder);
 
+/// One row for each moving body in each frame: T_w_body in the map as it is at the end; the body's frame as in body_t.
+std::string BodiesCsv(const Recorder& recorder, const Map& map);
+
 /// Makes the folder and proves that files can be written there. Throws std::runtime_error.
 void PrepareOutputFolder(const std::string& folder);
 

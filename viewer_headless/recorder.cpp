@@ -11,6 +11,7 @@ namespace {
 // Against a publisher that invents frames or names without end.
 constexpr size_t kMaxFrames = 20'000'000;
 constexpr size_t kMaxStages = 64;
+constexpr size_t kMaxBodiesOfFrame = 64;
 
 }  // namespace
 
@@ -88,6 +89,14 @@ void Recorder::StoreStages(const FramePose& pose, FrameRecord& record) {
 bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
   if (frame_id < 0 || !truth.T_w_l.IsFinite() || truth_.size() >= kMaxFrames) return false;
   truth_[frame_id] = truth;
+  return true;
+}
+
+bool Recorder::AddBodies(int64_t frame_id, const std::vector<BodyRecord>& bodies) {
+  const bool finite = std::all_of(bodies.begin(), bodies.end(),
+                                  [](const BodyRecord& body) { return body.id >= 0 && body.T_c_body.IsFinite(); });
+  if (frame_id < 0 || !finite || bodies.size() > kMaxBodiesOfFrame || bodies_.size() >= kMaxFrames) return false;
+  bodies_[frame_id] = bodies;
   return true;
 }
 

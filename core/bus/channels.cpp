@@ -6,26 +6,10 @@
 namespace plslam::bus {
 
 std::span<const Channel> Channels() {
-  static constexpr std::array kRows = {kCamera,
-                                       kStream,
-                                       kStereoFrame,
-                                       kStereoFrameLive,
-                                       kGroundTruth,
-                                       kPose,
-                                       kTracks,
-                                       kTracksLive,
-                                       kKeyframe,
-                                       kMapUpdate,
-                                       kMapRequest,
-                                       kLoopClosure,
-                                       kRelocalisationRequest,
-                                       kRelocalisation,
-                                       kStatus,
-                                       kCommand,
-                                       kCommandAnswer,
-                                       kMask,
-                                       kRepairRequest,
-                                       kAnnounce};
+  static constexpr std::array kRows = {
+      kCamera,         kStream, kStereoFrame, kStereoFrameLive, kGroundTruth, kPose,          kTracks,
+      kTracksLive,     kBodies, kKeyframe,    kMapUpdate,       kMapRequest,  kLoopClosure,   kRelocalisationRequest,
+      kRelocalisation, kStatus, kCommand,     kCommandAnswer,   kMask,        kRepairRequest, kAnnounce};
   return kRows;
 }
 

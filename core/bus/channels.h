@@ -71,6 +71,12 @@ inline constexpr Channel kTracks{"TRACKS",
                                  "features of a frame in lockstep, for pictures"};
 inline constexpr Channel kTracksLive{"TRACKS_LIVE",     "tracks_t",       "vo",
                                      Delivery::kLatest, Retention::kNone, "features of a frame in real time"};
+inline constexpr Channel kBodies{"BODIES",
+                                 "bodies_t",
+                                 "vo",
+                                 Delivery::kEvery,
+                                 Retention::kUnacknowledged,
+                                 "moving bodies of frames that see some"};
 inline constexpr Channel kKeyframe{
     "KEYFRAME",       "keyframe_t",    "vo",
     Delivery::kEvery, Retention::kAll, "keyframes, by pages (mapping: those of a map it has loaded)",

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/datasets/calibrations/foreign_calibration.h"
+#include "core/datasets/calibrations/readers.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 #include "core/geometry/image_mask.h"
@@ -99,7 +100,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
 
-ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
+ImageSize ResolutionOf(const YamlMap& yaml, const ImageSize& image_size) {
   if (!yaml.Has("resolution_px")) return image_size;
   const std::vector<double> size = yaml.Numbers("resolution_px", 2, 2);
   for (const double value : size) {
@@ -114,7 +115,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam", "mask",
                   "mask_polygons", "borders_px"});
   CameraCalibration camera;
-  const ImageSize size = Resolution(yaml, image_size);
+  const ImageSize size = ResolutionOf(yaml, image_size);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   if (yaml.Has("model")) camera.model = yaml.Text("model");
@@ -150,8 +151,6 @@ CameraCalibration ReadRightLens(const YamlMap& yaml, const CameraCalibration& le
   ReadMask(right, &camera);
   return camera;
 }
-
-SE3 AlongX(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
 
 // A rectified pair is described by one camera and the baseline; any other by two cameras with their poses.
 void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibration* rig) {

@@ -22,15 +22,8 @@ namespace {
 constexpr std::chrono::milliseconds kRepeat(400);
 
 template <class Message>
-Message Of(bus::ByteView bytes) {
-  const std::optional<Message> message = bus::Decoded<Message>(bytes);
-  if (!message) throw std::runtime_error(std::string("the log has a damaged ") + Message::getTypeName());
-  return *message;
-}
-
-template <class Message>
 void PublishAs(bus::Bus& bus, const bus::Channel& channel, bus::ByteView bytes) {
-  bus.Publish(channel, Of<Message>(bytes));
+  bus.Publish(channel, MessageOf<Message>(bytes));
 }
 
 /// The types that are only passed on.
@@ -71,7 +64,7 @@ PlayedProcess::~PlayedProcess() {
 }
 
 void PlayedProcess::Say(const bus::Channel& channel, bus::ByteView message) {
-  if (channel.type == "map_update_t") return SayMap(Of<map_update_t>(message));
+  if (channel.type == "map_update_t") return SayMap(MessageOf<map_update_t>(message));
   if (channel.delivery == bus::Delivery::kLatest) {
     const std::scoped_lock lock(mutex_);
     newest_[channel.name] = {&channel, {message.begin(), message.end()}};

@@ -21,6 +21,14 @@
 
 namespace plslam::test {
 
+/// Of bytes of a recording; throws std::runtime_error where they are damaged.
+template <class Message>
+Message MessageOf(bus::ByteView bytes) {
+  const std::optional<Message> message = bus::Decoded<Message>(bytes);
+  if (!message) throw std::runtime_error(std::string("the log has a damaged ") + Message::getTypeName());
+  return *message;
+}
+
 /// All but the URL by default.
 bus::BusOptions BusOptionsFor(const std::string& url);
 

@@ -10,6 +10,7 @@
 
 #include "core/bus/logs/log_reader.h"
 #include "core/process/process_status.h"
+#include "plslam/bodies_t.hpp"
 #include "plslam/command_t.hpp"
 #include "plslam/keyframe_t.hpp"
 #include "plslam/loop_closure_t.hpp"
@@ -45,13 +46,6 @@ const Channel* FindChannel(std::string_view name) {
 
 const MessageLayout& LayoutOf(const Channel& channel) { return *FindMessageLayout(channel.type); }
 
-template <class Message>
-Message Of(ByteView bytes) {
-  const std::optional<Message> message = bus::Decoded<Message>(bytes);
-  if (!message) throw std::runtime_error(std::string("damaged ") + Message::getTypeName());
-  return *message;
-}
-
 int64_t FrameOf(ByteView strip) { return bus::ReadInt64(strip.data() + bus::kWireHeaderBytes); }
 
 }  // namespace
@@ -65,7 +59,7 @@ MessageLog::MessageLog(const std::string& file) {
     if (!bytes) throw std::runtime_error(file + " is damaged");
     std::string publisher(channel->publisher);
     if (channel->name == bus::kStatus.name) {
-      const auto status = Of<status_t>(*bytes);
+      const auto status = MessageOf<status_t>(*bytes);
       publisher = status.process;
       if (!kPlayed.contains(publisher)) continue;
       sources[publisher] = status.header.source;
@@ -201,21 +195,22 @@ void ProcessReplay::RenameLog() {
 
 /// Which message of its channel it is, in words; empty for one that is not compared.
 std::string ProcessReplay::KeyOf(const Channel& channel, ByteView message) const {
-  if (channel.name == bus::kPose.name) return fmt::format("of frame {}", Of<pose_t>(message).frame_id);
-  if (channel.name == bus::kTracks.name) return fmt::format("of frame {}", Of<tracks_t>(message).frame_id);
+  if (channel.name == bus::kPose.name) return fmt::format("of frame {}", MessageOf<pose_t>(message).frame_id);
+  if (channel.name == bus::kBodies.name) return fmt::format("of frame {}", MessageOf<bodies_t>(message).frame_id);
+  if (channel.name == bus::kTracks.name) return fmt::format("of frame {}", MessageOf<tracks_t>(message).frame_id);
   if (channel.name == bus::kRelocalisation.name) {
-    return fmt::format("of frame {}", Of<relocalisation_t>(message).frame_id);
+    return fmt::format("of frame {}", MessageOf<relocalisation_t>(message).frame_id);
   }
   if (channel.type == "keyframe_t") {
-    const auto page = Of<keyframe_t>(message);
+    const auto page = MessageOf<keyframe_t>(message);
     return fmt::format("of frame {}, page {}", page.frame_id, page.page);
   }
   if (channel.name == bus::kLoopClosure.name) {
-    const auto page = Of<loop_closure_t>(message);
+    const auto page = MessageOf<loop_closure_t>(message);
     return fmt::format("of keyframe {}, kind {}, page {}", page.session_keyframe_id, page.kind, page.page);
   }
   if (channel.name == bus::kMapUpdate.name) {
-    const auto page = Of<map_update_t>(message);
+    const auto page = MessageOf<map_update_t>(message);
     if (comparesMaps()) {
       return fmt::format("of keyframe {}, {}", page.session_keyframe_id,
                          page.committed ? "committed" : "not yet committed");
@@ -334,7 +329,7 @@ void ProcessReplay::Compare(const Said& said) {
   const std::string key = KeyOf(*said.channel, said.bytes);
   if (key.empty() || !difference_.empty()) return;
   said_keys_.emplace(name, key);
-  if (comparesMaps()) return map_.Add(Of<map_update_t>(said.bytes));
+  if (comparesMaps()) return map_.Add(MessageOf<map_update_t>(said.bytes));
   const std::vector<std::string>& order = order_[name];
   const size_t n = n_said_[name]++;
   const auto expected = expected_.find({name, key});
@@ -353,7 +348,7 @@ void ProcessReplay::Compare(const Said& said) {
 void ProcessReplay::CompareMaps() {
   MapFollower logged;
   for (const LoggedMessage& message : messages_) {
-    if (message.channel->name == bus::kMapUpdate.name) logged.Add(Of<map_update_t>(message.bytes));
+    if (message.channel->name == bus::kMapUpdate.name) logged.Add(MessageOf<map_update_t>(message.bytes));
   }
   const auto pages = bus::CutIntoPages(map_.Whole(), 60'000),
              logged_pages = bus::CutIntoPages(logged.Whole(), 60'000);

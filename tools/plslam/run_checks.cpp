@@ -31,10 +31,10 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr std::array<const char*, 14> kOutputs{
+constexpr std::array<const char*, 15> kOutputs{
     "summary.json",        "report.html",           "trajectory.tum",  "trajectory.kitti", "trajectory.euroc",
     "trajectory_live.tum", "keyframes.tum",         "keyframes.kitti", "keyframes.euroc",  "groundtruth.tum",
-    "covariance.txt",      "motion_covariance.txt", "poses.csv",       "map.ply"};
+    "covariance.txt",      "motion_covariance.txt", "poses.csv",       "bodies.csv",       "map.ply"};
 
 void CheckWritable(const char* option, const path& file) {
   if (std::filesystem::is_directory(file)) {

@@ -78,6 +78,8 @@ HttpResponse Answer(MHD_Connection* connection, const char* url, const char* met
   }
 }
 
+}  // namespace
+
 /// Cuts connections that take too long, which libmicrohttpd lets live as long as a byte comes now and then.
 class DeadlineWatch {
  public:
@@ -131,8 +133,6 @@ class DeadlineWatch {
   bool stopping_ = false;
   std::thread thread_;
 };
-
-}  // namespace
 
 struct HttpServer::Impl {
   Handler handler;

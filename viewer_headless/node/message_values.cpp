@@ -28,6 +28,16 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
   return pose;
 }
 
+std::optional<std::vector<BodyRecord>> ToBodyRecords(const bodies_t& message) {
+  std::vector<BodyRecord> bodies;
+  for (const body_t& body : message.bodies) {
+    const std::optional<SE3> T_c_body = bus::FromMessage(body.T_c_body);
+    if (!T_c_body) return std::nullopt;
+    bodies.push_back({body.id, *T_c_body, body.n_features});
+  }
+  return bodies;
+}
+
 OverlayFeatures ToOverlayFeatures(const tracks_t& message) {
   OverlayFeatures features;
   for (const track_point_t& p : message.points)

@@ -74,6 +74,12 @@ void ViewerNode::Subscribe() {
     dirty_ = true;
     quiet_ticks_ = 0;
   });
+  bus.Subscribe<bodies_t>(bus::kBodies, [this](const bodies_t& m) {
+    const auto bodies = ToBodyRecords(m);
+    if (!bodies || !recorder_.AddBodies(m.frame_id, *bodies)) return Reject();
+    dirty_ = true;
+    quiet_ticks_ = 0;
+  });
   map_ = std::make_unique<bus::MapSubscriber>(bus, [this](const MapUpdate& update) { OnMap(update); });
   const Map& map = map_->replica().map();
   report_ =

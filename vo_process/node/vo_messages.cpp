@@ -102,6 +102,15 @@ std::vector<int64_t> MapIds(const std::vector<FeatureTrack>& tracks) {
 
 }  // namespace
 
+bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies) {
+  bodies_t message{};
+  for (const BodyPose& body : bodies) {
+    message.bodies.push_back({body.id, bus::ToMessage(body.T_c_body), body.n_features});
+  }
+  message.n_bodies = static_cast<int32_t>(message.bodies.size());
+  return message;
+}
+
 Keyframe ToKeyframe(const OdometryResult& result) {
   Keyframe keyframe;
   keyframe.keyframe_id = result.keyframe->id;

@@ -6,6 +6,7 @@
 
 #include "core/geometry/se3.h"
 #include "core/map/keyframe.h"
+#include "plslam/bodies_t.hpp"
 #include "plslam/pose_t.hpp"
 #include "plslam/tracks_t.hpp"
 #include "vo_process/stereo/stage_timer.h"
@@ -19,6 +20,8 @@ pose_t ToPoseMessage(const OdometryResult& result, const SE3& T_w_odom, const st
 
 /// Of more features than the message has room for, new ones are left out first, points before lines.
 tracks_t ToTracksMessage(const OdometryResult& result, int64_t max_bytes);
+
+bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies);
 
 /// What others get of a frame that became a keyframe (`result.keyframe` must be set); session, time and frame are the
 /// caller's.

@@ -435,6 +435,11 @@ void VoNode::PublishTracks(const Frame& frame, const OdometryResult& result) {
   SetHeader(frame, message.header);
   message.frame_id = frame.images.frame_id;
   process_.bus().Publish(frame.lockstep ? bus::kTracks : bus::kTracksLive, message);
+  if (result.bodies.empty()) return;
+  bodies_t bodies = ToBodiesMessage(result.bodies);
+  SetHeader(frame, bodies.header);
+  bodies.frame_id = frame.images.frame_id;
+  process_.bus().Publish(bus::kBodies, bodies);
 }
 
 /// Where the map stays as it is, a keyframe is where the tracker looks around in it anew.

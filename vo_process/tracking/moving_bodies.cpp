@@ -28,8 +28,8 @@ constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
 // How far a feature of a body may be from where it was, or would be if it stood.
 constexpr double kSearchRadius_px = 40.0;
-constexpr double kRansacInlier_px = 3.0;
-constexpr uint64_t kRansacSeed = 1;
+constexpr double kBodyRansacInlier_px = 3.0;
+constexpr uint64_t kBodyRansacSeed = 1;
 // Features of the world are given to a body where so many times as many around them are the body's.
 constexpr int kSurroundedTimes = 3;
 // Frames out of view after which what is near by creates landmarks of the world again, and after which a body is
@@ -122,6 +122,20 @@ double MotionDifference_px(const SE3& T_c_prev, const SE3& T_c_prev_of_second, c
   return differences.empty() ? std::numeric_limits<double>::infinity() : Median(differences);
 }
 
+// Of the landmarks that were matched, each coordinate by itself.
+Eigen::Vector3d MiddleOf(const LocalLandmarks& landmarks, const FrameMatches& matches) {
+  std::array<std::vector<double>, 3> coordinates;
+  const auto add = [&coordinates](const Eigen::Vector3d& p) {
+    for (int i = 0; i < 3; ++i) coordinates[static_cast<size_t>(i)].push_back(p[i]);
+  };
+  for (const LandmarkMatch& match : matches.points) add(landmarks.points.landmarks()[match.landmark].p_odom);
+  for (const LandmarkMatch& match : matches.lines) {
+    const Segment3& segment = landmarks.lines.landmarks()[match.landmark].segment_odom;
+    add(0.5 * (segment.p + segment.q));
+  }
+  return {Median(coordinates[0]), Median(coordinates[1]), Median(coordinates[2])};
+}
+
 }  // namespace
 
 struct MovingBodies::Rest {
@@ -153,15 +167,13 @@ void MovingBodies::Forget() {
   for (Body& body : bodies_) body.id = -1;
 }
 
+bool MovingBodies::AnyIsThere() const {
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); });
+}
+
 std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                                           LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
-  for (size_t k = 0; k < kMaxBodies; ++k) {
-    matches_[k] = {};
-    T_b_prev_[k] = bodies_[k].T_b_c;
-  }
-  Claims claims{FlagsOf(found.matches.points, &LandmarkMatch::feature, frame.features.points.size()),
-                FlagsOf(found.matches.lines, &LandmarkMatch::feature, frame.features.lines.size())};
-  Follow(dt_s, frame, claims);
+  Claims claims = Follow(dt_s, frame, found.matches);
   std::optional<SE3> rival;
   // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first
   // pair of frames the one that is found may be a body's.
@@ -169,8 +181,8 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
   is_first_pair_ = false;
   while (is_asked && FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
   }
-  if (std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); })) return rival;
-  const FeaturePlaces places = AllPlaces(found, frame);
+  if (!AnyIsThere()) return rival;
+  const FeaturePlaces places = AllPlaces(found.matches, frame);
   GiveToBodies(world, frame, places, found);
   // What bodies leave of the world may be too little to tell its motion: the motion so far then takes part.
   if (!found.weak && found.matches.Weight() < kMinWeight) {
@@ -178,7 +190,30 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
     if (auto held = aligner_.Estimate(world, frame, found.matches, found.T_odom_c, prior)) found = std::move(*held);
     found.weak = true;
   }
-  NameFeatures(places, found, frame);
+  NameFeatures(places, found.matches, frame);
+  FoundOnBodies(world, frame);
+  LetStandingGo(T_odom_prev, found.T_odom_c, world, frame);
+  return rival;
+}
+
+void MovingBodies::SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
+  if (!AnyIsThere()) return;
+  Follow(dt_s, frame, found.matches);
+  const FeaturePlaces places = AllPlaces(found.matches, frame);
+  GiveToBodies(world, frame, places, found);
+  NameFeatures(places, found.matches, frame);
+  FoundOnBodies(world, frame);
+}
+
+void MovingBodies::FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFrame& frame) {
+  if (!AnyIsThere()) return;
+  const FrameMatches none;
+  Follow(dt_s, frame, none);
+  NameFeatures(AllPlaces(none, frame), none, frame);
+  FoundOnBodies(world, frame);
+}
+
+void MovingBodies::FoundOnBodies(LocalLandmarks& world, TrackedFrame& frame) {
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
@@ -189,12 +224,15 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
     body.landmarks.Found(body.T_b_c, frame, static_cast<int>(k));
     world.NumberBehind(body.landmarks);
   }
-  LetStandingGo(T_odom_prev, found.T_odom_c, world, frame);
-  return rival;
 }
 
-// Bodies that are known, among what the world has left over.
-void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims) {
+MovingBodies::Claims MovingBodies::Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world) {
+  Claims claims{FlagsOf(of_world.points, &LandmarkMatch::feature, frame.features.points.size()),
+                FlagsOf(of_world.lines, &LandmarkMatch::feature, frame.features.lines.size())};
+  for (size_t k = 0; k < kMaxBodies; ++k) {
+    matches_[k] = {};
+    T_b_prev_[k] = bodies_[k].T_b_c;
+  }
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
     if (!body.IsThere()) continue;
@@ -205,8 +243,11 @@ void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims
       body.motion.Observe(body.T_b_c.Inverse() * found->T_odom_c, dt_s, found->covariance);
       body.T_b_c = found->T_odom_c;
       body.unseen_frames = 0;
-      if (++body.found_frames == kMetFrames) ++n_met_;
       matches_[k] = rest.InWhole(found->matches);
+      if (++body.found_frames == kMetFrames) {
+        ++n_met_;
+        body.middle_b = MiddleOf(body.landmarks, matches_[k]);
+      }
       Mark(matches_[k].points, claims.points);
       Mark(matches_[k].lines, claims.lines);
     } else {
@@ -217,6 +258,7 @@ void MovingBodies::Follow(double dt_s, const TrackedFrame& frame, Claims& claims
   for (size_t i = 0; i < kMaxBodies; ++i) {
     for (size_t j = i + 1; j < kMaxBodies; ++j) JoinParts(i, j, frame);
   }
+  return claims;
 }
 
 // The front of a lorry and its side are often found one after the other: the smaller one of two that move alike goes
@@ -305,12 +347,12 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   if (matches.Weight() < kMinWeight) return std::nullopt;
   const auto T_c_odom = EstimatePoseRansac(candidates.points.Observations(matches.points, rest.frame),
                                            candidates.lines.Observations(matches.lines, rest.frame), camera_,
-                                           kMinWeight, kRansacInlier_px, kRansacSeed, Neighbourhood{});
+                                           kMinWeight, kBodyRansacInlier_px, kBodyRansacSeed, Neighbourhood{});
   if (!T_c_odom) return std::nullopt;
   const SE3 T_odom_c = T_c_odom->Inverse();
   const FrameMatches guided = Contradicting(
       candidates, rest.frame,
-      aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kRansacInlier_px, 0}), found.T_odom_c);
+      aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kBodyRansacInlier_px, 0}), found.T_odom_c);
   auto second = aligner_.Estimate(candidates, rest.frame, guided, T_odom_c, std::nullopt);
   if (!second || second->matches.Weight() < kMinWeight ||
       second->matches.Weight() < kMinInlierRatio * guided.Weight()) {
@@ -350,7 +392,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
       own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
   if (guessed) rival = first_is_world ? second->T_odom_c : found.T_odom_c;
   const FrameMatches& of_body = first_is_world ? second->matches : own;
-  const int known = first_is_world ? BodyAround(of_body, found, frame) : -1;
+  const int known = first_is_world ? BodyAround(of_body, found.matches, frame) : -1;
   const std::vector<char> points = FlagsOf(of_body.points, &LandmarkMatch::landmark, world.points.landmarks().size());
   const std::vector<char> lines = FlagsOf(of_body.lines, &LandmarkMatch::landmark, world.lines.landmarks().size());
   const std::vector<int> point_places = PlacesAfterTaking(points);
@@ -413,8 +455,9 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
 }
 
 /// The body that most of these features are around, or -1.
-int MovingBodies::BodyAround(const FrameMatches& matches, const Alignment& found, const TrackedFrame& frame) const {
-  const FeaturePlaces places = AllPlaces(found, frame);
+int MovingBodies::BodyAround(const FrameMatches& matches, const FrameMatches& of_world,
+                             const TrackedFrame& frame) const {
+  const FeaturePlaces places = AllPlaces(of_world, frame);
   std::array<int, kMaxBodies> counts{};
   for (const LandmarkMatch& match : matches.points) {
     const StereoPoint& point = frame.features.points[match.feature];
@@ -449,7 +492,7 @@ bool MovingBodies::Join(int known, const SE3& T_odom_prev, const LocalLandmarks&
   return true;
 }
 
-FeaturePlaces MovingBodies::AllPlaces(const Alignment& found, const TrackedFrame& frame) const {
+FeaturePlaces MovingBodies::AllPlaces(const FrameMatches& of_world, const TrackedFrame& frame) const {
   FeaturePlaces places;
   const auto add = [&](const FrameMatches& matches, int body) {
     for (const LandmarkMatch& match : matches.points) {
@@ -457,7 +500,7 @@ FeaturePlaces MovingBodies::AllPlaces(const Alignment& found, const TrackedFrame
       places.Add(point.left.px, point.disparity_px, body);
     }
   };
-  add(found.matches, -1);
+  add(of_world, -1);
   for (size_t k = 0; k < kMaxBodies; ++k) {
     const Body& body = bodies_[k];
     if (!body.IsThere() || body.unseen_frames > kGuardedFrames) continue;
@@ -494,7 +537,8 @@ void MovingBodies::GiveToBodies(const LocalLandmarks& world, const TrackedFrame&
   found.weak = weak;
 }
 
-void MovingBodies::NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const {
+void MovingBodies::NameFeatures(const FeaturePlaces& places, const FrameMatches& of_world,
+                                TrackedFrame& frame) const {
   for (size_t i = 0; i < frame.features.points.size(); ++i) {
     const StereoPoint& point = frame.features.points[i];
     frame.point_tracks[i].body = places.Owner(point.left.px, point.disparity_px, 1);
@@ -502,7 +546,7 @@ void MovingBodies::NameFeatures(const FeaturePlaces& places, const Alignment& fo
   for (size_t i = 0; i < frame.features.lines.size(); ++i) {
     frame.line_tracks[i].body = places.Owner(frame.features.lines[i], 1);
   }
-  NameMatched(found.matches, -1, frame);
+  NameMatched(of_world, -1, frame);
 }
 
 void MovingBodies::LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world,
@@ -565,6 +609,18 @@ int MovingBodies::CountFeatures(const TrackedFrame& frame) const {
   };
   return static_cast<int>(std::count_if(frame.point_tracks.begin(), frame.point_tracks.end(), is_on_body) +
                           std::count_if(frame.line_tracks.begin(), frame.line_tracks.end(), is_on_body));
+}
+
+std::vector<BodyPose> MovingBodies::Poses() const {
+  std::vector<BodyPose> poses;
+  for (size_t k = 0; k < kMaxBodies; ++k) {
+    const Body& body = bodies_[k];
+    if (!body.IsThere() || body.unseen_frames > 0 || body.found_frames < kMetFrames) continue;
+    const SE3 T_b_body(Eigen::Quaterniond::Identity(), body.middle_b);
+    const size_t n_features = matches_[k].points.size() + matches_[k].lines.size();
+    poses.push_back({body.id, body.T_b_c.Inverse() * T_b_body, static_cast<int>(n_features)});
+  }
+  return poses;
 }
 
 namespace {

@@ -30,6 +30,8 @@ struct Body {
   LocalLandmarks landmarks;
   SE3 T_b_c;
   MotionModel motion;
+  /// The middle of what was seen of it when it was told of first.
+  Eigen::Vector3d middle_b = Eigen::Vector3d::Zero();
   /// Frames it was found in, those since it was seen last, and for how many it has stood while the camera moved.
   int found_frames = 0;
   int unseen_frames = 0;
@@ -37,8 +39,17 @@ struct Body {
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
-    a(self.id, self.landmarks, self.T_b_c, self.motion, self.found_frames, self.unseen_frames, self.standing_frames);
+    a(self.id, self.landmarks, self.T_b_c, self.motion, self.middle_b, self.found_frames, self.unseen_frames,
+      self.standing_frames);
   }
+};
+
+/// Where a body is in a frame: a frame of its own in the middle of it, with the axes that odometry had when the body was
+/// first told of.
+struct BodyPose {
+  int64_t id = 0;
+  SE3 T_c_body;
+  int n_features = 0;
 };
 
 /// Landmarks that bodies have taken: their numbers in the tracker and, where known, in the map.
@@ -102,12 +113,21 @@ class MovingBodies {
   std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                               LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
-  /// A frame that was not found: nobody knows where bodies are.
+  /// The same of a frame that was found elsewhere than it was thought to be: the motion since the frame before is not
+  /// known, so bodies that are known go on, and no others are looked for.
+  void SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
+
+  /// Of a frame that was not found: bodies go on, so that their landmarks are not taken for a new world.
+  void FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFrame& frame);
+
+  /// Nobody knows where bodies are.
   void Forget();
 
   /// Bodies that the session has met so far, and features of the frame that are on one.
   int64_t n_met() const { return n_met_; }
   int CountFeatures(const TrackedFrame& frame) const;
+  /// Those of the bodies met that the last frame shows.
+  std::vector<BodyPose> Poses() const;
 
   /// Leaves out of what the map tells the landmarks that are on bodies; the map has them from before that was known.
   void LeaveOut(TrackerLocalMap& local_map);
@@ -131,7 +151,9 @@ class MovingBodies {
   /// The features of a frame that nobody has claimed, as a frame of their own.
   struct Rest;
 
-  void Follow(double dt_s, const TrackedFrame& frame, Claims& claims);
+  bool AnyIsThere() const;
+  /// Bodies that are known, among the features that are not among these matches of the world.
+  Claims Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world);
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
                const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
@@ -140,7 +162,7 @@ class MovingBodies {
   std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,
                                       const LocalLandmarks& world, const TrackedFrame& frame, const Claims& claims,
                                       const Alignment& found) const;
-  int BodyAround(const FrameMatches& matches, const Alignment& found, const TrackedFrame& frame) const;
+  int BodyAround(const FrameMatches& matches, const FrameMatches& of_world, const TrackedFrame& frame) const;
   bool Join(int known, const SE3& T_odom_prev, const LocalLandmarks& taken, const FrameMatches& matches,
             const TrackedFrame& frame);
   FrameMatches Contradicting(const LocalLandmarks& landmarks, const TrackedFrame& frame, const FrameMatches& matches,
@@ -149,10 +171,11 @@ class MovingBodies {
                const MotionPrediction& prediction, const TrackedFrame& frame, bool& guessed) const;
   void GiveToBodies(const LocalLandmarks& world, const TrackedFrame& frame, const FeaturePlaces& places,
                     Alignment& found) const;
-  void NameFeatures(const FeaturePlaces& places, const Alignment& found, TrackedFrame& frame) const;
+  void NameFeatures(const FeaturePlaces& places, const FrameMatches& of_world, TrackedFrame& frame) const;
+  void FoundOnBodies(LocalLandmarks& world, TrackedFrame& frame);
   void LetStandingGo(const SE3& T_odom_prev, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
   void GiveBack(size_t k, const SE3& T_odom_c, LocalLandmarks& world, TrackedFrame& frame);
-  FeaturePlaces AllPlaces(const Alignment& found, const TrackedFrame& frame) const;
+  FeaturePlaces AllPlaces(const FrameMatches& of_world, const TrackedFrame& frame) const;
   void Own(const LocalLandmarks& landmarks);
 
   StereoCamera camera_;

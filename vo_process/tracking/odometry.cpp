@@ -173,6 +173,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
                       TrackedLandmarkIds(content.line_tracks));
   }
   result.n_bodies = static_cast<int>(bodies_.n_met());
+  result.bodies = bodies_.Poses();
   corner_budget_.Observe(frame);
   result.features = std::move(frame.features);
   result.point_tracks = std::move(frame.point_tracks);
@@ -241,10 +242,11 @@ std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedF
   return tracked;
 }
 
-/// Where the camera was found elsewhere than expected, it is not known either how bodies have moved.
 void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s,
                                TrackedFrame& frame) {
-  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) return bodies_.Forget();
+  if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) {
+    return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
+  }
   tracked.T_odom_rival = bodies_.Separate(T_odom_c_, prediction, dt_s, landmarks_, frame, tracked.alignment);
 }
 
@@ -343,7 +345,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
   motion_model_.Slow(dt_s);
-  bodies_.Forget();
+  bodies_.FollowWhileLost(dt_s, landmarks_, frame);
   // The next frame may match this one even where neither matches the landmarks from before.
   landmarks_.Initialise(T_odom_c_, frame);
 }

@@ -58,6 +58,7 @@ struct OdometryResult {
   /// Features on moving bodies, and bodies met so far.
   int n_moving = 0;
   int n_bodies = 0;
+  std::vector<BodyPose> bodies;
   /// The frame's features with the landmarks they belong to.
   StereoFeatures features;
   std::vector<FeatureTrack> point_tracks;

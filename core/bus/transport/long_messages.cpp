@@ -11,7 +11,6 @@ namespace {
 constexpr uint32_t kPartMagic = 0x4c433033;
 /// Magic, number, length of the message, offset (32 bits each), part, parts (16 bits each).
 constexpr size_t kPartHeadBytes = 20;
-constexpr size_t kMaxNameBytes = 63;
 constexpr size_t kMostSenders = 64;
 /// Of all messages that are not complete: two pairs of images of the largest kind.
 constexpr size_t kMostBytes = 2 * LongMessages::kMaxBytes;
@@ -31,7 +30,7 @@ std::optional<MessagePart> ParsePart(ByteView packet) {
   const uint16_t n_parts = ReadHalf(&packet[18]);
   part.bytes = packet.subspan(kPartHeadBytes);
   if (part.part == 0) {
-    const void* end = std::memchr(part.bytes.data(), 0, std::min(part.bytes.size(), kMaxNameBytes + 1));
+    const void* end = std::memchr(part.bytes.data(), 0, std::min(part.bytes.size(), kMaxChannelBytes + 1));
     if (end == nullptr || part.offset != 0) return std::nullopt;
     const auto length = static_cast<size_t>(static_cast<const uint8_t*>(end) - part.bytes.data());
     part.channel = {reinterpret_cast<const char*>(part.bytes.data()), length};

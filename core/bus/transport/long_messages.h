@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <list>
@@ -12,6 +13,9 @@
 #include "core/bus/transport/wire.h"
 
 namespace plslam::bus {
+
+/// Of LCM, without the zero at its end.
+inline constexpr size_t kMaxChannelBytes = 63;
 
 /// A part of a message that LCM has cut because it is longer than a datagram. The first one carries the channel.
 struct MessagePart {

@@ -86,7 +86,6 @@ void RemoveDatagramFilter(int fd) {
 namespace {
 
 constexpr std::string_view kScheme = "udpm://";
-constexpr size_t kMaxNameBytes = 63;
 constexpr size_t kMaxDatagram = 65'536;
 
 template <class T>
@@ -145,7 +144,7 @@ UdpGroup ParseUdpGroup(const std::string& url) {
 bool ParsePacket(ByteView packet, std::string_view* channel, ByteView* bytes) {
   if (packet.size() <= kLcmHeadBytes || static_cast<uint32_t>(ReadInt32(packet.data())) != kLcmMagic) return false;
   const ByteView rest = packet.subspan(kLcmHeadBytes);
-  const void* end = std::memchr(rest.data(), 0, std::min(rest.size(), kMaxNameBytes + 1));
+  const void* end = std::memchr(rest.data(), 0, std::min(rest.size(), kMaxChannelBytes + 1));
   if (end == nullptr) return false;
   const auto length = static_cast<size_t>(static_cast<const uint8_t*>(end) - rest.data());
   *channel = {reinterpret_cast<const char*>(rest.data()), length};

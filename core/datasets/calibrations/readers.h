@@ -40,6 +40,9 @@ Eigen::Matrix3d RotationOf(const YamlMap& yaml, const char* key);
 /// baseline.
 SE3 LeftFromRight(const Eigen::Matrix3d& R_left, const Eigen::Matrix3d& R_right, double baseline_m);
 
+/// Moved along +x, unturned.
+SE3 AlongX(double x_m);
+
 /// A whole number of pixels.
 int PixelsOf(const YamlMap& yaml, const char* key);
 

@@ -74,4 +74,6 @@ RigCalibration RigOf(const CameraCalibration& left, const CameraCalibration& rig
   return rig;
 }
 
+SE3 AlongX(double x_m) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x_m, 0.0, 0.0)}; }
+
 }  // namespace plslam

@@ -53,8 +53,6 @@ double Quotient(const YamlMap& file, const char* numerator, double denominator) 
   return value / denominator;
 }
 
-SE3 AlongX(double x) { return {Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)}; }
-
 /// ORB-SLAM3 with a version: two cameras, or one that is rectified.
 ForeignCalibration ReadOrbSlam3(const YamlMap& file, const ImageSize& image_size) {
   const std::string type = file.Text("Camera.type");

@@ -39,10 +39,10 @@ Location TakeApart(const std::string& location) {
   const size_t mark = location.rfind('?');
   if (mark == std::string::npos || std::filesystem::exists(location)) return {location, {}};
   Location parts{location.substr(0, mark), {}};
-  for (std::string rest = location.substr(mark + 1); !rest.empty();) {
-    const std::string option = rest.substr(0, rest.find('&'));
-    rest.erase(0, option.size() + 1);
-    const std::string key = option.substr(0, option.find('='));
+  for (std::string_view rest = std::string_view(location).substr(mark + 1); !rest.empty();) {
+    const std::string_view option = rest.substr(0, rest.find('&'));
+    rest.remove_prefix(std::min(rest.size(), option.size() + 1));
+    const std::string key(option.substr(0, option.find('=')));
     static const std::set<std::string> kKnown{"left", "right", "truth", "camera"};
     if (!kKnown.contains(key) || key.size() == option.size()) {
       throw DatasetError(fmt::format("{}: '{}' is none of left=TOPIC, right=TOPIC, truth=TOPIC, camera=FILE",

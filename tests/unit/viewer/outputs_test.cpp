@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -176,6 +177,25 @@ TEST(Outputs, TableHasARowForLostFramesTooAndSafeColumnNames) {
             "skipped_frames,n_moving,orb_ms,pose_ms,a__b__ms\n"
             "0,1.000000000,tracking,800,120,312,84,-1,0,0,0,4.5000,0.2500,\n"
             "1,1.100000000,lost,800,120,312,84,12,0.875,0,0,,,1.0000\n");
+}
+
+TEST(Outputs, BodiesHaveTheirPlacesInTheMap) {
+  Recorder recorder;
+  FramePose pose = SomePose(0);
+  pose.T_w_odom = SE3(Eigen::Quaterniond::Identity(), {10.0, 0.0, 0.0});
+  pose.T_odom_c = SE3(Eigen::Quaterniond::Identity(), {0.0, 2.0, 0.0});
+  recorder.AddPose(pose);
+  recorder.AddPose(SomePose(1, TrackingState::kLost));
+  const SE3 T_c_body(Eigen::Quaterniond::Identity(), {0.0, 0.0, 5.0});
+  EXPECT_TRUE(recorder.AddBodies(0, {{3, T_c_body, 40}}));
+  EXPECT_TRUE(recorder.AddBodies(1, {{3, T_c_body, 41}})) << "a lost frame has no place in the map";
+  EXPECT_TRUE(recorder.AddBodies(7, {{3, T_c_body, 42}})) << "its pose has not come";
+  EXPECT_FALSE(recorder.AddBodies(2, {{-1, T_c_body, 40}}));
+  EXPECT_EQ(BodiesCsv(recorder, Map()),
+            fmt::format("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n"
+                        "{},3,0,1.000000000,10.000000,2.000000,5.000000,0.000000000,0.000000000,0.000000000,"
+                        "1.000000000,40\n",
+                        pose.session));
 }
 
 TEST(Outputs, FolderThatCannotBeMadeIsNamed) {

@@ -17,11 +17,12 @@ namespace plslam::vo {
 /// Bodies that are told apart at once.
 inline constexpr size_t kMaxBodies = 3;
 
-/// How widely what agrees with a motion is spread: cells of the image, of 8 x 6, and octaves of depth.
+/// How widely what agrees with a motion is spread: cells of the image, of 8 x 6, and octaves of depth, which say more: a
+/// body may fill the image, but is seldom as deep as a street.
 struct Spread {
   int cells = 0;
   int octaves = 0;
-  int Score() const { return cells * octaves; }
+  int Score() const { return cells * octaves * octaves; }
 };
 
 Spread SpreadOf(const FrameMatches& matches, const TrackedFrame& frame, const StereoCamera& camera);

@@ -9,6 +9,7 @@
 #include "core/motion/pose_ransac.h"
 #include "core/motion/robust.h"
 #include "vo_process/tracking/landmark_list.h"
+#include "vo_process/tracking/match_lists.h"
 #include "vo_process/tracking/motion_evidence.h"
 
 namespace plslam::vo {
@@ -45,63 +46,9 @@ constexpr double kStandingMotion_px = 0.7;
 // In how many cells of the image features must be seen that agree on an expected motion.
 constexpr int kMinCells = 4;
 constexpr double kMoreSpread = 1.5;
-
-std::vector<char> FlagsOf(const std::vector<LandmarkMatch>& matches, int LandmarkMatch::*member, size_t n) {
-  std::vector<char> flags(n, 0);
-  for (const LandmarkMatch& match : matches) flags[match.*member] = 1;
-  return flags;
-}
-
-void Mark(const std::vector<LandmarkMatch>& matches, std::vector<char>& claimed) {
-  for (const LandmarkMatch& match : matches) claimed[match.feature] = 1;
-}
-
-void NameMatched(const FrameMatches& matches, int body, TrackedFrame& frame) {
-  for (const LandmarkMatch& match : matches.points) frame.point_tracks[match.feature].body = body;
-  for (const LandmarkMatch& match : matches.lines) frame.line_tracks[match.feature].body = body;
-}
-
-// Adds those that are not there yet.
-void AddMatches(const std::vector<LandmarkMatch>& more, std::vector<LandmarkMatch>& matches) {
-  for (const LandmarkMatch& match : more) {
-    const bool known = std::any_of(matches.begin(), matches.end(), [&](const LandmarkMatch& m) {
-      return m.landmark == match.landmark && m.feature == match.feature;
-    });
-    if (!known) matches.push_back(match);
-  }
-}
-
-std::vector<LandmarkMatch> Renumbered(const std::vector<LandmarkMatch>& matches, const std::vector<int>& landmarks,
-                                      const std::vector<int>& features) {
-  std::vector<LandmarkMatch> result;
-  result.reserve(matches.size());
-  for (const LandmarkMatch& match : matches) {
-    result.push_back({landmarks.empty() ? match.landmark : landmarks[match.landmark],
-                      features.empty() ? match.feature : features[match.feature]});
-  }
-  return result;
-}
-
-FrameMatches Renumbered(const FrameMatches& matches, const std::vector<int>& points, const std::vector<int>& lines) {
-  return {Renumbered(matches.points, points, {}), Renumbered(matches.lines, lines, {})};
-}
-
-template <class Feature>
-std::vector<Feature> Chosen(const std::vector<Feature>& features, const std::vector<int>& which) {
-  std::vector<Feature> chosen;
-  chosen.reserve(which.size());
-  for (const int i : which) chosen.push_back(features[i]);
-  return chosen;
-}
-
-// Places in `flags` of what is flagged, or of what is not.
-std::vector<int> PlacesOf(const std::vector<char>& flags, bool flagged) {
-  std::vector<int> places;
-  for (size_t i = 0; i < flags.size(); ++i) {
-    if ((flags[i] != 0) == flagged) places.push_back(static_cast<int>(i));
-  }
-  return places;
-}
+// What a choice by spread alone is confirmed by, and in how many frames.
+constexpr double kClearlyMoreSpread = 3.0;
+constexpr int kDoubtfulFrames = 5;
 
 bool IsExpected(const SE3& T_odom_c, const SE3& T_odom_prev, const MotionPrediction& prediction) {
   return SquaredDeviation(prediction, T_odom_prev * prediction.T_prev_c, T_odom_c) <= kExpectedChi2;
@@ -120,20 +67,6 @@ double MotionDifference_px(const SE3& T_c_prev, const SE3& T_c_prev_of_second, c
     differences.push_back((camera.ProjectStereo(p_c) - camera.ProjectStereo(p_c_of_second)).norm());
   }
   return differences.empty() ? std::numeric_limits<double>::infinity() : Median(differences);
-}
-
-// Of the landmarks that were matched, each coordinate by itself.
-Eigen::Vector3d MiddleOf(const LocalLandmarks& landmarks, const FrameMatches& matches) {
-  std::array<std::vector<double>, 3> coordinates;
-  const auto add = [&coordinates](const Eigen::Vector3d& p) {
-    for (int i = 0; i < 3; ++i) coordinates[static_cast<size_t>(i)].push_back(p[i]);
-  };
-  for (const LandmarkMatch& match : matches.points) add(landmarks.points.landmarks()[match.landmark].p_odom);
-  for (const LandmarkMatch& match : matches.lines) {
-    const Segment3& segment = landmarks.lines.landmarks()[match.landmark].segment_odom;
-    add(0.5 * (segment.p + segment.q));
-  }
-  return {Median(coordinates[0]), Median(coordinates[1]), Median(coordinates[2])};
 }
 
 }  // namespace
@@ -174,14 +107,13 @@ bool MovingBodies::AnyIsThere() const {
 std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                                           LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
   Claims claims = Follow(dt_s, frame, found.matches);
-  std::optional<SE3> rival;
   // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first
   // pair of frames the one that is found may be a body's.
   const bool is_asked = prediction.goes_on || is_first_pair_;
   is_first_pair_ = false;
-  while (is_asked && FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found, rival)) {
+  while (is_asked && FindNew(T_odom_prev, prediction, dt_s, world, frame, claims, found)) {
   }
-  if (!AnyIsThere()) return rival;
+  if (!AnyIsThere()) return std::nullopt;
   const FeaturePlaces places = AllPlaces(found.matches, frame);
   GiveToBodies(world, frame, places, found);
   // What bodies leave of the world may be too little to tell its motion: the motion so far then takes part.
@@ -192,6 +124,7 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
   }
   NameFeatures(places, found.matches, frame);
   FoundOnBodies(world, frame);
+  std::optional<SE3> rival = FindRival(found.matches, frame);
   LetStandingGo(T_odom_prev, found.T_odom_c, world, frame);
   return rival;
 }
@@ -211,6 +144,19 @@ void MovingBodies::FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFr
   Follow(dt_s, frame, none);
   NameFeatures(AllPlaces(none, frame), none, frame);
   FoundOnBodies(world, frame);
+}
+
+// A body's frame was that of odometry when the choice was made.
+std::optional<SE3> MovingBodies::FindRival(const FrameMatches& of_world, const TrackedFrame& frame) {
+  std::optional<SE3> rival;
+  for (size_t k = 0; k < kMaxBodies; ++k) {
+    Body& body = bodies_[k];
+    if (!body.IsThere() || body.unseen_frames > 0 || body.doubtful_frames == 0) continue;
+    rival = body.T_b_c;
+    const int of_body = SpreadOf(matches_[k], frame, camera_).Score();
+    if (SpreadOf(of_world, frame, camera_).Score() > kClearlyMoreSpread * of_body) --body.doubtful_frames;
+  }
+  return rival;
 }
 
 void MovingBodies::FoundOnBodies(LocalLandmarks& world, TrackedFrame& frame) {
@@ -279,6 +225,7 @@ void MovingBodies::JoinParts(size_t first, size_t second, const TrackedFrame& fr
   // Of two that have been told of, one was too many.
   if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
   whole.found_frames = std::max(whole.found_frames, part.found_frames);
+  whole.doubtful_frames = std::max(whole.doubtful_frames, part.doubtful_frames);
   part.id = -1;
   matches_[small] = {};
 }
@@ -380,8 +327,7 @@ bool MovingBodies::IsWorld(const Alignment& found, const FrameMatches& own, cons
 }
 
 bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                           LocalLandmarks& world, const TrackedFrame& frame, Claims& claims, Alignment& found,
-                           std::optional<SE3>& rival) {
+                           LocalLandmarks& world, const TrackedFrame& frame, Claims& claims, Alignment& found) {
   const auto slot = std::find_if(bodies_.begin(), bodies_.end(), [](const Body& body) { return !body.IsThere(); });
   if (slot == bodies_.end()) return false;
   const auto second = FindSecond(T_odom_prev, prediction, world, frame, claims, found);
@@ -390,7 +336,6 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
   bool guessed = false;
   const bool first_is_world =
       own.Weight() < kMinWeight || IsWorld(found, own, *second, T_odom_prev, prediction, frame, guessed);
-  if (guessed) rival = first_is_world ? second->T_odom_c : found.T_odom_c;
   const FrameMatches& of_body = first_is_world ? second->matches : own;
   const int known = first_is_world ? BodyAround(of_body, found.matches, frame) : -1;
   const std::vector<char> points = FlagsOf(of_body.points, &LandmarkMatch::landmark, world.points.landmarks().size());
@@ -422,6 +367,7 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
                       first_is_world ? second->covariance : found.covariance);
   body.unseen_frames = 0;
   body.standing_frames = 0;
+  body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
   T_b_prev_[k] = T_odom_prev;
   matches_[k] = taken_matches;
 

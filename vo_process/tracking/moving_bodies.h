@@ -36,11 +36,13 @@ struct Body {
   int found_frames = 0;
   int unseen_frames = 0;
   int standing_frames = 0;
+  /// The choice between it and the world was one of geometry alone: frames that must yet confirm it.
+  int doubtful_frames = 0;
 
   template <class Archive, class Self>
   static void Fields(Archive& a, Self& self) {
     a(self.id, self.landmarks, self.T_b_c, self.motion, self.middle_b, self.found_frames, self.unseen_frames,
-      self.standing_frames);
+      self.standing_frames, self.doubtful_frames);
   }
 };
 
@@ -109,7 +111,8 @@ class MovingBodies {
 
   /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion,
   /// or where features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's
-  /// tracks what is on a body. Where only geometry decided which motion is the world's: the pose by the other one.
+  /// tracks what is on a body. Where only geometry decided which motion is the world's, and it is not yet clear that it
+  /// decided rightly: the pose by the other one.
   std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
                               LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
@@ -156,7 +159,8 @@ class MovingBodies {
   Claims Follow(double dt_s, const TrackedFrame& frame, const FrameMatches& of_world);
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
-               const TrackedFrame& frame, Claims& claims, Alignment& found, std::optional<SE3>& rival);
+               const TrackedFrame& frame, Claims& claims, Alignment& found);
+  std::optional<SE3> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
   /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.
   std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,

@@ -98,18 +98,21 @@ void PrintParameters(const RigEstimate& e) {
     std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
     names.push_back(name);
   }
-  const auto values = [](const CameraCalibration& c) {
-    std::vector<double> all{c.fx_px, c.fy_px, c.cx_px, c.cy_px};
-    all.insert(all.end(), c.distortion.begin(), c.distortion.end());
-    return all;
-  };
-  const std::vector<double> left = values(e.rig.left), right = values(e.rig.right);
+  const std::vector<double> left = LensParameters(e.rig.left), right = LensParameters(e.rig.right);
+  const Eigen::VectorXd left_sigma = e.left_covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd right_sigma = e.right_covariance.diagonal().cwiseSqrt();
   fmt::print("{:<9} {:>12} {:>10}   {:>12} {:>10}\n", "", "left", "sigma", "right", "sigma");
   for (size_t i = 0; i < names.size(); ++i) {
     const int digits = i < 4 ? 3 : 6;
     fmt::print("{:<9} {:>12.{}f} {:>10.{}f}   {:>12.{}f} {:>10.{}f}\n", i < 4 ? names[i] + " px" : names[i], left[i],
-               digits, e.left_sigma[i], digits, right[i], digits, e.right_sigma[i], digits);
+               digits, left_sigma[static_cast<Eigen::Index>(i)], digits, right[i], digits,
+               right_sigma[static_cast<Eigen::Index>(i)], digits);
   }
+  fmt::print("{:<9} {:>12.3f} {:>10.3f}   {:>12.3f} {:>10.3f}\n", "centre px", FocalInCentre_px(e.rig.left),
+             FocalInCentreSigma_px(e.rig.left, e.left_covariance), FocalInCentre_px(e.rig.right),
+             FocalInCentreSigma_px(e.rig.right, e.right_covariance));
+  fmt::print("largest sigma of a pixel that is predicted: left {:.3f}, right {:.3f}\n",
+             PixelSigma_px(e.rig.left, e.left_covariance), PixelSigma_px(e.rig.right, e.right_covariance));
   const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();
   const Vector6d turn = e.rig.right.T_b_cam.Log() / kRadPerDeg;
   const auto& s = e.T_left_right_sigma;
@@ -200,7 +203,7 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
                   "chess:COLUMNSxROWS:SQUARE (inner corners, metres) or charuco:COLUMNSxROWS:SQUARE:MARKER (squares)")
       ->required();
   sub->add_option("--model", options->model, "lens model of both cameras")
-      ->check(CLI::IsMember({"radtan", "equidistant"}))
+      ->check(CLI::IsMember({"radtan", "rational", "equidistant", "double_sphere"}))
       ->capture_default_str();
   sub->add_option("--out", options->out, "camera.yaml to write [the result is only shown]")->type_name("FILE");
   sub->add_option("--print-board", options->print_board, "writes the board as a PDF in the size to print")

@@ -23,6 +23,13 @@ RigCalibration KnownRig(const std::string& model) {
     camera.cy_px = is_right ? 243.0 : 236.0;
     if (model == "radtan") camera.distortion = {-0.28 * k, 0.07 * k, 0.0002, -0.0004, 0.002};
     if (model == "equidistant") camera.distortion = {-0.02 * k, 0.01 * k, -0.006, 0.001};
+    if (model == "rational") camera.distortion = {0.9, 0.12, 0.0002, -0.0004, 0.004, 1.2 + 0.05 * k, 0.35 * k, 0.02};
+    if (model == "double_sphere") {
+      camera.distortion = {-0.2 * k, 0.55};
+      // The image is scaled by 1 / (1 + xi) in its centre.
+      camera.fx_px *= 1.0 - 0.2 * k;
+      camera.fy_px *= 1.0 - 0.2 * k;
+    }
   }
   rig.right.T_b_cam = SE3::Exp((Vector6d() << 0.12, 0.001, -0.002, 0.004, -0.01, 0.006).finished());
   return rig;

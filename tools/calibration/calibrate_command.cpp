@@ -153,9 +153,8 @@ int Calibrate(const CalibrateOptions& o) {
   if (!o.print_board.empty()) {
     WriteFileAtomically(o.print_board, BoardPdf(board));
     fmt::print(
-        "{}: {} squares by {} of {:g} mm; print at 100 % (no fit to page), measure a row of squares and give the "
-        "true size in --board\n",
-        o.print_board, board.SquareColumns(), board.SquareRows(), 1e3 * board.square_m);
+        "{}: {} by {} {}; print at 100 % (no fit to page), measure a row of them and give the true size in --board\n",
+        o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board));
   }
   if (o.folder.empty()) {
     if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
@@ -199,8 +198,10 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<CalibrateOptions>();
   auto* sub = app->add_subcommand("calibrate", "calibrates a stereo camera from pictures of a board");
   sub->add_option("folder", options->folder, "folder with pictures in left and right, paired by their numbers");
-  sub->add_option("--board", options->board,
-                  "chess:COLUMNSxROWS:SQUARE (inner corners, metres) or charuco:COLUMNSxROWS:SQUARE:MARKER (squares)")
+  sub->add_option(
+         "--board", options->board,
+         "chess:COLUMNSxROWS:SQUARE (inner corners, metres), charuco:COLUMNSxROWS:SQUARE:MARKER (squares) or "
+         "aprilgrid:COLUMNSxROWS:TAG:SPACING (tags; spacing in tags)")
       ->required();
   sub->add_option("--model", options->model, "lens model of both cameras")
       ->check(CLI::IsMember({"radtan", "rational", "equidistant", "double_sphere"}))

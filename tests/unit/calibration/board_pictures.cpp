@@ -38,8 +38,7 @@ RigCalibration KnownRig(const std::string& model) {
 std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const Eigen::Vector3d middle(0.5 * board.SquareColumns() * board.square_m,
-                               0.5 * board.SquareRows() * board.square_m, 0.0);
+  const Eigen::Vector3d middle(0.5 * board.width_m(), 0.5 * board.height_m(), 0.0);
   std::vector<SE3> poses;
   for (int i = 0; i < n; ++i) {
     const double depth_m = 0.55 + 0.25 * unit(random);
@@ -92,7 +91,7 @@ cv::Mat RenderBoard(const calibration::Board& board, const CameraRays& rays, con
   const CameraCalibration& camera = rays.camera;
   constexpr int kSamples = 3;
   constexpr double kGrain_m = 0.00025;
-  const double width_m = board.SquareColumns() * board.square_m, height_m = board.SquareRows() * board.square_m;
+  const double width_m = board.width_m(), height_m = board.height_m();
   cv::Mat print(static_cast<int>(std::lround(height_m / kGrain_m)), static_cast<int>(std::lround(width_m / kGrain_m)),
                 CV_8UC1, cv::Scalar(230));
   for (const calibration::BlackRectangle& r : calibration::BoardPattern(board)) {

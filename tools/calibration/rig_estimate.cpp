@@ -326,15 +326,6 @@ SE3 MedianRig(const std::vector<SE3>& T_right_left) {
   return ToSE3({middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]});
 }
 
-/// Where a chess board looks alike from both sides of it, left and right picture may number its corners from
-/// different ends; the cameras of a rig see it nearly alike.
-BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right) {
-  if (board.kind != Board::Kind::kChess || left.pixels.empty() || right.pixels.empty()) return right;
-  const Eigen::Vector2d a = left.pixels.back() - left.pixels.front(), b = right.pixels.back() - right.pixels.front();
-  if (a.dot(b) < 0.0) std::reverse(right.pixels.begin(), right.pixels.end());
-  return right;
-}
-
 /// Error in pixels of a pair's right view where the board stands as the left view says.
 double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, const std::string& model,
                     const SE3& T_right_board) {
@@ -350,6 +341,13 @@ double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, con
 }
 
 }  // namespace
+
+BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right) {
+  if (board.kind != Board::Kind::kChess || left.pixels.empty() || right.pixels.empty()) return right;
+  const Eigen::Vector2d a = left.pixels.back() - left.pixels.front(), b = right.pixels.back() - right.pixels.front();
+  if (a.dot(b) < 0.0) std::reverse(right.pixels.begin(), right.pixels.end());
+  return right;
+}
 
 std::vector<double> LensParameters(const CameraCalibration& camera) {
   std::vector<double> all{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};

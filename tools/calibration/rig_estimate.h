@@ -61,6 +61,10 @@ struct BoardPair {
   BoardView right;
 };
 
+/// Where a chess board looks alike from both sides of it, left and right picture may number its corners from
+/// different ends; the cameras of a rig see it nearly alike: `right`, numbered as `left` is.
+BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right);
+
 /// A stereo rig, estimated from pictures of a board.
 struct RigEstimate {
   RigCalibration rig;

@@ -107,6 +107,9 @@ TEST_F(CalibrateRun, NoBoardNoCameraAndOldPicturesAreSaid) {
   result = Run("plslam calibrate other.yaml --board chess:9x6:0.025 --out other_camera.yaml");
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error, HasSubstr("source.pair: ")) << result.out;
+  result = Run("plslam rectify-check other.yaml");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("check the pictures that `plslam calibrate other.yaml"));
 }
 
 }  // namespace

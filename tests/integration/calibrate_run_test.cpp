@@ -95,6 +95,18 @@ TEST_F(CalibrateRun, TheTutorialCalibratesAFakeCamera) {
   EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr("pictures, done"));
 }
 
+TEST_F(CalibrateRun, InterruptedItCalibratesWithWhatIsThere) {
+  PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
+  Render("charuco:11x8:0.03:0.022", 3);
+  const test::ShellResult result =
+      Run("timeout --preserve-status -s INT 2.5 plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out "
+          "camera.yaml");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.out, HasSubstr("picture 1: no board near the "));
+  EXPECT_THAT(result.error, HasSubstr("at least 10 are needed"));
+  EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr("<img src=\"camera_pictures/left/001.png\">"));
+}
+
 TEST_F(CalibrateRun, NoBoardNoCameraAndOldPicturesAreSaid) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   Render("charuco:11x8:0.03:0.022", 1);

@@ -114,9 +114,11 @@ void PrintParameters(const RigEstimate& e) {
                digits, left_sigma[static_cast<Eigen::Index>(i)], digits, right[i], digits,
                right_sigma[static_cast<Eigen::Index>(i)], digits);
   }
-  fmt::print("{:<9} {:>12.3f} {:>10.3f}   {:>12.3f} {:>10.3f}\n", "centre px", FocalInCentre_px(e.rig.left),
-             FocalInCentreSigma_px(e.rig.left, e.left_covariance), FocalInCentre_px(e.rig.right),
-             FocalInCentreSigma_px(e.rig.right, e.right_covariance));
+  if (FocalInCentre_px(e.rig.left) != e.rig.left.fx_px) {
+    fmt::print("{:<9} {:>12.3f} {:>10.3f}   {:>12.3f} {:>10.3f}\n", "centre px", FocalInCentre_px(e.rig.left),
+               FocalInCentreSigma_px(e.rig.left, e.left_covariance), FocalInCentre_px(e.rig.right),
+               FocalInCentreSigma_px(e.rig.right, e.right_covariance));
+  }
   fmt::print("largest sigma of a pixel that is predicted: left {:.3f}, right {:.3f}\n",
              PixelSigma_px(e.rig.left, e.left_covariance), PixelSigma_px(e.rig.right, e.right_covariance));
   const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();

@@ -77,7 +77,7 @@ TEST_F(LiveBoard, PageShowsPicturesAndReloadsWhileItRuns) {
   LookLong(test::BoardPoses(board_, 1, 5).front());
   const std::string page = CoveragePage(taker_, {"camera_pictures/left/001.png"}, true);
   EXPECT_THAT(page, HasSubstr("http-equiv=\"refresh\""));
-  EXPECT_THAT(page, HasSubstr("<h1>1 pictures</h1>"));
+  EXPECT_THAT(page, HasSubstr("<h1>1 picture</h1>"));
   EXPECT_THAT(page, HasSubstr("<img src=\"camera_pictures/left/001.png\">"));
   EXPECT_THAT(page, HasSubstr("more pictures, each at another place"));
   EXPECT_THAT(CoveragePage(taker_, {}, false), Not(HasSubstr("refresh")));

@@ -47,7 +47,8 @@ std::string CoveragePage(const PictureTaker& taker, const std::vector<std::strin
   page +=
       "<style>body{font-family:sans-serif;margin:1em}figure{display:inline-block;margin:0 1em 1em 0}"
       "img{width:160px;margin:2px}</style></head><body>\n";
-  page += fmt::format("<h1>{} pictures{}</h1>\n", taker.pictures(), is_running ? "" : ", done");
+  page += fmt::format("<h1>{} picture{}{}</h1>\n", taker.pictures(), taker.pictures() == 1 ? "" : "s",
+                      is_running ? "" : ", done");
   page += CoverageSvg(taker, false) + CoverageSvg(taker, true);
   const std::vector<std::string> missing = taker.Missing();
   page += missing.empty() ? "<p>No view is missing.</p>\n" : "<h2>Missing</h2>\n<ul>\n";

@@ -64,6 +64,23 @@ class CameraChild {
   launcher::ChildProcess process_;
 };
 
+/// A new folder for pictures, which goes again where none is taken.
+class PictureFolder {
+ public:
+  explicit PictureFolder(fs::path folder) : folder_(std::move(folder)) {
+    for (const char* side : {"left", "right"}) fs::create_directories(folder_ / side);
+  }
+  ~PictureFolder() {
+    std::error_code ignored;
+    if (fs::is_empty(folder_ / "left", ignored)) fs::remove_all(folder_, ignored);
+  }
+  PictureFolder(const PictureFolder&) = delete;
+  PictureFolder& operator=(const PictureFolder&) = delete;
+
+ private:
+  fs::path folder_;
+};
+
 class LiveSession {
  public:
   LiveSession(const Board& board, const ImageSize& size, const LiveOptions& options)
@@ -111,8 +128,7 @@ int TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptio
         "there is no program {}: install libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev, and build again",
         camera.string()));
   }
-  fs::create_directories(folder / "left");
-  fs::create_directories(folder / "right");
+  const PictureFolder made(folder);
   const fs::path rig_path = folder / "camera.rig.yaml";
   WriteFileAtomically(rig_path.string(), rig.for_camera);
 

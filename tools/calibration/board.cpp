@@ -124,7 +124,8 @@ std::string BoardMeasure(const Board& board) {
 std::vector<Eigen::Vector2d> BoardCorners(const Board& board) {
   const auto at = [&](int i) {
     if (board.kind != Board::Kind::kAprilgrid) return (i + 1) * board.square_m;
-    return board.spacing * board.marker_m + i / 2 * board.square_m + i % 2 * board.marker_m;
+    const int tag = i / 2;
+    return board.spacing * board.marker_m + tag * board.square_m + i % 2 * board.marker_m;
   };
   std::vector<Eigen::Vector2d> corners;
   for (int row = 0; row < board.CornerRows(); ++row) {

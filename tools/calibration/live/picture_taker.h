@@ -37,7 +37,8 @@ class PictureTaker {
   struct Stance {
     int column = 0, row = 0, scale = 0;
     bool left = false, right = false, up = false, down = false;  ///< where it is turned to
-    auto operator<=>(const Stance&) const = default;
+    auto Key() const { return std::tuple(column, row, scale, left, right, up, down); }
+    bool operator<(const Stance& other) const { return Key() < other.Key(); }
   };
   bool IsStill(const BoardView& left, const BoardView& right, double t_s);
   Stance StanceOf(const BoardView& view) const;

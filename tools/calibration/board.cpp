@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
@@ -47,68 +48,133 @@ double Length(const std::string& text, const std::string& part) {
 
 }  // namespace
 
+namespace {
+
+struct KindRow {
+  Board::Kind kind;
+  std::string_view name;
+  size_t n_parts;
+};
+constexpr std::array kKinds = {KindRow{Board::Kind::kChess, "chess", 3}, KindRow{Board::Kind::kCharuco, "charuco", 4},
+                               KindRow{Board::Kind::kAprilgrid, "aprilgrid", 4}};
+
+std::string_view NameOf(Board::Kind kind) { return std::ranges::find(kKinds, kind, &KindRow::kind)->name; }
+
+void ReadMarkers(const std::string& text, const std::vector<std::string>& parts, Board* board) {
+  if (board->kind == Board::Kind::kAprilgrid) {
+    board->marker_m = Length(text, parts[2]);
+    if (!Read(parts[3], &board->spacing) || !(board->spacing >= 0.05 && board->spacing <= 1.0)) {
+      Fail(text, fmt::format("'{}' is not a spacing from 0.05 to 1 sides of a tag", parts[3]));
+    }
+    board->square_m = board->marker_m * (1.0 + board->spacing);
+  } else {
+    board->marker_m = Length(text, parts[3]);
+    if (board->marker_m >= board->square_m) Fail(text, "the markers must be smaller than the squares");
+  }
+  const bool tags = board->kind == Board::Kind::kAprilgrid;
+  const int most = tags ? kMaxTags : kMaxMarkers;
+  if (board->columns * board->rows / (tags ? 1 : 2) > most) {
+    Fail(text, fmt::format("needs more than the {} markers of the dictionary", most));
+  }
+}
+
+}  // namespace
+
 Board ParseBoard(const std::string& text) {
   const std::vector<std::string> parts = Split(text, ':');
-  const bool chess = parts[0] == "chess";
-  if ((!chess && parts[0] != "charuco") || parts.size() != (chess ? 3U : 4U)) {
+  const auto* row = std::ranges::find(kKinds, std::string_view(parts[0]), &KindRow::name);
+  if (row == kKinds.end() || parts.size() != row->n_parts) {
     Fail(text,
-         "expected chess:9x6:0.025 (inner corners, square in m) or charuco:11x8:0.03:0.022 (squares, square and "
-         "marker in m)");
+         "expected chess:9x6:0.025 (inner corners, square in m), charuco:11x8:0.03:0.022 (squares, square and "
+         "marker in m) or aprilgrid:6x6:0.088:0.3 (tags, tag in m, spacing in tags)");
   }
   Board board;
-  board.kind = chess ? Board::Kind::kChess : Board::Kind::kCharuco;
+  board.kind = row->kind;
   const std::vector<std::string> sides = Split(parts[1], 'x');
   if (sides.size() != 2 || !Read(sides[0], &board.columns) || !Read(sides[1], &board.rows) ||
       std::min(board.columns, board.rows) < 3 || std::max(board.columns, board.rows) > kMaxSide) {
     Fail(text, fmt::format("'{}' is not COLUMNSxROWS, each from 3 to {}", parts[1], kMaxSide));
   }
   board.square_m = Length(text, parts[2]);
-  if (chess && board.columns == board.rows) {
+  if (board.kind != Board::Kind::kChess) {
+    ReadMarkers(text, parts, &board);
+  } else if (board.columns == board.rows) {
     Fail(text, "a chess board of as many columns as rows looks alike when it is turned: take another one");
-  }
-  if (chess) return board;
-  board.marker_m = Length(text, parts[3]);
-  if (board.marker_m >= board.square_m) Fail(text, "the markers must be smaller than the squares");
-  if (board.columns * board.rows / 2 > kMaxMarkers) {
-    Fail(text, fmt::format("needs more than the {} markers of the dictionary", kMaxMarkers));
   }
   return board;
 }
 
 std::string BoardText(const Board& board) {
-  if (board.kind == Board::Kind::kChess) {
-    return fmt::format("chess:{}x{}:{}", board.columns, board.rows, board.square_m);
+  const std::string start = fmt::format("{}:{}x{}", NameOf(board.kind), board.columns, board.rows);
+  switch (board.kind) {
+    case Board::Kind::kCharuco:
+      return fmt::format("{}:{}:{}", start, board.square_m, board.marker_m);
+    case Board::Kind::kAprilgrid:
+      return fmt::format("{}:{}:{}", start, board.marker_m, board.spacing);
+    default:
+      return fmt::format("{}:{}", start, board.square_m);
   }
-  return fmt::format("charuco:{}x{}:{}:{}", board.columns, board.rows, board.square_m, board.marker_m);
+}
+
+std::string BoardMeasure(const Board& board) {
+  return board.kind == Board::Kind::kAprilgrid ? fmt::format("tags of {:g} mm", 1e3 * board.marker_m)
+                                               : fmt::format("squares of {:g} mm", 1e3 * board.square_m);
 }
 
 std::vector<Eigen::Vector2d> BoardCorners(const Board& board) {
+  const auto at = [&](int i) {
+    if (board.kind != Board::Kind::kAprilgrid) return (i + 1) * board.square_m;
+    const int tag = i / 2;
+    return board.spacing * board.marker_m + tag * board.square_m + i % 2 * board.marker_m;
+  };
   std::vector<Eigen::Vector2d> corners;
-  for (int row = 1; row <= board.CornerRows(); ++row) {
-    for (int column = 1; column <= board.CornerColumns(); ++column) {
-      corners.emplace_back(column * board.square_m, row * board.square_m);
-    }
+  for (int row = 0; row < board.CornerRows(); ++row) {
+    for (int column = 0; column < board.CornerColumns(); ++column) corners.emplace_back(at(column), at(row));
   }
   return corners;
 }
 
-std::vector<BlackRectangle> BoardPattern(const Board& board) {
+namespace {
+
+std::vector<BlackRectangle> MarkerCells(const Board& board, const std::vector<Marker>& markers) {
   std::vector<BlackRectangle> pattern;
-  std::vector<bool> white(static_cast<size_t>(board.SquareColumns() * board.SquareRows()), false);
-  const auto index = [&](int column, int row) { return static_cast<size_t>(row * board.SquareColumns() + column); };
-  if (board.kind == Board::Kind::kCharuco) {
-    for (const Marker& marker : MarkersOf(board)) {
-      const Eigen::Vector2d centre = marker.upper_left_m.array() + 0.5 * board.marker_m;
-      white[index(static_cast<int>(centre.x() / board.square_m), static_cast<int>(centre.y() / board.square_m))] =
-          true;
-      const double cell_m = board.marker_m / kMarkerCells;
-      for (int y = 0; y < kMarkerCells; ++y) {
-        for (int x = 0; x < kMarkerCells; ++x) {
-          if (!marker.black[static_cast<size_t>(y * kMarkerCells + x)]) continue;
-          pattern.push_back({marker.upper_left_m + cell_m * Eigen::Vector2d(x, y), {cell_m, cell_m}});
-        }
+  for (const Marker& marker : markers) {
+    const auto side = static_cast<int>(std::lround(std::sqrt(static_cast<double>(marker.black.size()))));
+    const double cell_m = board.marker_m / side;
+    for (int y = 0; y < side; ++y) {
+      for (int x = 0; x < side; ++x) {
+        if (!marker.black[static_cast<size_t>(y * side + x)]) continue;
+        pattern.push_back({marker.upper_left_m + cell_m * Eigen::Vector2d(x, y), {cell_m, cell_m}});
       }
     }
+  }
+  return pattern;
+}
+
+/// The small squares at the corners of tags.
+void AddCornerSquares(const Board& board, std::vector<BlackRectangle>* pattern) {
+  const double side_m = board.spacing * board.marker_m;
+  for (int row = 0; row <= board.rows; ++row) {
+    for (int column = 0; column <= board.columns; ++column) {
+      pattern->push_back({board.square_m * Eigen::Vector2d(column, row), {side_m, side_m}});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<BlackRectangle> BoardPattern(const Board& board) {
+  const std::vector<Marker> markers = MarkersOf(board);
+  std::vector<BlackRectangle> pattern = MarkerCells(board, markers);
+  if (board.kind == Board::Kind::kAprilgrid) {
+    AddCornerSquares(board, &pattern);
+    return pattern;
+  }
+  std::vector<bool> white(static_cast<size_t>(board.SquareColumns() * board.SquareRows()), false);
+  const auto index = [&](int column, int row) { return static_cast<size_t>(row * board.SquareColumns() + column); };
+  for (const Marker& marker : markers) {
+    const Eigen::Vector2d centre = marker.upper_left_m.array() + 0.5 * board.marker_m;
+    white[index(static_cast<int>(centre.x() / board.square_m), static_cast<int>(centre.y() / board.square_m))] = true;
   }
   for (int row = 0; row < board.SquareRows(); ++row) {
     for (int column = 0; column < board.SquareColumns(); ++column) {
@@ -124,8 +190,8 @@ std::vector<BlackRectangle> BoardPattern(const Board& board) {
 std::string BoardPdf(const Board& board) {
   constexpr double kPointsPerMetre = 72.0 / 0.0254;
   constexpr double kMargin_m = 0.015;
-  const double width = (board.SquareColumns() * board.square_m + 2.0 * kMargin_m) * kPointsPerMetre;
-  const double height = (board.SquareRows() * board.square_m + 2.0 * kMargin_m) * kPointsPerMetre;
+  const double width = (board.width_m() + 2.0 * kMargin_m) * kPointsPerMetre;
+  const double height = (board.height_m() + 2.0 * kMargin_m) * kPointsPerMetre;
   std::string drawing = "0 g\n";
   for (const BlackRectangle& r : BoardPattern(board)) {
     const Eigen::Vector2d at = (r.upper_left_m.array() + kMargin_m) * kPointsPerMetre;
@@ -133,8 +199,8 @@ std::string BoardPdf(const Board& board) {
     drawing +=
         fmt::format("{:.4f} {:.4f} {:.4f} {:.4f} re\n", at.x(), height - at.y() - size.y(), size.x(), size.y());
   }
-  drawing += fmt::format("f\nBT /F 8 Tf {:.2f} 12 Td (--board {}, squares of {:g} mm: print at 100 %) Tj ET\n",
-                         kMargin_m * kPointsPerMetre, BoardText(board), 1000.0 * board.square_m);
+  drawing += fmt::format("f\nBT /F 8 Tf {:.2f} 12 Td (--board {}, {}: print at 100 %) Tj ET\n",
+                         kMargin_m * kPointsPerMetre, BoardText(board), BoardMeasure(board));
   const std::vector<std::string> objects = {
       "<< /Type /Catalog /Pages 2 0 R >>", "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
       fmt::format(

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -12,13 +13,17 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/geometry/distortion.h"
+#include "core/geometry/rectification.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_folder.h"
 #include "tools/calibration/board.h"
 #include "tools/calibration/calibration_command.h"
 #include "tools/calibration/coverage.h"
+#include "tools/calibration/live/live_rig.h"
+#include "tools/calibration/node/live_pictures.h"
 #include "tools/calibration/rig_estimate.h"
+#include "tools/rectify_check/row_errors.h"
 
 namespace plslam::calibration {
 namespace {
@@ -36,6 +41,7 @@ struct CalibrateOptions {
   std::string model = "radtan";
   std::string out;
   std::string print_board;
+  double seconds = 0.0;
 };
 
 struct Seen {
@@ -98,18 +104,23 @@ void PrintParameters(const RigEstimate& e) {
     std::erase_if(name, [](char c) { return c == '[' || c == ']'; });
     names.push_back(name);
   }
-  const auto values = [](const CameraCalibration& c) {
-    std::vector<double> all{c.fx_px, c.fy_px, c.cx_px, c.cy_px};
-    all.insert(all.end(), c.distortion.begin(), c.distortion.end());
-    return all;
-  };
-  const std::vector<double> left = values(e.rig.left), right = values(e.rig.right);
+  const std::vector<double> left = LensParameters(e.rig.left), right = LensParameters(e.rig.right);
+  const Eigen::VectorXd left_sigma = e.left_covariance.diagonal().cwiseSqrt();
+  const Eigen::VectorXd right_sigma = e.right_covariance.diagonal().cwiseSqrt();
   fmt::print("{:<9} {:>12} {:>10}   {:>12} {:>10}\n", "", "left", "sigma", "right", "sigma");
   for (size_t i = 0; i < names.size(); ++i) {
     const int digits = i < 4 ? 3 : 6;
     fmt::print("{:<9} {:>12.{}f} {:>10.{}f}   {:>12.{}f} {:>10.{}f}\n", i < 4 ? names[i] + " px" : names[i], left[i],
-               digits, e.left_sigma[i], digits, right[i], digits, e.right_sigma[i], digits);
+               digits, left_sigma[static_cast<Eigen::Index>(i)], digits, right[i], digits,
+               right_sigma[static_cast<Eigen::Index>(i)], digits);
   }
+  if (FocalInCentre_px(e.rig.left) != e.rig.left.fx_px) {
+    fmt::print("{:<9} {:>12.3f} {:>10.3f}   {:>12.3f} {:>10.3f}\n", "centre px", FocalInCentre_px(e.rig.left),
+               FocalInCentreSigma_px(e.rig.left, e.left_covariance), FocalInCentre_px(e.rig.right),
+               FocalInCentreSigma_px(e.rig.right, e.right_covariance));
+  }
+  fmt::print("largest sigma of a pixel that is predicted: left {:.3f}, right {:.3f}\n",
+             PixelSigma_px(e.rig.left, e.left_covariance), PixelSigma_px(e.rig.right, e.right_covariance));
   const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();
   const Vector6d turn = e.rig.right.T_b_cam.Log() / kRadPerDeg;
   const auto& s = e.T_left_right_sigma;
@@ -145,19 +156,64 @@ void PrintCoverage(const RigEstimate& e, const Seen& seen) {
   if (complete) fmt::print("no view is missing\n");
 }
 
+/// What `plslam rectify-check` measures, of the corners that both cameras see.
+void PrintRows(const RigEstimate& e, const Board& board, const Seen& seen) {
+  const Rectification rectification = Rectify(e.rig);
+  const StereoCamera& camera = rectification.camera;
+  const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
+  std::vector<rectify_check::RowMatch> matches;
+  for (const int i : e.used_pairs) {
+    const BoardPair& pair = seen.pairs[static_cast<size_t>(i)];
+    const BoardView right = NumberedLike(board, pair.left, pair.right);
+    for (size_t k = 0; k < pair.left.corners.size(); ++k) {
+      const auto found = std::ranges::find(right.corners, pair.left.corners[k]);
+      if (found == right.corners.end()) continue;
+      const auto p = rectification.left.RectifiedPoint(pair.left.pixels[k]);
+      const auto q =
+          rectification.right.RectifiedPoint(right.pixels[static_cast<size_t>(found - right.corners.begin())]);
+      if (p && q) matches.push_back({camera.f_px * *p + centre, camera.f_px * *q + centre});
+    }
+  }
+  const rectify_check::RowErrors rows = rectify_check::MeasureRows(matches, camera);
+  fmt::print("rectified rows of {} corners of these pictures agree to {:.3f} px (95 % to {:.3f} px): {}\n",
+             rows.matches, rows.median_abs_px, rows.p95_abs_px, rectify_check::CheckRows(rows).sentence);
+}
+
+/// "camera" of "out/camera.yaml" is put in front.
+std::string BesideOutput(const CalibrateOptions& o, const std::string& name) {
+  const fs::path out(o.out);
+  return (out.parent_path() / (out.stem().string() + name)).string();
+}
+
+int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRigFile* live);
+
+int CalibrateLive(const CalibrateOptions& o, const Board& board) {
+  if (o.out.empty()) throw std::runtime_error(o.folder + " names cameras (source): give --out camera.yaml, too");
+  const LiveRigFile live = ReadLiveRigFile(o.folder);
+  CalibrateOptions of_folder = o;
+  of_folder.folder = BesideOutput(o, "_pictures");
+  const int n = TakeLivePictures(board, live, {of_folder.folder, BesideOutput(o, "_coverage.html"), o.seconds});
+  fmt::print("{} pictures in {}\n", n, of_folder.folder);
+  if (n == 0) throw std::runtime_error(fmt::format("the board {} was not seen to stand still", BoardText(board)));
+  return CalibrateFolder(of_folder, board, &live);
+}
+
 int Calibrate(const CalibrateOptions& o) {
   const Board board = ParseBoard(o.board);
   if (!o.print_board.empty()) {
     WriteFileAtomically(o.print_board, BoardPdf(board));
     fmt::print(
-        "{}: {} squares by {} of {:g} mm; print at 100 % (no fit to page), measure a row of squares and give the "
-        "true size in --board\n",
-        o.print_board, board.SquareColumns(), board.SquareRows(), 1e3 * board.square_m);
+        "{}: {} by {} {}; print at 100 % (no fit to page), measure a row of them and give the true size in --board\n",
+        o.print_board, board.SquareColumns(), board.SquareRows(), BoardMeasure(board));
   }
   if (o.folder.empty()) {
     if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
     return 0;
   }
+  return NamesSource(o.folder) ? CalibrateLive(o, board) : CalibrateFolder(o, board, nullptr);
+}
+
+int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRigFile* live) {
   Seen seen = FindBoards(o.folder, board);
   if (static_cast<int>(seen.pairs.size()) > kMaxPairs) {
     std::vector<BoardPair> chosen;
@@ -183,9 +239,16 @@ int Calibrate(const CalibrateOptions& o) {
   fmt::print("reprojection error {:.3f} px (a coordinate, root mean square)\n", estimate.noise_px);
   PrintParameters(estimate);
   PrintCoverage(estimate, seen);
+  PrintRows(estimate, board, seen);
   if (!o.out.empty()) {
-    WriteFileAtomically(o.out, CameraFileText(estimate.rig));
+    if (live != nullptr) estimate.rig.rate_hz = live->rate_hz;
+    WriteFileAtomically(o.out, CameraFileText(estimate.rig) + (live != nullptr ? live->source : ""));
     fmt::print("written: {}\n", o.out);
+    if (live != nullptr) {
+      // So that the folder of pictures is a dataset, for rectify-check.
+      if (!(estimate.rig.rate_hz > 0.0)) estimate.rig.rate_hz = 1.0;
+      WriteFileAtomically((fs::path(o.folder) / "camera.yaml").string(), CameraFileText(estimate.rig));
+    }
   }
   return 0;
 }
@@ -195,12 +258,18 @@ int Calibrate(const CalibrateOptions& o) {
 void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<CalibrateOptions>();
   auto* sub = app->add_subcommand("calibrate", "calibrates a stereo camera from pictures of a board");
-  sub->add_option("folder", options->folder, "folder with pictures in left and right, paired by their numbers");
-  sub->add_option("--board", options->board,
-                  "chess:COLUMNSxROWS:SQUARE (inner corners, metres) or charuco:COLUMNSxROWS:SQUARE:MARKER (squares)")
+  sub->add_option("folder", options->folder,
+                  "folder with pictures in left and right, paired by their numbers; or a rig file with a source: "
+                  "pictures are taken live, into a folder beside --out");
+  sub->add_option("--seconds", options->seconds, "live: ends after this time [when no view is missing]")
+      ->check(CLI::PositiveNumber);
+  sub->add_option(
+         "--board", options->board,
+         "chess:COLUMNSxROWS:SQUARE (inner corners, metres), charuco:COLUMNSxROWS:SQUARE:MARKER (squares) or "
+         "aprilgrid:COLUMNSxROWS:TAG:SPACING (tags; spacing in tags)")
       ->required();
   sub->add_option("--model", options->model, "lens model of both cameras")
-      ->check(CLI::IsMember({"radtan", "equidistant"}))
+      ->check(CLI::IsMember({"radtan", "rational", "equidistant", "double_sphere"}))
       ->capture_default_str();
   sub->add_option("--out", options->out, "camera.yaml to write [the result is only shown]")->type_name("FILE");
   sub->add_option("--print-board", options->print_board, "writes the board as a PDF in the size to print")
@@ -209,6 +278,7 @@ void AddCalibrateCommand(CLI::App* app, std::function<int()>* command) {
       "Hold the board still, near and far, tilted, and into every corner of both images; 30 to 60 pairs are good.\n"
       "Examples:\n"
       "  plslam calibrate --board charuco:11x8:0.03:0.022 --print-board board.pdf\n"
+      "  plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out camera.yaml\n"
       "  plslam calibrate pictures --board charuco:11x8:0.03:0.022 --out my_camera/camera.yaml\n"
       "  plslam calibrate pictures --board chess:9x6:0.025 --model equidistant --out my_camera/camera.yaml\n"
       "Exit code 0 where there is a result; plslam rectify-check then shows how good it is on other pictures.");

@@ -38,10 +38,17 @@ std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels
   constexpr std::array kNames = {"upper left corner", "upper edge", "upper right corner",
                                  "left edge",         "centre",     "right edge",
                                  "lower left corner", "lower edge", "lower right corner"};
-  const std::vector<int> counts = Counts(pixels, size, 3, 3);
+  constexpr int kSide = 4;         // cells of a ninth
+  constexpr int kEnoughCells = 3;  // of its 16
+  const std::vector<int> counts = Counts(pixels, size, 3 * kSide, 3 * kSide);
+  std::array<int, kNames.size()> covered{};
+  for (size_t i = 0; i < counts.size(); ++i) {
+    const size_t row = i / (3 * kSide) / kSide, column = i % (3 * kSide) / kSide;
+    covered[3 * row + column] += counts[i] > 0 ? 1 : 0;
+  }
   std::vector<std::string> names;
   for (size_t i = 0; i < kNames.size(); ++i) {
-    if (45 * static_cast<size_t>(counts[i]) <= pixels.size()) names.emplace_back(kNames[i]);
+    if (covered[i] < kEnoughCells) names.emplace_back(kNames[i]);
   }
   return names;
 }

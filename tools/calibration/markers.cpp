@@ -2,7 +2,9 @@
 #include "tools/calibration/markers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
@@ -12,6 +14,14 @@ namespace plslam::calibration {
 namespace {
 
 constexpr int kMinCorners = 8;
+/// Cells along the side of a marker with its border.
+constexpr int kMarkerCells = 7;
+constexpr int kTagBorder = 2;
+constexpr int kTagCells = 6 + 2 * kTagBorder;
+
+cv::Ptr<cv::aruco::Dictionary> TagDictionary() {
+  return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
+}
 
 cv::Ptr<cv::aruco::CharucoBoard> OpenCvBoard(const Board& board) {
   return cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
@@ -60,41 +70,45 @@ BoardView FindChess(const Board& board, const cv::Mat& image) {
   return view;
 }
 
-/// Whether markers lie as on the board: most of their corners fit one homography, to a quarter of a square.
-bool Contradicts(const cv::aruco::CharucoBoard& board, const std::vector<std::vector<cv::Point2f>>& corners,
-                 const std::vector<int>& ids) {
+/// Corners of markers, clockwise from the upper left one, with their numbers.
+struct ReadMarkers {
+  std::vector<std::vector<cv::Point2f>> corners;
+  std::vector<int> ids;
+};
+
+/// Whether markers lie as on the board: most of their corners fit one homography, to `bound_m`.
+bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const ReadMarkers& read) {
   std::vector<cv::Point2f> on_board, seen;
   size_t n_unknown = 0;
-  for (size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] >= static_cast<int>(board.objPoints.size())) {
+  for (size_t i = 0; i < read.ids.size(); ++i) {
+    if (read.ids[i] >= static_cast<int>(board.size())) {
       ++n_unknown;
       continue;
     }
     for (size_t k = 0; k < 4; ++k) {
-      const cv::Point3f p = board.objPoints[static_cast<size_t>(ids[i])][k];
+      const cv::Point3f p = board[static_cast<size_t>(read.ids[i])][k];
       on_board.emplace_back(p.x, p.y);
-      seen.push_back(corners[i][k]);
+      seen.push_back(read.corners[i][k]);
     }
   }
-  if (2 * n_unknown > ids.size()) return true;
+  if (2 * n_unknown > read.ids.size()) return true;
   if (on_board.size() < 16) return false;
   cv::Mat inliers;
-  cv::findHomography(seen, on_board, inliers, cv::RANSAC, 0.25 * board.getSquareLength());
+  cv::findHomography(seen, on_board, inliers, cv::RANSAC, bound_m);
   return inliers.empty() || 2 * static_cast<size_t>(cv::countNonZero(inliers)) < on_board.size();
 }
 
 BoardView FindCharuco(const Board& board, const cv::Mat& image) {
   BoardView view;
   const auto charuco = OpenCvBoard(board);
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-  cv::aruco::detectMarkers(image, charuco->dictionary, corners, ids);
-  if (ids.size() < 4) return view;
-  view.contradicts = Contradicts(*charuco, corners, ids);
+  ReadMarkers read;
+  cv::aruco::detectMarkers(image, charuco->dictionary, read.corners, read.ids);
+  if (read.ids.size() < 4) return view;
+  view.contradicts = Contradicts(charuco->objPoints, 0.25 * board.square_m, read);
   if (view.contradicts) return view;
   std::vector<cv::Point2f> pixels;
   std::vector<int> found;
-  cv::aruco::interpolateCornersCharuco(corners, ids, image, charuco, pixels, found);
+  cv::aruco::interpolateCornersCharuco(read.corners, read.ids, image, charuco, pixels, found);
   if (static_cast<int>(found.size()) < kMinCorners) return view;
   const bool upwards = IsUpwards(*charuco);
   for (size_t i = 0; i < found.size(); ++i) {
@@ -110,26 +124,155 @@ BoardView FindCharuco(const Board& board, const cv::Mat& image) {
   return view;
 }
 
+/// The index in `BoardCorners` of corner `k` (clockwise from the upper left one) of tag `id`. Tags are numbered from
+/// the lower left.
+int CornerOfTag(const Board& board, int id, size_t k) {
+  const int row = 2 * (board.rows - 1 - id / board.columns) + (k >= 2 ? 1 : 0);
+  const int column = 2 * (id % board.columns) + (k == 1 || k == 2 ? 1 : 0);
+  return row * board.CornerColumns() + column;
+}
+
+std::vector<std::vector<cv::Point3f>> TagCorners(const Board& board) {
+  const std::vector<Eigen::Vector2d> corners = BoardCorners(board);
+  std::vector<std::vector<cv::Point3f>> tags(static_cast<size_t>(board.columns * board.rows));
+  for (size_t id = 0; id < tags.size(); ++id) {
+    for (size_t k = 0; k < 4; ++k) {
+      const Eigen::Vector2f p =
+          corners[static_cast<size_t>(CornerOfTag(board, static_cast<int>(id), k))].cast<float>();
+      tags[id].emplace_back(p.x(), p.y(), 0.0F);
+    }
+  }
+  return tags;
+}
+
+/// One look for tags: at an image that is `scale` times as large, with a threshold for windows that grow by `step_px`
+/// and darkness by `constant`.
+struct TagPass {
+  int scale;
+  int step_px;
+  double constant;
+};
+/// The squares at the corners of the tags touch them, and depending on the threshold become one blob with them: what
+/// one pass misses, another one sees.
+constexpr std::array kTagPasses = {TagPass{1, 10, 7.0}, TagPass{2, 4, 7.0}, TagPass{1, 10, 15.0}};
+constexpr int kLargestScaledSide_px = 1300;
+
+/// Tags that `read` has already are passed over.
+void ReadTags(const cv::Mat& image, const TagPass& pass, ReadMarkers* read) {
+  cv::Mat scaled = image;
+  if (pass.scale != 1) cv::resize(image, scaled, {}, pass.scale, pass.scale, cv::INTER_LINEAR);
+  const auto parameters = cv::aruco::DetectorParameters::create();
+  parameters->markerBorderBits = kTagBorder;
+  parameters->adaptiveThreshWinSizeStep = pass.step_px;
+  parameters->adaptiveThreshConstant = pass.constant;
+  ReadMarkers found;
+  cv::aruco::detectMarkers(scaled, TagDictionary(), found.corners, found.ids, parameters);
+  const float to_image = 1.0F / static_cast<float>(pass.scale);
+  for (size_t i = 0; i < found.ids.size(); ++i) {
+    if (std::ranges::find(read->ids, found.ids[i]) != read->ids.end()) continue;
+    for (cv::Point2f& p : found.corners[i]) p = (p + cv::Point2f(0.5F, 0.5F)) * to_image - cv::Point2f(0.5F, 0.5F);
+    read->ids.push_back(found.ids[i]);
+    read->corners.push_back(found.corners[i]);
+  }
+}
+
+/// Which corner of a tag is its first one is a matter of opinion: OpenCV's tags stand upside down. The other tags
+/// decide. False where they fit with none.
+bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, ReadMarkers* read) {
+  for (const int turn : {2, 0, 1, 3}) {
+    ReadMarkers turned = *read;
+    for (auto& corners : turned.corners) std::rotate(corners.begin(), corners.begin() + turn, corners.end());
+    if (Contradicts(board, bound_m, turned)) continue;
+    *read = turned;
+    return true;
+  }
+  return false;
+}
+
+/// Moves the corners of a tag onto the saddle points between its border and the squares at its corners. False where
+/// they are not near.
+bool RefineTag(const Board& board, const cv::Mat& image, std::vector<cv::Point2f>* tag) {
+  double side_px = 1e9;
+  for (size_t k = 0; k < 4; ++k) side_px = std::min(side_px, cv::norm((*tag)[k] - (*tag)[(k + 1) % 4]));
+  // The window must reach neither the end of the square nor the cells within the border.
+  const double free = std::min(board.spacing, static_cast<double>(kTagBorder) / kTagCells);
+  const int window = std::clamp(static_cast<int>(0.7 * free * side_px), 2, 7);
+  const std::vector<cv::Point2f> before = *tag;
+  cv::cornerSubPix(image, *tag, {window, window}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-4});
+  for (size_t k = 0; k < 4; ++k) {
+    if (cv::norm((*tag)[k] - before[k]) > std::min(0.1 * side_px + 2.0, 5.0)) return false;
+  }
+  return true;
+}
+
+BoardView FindAprilgrid(const Board& board, const cv::Mat& image) {
+  BoardView view;
+  ReadMarkers read;
+  for (const TagPass& pass : kTagPasses) {
+    if (static_cast<int>(read.ids.size()) >= board.columns * board.rows) break;
+    if (pass.scale == 1 || std::max(image.cols, image.rows) <= kLargestScaledSide_px) ReadTags(image, pass, &read);
+  }
+  // Of fewer it cannot be told how they stand.
+  if (read.ids.size() < 4) return view;
+  view.contradicts = !TurnTags(TagCorners(board), 0.25 * board.marker_m, &read);
+  if (view.contradicts) return view;
+  std::map<int, Eigen::Vector2d> corners;
+  for (size_t i = 0; i < read.ids.size(); ++i) {
+    if (read.ids[i] >= board.columns * board.rows || !RefineTag(board, image, &read.corners[i])) continue;
+    for (size_t k = 0; k < 4; ++k) {
+      const cv::Point2f& p = read.corners[i][k];
+      corners[CornerOfTag(board, read.ids[i], k)] = {p.x, p.y};
+    }
+  }
+  if (static_cast<int>(corners.size()) < kMinCorners) return view;
+  for (const auto& [index, pixel] : corners) {
+    view.corners.push_back(index);
+    view.pixels.push_back(pixel);
+  }
+  return view;
+}
+
+Marker DrawnMarker(const cv::aruco::Dictionary& dictionary, int id, int cells, int border) {
+  cv::Mat picture;
+  dictionary.drawMarker(id, cells, picture, border);
+  Marker marker;
+  for (int y = 0; y < cells; ++y) {
+    for (int x = 0; x < cells; ++x) marker.black.push_back(picture.at<uchar>(y, x) == 0);
+  }
+  return marker;
+}
+
 }  // namespace
 
 std::vector<Marker> MarkersOf(const Board& board) {
+  std::vector<Marker> markers;
+  if (board.kind == Board::Kind::kAprilgrid) {
+    for (const std::vector<cv::Point3f>& tag : TagCorners(board)) {
+      markers.push_back(DrawnMarker(*TagDictionary(), static_cast<int>(markers.size()), kTagCells, kTagBorder));
+      std::reverse(markers.back().black.begin(), markers.back().black.end());
+      markers.back().upper_left_m = {tag[0].x, tag[0].y};
+    }
+  }
+  if (board.kind != Board::Kind::kCharuco) return markers;
   const auto charuco = OpenCvBoard(board);
   const bool upwards = IsUpwards(*charuco);
-  std::vector<Marker> markers;
   for (size_t i = 0; i < charuco->objPoints.size(); ++i) {
-    cv::Mat picture;
-    charuco->dictionary->drawMarker(charuco->ids[i], kMarkerCells, picture, 1);
-    Marker marker{Downwards(board, upwards, charuco->objPoints[i][0]), {}};
-    for (int y = 0; y < kMarkerCells; ++y) {
-      for (int x = 0; x < kMarkerCells; ++x) marker.black.push_back(picture.at<uchar>(y, x) == 0);
-    }
-    markers.push_back(marker);
+    markers.push_back(DrawnMarker(*charuco->dictionary, charuco->ids[i], kMarkerCells, 1));
+    markers.back().upper_left_m = Downwards(board, upwards, charuco->objPoints[i][0]);
   }
   return markers;
 }
 
 BoardView FindBoard(const Board& board, const cv::Mat& image) {
-  return board.kind == Board::Kind::kChess ? FindChess(board, image) : FindCharuco(board, image);
+  switch (board.kind) {
+    case Board::Kind::kChess:
+      return FindChess(board, image);
+    case Board::Kind::kCharuco:
+      return FindCharuco(board, image);
+    default:
+      return FindAprilgrid(board, image);
+  }
 }
 
 }  // namespace plslam::calibration

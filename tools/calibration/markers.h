@@ -10,24 +10,25 @@
 
 namespace plslam::calibration {
 
-/// Cells along the side of a marker with its border.
-inline constexpr int kMarkerCells = 7;
+/// Of the dictionaries of a Charuco board and of an Aprilgrid.
 inline constexpr int kMaxMarkers = 250;
+inline constexpr int kMaxTags = 587;
 
-/// A marker of a Charuco board, upright, in the frame of the board.
+/// A marker of a board, upright, in the frame of the board.
 struct Marker {
   Eigen::Vector2d upper_left_m;
-  std::vector<bool> black;  ///< of its cells, row by row
+  std::vector<bool> black;  ///< of its cells with the border, row by row
 };
 
-/// The markers of a Charuco board as OpenCV 4.6 lays them.
+/// The markers of a Charuco board as OpenCV 4.6 lays them; the tags of an Aprilgrid as Kalibr does; none of a chess
+/// board.
 std::vector<Marker> MarkersOf(const Board& board);
 
 /// A board seen in an image: indices into `BoardCorners` and pixels.
 struct BoardView {
   std::vector<int> corners;
   std::vector<Eigen::Vector2d> pixels;
-  /// The markers of a Charuco board that were read lie otherwise than the board says: it has other columns or rows.
+  /// The markers that were read lie otherwise than the board says: it has other columns or rows.
   bool contradicts = false;
 };
 

@@ -26,6 +26,19 @@ constexpr double kHuber_px = 1.0;
 constexpr double kOutlierSigmas = 5.0;
 /// A detector is never much better than this.
 constexpr double kLeastNoise_px = 0.02;
+/// Of a corner, before it is known.
+constexpr double kUsualNoise_px = 0.1;
+
+/// What is known of a coefficient before any picture; `index` counts from fx.
+struct Prior {
+  std::string_view model;
+  int index;
+  double mean;
+  double sigma;
+};
+constexpr std::array kPriors = {Prior{"rational", 9, 0.0, 0.5}, Prior{"rational", 10, 0.0, 0.5},
+                                Prior{"rational", 11, 0.0, 0.5}, Prior{"double_sphere", 4, -0.1, 0.2},
+                                Prior{"double_sphere", 5, 0.55, 0.2}};
 
 using Pose = std::array<double, 6>;  ///< angle and axis, then translation: T_camera_board or T_right_left
 using Lens = std::vector<double>;    ///< fx fy cx cy and coefficients
@@ -81,6 +94,16 @@ struct CornerCost {
   bool is_right = false;
 };
 
+struct PriorCost {
+  int index;
+  double mean, sigma;
+  template <typename T>
+  bool operator()(T const* const* blocks, T* residual) const {
+    residual[0] = (blocks[0][index] - mean) / sigma;
+    return true;
+  }
+};
+
 /// One coordinate pair that takes part or not.
 struct Corner {
   size_t pair;
@@ -100,10 +123,13 @@ class Problem {
   Problem(std::string model, std::vector<Corner> corners) : model_(std::move(model)), corners_(std::move(corners)) {}
   std::vector<Corner>& corners() { return corners_; }
 
+  /// Standard deviation of a coordinate of a corner, which says how much priors weigh.
+  void set_noise_px(double noise_px) { noise_px_ = noise_px; }
+
   /// Minimises; both lenses, the rig and the poses move.
   void Solve(State* state, bool robust) {
     ceres::Problem problem;
-    Build(state, robust, 1.0, &problem);
+    Build(state, robust, &problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_SCHUR;
     options.max_num_iterations = 200;
@@ -135,11 +161,10 @@ class Problem {
     return errors;
   }
 
-  /// Covariance of left lens, right lens and T_right_left, in this order, for corners of standard deviation
-  /// `sigma_px`.
-  Eigen::MatrixXd Covariance(State* state, double sigma_px) {
+  /// Covariance of left lens, right lens and T_right_left, in this order.
+  Eigen::MatrixXd Covariance(State* state) {
     ceres::Problem problem;
-    Build(state, false, 1.0 / sigma_px, &problem);
+    Build(state, false, &problem);
     ceres::Covariance covariance(ceres::Covariance::Options{});
     const std::vector<const double*> blocks{state->left.data(), state->right.data(), state->T_right_left.data()};
     if (!covariance.Compute(blocks, &problem)) {
@@ -155,7 +180,7 @@ class Problem {
   }
 
  private:
-  void Build(State* state, bool robust, double scale, ceres::Problem* problem) const {
+  void Build(State* state, bool robust, ceres::Problem* problem) const {
     for (const Corner& corner : corners_) {
       if (!corner.used) continue;
       auto* cost = new ceres::DynamicAutoDiffCostFunction<CornerCost, 6>(  // NOLINT: Ceres owns it.
@@ -169,14 +194,29 @@ class Problem {
         cost->AddParameterBlock(6);
         blocks.push_back(state->T_right_left.data());
       }
-      ceres::LossFunction* loss = robust ? new ceres::HuberLoss(kHuber_px) : nullptr;              // NOLINT
-      if (scale != 1.0) loss = new ceres::ScaledLoss(loss, scale * scale, ceres::TAKE_OWNERSHIP);  // NOLINT
+      ceres::LossFunction* huber = robust ? new ceres::HuberLoss(kHuber_px) : nullptr;                  // NOLINT
+      auto* loss = new ceres::ScaledLoss(huber, 1.0 / (noise_px_ * noise_px_), ceres::TAKE_OWNERSHIP);  // NOLINT
       problem->AddResidualBlock(cost, loss, blocks);
+    }
+    for (Lens* lens : {&state->left, &state->right}) {
+      if (problem->HasParameterBlock(lens->data())) AddPriors(lens, problem);
+    }
+  }
+
+  void AddPriors(Lens* lens, ceres::Problem* problem) const {
+    for (const Prior& prior : kPriors) {
+      if (prior.model != model_) continue;
+      auto* cost = new ceres::DynamicAutoDiffCostFunction<PriorCost, 6>(  // NOLINT
+          new PriorCost{prior.index, prior.mean, prior.sigma});
+      cost->AddParameterBlock(static_cast<int>(lens->size()));
+      cost->SetNumResiduals(1);
+      problem->AddResidualBlock(cost, nullptr, std::vector<double*>{lens->data()});
     }
   }
 
   std::string model_;
   std::vector<Corner> corners_;
+  double noise_px_ = kUsualNoise_px;
 };
 
 std::vector<Corner> CornersOf(const Board& board, const BoardView& view, size_t pair, bool is_right) {
@@ -228,6 +268,13 @@ Lens StartLens(const std::vector<std::vector<Corner>>& views, const std::string&
   if (!(f > 0.2 * size.width_px && f < 20.0 * size.width_px)) f = size.width_px;
   Lens lens{f, f, 0.5 * (size.width_px - 1.0), 0.5 * (size.height_px - 1.0)};
   lens.resize(4 + FindLensModel(model)->max_coefficients, 0.0);
+  for (const Prior& prior : kPriors) {
+    if (prior.model == model) lens[static_cast<size_t>(prior.index)] = prior.mean;
+  }
+  // The homographies say what the centre of the image has.
+  const double scale = FocalInCentre_px(ToCamera(lens, model, size)) / f;
+  lens[0] /= scale;
+  lens[1] /= scale;
   return lens;
 }
 
@@ -279,15 +326,6 @@ SE3 MedianRig(const std::vector<SE3>& T_right_left) {
   return ToSE3({middle[0], middle[1], middle[2], middle[3], middle[4], middle[5]});
 }
 
-/// Where a chess board looks alike from both sides of it, left and right picture may number its corners from
-/// different ends; the cameras of a rig see it nearly alike.
-BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right) {
-  if (board.kind != Board::Kind::kChess || left.pixels.empty() || right.pixels.empty()) return right;
-  const Eigen::Vector2d a = left.pixels.back() - left.pixels.front(), b = right.pixels.back() - right.pixels.front();
-  if (a.dot(b) < 0.0) std::reverse(right.pixels.begin(), right.pixels.end());
-  return right;
-}
-
 /// Error in pixels of a pair's right view where the board stands as the left view says.
 double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, const std::string& model,
                     const SE3& T_right_board) {
@@ -303,6 +341,63 @@ double PairError_px(const std::vector<Corner>& right_view, const Lens& lens, con
 }
 
 }  // namespace
+
+BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right) {
+  if (board.kind != Board::Kind::kChess || left.pixels.empty() || right.pixels.empty()) return right;
+  const Eigen::Vector2d a = left.pixels.back() - left.pixels.front(), b = right.pixels.back() - right.pixels.front();
+  if (a.dot(b) < 0.0) std::reverse(right.pixels.begin(), right.pixels.end());
+  return right;
+}
+
+std::vector<double> LensParameters(const CameraCalibration& camera) {
+  std::vector<double> all{camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+  all.insert(all.end(), camera.distortion.begin(), camera.distortion.end());
+  return all;
+}
+
+double FocalInCentre_px(const CameraCalibration& camera) { return camera.fx_px * Distortion(camera).CentreScale(); }
+
+double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance) {
+  Eigen::RowVectorXd J = Eigen::RowVectorXd::Zero(covariance.cols());
+  J[0] = Distortion(camera).CentreScale();
+  // f / (1 + xi).
+  if (camera.model == "double_sphere") J[4] = -J[0] * FocalInCentre_px(camera);
+  return std::sqrt((J * covariance * J.transpose())(0, 0));
+}
+
+Eigen::MatrixXd PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy) {
+  const Eigen::Vector3d ray = xy.homogeneous();
+  const std::vector<double> parameters = LensParameters(camera);
+  Eigen::MatrixXd J(2, static_cast<Eigen::Index>(parameters.size()));
+  for (size_t i = 0; i < parameters.size(); ++i) {
+    const double step = 1e-6 * std::max(1.0, std::abs(parameters[i]));
+    Eigen::Vector2d pixels[2];
+    for (const int side : {0, 1}) {
+      std::vector<double> moved = parameters;
+      moved[i] += side == 0 ? -step : step;
+      ProjectLens(camera.model, moved.data(), ray.data(), pixels[side].data());
+    }
+    J.col(static_cast<Eigen::Index>(i)) = (pixels[1] - pixels[0]) / (2.0 * step);
+  }
+  return J;
+}
+
+double PixelSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance) {
+  constexpr int kCells = 8;
+  const Distortion distortion(camera);
+  double largest = 0.0;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int k = 0; k <= kCells; ++k) {
+      const Eigen::Vector2d pixel((camera.width_px - 1.0) * i / kCells, (camera.height_px - 1.0) * k / kCells);
+      const auto xy = distortion.Undistort(
+          {(pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px});
+      if (!xy) continue;
+      const Eigen::MatrixXd J = PixelJacobian(camera, *xy);
+      largest = std::max(largest, (J * covariance * J.transpose()).diagonal().maxCoeff());
+    }
+  }
+  return std::sqrt(largest);
+}
 
 RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs, const ImageSize& size,
                         const std::string& model) {
@@ -375,6 +470,7 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
     problem.corners()[i].used = first_errors[i] < kOutlierSigmas * first_sigma_px;
     (problem.corners()[i].used ? estimate.used_corners : estimate.left_out_corners) += 1;
   }
+  problem.set_noise_px(first_sigma_px);
   problem.Solve(&state, false);
   double sum = 0.0;
   const std::vector<double> errors = problem.Errors(state);
@@ -382,12 +478,11 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
   const double n_parameters = static_cast<double>(2 * state.left.size() + 6 + 6 * estimate.used_pairs.size());
   estimate.noise_px = std::sqrt(sum / std::max(1.0, 2.0 * estimate.used_corners - n_parameters));
 
-  const Eigen::MatrixXd covariance = problem.Covariance(&state, std::max(1e-6, estimate.noise_px));
+  problem.set_noise_px(std::max(1e-6, estimate.noise_px));
+  const Eigen::MatrixXd covariance = problem.Covariance(&state);
   const auto n = static_cast<Eigen::Index>(state.left.size());
-  for (Eigen::Index i = 0; i < n; ++i) {
-    estimate.left_sigma.push_back(std::sqrt(covariance(i, i)));
-    estimate.right_sigma.push_back(std::sqrt(covariance(n + i, n + i)));
-  }
+  estimate.left_covariance = covariance.topLeftCorner(n, n);
+  estimate.right_covariance = covariance.block(n, n, n, n);
   // From angle, axis and translation of T_right_left to its inverse, by differences.
   const SE3 T_left_right = ToSE3(state.T_right_left).Inverse();
   Matrix6d J;

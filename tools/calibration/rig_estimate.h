@@ -17,8 +17,7 @@ namespace plslam::calibration {
 
 /// Pixel of a point (camera frame, z > 0) with the parameters fx fy cx cy and then the lens model's coefficients. The
 /// same lenses as core/geometry/distortion.h, which has derivatives by the point only: this is a template, so that
-/// Ceres differentiates by the parameters too. "radtan" (with k3) or "equidistant". Returns whether the model holds
-/// there.
+/// Ceres differentiates by the parameters too. "radtan" has its k3. Returns whether the model holds there.
 template <typename T>
 bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pixel) {
   using std::atan2;
@@ -27,11 +26,22 @@ bool ProjectLens(std::string_view model, const T* parameters, const T* p, T* pix
   const T* k = parameters + 4;
   T x = p[0] / p[2], y = p[1] / p[2];
   const T r2 = x * x + y * y;
-  if (model == "radtan") {
-    const T radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+  if (model == "radtan" || model == "rational") {
+    T radial = 1.0 + r2 * (k[0] + r2 * (k[1] + r2 * k[4]));
+    if (model == "rational") {
+      const T divisor = 1.0 + r2 * (k[5] + r2 * (k[6] + r2 * k[7]));
+      if (!(divisor > T(1e-3))) return false;
+      radial /= divisor;
+    }
     const T xd = x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x);
     y = y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y;
     x = xd;
+  } else if (model == "double_sphere") {
+    const T depth = 1.0 + k[0] * sqrt(r2 + 1.0);
+    const T divisor = k[1] * sqrt(r2 + depth * depth) + (1.0 - k[1]) * depth;
+    if (!(divisor > T(1e-3))) return false;
+    x /= divisor;
+    y /= divisor;
   } else if (r2 > T(1e-16)) {
     // Equidistant. The square root has no derivative at 0.
     const T r = sqrt(r2), angle = atan2(r, T(1.0)), a2 = angle * angle;
@@ -51,12 +61,16 @@ struct BoardPair {
   BoardView right;
 };
 
+/// Where a chess board looks alike from both sides of it, left and right picture may number its corners from
+/// different ends; the cameras of a rig see it nearly alike: `right`, numbered as `left` is.
+BoardView NumberedLike(const Board& board, const BoardView& left, BoardView right);
+
 /// A stereo rig, estimated from pictures of a board.
 struct RigEstimate {
   RigCalibration rig;
-  /// Standard deviations of fx fy cx cy and the coefficients, in their units.
-  std::vector<double> left_sigma;
-  std::vector<double> right_sigma;
+  /// Of fx fy cx cy and the coefficients, in their units.
+  Eigen::MatrixXd left_covariance;
+  Eigen::MatrixXd right_covariance;
   /// Of `T_left_right`: translation [m] and rotation [rad], perturbed on the right; and of its length.
   Eigen::Matrix<double, 6, 1> T_left_right_sigma = Eigen::Matrix<double, 6, 1>::Zero();
   double baseline_sigma_m = 0.0;
@@ -76,10 +90,30 @@ std::vector<int> ChoosePairs(const std::vector<BoardPair>& pairs, const ImageSiz
 
 /// Estimates both cameras and the rig together: maximum likelihood of the corners' pixels with a robust loss, after
 /// Zhang, "A flexible new technique for camera calibration" (TPAMI 2000); corners and pairs far outside are left out,
-/// and standard deviations are those of the remaining noise. `model` is "radtan" or "equidistant".
+/// and standard deviations are those of the remaining noise. `model` is a lens model with coefficients.
+///
+/// The denominator of "rational" and the two spheres of "double_sphere" can take each other's part over the field of
+/// a usual lens: without more knowledge the pictures leave them open by any amount, along a curved valley where
+/// standard deviations mean nothing. These coefficients have a wide normal prior, that of lenses as published, which
+/// moves pixels by far less than the noise does. Their standard deviations are then mostly those of the prior, and
+/// what is known well is `FocalInCentre` and `PixelSigma_px`.
 /// Throws std::runtime_error with one sentence where there are too few views, left and right are
 /// exchanged, pairs were not taken at the same moment, or the pictures do not determine the lens.
 RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs, const ImageSize& size,
                         const std::string& model);
+
+/// Parameters in the order of the covariances.
+std::vector<double> LensParameters(const CameraCalibration& camera);
+
+/// Focal length along x that the centre of the image has, in pixels: fx but for "double_sphere".
+double FocalInCentre_px(const CameraCalibration& camera);
+/// Its standard deviation.
+double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance);
+
+/// Derivative of the pixel of the ray (x, y) at z = 1 by the parameters of the lens, 2 x n.
+Eigen::MatrixXd PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy);
+
+/// The largest standard deviation of a pixel where a ray meets the image: how well the lens is known as a whole.
+double PixelSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance);
 
 }  // namespace plslam::calibration

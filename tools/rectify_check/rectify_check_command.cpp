@@ -118,6 +118,12 @@ void Print(const CheckOptions& o, const RowErrors& e, const RowVerdict& verdict,
 }
 
 int Check(const CheckOptions& o) {
+  if (NamesSource(o.dataset)) {
+    throw std::runtime_error(
+        fmt::format("{} names cameras (source): check the pictures that `plslam calibrate {} --out FILE` takes, or a "
+                    "recording (`plslam run {} --record run.lcm`, `plslam rectify-check run.lcm`)",
+                    o.dataset, o.dataset, o.dataset));
+  }
   const auto dataset = OpenDataset(o.dataset, o.kind);
   if (dataset->rig().kind == RigCalibration::Kind::kRgbd) {
     throw std::runtime_error(o.dataset + ": a depth camera has no second image whose rows could be checked");

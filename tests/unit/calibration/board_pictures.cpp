@@ -23,6 +23,13 @@ RigCalibration KnownRig(const std::string& model) {
     camera.cy_px = is_right ? 243.0 : 236.0;
     if (model == "radtan") camera.distortion = {-0.28 * k, 0.07 * k, 0.0002, -0.0004, 0.002};
     if (model == "equidistant") camera.distortion = {-0.02 * k, 0.01 * k, -0.006, 0.001};
+    if (model == "rational") camera.distortion = {0.9, 0.12, 0.0002, -0.0004, 0.004, 1.2 + 0.05 * k, 0.35 * k, 0.02};
+    if (model == "double_sphere") {
+      camera.distortion = {-0.2 * k, 0.55};
+      // The image is scaled by 1 / (1 + xi) in its centre.
+      camera.fx_px *= 1.0 - 0.2 * k;
+      camera.fy_px *= 1.0 - 0.2 * k;
+    }
   }
   rig.right.T_b_cam = SE3::Exp((Vector6d() << 0.12, 0.001, -0.002, 0.004, -0.01, 0.006).finished());
   return rig;
@@ -31,8 +38,7 @@ RigCalibration KnownRig(const std::string& model) {
 std::vector<SE3> BoardPoses(const calibration::Board& board, int n, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  const Eigen::Vector3d middle(0.5 * board.SquareColumns() * board.square_m,
-                               0.5 * board.SquareRows() * board.square_m, 0.0);
+  const Eigen::Vector3d middle(0.5 * board.width_m(), 0.5 * board.height_m(), 0.0);
   std::vector<SE3> poses;
   for (int i = 0; i < n; ++i) {
     const double depth_m = 0.55 + 0.25 * unit(random);
@@ -85,7 +91,7 @@ cv::Mat RenderBoard(const calibration::Board& board, const CameraRays& rays, con
   const CameraCalibration& camera = rays.camera;
   constexpr int kSamples = 3;
   constexpr double kGrain_m = 0.00025;
-  const double width_m = board.SquareColumns() * board.square_m, height_m = board.SquareRows() * board.square_m;
+  const double width_m = board.width_m(), height_m = board.height_m();
   cv::Mat print(static_cast<int>(std::lround(height_m / kGrain_m)), static_cast<int>(std::lround(width_m / kGrain_m)),
                 CV_8UC1, cv::Scalar(230));
   for (const calibration::BlackRectangle& r : calibration::BoardPattern(board)) {

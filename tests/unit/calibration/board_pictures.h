@@ -10,7 +10,7 @@
 
 namespace plslam::test {
 
-/// A rig of known lenses ("radtan" or "equidistant"), 640 x 480 px, baseline 0.12 m.
+/// A rig of known lenses (any model but "pinhole"), 640 x 480 px, baseline 0.12 m.
 RigCalibration KnownRig(const std::string& model);
 
 /// `n` poses of the board in the left camera: all over the image, near and far, tilted by up to 45 degrees.

@@ -15,7 +15,7 @@ namespace {
 using testing::HasSubstr;
 
 TEST(Board, TextsAndMistakes) {
-  for (const char* text : {"chess:9x6:0.025", "charuco:11x8:0.03:0.022"})
+  for (const char* text : {"chess:9x6:0.025", "charuco:11x8:0.03:0.022", "aprilgrid:6x6:0.088:0.3"})
     EXPECT_EQ(BoardText(ParseBoard(text)), text);
   const auto error = [](const std::string& text) -> std::string {
     try {
@@ -25,7 +25,9 @@ TEST(Board, TextsAndMistakes) {
     }
     return "";
   };
-  EXPECT_THAT(error("aprilgrid:6x6:0.088:0.3"), HasSubstr("expected chess:9x6:0.025"));
+  EXPECT_THAT(error("circles:6x6:0.088"), HasSubstr("expected chess:9x6:0.025"));
+  EXPECT_THAT(error("aprilgrid:6x6:0.088:3"), HasSubstr("'3' is not a spacing"));
+  EXPECT_THAT(error("aprilgrid:30x20:0.02:0.3"), HasSubstr("587 markers"));
   EXPECT_THAT(error("chess:9x6"), HasSubstr("expected chess"));
   EXPECT_THAT(error("chess:9:0.02"), HasSubstr("'9' is not COLUMNSxROWS"));
   EXPECT_THAT(error("chess:7x7:0.02"), HasSubstr("looks alike when it is turned"));
@@ -64,7 +66,32 @@ TEST_P(RenderedBoard, CornersAreFoundWhereTheyAre) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Boards, RenderedBoard,
-                         testing::Values("chess:9x6:0.025", "charuco:11x8:0.025:0.018", "charuco:8x7:0.03:0.02"));
+                         testing::Values("chess:9x6:0.025", "charuco:11x8:0.025:0.018", "charuco:8x7:0.03:0.02",
+                                         "aprilgrid:6x4:0.035:0.3", "aprilgrid:4x3:0.05:0.25"));
+
+/// As Kalibr draws it: tag 0 in the lower left, its code 0xd5d628584 from the upper left cell on, set bits white.
+TEST(Board, AprilgridIsKalibrs) {
+  const Board board = ParseBoard("aprilgrid:6x5:0.1:0.3");
+  const std::vector<Marker> tags = MarkersOf(board);
+  ASSERT_EQ(tags.size(), 30U);
+  EXPECT_NEAR(tags[0].upper_left_m.x(), 0.03, 1e-6);
+  EXPECT_NEAR(tags[0].upper_left_m.y(), 0.03 + 4 * 0.13, 1e-6);
+  EXPECT_NEAR(tags[7].upper_left_m.x(), 0.16, 1e-6);
+  EXPECT_NEAR(tags[7].upper_left_m.y(), 0.03 + 3 * 0.13, 1e-6);
+  uint64_t code = 0;
+  for (size_t y = 0; y < 10; ++y) {
+    for (size_t x = 0; x < 10; ++x) {
+      const bool black = tags[0].black[10 * y + x];
+      if (std::min(x, y) < 2 || std::max(x, y) > 7) {
+        EXPECT_TRUE(black) << x << " " << y;
+      } else {
+        code = 2 * code + (black ? 0 : 1);
+      }
+    }
+  }
+  EXPECT_EQ(code, 0xd5d628584U) << std::hex << code;
+  EXPECT_NEAR(BoardCorners(board).back().x(), board.width_m() - 0.03, 1e-9);
+}
 
 TEST(BoardPdf, HasThePrintSizeAndAllSquares) {
   const std::string pdf = BoardPdf(ParseBoard("chess:9x6:0.025"));

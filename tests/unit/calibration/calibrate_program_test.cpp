@@ -72,6 +72,24 @@ TEST_F(CalibrateProgram, RenderedPicturesGiveTheRig) {
   EXPECT_THAT(Text("error"), HasSubstr("exchanged"));
 }
 
+TEST_F(CalibrateProgram, AprilgridOfKalibr) {
+  const RigCalibration rig = test::KnownRig("radtan");
+  const std::string board = "aprilgrid:6x4:0.04:0.3";
+  Render(ParseBoard(board), rig, 16);
+  ASSERT_EQ(Run("pictures --board " + board + " --out camera.yaml --print-board board.pdf"), 0) << Text("error");
+  const std::string out = Text("out");
+  const RigCalibration read = ReadCameraFile((folder_ / "camera.yaml").string(), {0, 0});
+  // Of so few pictures.
+  EXPECT_NEAR(read.left.fx_px / rig.left.fx_px, 1.0, 0.003) << out;
+  EXPECT_NEAR(read.right.fy_px / rig.right.fy_px, 1.0, 0.003) << out;
+  EXPECT_NEAR(read.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0003) << out;
+  EXPECT_THAT(out, HasSubstr("rectified rows of "));
+  EXPECT_THAT(Text("board.pdf"), HasSubstr("tags of 40 mm"));
+  printf("%s", out.c_str());
+  EXPECT_EQ(Run("pictures --board aprilgrid:5x4:0.04:0.3"), 1) << Text("out");
+  EXPECT_THAT(Text("error"), HasSubstr("are its columns and rows other ones?"));
+}
+
 TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
   Render(ParseBoard("chess:9x6:0.025"), test::KnownRig("radtan"), 1);
   EXPECT_EQ(Run("pictures --board chess:9x6:0.025"), 1);

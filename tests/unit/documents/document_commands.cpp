@@ -33,6 +33,8 @@ constexpr std::array kNotRun = {
     NotRun{"colmap", "takes minutes; tests/integration has COLMAP read the model"},
     NotRun{"plslam run '?recording", "a recording of ROS 2: tests/integration/mcap_input_test.cpp plays one"},
     NotRun{"plslam calibrate pictures", "pictures of a board: tests/unit/calibration renders some"},
+    NotRun{"plslam (calibrate rig.yaml|rectify-check camera_pictures|run camera.yaml)",
+           "a camera: tests/integration/calibrate_run_test.cpp has a fake one"},
     NotRun{"plslam (top|pause|resume|localise|save|load|reset)",
            "orders to a run: tests/integration/orders_test.cpp gives them"},
     NotRun{"adapter", "a robot: tests/integration/adapter_test.cpp drives one"},

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/calibration/live/picture_taker.h"
+
+namespace plslam::calibration {
+
+/// A page that shows where the boards of the pictures lie, what is missing, and the pictures (files beside the page).
+/// While `is_running` it reloads itself every second.
+std::string CoveragePage(const PictureTaker& taker, const std::vector<std::string>& pictures, bool is_running);
+
+}  // namespace plslam::calibration

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "core/io/images/image_file.h"
+
+namespace plslam::calibration {
+
+/// A rig file whose cameras may have no calibration yet: `source`, and `resolution_px` of `left`.
+struct LiveRigFile {
+  double rate_hz = 0.0;
+  ImageSize size;
+  /// The map `source` as YAML, names of files made absolute: to put behind a calibration.
+  std::string source;
+  /// A rig file for the process `camera`, which sends images as recorded: the lenses in it are made up.
+  std::string for_camera;
+};
+
+/// Throws DatasetError that names file, line and key.
+LiveRigFile ReadLiveRigFile(const std::string& path);
+
+}  // namespace plslam::calibration

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "tools/calibration/board.h"
+#include "tools/calibration/live/live_rig.h"
+
+namespace plslam::calibration {
+
+/// Where live pictures go, and how long they are taken.
+struct LiveOptions {
+  std::string folder;    ///< of pictures, in left and right; must not be there
+  std::string page;      ///< HTML, beside the folder
+  double seconds = 0.0;  ///< at most; 0: no limit
+};
+
+/// Starts the process `camera` on a bus of its own, and takes pictures of the board until no view is missing, the
+/// source ends, the time is over, or Ctrl-C. Prints a line for each. Returns how many were taken; throws
+/// std::runtime_error where the camera gives no images.
+int TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options);
+
+}  // namespace plslam::calibration

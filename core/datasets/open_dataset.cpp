@@ -14,7 +14,7 @@
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
 #include "core/datasets/log_dataset.h"
-#include "core/datasets/mcap/mcap_dataset.h"
+#include "core/datasets/recordings/recording_dataset.h"
 #include "core/datasets/synthetic/simulator.h"
 #include "core/datasets/tum_dataset.h"
 #include "core/errors/error_text.h"
@@ -92,6 +92,7 @@ struct Kind {
 constexpr auto kKinds = std::to_array<Kind>({
     {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
     {"mcap", "FILE.mcap", LooksLikeMcap, OpenMcapDataset},
+    {"bag", "FILE.bag", LooksLikeBag, OpenBagDataset},
     {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},

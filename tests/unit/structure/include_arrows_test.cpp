@@ -53,7 +53,7 @@ const std::vector<Arrow> kArrows = {
     {"core/bus/transport/", {"lcmtypes/", "core/config/", "core/bus/options.h"}},
     {"core/process/", {"core/bus/", "core/config/", "core/run/process_names.h", "lcmtypes/"}},
     {"core/datasets/", {"core/geometry/", "core/io/", "core/bus/", "core/config/"}},
-    {"core/datasets/mcap/", {"core/geometry/", "core/io/", "core/datasets/"}},
+    {"core/datasets/recordings/", {"core/geometry/", "core/io/", "core/datasets/"}},
     {"core/datasets/synthetic/", {"core/geometry/", "core/io/", "core/datasets/dataset.h"}},
     {"core/stream/",
      {"core/geometry/", "core/io/", "core/bus/", "core/process/", "core/run/process_names.h",

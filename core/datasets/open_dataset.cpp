@@ -17,6 +17,7 @@
 #include "core/datasets/recordings/recording_dataset.h"
 #include "core/datasets/synthetic/simulator.h"
 #include "core/datasets/tum_dataset.h"
+#include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
 
 namespace plslam {
@@ -94,6 +95,7 @@ constexpr auto kKinds = std::to_array<Kind>({
     {"mcap", "FILE.mcap", LooksLikeMcap, OpenMcapDataset},
     {"bag", "FILE.bag", LooksLikeBag, OpenBagDataset},
     {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
+    {"vslamlab", "rgb.csv with calibration.yaml", LooksLikeVslamLab, OpenVslamLabDataset},
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
     {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},

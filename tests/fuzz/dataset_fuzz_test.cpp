@@ -21,6 +21,7 @@
 #include "core/datasets/kitti_dataset.h"
 #include "core/datasets/recordings/recording_dataset.h"
 #include "core/datasets/tum_dataset.h"
+#include "core/datasets/vslamlab_dataset.h"
 #include "tests/fuzz/dataset_mutator.h"
 #include "tests/support/fuzzing.h"
 #include "tests/unit/datasets/bag_file.h"
@@ -123,6 +124,7 @@ constexpr Reader kReaders[] = {{"mcap, zstd", MakeMcap, OpenMcap},
                                {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},
                                {"tum", MakeTum, OpenTumDataset},
                                {"tum, associations", MakeAssociated, OpenTumDataset},
+                               {"vslamlab", test::MakeVslamLabFolder, OpenVslamLabDataset},
                                {"images", test::MakeImagesFolder, OpenImagesDataset}};
 
 // What holds for every dataset that opens.

@@ -71,6 +71,8 @@ const std::vector<Arrow> kArrows = {
     {"viewer_headless/", {"core/"}},
     {"tools/command_line/", {"core/errors/"}},
     {"tools/evaluate/", {"core/", "tools/command_line/"}},
+    {"tools/evaluate/compare/",
+     {"core/", "tools/command_line/", "tools/evaluate/", "viewer_headless/report/report_page.h"}},
     {"tools/evaluate/drawing/", {"core/"}},
     {"tools/evaluate/places", {"core/", "tools/command_line/", "tools/evaluate/", "tools/train_vocabulary/"}},
     {"tools/train_vocabulary/", {"core/", "tools/command_line/"}},

@@ -23,8 +23,8 @@ class RecordingInput : public testing::Test {
   const ScratchFolder& folder() const { return folder_; }
 
   void WriteImages() {
-    std::vector<ChosenFrame> frames;
-    for (int i = 0; i < 20; ++i) frames.push_back({i});
+    std::vector<ChosenFrame> frames(20);
+    for (int i = 0; i < 20; ++i) frames[static_cast<size_t>(i)].index = i;
     WriteImageFolder(*OpenDataset("synthetic:room?frames=20&size=376x240", ""), frames, folder_.Path("images"));
   }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/unit/datasets/bag_file.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <map>
 #include <string>
@@ -15,7 +17,7 @@ namespace {
 /// Named fields, each with its length.
 std::string Fields(const std::vector<std::pair<std::string, std::string>>& fields) {
   RecordBytes bytes;
-  for (const auto& [name, value] : fields) bytes.Text(name + "=" + value);
+  for (const auto& [name, value] : fields) bytes.Text(fmt::format("{}={}", name, value));
   return bytes.bytes();
 }
 

@@ -57,11 +57,11 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
   std::string summary;
   // Each channel has a schema of its own.
   const std::vector<TinyTopic> topics = TinyTopics(o);
-  for (uint16_t i = 0; i < topics.size(); ++i) {
+  for (size_t i = 0; i < topics.size(); ++i) {
     const std::string type = topics[i].package + "/msg/" + topics[i].type;
-    const auto schema = static_cast<uint16_t>(i + 1);
+    const auto id = static_cast<uint16_t>(i), schema = static_cast<uint16_t>(i + 1);
     summary += Record(3, RecordBytes().Add(schema).Text(type).Text("ros2msg").Text("").bytes());
-    summary += Record(4, RecordBytes().Add(i).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
+    summary += Record(4, RecordBytes().Add(id).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
   }
   summary += chunk_indices;
   std::string footer = Record(2, RecordBytes().Add(summary_at).Add(uint64_t{0}).Add(uint32_t{0}).bytes());

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """play_containerfile.py CONTAINERFILE FOLDER [--check]: does what a Containerfile says without a container engine, as root: each
 stage is a Debian of its own in FOLDER, made by mmdebstrap from $DEBIAN_MIRROR (or Debian's own), in which the RUN lines run.
-Then the entry point of the last stage, if it has
-one, plays a short world. --check reads the file only. It knows the instructions that are used
-here and refuses others."""
+Then the entry point of the last stage, if it has one, plays a short world. --check reads the file only. It knows the
+instructions that are used here and refuses others."""
 import json
 import os
 import pathlib

@@ -14,6 +14,8 @@ import subprocess
 import sys
 
 SUITES = {"debian:12": "bookworm", "debian:12-slim": "bookworm"}
+# Where a proxy of the host has certificates of its own, npm needs them, too.
+CERTIFICATES = os.environ.get("NODE_EXTRA_CA_CERTS")
 MIRROR = os.environ.get("DEBIAN_MIRROR", "http://deb.debian.org/debian")
 
 
@@ -58,6 +60,8 @@ def chroot(root, folder, command):
     inside = f"cd {shlex.quote(folder)} && {command}"
     script = 'mount -t proc proc "$0/proc" && mount --bind /dev "$0/dev" && exec chroot "$0" /usr/bin/env -i "$@"'
     environment = ["PATH=/usr/sbin:/usr/bin:/sbin:/bin", "HOME=/root", "DEBIAN_FRONTEND=noninteractive"]
+    if CERTIFICATES:
+        environment.append("NODE_EXTRA_CA_CERTS=/host_certificates.crt")
     subprocess.run(["unshare", "--mount", "--propagation", "private", "sh", "-c", script, root, *environment,
                     "sh", "-c", inside], check=True)
 
@@ -68,6 +72,8 @@ def play(stage):
                    check=True)
     if os.path.exists("/etc/resolv.conf"):
         shutil.copy("/etc/resolv.conf", stage.root / "etc/resolv.conf")
+    if CERTIFICATES:
+        shutil.copy(CERTIFICATES, stage.root / "host_certificates.crt")
     for what, arguments in stage.steps:
         print(what, *arguments, flush=True)
         if what == "copy":

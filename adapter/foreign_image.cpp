@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "core/datasets/mcap/ros_messages.h"
+#include "core/datasets/recordings/ros_messages.h"
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_file.h"
 

@@ -11,8 +11,10 @@ namespace plslam::player {
 
 void PlayerCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
-  cli.add_option("DATASET", dataset_, "folder, LCM log, MCAP file, or built-in world (synthetic:room?seed=3)");
-  cli.add_option("--kind", kind_, "kitti, euroc, tum, images, log, mcap or synthetic; default: found by looking");
+  cli.add_option("DATASET", dataset_,
+                 "folder, LCM log, MCAP file, bag of ROS 1, or built-in world (synthetic:room?seed=3)");
+  cli.add_option("--kind", kind_,
+                 "kitti, euroc, tum, vslamlab, images, log, mcap, bag or synthetic; default: found by looking");
   cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)");
   cli.add_option("--start", start_, "first frame (0)");
   cli.add_option("--stop", stop_, "frame before which to end (-1: the end)");

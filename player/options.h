@@ -33,8 +33,8 @@ struct PlayerOptions {
 
 template <class Visitor>
 void VisitFields(Visitor& visit, PlayerOptions& o) {
-  visit("dataset", o.dataset, "folder, LCM log, MCAP file, or built-in world (synthetic:room)");
-  visit("kind", o.kind, OneOf{"", "kitti", "euroc", "tum", "images", "log", "mcap", "synthetic"},
+  visit("dataset", o.dataset, "folder, LCM log, MCAP file, bag of ROS 1, or built-in world (synthetic:room)");
+  visit("kind", o.kind, OneOf{"", "kitti", "euroc", "tum", "vslamlab", "images", "log", "mcap", "bag", "synthetic"},
         "format of the dataset; empty: found by looking");
   visit("pace", o.pace, "lockstep (each frame waits for the pose of the one before), realtime, or realtimexN");
   visit("start", o.start, Bounds{0, 1e9}, "first frame");

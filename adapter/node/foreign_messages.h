@@ -9,7 +9,7 @@
 #include "adapter/body_pose.h"
 #include "adapter/foreign_image.h"
 #include "bot_core/pose_t.hpp"
-#include "core/datasets/mcap/ros_messages.h"
+#include "core/datasets/recordings/ros_messages.h"
 #include "core/map/map.h"
 #include "nav_msgs/Odometry.hpp"
 #include "sensor_msgs/PointCloud2.hpp"

@@ -14,9 +14,10 @@
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
 #include "core/datasets/log_dataset.h"
-#include "core/datasets/mcap/mcap_dataset.h"
+#include "core/datasets/recordings/recording_dataset.h"
 #include "core/datasets/synthetic/simulator.h"
 #include "core/datasets/tum_dataset.h"
+#include "core/datasets/vslamlab_dataset.h"
 #include "core/errors/error_text.h"
 
 namespace plslam {
@@ -92,7 +93,9 @@ struct Kind {
 constexpr auto kKinds = std::to_array<Kind>({
     {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
     {"mcap", "FILE.mcap", LooksLikeMcap, OpenMcapDataset},
+    {"bag", "FILE.bag", LooksLikeBag, OpenBagDataset},
     {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
+    {"vslamlab", "rgb.csv with calibration.yaml", LooksLikeVslamLab, OpenVslamLabDataset},
     {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
     {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
     {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},

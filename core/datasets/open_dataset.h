@@ -14,9 +14,9 @@ namespace plslam {
 /// left, or where right images are depths.
 std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int offset);
 
-/// Opens a folder (KITTI odometry, EuRoC ASL, TUM RGB-D, left/right images with a camera file), an LCM log, a
-/// recording of ROS 2 ("run.mcap?left=/cam0/image_raw"), or a built-in world ("synthetic:room?seed=3"). `kind` names
-/// the format ("kitti", "euroc", "tum", "images", "log", "mcap", "synthetic"), or is empty to find it by looking.
+/// Opens a folder (KITTI odometry, EuRoC ASL, TUM RGB-D, VSLAM-LAB, left/right images with a camera file), an LCM log, a
+/// recording of ROS ("run.mcap?left=/cam0/image_raw", "run.bag"), or a built-in world ("synthetic:room?seed=3"). `kind` names
+/// the format ("kitti", "euroc", "tum", "vslamlab", "images", "log", "mcap", "bag", "synthetic"), or is empty to find it by looking.
 /// Throws DatasetError.
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind);
 

@@ -19,10 +19,12 @@
 #include "core/datasets/euroc_dataset.h"
 #include "core/datasets/images_dataset.h"
 #include "core/datasets/kitti_dataset.h"
-#include "core/datasets/mcap/mcap_dataset.h"
+#include "core/datasets/recordings/recording_dataset.h"
 #include "core/datasets/tum_dataset.h"
+#include "core/datasets/vslamlab_dataset.h"
 #include "tests/fuzz/dataset_mutator.h"
 #include "tests/support/fuzzing.h"
+#include "tests/unit/datasets/bag_file.h"
 #include "tests/unit/datasets/dataset_folders.h"
 #include "tests/unit/datasets/mcap_file.h"
 
@@ -105,16 +107,24 @@ void MakePlainMcap(const fs::path& folder) { test::MakeMcapFile(folder / "a.mcap
 void MakeLz4Mcap(const fs::path& folder) {
   test::MakeMcapFile(folder / "a.mcap", {.compression = "lz4", .checksums = false});
 }
+void MakePlainBag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag"); }
+void MakeBz2Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "bz2"}); }
+void MakeLz4Bag(const fs::path& folder) { test::MakeBagFile(folder / "a.bag", {.compression = "lz4"}); }
+std::unique_ptr<Dataset> OpenBag(const std::string& folder) { return OpenBagDataset(folder + "/a.bag"); }
 std::unique_ptr<Dataset> OpenMcap(const std::string& folder) { return OpenMcapDataset(folder + "/a.mcap"); }
 
 constexpr Reader kReaders[] = {{"mcap, zstd", MakeMcap, OpenMcap},
                                {"mcap", MakePlainMcap, OpenMcap},
                                {"mcap, lz4", MakeLz4Mcap, OpenMcap},
+                               {"bag", MakePlainBag, OpenBag},
+                               {"bag, bz2", MakeBz2Bag, OpenBag},
+                               {"bag, lz4", MakeLz4Bag, OpenBag},
                                {"kitti", test::MakeKittiFolder, OpenKittiDataset},
                                {"euroc, png", MakeEurocPng, OpenEurocDataset},
                                {"euroc, jpg", MakeEurocJpeg, OpenEurocDataset},
                                {"tum", MakeTum, OpenTumDataset},
                                {"tum, associations", MakeAssociated, OpenTumDataset},
+                               {"vslamlab", test::MakeVslamLabFolder, OpenVslamLabDataset},
                                {"images", test::MakeImagesFolder, OpenImagesDataset}};
 
 // What holds for every dataset that opens.

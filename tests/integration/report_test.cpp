@@ -13,6 +13,7 @@
 #include "core/io/files/atomic_file.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
+#include "tests/support/shell.h"
 #include "viewer_headless/report/report_json.h"
 #include "viewer_headless/report/report_page.h"
 #include "viewer_headless/report/report_recorder.h"
@@ -118,6 +119,26 @@ TEST(Report, PageThatWatchesIsToldOfTheEnd) {
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();
   ASSERT_TRUE(WholeRun::WaitFor([&] { return page.Poll().has_value(); })) << text();
   EXPECT_EQ(page.Poll()->code, 0) << text();
+}
+
+TEST(Report, MapsOfTwoRunsTogether) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun both, points;
+  const std::string world = "synthetic:room?frames=60&size=376x240";
+  ASSERT_EQ(both.Run({"run", world}), 0) << both.Logs();
+  ASSERT_EQ(points.Run({"run", world, "--features", "points"}), 0) << points.Logs();
+  const ScratchFolder folder;
+  const auto compare = [&](const std::filesystem::path& other) {
+    return test::Shell(folder, "'" + (test::BinaryFolder() / "evaluate").string() + "' compare '" +
+                                   both.out().string() + "' '" + other.string() + "' --map " +
+                                   folder.Path("page.html"));
+  };
+  const test::ShellResult done = compare(points.out());
+  ASSERT_EQ(done.exit_code, 0) << done.error;
+  RunScript("check_joint.mjs", {folder.Path("page.html")}, folder.Path("joint.log"));
+  const test::ShellResult alone = compare(folder.Path(""));
+  EXPECT_EQ(alone.exit_code, 1);
+  EXPECT_NE(alone.error.find("no other run has played what "), std::string::npos) << alone.error;
 }
 
 /// A drive of half a kilometre along a wavy road that comes back to its start, with as many landmarks as are asked

@@ -147,6 +147,13 @@ export function countUpTo(values, limit) {
   return low;
 }
 
+/** Maps of other runs of the same dataset that `evaluate compare --map` has put into the page: its own run's name, and
+ * others.js. */
+export function embeddedOthers() {
+  const found = JSON.parse(document.getElementById("other-runs").textContent);
+  return Array.isArray(found?.others) ? found : { name: "", others: [] };
+}
+
 /** The data that stand in the page; null in a live page. Warnings of `plslam run`, which has evaluated the run, are those. */
 export function embeddedData() {
   const [data, warnings] = ["run-data", "run-warnings"].map((id) => JSON.parse(document.getElementById(id).textContent));

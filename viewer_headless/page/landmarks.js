@@ -32,9 +32,9 @@ function reorder(values, width, order) {
   return result;
 }
 
-function sortBySeen(table, name, width) {
+export function sortBySeen(table, name, width) {
   const order = Array.from(table.seen.keys()).sort((a, b) => table.seen[a] - table.seen[b] || a - b);
-  return { order, positions: reorder(table[name], width, order), seen: reorder(table.seen, 1, order), observations: reorder(table.observations, 1, order) };
+  return { order, positions: reorder(table[name], width, order), seen: reorder(table.seen, 1, order), observations: reorder(table.observations ?? table.seen, 1, order) };
 }
 
 export class Landmarks {

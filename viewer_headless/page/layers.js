@@ -24,10 +24,19 @@ const kGroups = [
   ]],
 ];
 
+/** The switches of a page of several runs; without others those of one. */
+function groupsWith({ name, others }) {
+  if (!others.length) return kGroups;
+  const layers = others.map(({ label }, i) => ({ name: `other${i}`, label, on: true, swatch: ["thick", `other${i}`] }));
+  return [["Runs", [{ name: "path", label: name, on: true, swatch: ["thick", "path"] }, ...layers]],
+    ...kGroups.map(([title, group]) => [title, group.filter((layer) => layer.name !== "path")])];
+}
+
 /** A map of name to boolean; `changed(name)` is called after a switch. */
-export function makeLayers(changed) {
-  const layers = new Map(kGroups.flatMap(([, group]) => group.map((layer) => [layer.name, layer.on])));
-  for (const [title, group] of kGroups) {
+export function makeLayers(others, changed) {
+  const groups = groupsWith(others);
+  const layers = new Map(groups.flatMap(([, group]) => group.map((layer) => [layer.name, layer.on])));
+  for (const [title, group] of groups) {
     byId("layers").append(element("div", { class: "group" }, element("span", { class: "group-name" }, title),
       ...group.map((layer) => switchOf(layer, (on) => {
         layers.set(layer.name, on);

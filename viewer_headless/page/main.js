@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page of a run: puts the data in, and wires the parts to each other.
 import { Address } from "./address.js";
-import { embeddedData, Run } from "./data.js";
+import { embeddedData, embeddedOthers, Run } from "./data.js";
 import { byId, element } from "./element.js";
 import { count, metres } from "./format.js";
 import { makeColourChoice, showLegend } from "./legend.js";
@@ -17,7 +17,8 @@ import { showKicker, showNotes, showSummary, showWarnings } from "./summary.js";
 import { makeTheme } from "./theme.js";
 
 const run = new Run();
-const layers = makeLayers((name) => (name.endsWith("2d") ? picture.draw() : view?.applyLayers()));
+const others = embeddedOthers();
+const layers = makeLayers(others, (name) => (name.endsWith("2d") ? picture.draw() : view?.applyLayers()));
 const picture = new Picture(layers);
 const plots = new Plots((t_s) => replay.go(run.rowAt(t_s)));
 let view = makeView();
@@ -29,7 +30,7 @@ const replay = new Replay((row) => {
 
 function makeView() {
   try {
-    return new MapView(layers);
+    return new MapView(layers, others.others);
   } catch (error) {
     console.info(`no map: ${error.message}`);
     byId("no-webgl").hidden = false;

@@ -8,6 +8,7 @@ import { diagonalOf, fitView, worthSeeing } from "./framing.js";
 import { Landmarks } from "./landmarks.js";
 import { Keyframes } from "./keyframes.js";
 import { Paths } from "./paths.js";
+import { Others } from "./others.js";
 import { Correction } from "./correction.js";
 import { CameraMark } from "./camera_mark.js";
 import { Picker } from "./picker.js";
@@ -24,7 +25,7 @@ const kAbove = [[0, 1, 0.001], [0.001, 1, 0]];
 
 export class MapView {
   /** Throws where the browser has no WebGL. */
-  constructor(layers) {
+  constructor(layers, others) {
     this.canvas = byId("map");
     this.layers = layers;
     this.renderer = new WebGLRenderer({ canvas: this.canvas, antialias: true, powerPreference: "high-performance" });
@@ -42,6 +43,7 @@ export class MapView {
       landmarks: new Landmarks(this.world),
       keyframes: new Keyframes(this.world),
       paths: new Paths(this.world),
+      others: new Others(this.world, others),
       correction: new Correction(this.world),
       mark: new CameraMark(this.world),
       selection: new Selection(this.world),
@@ -63,6 +65,7 @@ export class MapView {
     this.camera.updateProjectionMatrix();
     this.parts.paths.setResolution(width, height);
     this.parts.correction.setResolution(width, height);
+    this.parts.others.setResolution(width, height);
     this.parts.selection.setResolution(width, height);
     if (this.pristine) this.lookAtAll(this.fromAbove);
     this.invalidate();

@@ -11,6 +11,8 @@ namespace plslam::viewer {
 namespace {
 
 constexpr std::string_view kDataPlace = "\"PLSLAM_RUN_DATA\"";
+constexpr std::string_view kOthersPlace = "\"PLSLAM_OTHER_RUNS\"";
+constexpr std::string_view kDataBegin = "<script id=\"run-data\" type=\"application/json\">";
 constexpr std::string_view kWarningsPlace = "\"PLSLAM_RUN_WARNINGS\"";
 
 std::string Fill(const std::string& page, std::string_view place, std::string_view json, const char* lacks) {
@@ -49,6 +51,19 @@ std::string FillTemplate(const std::string& page, std::string_view json) {
 
 std::string FillWarnings(const std::string& page, std::string_view json) {
   return Fill(page, kWarningsPlace, SafeInPage(json), "report.html has no place for the warnings of its run");
+}
+
+std::string DataOfReport(const std::string& page) {
+  const size_t at = page.find(kDataBegin);
+  const size_t begin = at + kDataBegin.size();
+  // The data have no '<' (SafeInPage).
+  const size_t end = at == std::string::npos ? at : page.find('<', begin);
+  if (end == std::string::npos || page[begin] != '{') throw std::runtime_error("is no report of a run");
+  return page.substr(begin, end - begin);
+}
+
+std::string FillOtherRuns(const std::string& page, std::string_view json) {
+  return Fill(page, kOthersPlace, SafeInPage(json), "has no place for other runs: it is of an older version");
 }
 
 }  // namespace plslam::viewer

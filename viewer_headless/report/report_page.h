@@ -22,4 +22,11 @@ std::string FillTemplate(const std::string& page, std::string_view json);
 /// alone knows the whole run, its files evaluated. Throws std::runtime_error where the page has no place for them.
 std::string FillWarnings(const std::string& page, std::string_view json);
 
+/// The data in a report. Throws std::runtime_error where it has none: it is no report of a run that has ended.
+std::string DataOfReport(const std::string& page);
+
+/// A report with the maps of other runs (others.js) beside its own. Throws std::runtime_error where the page has no
+/// place for them.
+std::string FillOtherRuns(const std::string& page, std::string_view json);
+
 }  // namespace plslam::viewer

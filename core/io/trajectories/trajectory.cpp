@@ -49,6 +49,13 @@ TrajectoryPose ParseTum(const TextRow& row) {
   return {t_ns, UnitPose(row, q, Position(row, 1))};
 }
 
+TrajectoryPose ParseVslamLab(const TextRow& row) {
+  RequireFields(row, 8, "VSLAM-LAB");
+  const int64_t t_ns = row.Scaled(0, 0);
+  const Eigen::Quaterniond q(row.Number(7), row.Number(4), row.Number(5), row.Number(6));
+  return {t_ns, UnitPose(row, q, Position(row, 1))};
+}
+
 TrajectoryPose ParseEuroc(const TextRow& row) {
   if (row.fields.size() < 8) {
     row.Fail(fmt::format("{} columns, but a row of the EuRoC format has at least 8", row.fields.size()));
@@ -97,6 +104,7 @@ void Append(const TextRow& row, const TrajectoryPose& pose, Trajectory& trajecto
 TrajectoryPose ParseRow(const TextRow& row, TrajectoryFormat format, int64_t index) {
   if (format == TrajectoryFormat::kTum) return ParseTum(row);
   if (format == TrajectoryFormat::kEuroc) return ParseEuroc(row);
+  if (format == TrajectoryFormat::kVslamLab) return ParseVslamLab(row);
   return {index * kNsPerS, ParseKitti(row)};
 }
 

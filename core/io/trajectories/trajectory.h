@@ -20,9 +20,10 @@ struct TrajectoryPose {
 using Trajectory = std::vector<TrajectoryPose>;
 
 enum class TrajectoryFormat {
-  kTum,    ///< `t tx ty tz qx qy qz qw`, seconds
-  kKitti,  ///< 12 numbers, the rows of [R t]; no times
-  kEuroc,  ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line
+  kTum,       ///< `t tx ty tz qx qy qz qw`, seconds
+  kKitti,     ///< 12 numbers, the rows of [R t]; no times
+  kEuroc,     ///< `t_ns, px, py, pz, qw, qx, qy, qz, ...` (further columns ignored), with a header line
+  kVslamLab,  ///< `t_ns, px, py, pz, qx, qy, qz, qw`, with a header line; never recognised, only named in the code
 };
 
 /// Reads a trajectory, its format recognised by its first data line unless named. KITTI files take their times from

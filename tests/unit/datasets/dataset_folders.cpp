@@ -124,6 +124,31 @@ void MakeEurocFolder(const fs::path& folder, std::string_view image_extension) {
   WriteText(folder / "mav0" / "state_groundtruth_estimate0" / "data.csv", truth);
 }
 
+void MakeVslamLabFolder(const fs::path& folder) {
+  std::string cameras = "%YAML 1.2\n---\ncameras:\n";
+  for (int camera = 0; camera < 2; ++camera) {
+    cameras += fmt::format(
+        "- {{cam_name: rgb_{}, cam_type: gray, cam_model: pinhole, distortion_type: radtan4,\n"
+        "   focal_length: [40.0, 41.0], principal_point: [24.0, 16.0],\n"
+        "   distortion_coefficients: [-0.28, 0.07, 0.0002, 1.8e-05], image_dimension: [{}, {}], fps: 10.0,\n"
+        "   T_BS: [0, -1, 0, 0, 1, 0, 0, {}, 0, 0, 1, 0.5, 0, 0, 0, 1]}}\n",
+        camera, kTinyWidth_px, kTinyHeight_px, 0.1 * camera);
+  }
+  WriteText(folder / "calibration.yaml", cameras);
+  std::string table = "ts_rgb_0 (ns),path_rgb_0,ts_rgb_1 (ns),path_rgb_1\n";
+  std::string truth = "ts (ns),tx (m),ty (m),tz (m),qx,qy,qz,qw\n";
+  for (int i = 0; i < kFrames; ++i) {
+    const int64_t t_ns = 1403636584763555584 + i * 100'000'000LL;
+    table += fmt::format("{},rgb_0/{}.png,{},rgb_1/{}.png\n", t_ns, i, t_ns + 20, i);
+    truth += fmt::format("{},{},1,1,0,0,0,1\n", t_ns, i);
+    for (int camera = 0; camera < 2; ++camera) {
+      WriteImage(folder / fmt::format("rgb_{}", camera) / fmt::format("{}.png", i), i, camera);
+    }
+  }
+  WriteText(folder / "rgb.csv", table);
+  WriteText(folder / "groundtruth.csv", truth);
+}
+
 void MakeTumFolder(const fs::path& folder, int width_px, int height_px) {
   const cv::Size size(width_px, height_px);
   std::string colour = "# color images\n";

@@ -28,6 +28,7 @@ void MakeKittiFolder(const std::filesystem::path& folder);
 void MakeEurocFolder(const std::filesystem::path& folder, std::string_view image_extension = ".png");
 /// `folder` should have "fr1" in its name, or get a camera.yaml. Without one the size is that of TUM's cameras.
 void MakeTumFolder(const std::filesystem::path& folder, int width_px = 640, int height_px = 480);
+void MakeVslamLabFolder(const std::filesystem::path& folder);
 void MakeImagesFolder(const std::filesystem::path& folder);
 
 /// Grey value of a tiny image: `camera` 0 or 1.

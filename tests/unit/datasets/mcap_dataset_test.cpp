@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/mcap/mcap_dataset.h"
+#include "core/datasets/recordings/recording_dataset.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -31,7 +31,7 @@ constexpr std::array kNotRun = {
     NotRun{"lcm-logger|lcm-logplayer", "LCM's own programs, which tests/unit/bus runs with logs of ours"},
     NotRun{"lcm-spy|java", "needs a display; tests/package asks its classes to decode our messages"},
     NotRun{"colmap", "takes minutes; tests/integration has COLMAP read the model"},
-    NotRun{"plslam run '?recording", "a recording of ROS 2: tests/integration/mcap_input_test.cpp plays one"},
+    NotRun{"plslam run '?recording", "a recording of ROS: tests/integration/recording_input_test.cpp plays some"},
     NotRun{"plslam calibrate pictures", "pictures of a board: tests/unit/calibration renders some"},
     NotRun{"plslam (calibrate rig.yaml|rectify-check camera_pictures|run camera.yaml)",
            "a camera: tests/integration/calibrate_run_test.cpp has a fake one"},

@@ -3,6 +3,12 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "core/io/trajectories/trajectory.h"
+#include "tests/support/text_file.h"
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
@@ -166,6 +172,34 @@ TEST(ComparisonPage, NeedsNothingFromElsewhereAndEscapesNames) {
   EXPECT_THAT(page,
               HasSubstr("<td class=\"best\">0.2000<small>worst 0.4000</small><small>spread 0.3000</small></td>"));
   EXPECT_THAT(page, HasSubstr("vo.features.features"));
+}
+
+/// A quarter of an hour at 20 Hz along a curve, with the noise of an estimate.
+Trajectory LongPath(int seed) {
+  std::mt19937 random(static_cast<unsigned>(seed));
+  std::normal_distribution<double> noise(0.0, 0.01);
+  Trajectory path;
+  for (int i = 0; i < 18'000; ++i) {
+    const double s = 1e-3 * i;
+    const Eigen::Vector3d p(100.0 * std::sin(s), noise(random), 60.0 * std::sin(1.7 * s) + noise(random));
+    path.push_back({int64_t{i} * 50'000'000, {Eigen::Quaterniond::Identity(), p}});
+  }
+  return path;
+}
+
+TEST(ComparisonPage, PathsOfLongRunsAreThinned) {
+  const ScratchFolder folder;
+  std::vector<RunRecord> runs;
+  for (const char* features : {"both", "points", "lines"}) {
+    const std::string run = folder.Path(features);
+    std::filesystem::create_directories(run);
+    WriteTrajectory(run + "/trajectory.tum", TrajectoryFormat::kTum, LongPath(static_cast<int>(runs.size())));
+    WriteTrajectory(run + "/groundtruth.tum", TrajectoryFormat::kTum, LongPath(99));
+    runs.push_back(RecordOf(Summary("kitti_03", features, 0.1), run));
+  }
+  const std::string page = ComparisonPage(Compare(runs));
+  EXPECT_THAT(page, HasSubstr("aria-label=\"trajectories\""));
+  EXPECT_LT(page.size(), 300'000U);
 }
 
 TEST(Comparison, RunThatTrackedNothingIsNoGoodRun) {

@@ -15,6 +15,7 @@
 #include "tools/command_line/run_command_line.h"
 #include "tools/evaluate/compare/comparison_page.h"
 #include "tools/evaluate/compare/comparison_text.h"
+#include "tools/evaluate/compare/joint_map.h"
 
 namespace plslam::evaluate {
 namespace {
@@ -26,6 +27,7 @@ struct Arguments {
   std::string format = "text";
   std::string out;
   std::string html;
+  std::string map;
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
@@ -39,6 +41,9 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--out", a.out, "write to this file instead (tum and kitti: folder)");
   app.add_option("--html", a.html, "also write a page with tables and plots")->type_name("FILE");
+  app.add_option("--map", a.map,
+                 "also write the report of the first run with the paths and landmarks of the others in its map")
+      ->type_name("FILE");
 }
 
 /// What was named, sorted out.
@@ -127,6 +132,7 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
 
 int CompareRuns(const Arguments& a) {
   const std::vector<RunRecord> runs = RunsOf(a.runs);
+  if (!a.map.empty()) WriteFileAtomically(a.map, JointMapPage(runs));
   if (a.format == "tum" || a.format == "kitti") {
     ConvertTrajectories(runs, a);
     if (a.html.empty()) return 0;
@@ -154,6 +160,7 @@ int RunEvaluateCompare(int argc, char** argv) {
   AddOptions(app, arguments);
   app.footer(
       "Examples:\n  evaluate compare out/room_points out/room_lines out/room_both --html compare.html\n"
+      "  evaluate compare out/room_points out/room_both --map both_maps.html\n"
       "  evaluate compare out --format markdown");
   return RunCommandLine(app, argc, argv, [&] { return CompareRuns(arguments); });
 }

@@ -3,10 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <optional>
+#include <tuple>
+#include <utility>
 
-#include "tools/evaluate/accuracy.h"
+#include <Eigen/Geometry>
+
+#include "tools/evaluate/compare/run_paths.h"
 #include "tools/evaluate/drawing/axes.h"
 #include "tools/evaluate/figures/top_view.h"
 
@@ -22,13 +25,49 @@ const Ink kTruth{30, 30, 30};
 /// Keys of the metrics that have a figure.
 constexpr std::array<const char*, 5> kShown{"ate_m", "t_rel_percent", "vo_ms", "cpu_ms", "memory_mb"};
 
-std::optional<Trajectory> TryRead(const std::string& path) {
-  if (!std::filesystem::exists(path)) return std::nullopt;
-  try {
-    return ReadTrajectory(path, TrajectoryFormat::kTum);
-  } catch (const std::runtime_error&) {
-    return std::nullopt;
+/// So fine is a figure: this share of its width is no pixel of a page.
+constexpr double kFinest = 1.0 / 2000.0;
+
+double Extent_m(const std::vector<Eigen::Vector3d>& path) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::Vector3d& p : path) box.extend(p);
+  return box.isEmpty() ? 0.0 : box.diagonal().norm();
+}
+
+double DistanceToSegment_m(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d along = b - a;
+  const double length2 = along.squaredNorm();
+  const double share = length2 > 0.0 ? std::clamp(along.dot(p - a) / length2, 0.0, 1.0) : 0.0;
+  return (a + share * along - p).norm();
+}
+
+/// The positions that a path needs to look the same in a figure: it stays within kFinest of its extent (Douglas and
+/// Peucker 1973). A pose for each frame would make pages of some megabytes.
+std::vector<Eigen::Vector3d> Thinned(const std::vector<Eigen::Vector3d>& path) {
+  if (path.size() < 3) return path;
+  const double tolerance_m = kFinest * Extent_m(path);
+  std::vector<bool> kept(path.size(), false);
+  kept.front() = kept.back() = true;
+  std::vector<std::pair<size_t, size_t>> parts{{0, path.size() - 1}};
+  while (!parts.empty()) {
+    const auto [from, to] = parts.back();
+    parts.pop_back();
+    size_t farthest = from;
+    double distance_m = tolerance_m;
+    for (size_t i = from + 1; i < to; ++i) {
+      const double d = DistanceToSegment_m(path[i], path[from], path[to]);
+      if (d > distance_m) std::tie(distance_m, farthest) = std::pair(d, i);
+    }
+    if (farthest == from) continue;
+    kept[farthest] = true;
+    parts.emplace_back(from, farthest);
+    parts.emplace_back(farthest, to);
   }
+  std::vector<Eigen::Vector3d> thinned;
+  for (size_t i = 0; i < path.size(); ++i) {
+    if (kept[i]) thinned.push_back(path[i]);
+  }
+  return thinned;
 }
 
 /// The typical run of the group, if it played that (empty: anything), else the first completed one that did; or
@@ -42,28 +81,26 @@ const RunRecord* RunThatPlayed(const RunGroup& group, const std::string& played)
   return nullptr;
 }
 
-/// Everything in the w of the first run, which the truth joins with the others; without truth, as it is.
+/// Everything in the w of the first run (BaseFromOther).
 std::vector<NamedPath> PathsOf(const std::vector<const RunGroup*>& groups) {
   std::vector<NamedPath> paths;
-  std::optional<SE3> T_w_truth;
+  std::optional<RunPaths> base;
   std::string played;
   for (size_t i = 0; i < groups.size(); ++i) {
     const RunRecord* run = RunThatPlayed(*groups[i], played);
     if (run == nullptr) continue;
     played = run->played;
-    const auto estimate = TryRead(run->folder + "/trajectory.tum");
-    const auto truth = TryRead(run->folder + "/groundtruth.tum");
-    if (!estimate || estimate->empty()) continue;
-    SE3 T_w_estimate;
-    if (truth && !truth->empty()) {
-      const SE3 T_truth_estimate = EvaluateTrajectory(*estimate, *truth, {}).alignment.T_a_b;
-      if (!T_w_truth) {
-        T_w_truth = T_truth_estimate.Inverse();
-        paths.push_back({"truth", PositionsOf(*truth, *T_w_truth), {kTruth, 1.8, false}});
+    const std::optional<RunPaths> read = ReadRunPaths(*run);
+    if (!read) continue;
+    if (!base) {
+      base = read;
+      if (base->T_truth_w) {
+        const SE3 T_w_truth = base->T_truth_w->Inverse();
+        paths.push_back({"truth", Thinned(PositionsOf(base->truth, T_w_truth)), {kTruth, 1.8, false}});
       }
-      T_w_estimate = *T_w_truth * T_truth_estimate;
     }
-    paths.push_back({groups[i]->label, PositionsOf(*estimate, T_w_estimate), {InkOf(i), 0.9, false}});
+    const SE3 T_w_estimate = BaseFromOther(*base, *read);
+    paths.push_back({groups[i]->label, Thinned(PositionsOf(read->estimate, T_w_estimate)), {InkOf(i), 0.9, false}});
   }
   return paths;
 }

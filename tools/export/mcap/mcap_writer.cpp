@@ -10,7 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/datasets/mcap/mcap_format.h"
+#include "core/datasets/recordings/mcap_format.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/bytes.h"
 

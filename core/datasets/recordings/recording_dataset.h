@@ -8,18 +8,20 @@
 
 namespace plslam {
 
-/// The stereo images of an MCAP file with messages of ROS 2: "FILE.mcap", or with topics and calibration given,
-/// "FILE.mcap?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
+/// The stereo images of a recording of ROS 2 (MCAP) or ROS 1 (bag): "FILE", or with topics and calibration given,
+/// "FILE?left=/a/image_raw&right=/b/image_raw&truth=/pose&camera=camera.yaml" (docs/datasets.md).
 ///
 /// Without topics they are found by looking: two of one name but for left and right, cam0 and cam1, infra1 and
 /// infra2, image_0 and image_1. The rig is that of their camera_info. Times are those of the index, when messages
 /// were logged. Images are read on demand through the index, so memory does not grow with the file.
 ///
-/// Throws DatasetError naming the file where it is no MCAP file, cut off, damaged or without index, where topics or
+/// Throws DatasetError naming the file where it is another file, cut off, damaged or without index, where topics or
 /// calibration are missing (then with a list of the image topics), or where a lens has no counterpart here.
 std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location);
+std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
 
-/// There is such a file, and it begins as MCAP files do.
+/// There is such a file, and it begins as MCAP files do, or as bags of ROS 1 of any version.
 bool LooksLikeMcap(const std::string& location);
+bool LooksLikeBag(const std::string& location);
 
 }  // namespace plslam

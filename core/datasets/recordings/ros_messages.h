@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,23 +18,39 @@
 
 namespace plslam {
 
-/// Reads a message of ROS 2: CDR (OMG DDS-XTypes, plain CDR), little endian, where numbers are aligned to their size,
-/// counted behind the four bytes that name the encoding. Every read throws DatasetError where the message ends
-/// before.
-class CdrReader {
+/// How a message was written, always little endian: ROS 2's CDR (OMG DDS-XTypes, plain CDR), where numbers are aligned
+/// to their size, counted behind the four bytes that name the encoding; or ROS 1's, without alignment.
+enum class RosEncoding { kCdr, kRos1 };
+
+/// The encoding that recordings call "cdr" or "ros1"; nullopt for others.
+std::optional<RosEncoding> RosEncodingOf(std::string_view name);
+
+/// Reads a message of ROS. Every read throws DatasetError where the message ends before.
+class RosReader {
  public:
-  explicit CdrReader(std::span<const uint8_t> message) : bytes_(message) {
+  explicit RosReader(std::span<const uint8_t> message, RosEncoding encoding)
+      : bytes_(message), is_cdr_(encoding == RosEncoding::kCdr), at_(is_cdr_ ? kCdrHeadBytes : 0) {
     constexpr uint8_t kLittleEndian = 1;
-    if (bytes_.size() < kHeadBytes || bytes_[0] != 0 || bytes_[1] != kLittleEndian) {
+    if (is_cdr_ && (bytes_.size() < kCdrHeadBytes || bytes_[0] != 0 || bytes_[1] != kLittleEndian)) {
       throw DatasetError("the message is not plain CDR of little-endian machines");
     }
+  }
+
+  /// std_msgs/Header, which begins most messages.
+  void SkipHeader() {
+    if (!is_cdr_) Get<uint32_t>();  // ROS 1 counts messages
+    Get<uint32_t>();
+    Get<uint32_t>();
+    Text();
   }
 
   template <class Number>
   Number Get() {
     static_assert(std::is_arithmetic_v<Number>);
-    const size_t from = (at_ - kHeadBytes) % sizeof(Number);
-    if (from != 0) Skip(sizeof(Number) - from);
+    if (is_cdr_) {
+      const size_t from = (at_ - kCdrHeadBytes) % sizeof(Number);
+      if (from != 0) Take(sizeof(Number) - from);
+    }
     Number value;
     std::memcpy(&value, Take(sizeof(Number)).data(), sizeof(Number));
     return value;
@@ -41,17 +58,16 @@ class CdrReader {
 
   std::string Text() {
     const std::span<const uint8_t> bytes = Bytes();
-    // The count includes the zero at the end.
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.empty() ? 0 : bytes.size() - 1};
+    // In CDR the count includes the zero at the end.
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size() - (is_cdr_ && !bytes.empty() ? 1 : 0)};
   }
 
   /// A sequence of bytes, within the message.
   std::span<const uint8_t> Bytes() { return Take(Get<uint32_t>()); }
 
  private:
-  static constexpr size_t kHeadBytes = 4;
+  static constexpr size_t kCdrHeadBytes = 4;
 
-  void Skip(size_t n) { Take(n); }
   std::span<const uint8_t> Take(size_t n) {
     if (n > bytes_.size() - at_) throw DatasetError("the message ends before its last field");
     at_ += n;
@@ -59,12 +75,13 @@ class CdrReader {
   }
 
   std::span<const uint8_t> bytes_;
-  size_t at_ = kHeadBytes;
+  bool is_cdr_;
+  size_t at_;
 };
 
-// Messages of ROS 2 in CDR, as far as a stereo sequence needs them. All throw DatasetError where one is damaged.
+// Messages of ROS, as far as a stereo sequence needs them. All throw DatasetError where one is damaged.
 
-/// Names of the types, as schemas have them.
+/// Names of the types, as ROS 2 has them.
 inline constexpr std::string_view kRosImage = "sensor_msgs/msg/Image";
 inline constexpr std::string_view kRosCompressedImage = "sensor_msgs/msg/CompressedImage";
 inline constexpr std::string_view kRosCameraInfo = "sensor_msgs/msg/CameraInfo";
@@ -79,7 +96,7 @@ struct RosCameraInfo {
   Eigen::Matrix3d K, R;
   Eigen::Matrix<double, 3, 4> P;
 };
-RosCameraInfo ParseCameraInfo(std::span<const uint8_t> cdr);
+RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding);
 
 /// What an Image says of its pixels; nothing of it has been checked.
 struct RosPixels {
@@ -93,10 +110,11 @@ struct RosPixels {
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected);
 
 /// Grey pixels of an Image or a CompressedImage (`type`).
-cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> cdr, const cv::Size& expected);
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                   const cv::Size& expected);
 
 /// Pose of an Odometry or a PoseStamped (`type`).
-SE3 ParsePose(std::string_view type, std::span<const uint8_t> cdr);
+SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding);
 
 /// The rig of two cameras. Images are `rectified`: then P describes them, else K and D do, and R tells how the
 /// cameras are turned. The baseline is that of P, where ROS has it (P[3] = -fx b). Throws DatasetError for lenses

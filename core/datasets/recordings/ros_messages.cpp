@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/mcap/ros_messages.h"
+#include "core/datasets/recordings/ros_messages.h"
 
 #include <algorithm>
 #include <array>
@@ -15,12 +15,6 @@
 
 namespace plslam {
 namespace {
-
-void SkipHeader(CdrReader& cdr) {
-  cdr.Get<int32_t>();
-  cdr.Get<uint32_t>();
-  cdr.Text();
-}
 
 /// An encoding of raw images, as sensor_msgs names them.
 struct Encoding {
@@ -46,22 +40,22 @@ const Encoding& EncodingOf(const std::string& name) {
       fmt::format("its images are encoded as '{}', not as mono8, mono16, bgr8, rgb8, bgra8 or rgba8", Shown(name)));
 }
 
-cv::Mat RawPixels(CdrReader& cdr, const cv::Size& expected) {
+cv::Mat RawPixels(RosReader& reader, const cv::Size& expected) {
   RosPixels pixels;
-  pixels.height_px = cdr.Get<uint32_t>();
-  pixels.width_px = cdr.Get<uint32_t>();
-  pixels.encoding = cdr.Text();
-  pixels.is_big_endian = cdr.Get<uint8_t>() != 0;
-  pixels.step_bytes = cdr.Get<uint32_t>();
-  pixels.data = cdr.Bytes();
+  pixels.height_px = reader.Get<uint32_t>();
+  pixels.width_px = reader.Get<uint32_t>();
+  pixels.encoding = reader.Text();
+  pixels.is_big_endian = reader.Get<uint8_t>() != 0;
+  pixels.step_bytes = reader.Get<uint32_t>();
+  pixels.data = reader.Bytes();
   return GreyOfRosPixels(pixels, expected);
 }
 
 template <class Matrix>
-Matrix GetRows(CdrReader& cdr) {
+Matrix GetRows(RosReader& reader) {
   Matrix m;
   for (int row = 0; row < m.rows(); ++row) {
-    for (int column = 0; column < m.cols(); ++column) m(row, column) = cdr.Get<double>();
+    for (int column = 0; column < m.cols(); ++column) m(row, column) = reader.Get<double>();
   }
   return m;
 }
@@ -107,6 +101,12 @@ bool IsRotation(const Eigen::Matrix3d& R) {
 
 }  // namespace
 
+std::optional<RosEncoding> RosEncodingOf(std::string_view name) {
+  if (name == "cdr") return RosEncoding::kCdr;
+  if (name == "ros1") return RosEncoding::kRos1;
+  return std::nullopt;
+}
+
 cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
   const Encoding& encoding = EncodingOf(image.encoding);
   if (image.width_px != expected.width || image.height_px != expected.height) {
@@ -133,39 +133,40 @@ cv::Mat GreyOfRosPixels(const RosPixels& image, const cv::Size& expected) {
   return GreyPixels(pixels);
 }
 
-RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message) {
-  CdrReader cdr(message);
-  SkipHeader(cdr);
+RosCameraInfo ParseCameraInfo(std::span<const uint8_t> message, RosEncoding encoding) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
   RosCameraInfo info;
-  const auto height = cdr.Get<uint32_t>(), width = cdr.Get<uint32_t>();
+  const auto height = reader.Get<uint32_t>(), width = reader.Get<uint32_t>();
   // What is larger is refused with all other numbers of the rig.
   info.height_px = static_cast<int>(std::min<uint32_t>(height, 1U << 30));
   info.width_px = static_cast<int>(std::min<uint32_t>(width, 1U << 30));
-  info.model = cdr.Text();
-  const auto n = cdr.Get<uint32_t>();
+  info.model = reader.Text();
+  const auto n = reader.Get<uint32_t>();
   constexpr uint32_t kMostCoefficients = 64;
   if (n > kMostCoefficients) throw DatasetError(fmt::format("has {} coefficients of distortion", n));
-  for (uint32_t i = 0; i < n; ++i) info.distortion.push_back(cdr.Get<double>());
-  info.K = GetRows<Eigen::Matrix3d>(cdr);
-  info.R = GetRows<Eigen::Matrix3d>(cdr);
-  info.P = GetRows<Eigen::Matrix<double, 3, 4>>(cdr);
+  for (uint32_t i = 0; i < n; ++i) info.distortion.push_back(reader.Get<double>());
+  info.K = GetRows<Eigen::Matrix3d>(reader);
+  info.R = GetRows<Eigen::Matrix3d>(reader);
+  info.P = GetRows<Eigen::Matrix<double, 3, 4>>(reader);
   return info;
 }
 
-cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, const cv::Size& expected) {
-  CdrReader cdr(message);
-  SkipHeader(cdr);
-  if (type == kRosImage) return RawPixels(cdr, expected);
-  const std::string format = cdr.Text();
-  return DecodeGreyImage(fmt::format("'{}'", Shown(format)), cdr.Bytes(), {expected.width, expected.height});
+cv::Mat ParseImage(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding,
+                   const cv::Size& expected) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosImage) return RawPixels(reader, expected);
+  const std::string format = reader.Text();
+  return DecodeGreyImage(fmt::format("'{}'", Shown(format)), reader.Bytes(), {expected.width, expected.height});
 }
 
-SE3 ParsePose(std::string_view type, std::span<const uint8_t> message) {
-  CdrReader cdr(message);
-  SkipHeader(cdr);
-  if (type == kRosOdometry) cdr.Text();  // child_frame_id
+SE3 ParsePose(std::string_view type, std::span<const uint8_t> message, RosEncoding encoding) {
+  RosReader reader(message, encoding);
+  reader.SkipHeader();
+  if (type == kRosOdometry) reader.Text();  // child_frame_id
   std::array<double, 7> v{};
-  for (double& x : v) x = cdr.Get<double>();
+  for (double& x : v) x = reader.Get<double>();
   const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
   const SE3 pose = SE3::FromUnit(q, {v[0], v[1], v[2]});
   if (!pose.IsFinite() || std::abs(q.norm() - 1.0) > 1e-2)

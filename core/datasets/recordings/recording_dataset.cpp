@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/datasets/mcap/mcap_dataset.h"
+#include "core/datasets/recordings/recording_dataset.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,8 +14,9 @@
 #include "core/datasets/camera_file.h"
 #include "core/datasets/check_rig.h"
 #include "core/datasets/image_list.h"
-#include "core/datasets/mcap/mcap_reader.h"
-#include "core/datasets/mcap/ros_messages.h"
+#include "core/datasets/recordings/bag_reader.h"
+#include "core/datasets/recordings/mcap_reader.h"
+#include "core/datasets/recordings/ros_messages.h"
 #include "core/errors/error_text.h"
 #include "core/io/trajectories/trajectory.h"
 
@@ -53,26 +54,29 @@ Location TakeApart(const std::string& location) {
   return parts;
 }
 
-bool IsImage(const McapChannel& channel) {
-  return channel.encoding == "cdr" && (channel.type == kRosImage || channel.type == kRosCompressedImage);
+bool IsImage(const RecordedChannel& channel) {
+  return RosEncodingOf(channel.encoding) && (channel.type == kRosImage || channel.type == kRosCompressedImage);
 }
 
-bool IsPose(const McapChannel& channel) {
-  return channel.encoding == "cdr" && (channel.type == kRosOdometry || channel.type == kRosPose);
+/// Of a channel that fits.
+RosEncoding EncodingOf(const RecordedChannel& channel) { return RosEncodingOf(channel.encoding).value(); }
+
+bool IsPose(const RecordedChannel& channel) {
+  return RosEncodingOf(channel.encoding) && (channel.type == kRosOdometry || channel.type == kRosPose);
 }
 
 /// Those whose times increase: of several of one time the first.
-std::vector<McapMessage> Increasing(std::vector<McapMessage> messages) {
+std::vector<RecordedMessage> Increasing(std::vector<RecordedMessage> messages) {
   const auto end = std::unique(messages.begin(), messages.end(),
-                               [](const McapMessage& a, const McapMessage& b) { return a.t_ns == b.t_ns; });
+                               [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns == b.t_ns; });
   messages.erase(end, messages.end());
   return messages;
 }
 
-std::vector<int64_t> TimesOf(const std::vector<McapMessage>& messages) {
+std::vector<int64_t> TimesOf(const std::vector<RecordedMessage>& messages) {
   std::vector<int64_t> times_ns;
   times_ns.reserve(messages.size());
-  for (const McapMessage& message : messages) times_ns.push_back(message.t_ns);
+  for (const RecordedMessage& message : messages) times_ns.push_back(message.t_ns);
   return times_ns;
 }
 
@@ -85,13 +89,14 @@ int64_t MedianStep_ns(const std::vector<int64_t>& times_ns) {
   return *middle;
 }
 
-class McapDataset : public Dataset {
+class RecordingDataset : public Dataset {
  public:
-  McapDataset(const std::string& location, const Location& parts)
-      : name_(location), options_(parts.options), reader_(parts.file) {
+  RecordingDataset(const std::string& location, const Location& parts, std::string_view kind,
+                   std::unique_ptr<Recording> reader)
+      : name_(location), options_(parts.options), reader_(std::move(reader)) {
     ChooseTopics();
     PairImages();
-    ReadRig();
+    ReadRig(kind);
     ChooseTruth();
   }
 
@@ -114,11 +119,12 @@ class McapDataset : public Dataset {
   std::optional<SE3> GroundTruth(int index) const override {
     const int64_t t = t_ns(index);
     auto after = std::lower_bound(truth_.begin(), truth_.end(), t,
-                                  [](const McapMessage& message, int64_t time) { return message.t_ns < time; });
+                                  [](const RecordedMessage& message, int64_t time) { return message.t_ns < time; });
     Trajectory neighbours;
     for (auto at = after == truth_.begin() ? after : after - 1; at != truth_.end() && at <= after; ++at) {
       try {
-        neighbours.push_back({at->t_ns, ParsePose(truth_type_, reader_.Read(*at))});
+        neighbours.push_back(
+            {at->t_ns, ParsePose(truth_channel_.type, reader_->Read(*at), EncodingOf(truth_channel_))});
       } catch (const std::runtime_error&) {
         return std::nullopt;  // a damaged pose is no truth
       }
@@ -127,18 +133,22 @@ class McapDataset : public Dataset {
   }
 
  private:
-  const std::pair<McapMessage, McapMessage>& Pair(int index) const { return pairs_.at(static_cast<size_t>(index)); }
+  const std::pair<RecordedMessage, RecordedMessage>& Pair(int index) const {
+    return pairs_.at(static_cast<size_t>(index));
+  }
 
-  cv::Mat ReadImage(const McapChannel& channel, const McapMessage& message, const CameraCalibration& camera) const {
+  cv::Mat ReadImage(const RecordedChannel& channel, const RecordedMessage& message,
+                    const CameraCalibration& camera) const {
     try {
-      return ParseImage(channel.type, reader_.Read(message), {camera.width_px, camera.height_px});
+      return ParseImage(channel.type, reader_->Read(message), EncodingOf(channel),
+                        {camera.width_px, camera.height_px});
     } catch (const std::runtime_error& error) {
       throw DatasetError(fmt::format("{}: {}", channel.topic, error.what()));
     }
   }
 
-  const McapChannel* Find(const std::string& topic, bool (*fits)(const McapChannel&)) const {
-    for (const McapChannel& channel : reader_.channels()) {
+  const RecordedChannel* Find(const std::string& topic, bool (*fits)(const RecordedChannel&)) const {
+    for (const RecordedChannel& channel : reader_->channels()) {
       if (channel.topic == topic && fits(channel)) return &channel;
     }
     return nullptr;
@@ -146,7 +156,7 @@ class McapDataset : public Dataset {
 
   std::string ImageTopics() const {
     std::set<std::string> topics, others;
-    for (const McapChannel& channel : reader_.channels()) {
+    for (const RecordedChannel& channel : reader_->channels()) {
       if (IsImage(channel)) topics.insert(channel.topic);
       if (!IsImage(channel) && channel.type.find("Image") != std::string::npos) {
         others.insert(fmt::format("{} ({} in {})", channel.topic, channel.type, channel.encoding));
@@ -155,12 +165,12 @@ class McapDataset : public Dataset {
     if (!topics.empty())
       return fmt::format("its image topics are {}", Shown(fmt::format("{}", fmt::join(topics, ", "))));
     if (others.empty()) return "it has no image topics";
-    return fmt::format("it has no images of ROS 2 (sensor_msgs/msg/Image in cdr), but {}",
+    return fmt::format("it has no images of ROS (sensor_msgs/Image or CompressedImage), but {}",
                        Shown(fmt::format("{}", fmt::join(others, ", "))));
   }
 
-  McapChannel Given(const std::string& key, bool (*fits)(const McapChannel&), const char* what) const {
-    const McapChannel* const found = Find(options_.at(key), fits);
+  RecordedChannel Given(const std::string& key, bool (*fits)(const RecordedChannel&), const char* what) const {
+    const RecordedChannel* const found = Find(options_.at(key), fits);
     if (found != nullptr) return *found;
     throw DatasetError(
         fmt::format("has no {} on the topic {}={}; {}", what, key, Shown(options_.at(key)), ImageTopics()));
@@ -175,13 +185,13 @@ class McapDataset : public Dataset {
       right_ = Given("right", IsImage, "images");
       return;
     }
-    std::vector<std::pair<McapChannel, McapChannel>> found;
-    for (const McapChannel& channel : reader_.channels()) {
+    std::vector<std::pair<RecordedChannel, RecordedChannel>> found;
+    for (const RecordedChannel& channel : reader_->channels()) {
       for (const auto& [left, right] : kSides) {
         const size_t at = channel.topic.find(left);
         if (!IsImage(channel) || at == std::string::npos) continue;
         std::string partner = channel.topic;
-        if (const McapChannel* other = Find(partner.replace(at, left.size(), right), IsImage)) {
+        if (const RecordedChannel* other = Find(partner.replace(at, left.size(), right), IsImage)) {
           found.emplace_back(channel, *other);
         }
       }
@@ -205,8 +215,8 @@ class McapDataset : public Dataset {
   }
 
   void PairImages() {
-    const std::vector<McapMessage> all = reader_.Messages(left_.topic);
-    const std::vector<McapMessage> left = Increasing(all), right = Increasing(reader_.Messages(right_.topic));
+    const std::vector<RecordedMessage> all = reader_->Messages(left_.topic);
+    const std::vector<RecordedMessage> left = Increasing(all), right = Increasing(reader_->Messages(right_.topic));
     const std::vector<int64_t> times_ns = TimesOf(left);
     step_ns_ = MedianStep_ns(times_ns);
     const int64_t max_ns = std::min(kMaxPairing_ns, step_ns_ / 2);
@@ -227,16 +237,18 @@ class McapDataset : public Dataset {
     std::string space = image_topic;
     for (size_t slash = space.rfind('/'); slash != std::string::npos; slash = space.rfind('/')) {
       space.resize(slash);
-      const auto fits = [](const McapChannel& c) { return c.encoding == "cdr" && c.type == kRosCameraInfo; };
-      const McapChannel* const channel = Find(space + "/camera_info", fits);
+      const auto fits = [](const RecordedChannel& c) {
+        return RosEncodingOf(c.encoding) && c.type == kRosCameraInfo;
+      };
+      const RecordedChannel* const channel = Find(space + "/camera_info", fits);
       if (channel == nullptr) continue;
-      const std::vector<McapMessage> messages = reader_.Messages(channel->topic);
-      if (!messages.empty()) return ParseCameraInfo(reader_.Read(messages.front()));
+      const std::vector<RecordedMessage> messages = reader_->Messages(channel->topic);
+      if (!messages.empty()) return ParseCameraInfo(reader_->Read(messages.front()), EncodingOf(*channel));
     }
     throw DatasetError(fmt::format("has no camera_info for {}: give a camera file", image_topic));
   }
 
-  void ReadRig() {
+  void ReadRig(std::string_view kind) {
     if (const auto given = options_.find("camera"); given != options_.end()) {
       // A camera without resolution has that of the recorded ones.
       ImageSize size;
@@ -251,18 +263,18 @@ class McapDataset : public Dataset {
       const bool rectified = left_.topic.find("rect") != std::string::npos;
       rig_ = RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
     }
-    rig_.name = "mcap";
+    rig_.name = kind;
     rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);
     const std::string complaint = RigComplaint(rig_);
     if (!complaint.empty()) throw DatasetError(fmt::format("camera of {}: {}", left_.topic, complaint));
   }
 
   void ChooseTruth() {
-    McapChannel chosen;
+    RecordedChannel chosen;
     if (options_.contains("truth")) {
       chosen = Given("truth", IsPose, "Odometry or PoseStamped");
     } else {
-      for (const McapChannel& channel : reader_.channels()) {
+      for (const RecordedChannel& channel : reader_->channels()) {
         const bool is_named = std::any_of(kTruthNames.begin(), kTruthNames.end(), [&](std::string_view name) {
           return channel.topic.find(name) != std::string::npos;
         });
@@ -270,36 +282,46 @@ class McapDataset : public Dataset {
       }
     }
     if (chosen.topic.empty()) return;
-    truth_type_ = chosen.type;
-    truth_ = Increasing(reader_.Messages(chosen.topic));
+    truth_channel_ = chosen;
+    truth_ = Increasing(reader_->Messages(chosen.topic));
   }
 
   std::string name_;
   std::map<std::string, std::string> options_;
-  McapReader reader_;
-  McapChannel left_, right_;
-  std::vector<std::pair<McapMessage, McapMessage>> pairs_;
+  std::unique_ptr<Recording> reader_;
+  RecordedChannel left_, right_;
+  std::vector<std::pair<RecordedMessage, RecordedMessage>> pairs_;
   int64_t step_ns_ = 0;
   RigCalibration rig_;
-  std::string truth_type_;
-  std::vector<McapMessage> truth_;
+  RecordedChannel truth_channel_;
+  std::vector<RecordedMessage> truth_;
   std::vector<std::string> notes_;
 };
 
-}  // namespace
-
-std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) {
+template <class Reader>
+std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {
   const Location parts = TakeApart(location);
   try {
-    return std::make_unique<McapDataset>(location, parts);
+    return std::make_unique<RecordingDataset>(location, parts, kind, std::make_unique<Reader>(parts.file));
   } catch (const std::runtime_error& error) {
     throw DatasetError(fmt::format("{}: {}", parts.file, error.what()));
   }
 }
 
-bool LooksLikeMcap(const std::string& location) {
+/// The location, with or without options, is a file for which that is so.
+bool IsFile(const std::string& location, bool (*looks_like)(const std::string& path)) {
   const size_t mark = location.rfind('?');
-  return LooksLikeMcapFile(location) || (mark != std::string::npos && LooksLikeMcapFile(location.substr(0, mark)));
+  return looks_like(location) || (mark != std::string::npos && looks_like(location.substr(0, mark)));
 }
+
+}  // namespace
+
+std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) { return Open<McapReader>(location, "mcap"); }
+
+std::unique_ptr<Dataset> OpenBagDataset(const std::string& location) { return Open<BagReader>(location, "bag"); }
+
+bool LooksLikeMcap(const std::string& location) { return IsFile(location, LooksLikeMcapFile); }
+
+bool LooksLikeBag(const std::string& location) { return IsFile(location, LooksLikeBagFile); }
 
 }  // namespace plslam

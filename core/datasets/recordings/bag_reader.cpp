@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/datasets/recordings/bag_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/errors/error_text.h"
+
+namespace plslam {
+namespace {
+
+constexpr std::string_view kAnyMagic = "#ROSBAG V";
+constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
+constexpr uint64_t kMaxIndexBytes = 128 << 20;
+/// Those of chunks have about 60 bytes, those of the bag itself fill 4096.
+constexpr uint64_t kMaxHeadBytes = 8192;
+
+/// Kinds of records, as the format numbers them ("op").
+enum class BagRecord : uint8_t {
+  kMessage = 0x02,
+  kBagHead = 0x03,
+  kMessageIndex = 0x04,
+  kChunk = 0x05,
+  kChunkInfo = 0x06,
+  kConnection = 0x07,
+};
+
+/// The named fields that every record begins with, and that a connection has once more in its data.
+class NamedFields {
+ public:
+  explicit NamedFields(std::span<const uint8_t> bytes) {
+    for (RecordFields fields(bytes); !fields.empty();) {
+      const std::string field = fields.Text();
+      const size_t sign = field.find('=');
+      if (sign == std::string::npos) throw DatasetError("a field of a record has no name: the file is damaged");
+      fields_[field.substr(0, sign)] = field.substr(sign + 1);
+    }
+  }
+
+  template <class Number>
+  Number Get(const char* name) const {
+    const std::string text = Text(name);
+    Number value{};
+    if (text.size() != sizeof(value)) {
+      throw DatasetError(fmt::format("the field '{}' of a record has {} bytes instead of {}: the file is damaged",
+                                     name, text.size(), sizeof(value)));
+    }
+    std::memcpy(&value, text.data(), sizeof(value));
+    return value;
+  }
+  std::string Text(const char* name) const {
+    const auto field = fields_.find(name);
+    if (field == fields_.end()) {
+      throw DatasetError(fmt::format("a record has no field '{}': the file is damaged", name));
+    }
+    return field->second;
+  }
+  bool Has(const char* name) const { return fields_.contains(name); }
+  BagRecord op() const { return static_cast<BagRecord>(Get<uint8_t>("op")); }
+
+ private:
+  std::map<std::string, std::string> fields_;
+};
+
+struct Record {
+  NamedFields head;
+  RecordFields data;
+};
+
+Record TakeRecord(RecordFields& bytes) {
+  const auto head = bytes.Take(bytes.Get<uint32_t>());
+  return {NamedFields(head), RecordFields(bytes.Take(bytes.Get<uint32_t>()))};
+}
+
+/// Times of the format are seconds and nanoseconds, of 32 bits each.
+int64_t GetTime_ns(RecordFields& fields) {
+  const auto seconds = fields.Get<uint32_t>();
+  return int64_t{seconds} * 1'000'000'000 + fields.Get<uint32_t>();
+}
+
+}  // namespace
+
+BagReader::BagReader(const std::string& path) : file_(path) {
+  const uint64_t index_at = ReadHead();
+  ReadIndex(index_at);
+  ReadChunkHeads(index_at);
+}
+
+uint64_t BagReader::ReadHead() const {
+  const Bytes begin = file_.ReadAt(0, std::min<uint64_t>(file_.size(), kMaxHeadBytes), "the head");
+  const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
+  if (!text.starts_with(kMagic)) {
+    if (!text.starts_with(kAnyMagic)) throw DatasetError("is no bag of ROS 1");
+    throw DatasetError(fmt::format("begins with '{}', not with '#ROSBAG V2.0': `rosbag fix` makes a bag of 2.0 of it",
+                                   Shown(std::string(text.substr(0, std::min<size_t>(text.find('\n'), 20))))));
+  }
+  RecordFields bytes{std::span(begin).subspan(kMagic.size())};
+  const NamedFields head(bytes.Take(bytes.Get<uint32_t>()));
+  if (head.op() != BagRecord::kBagHead) throw DatasetError("does not begin with the head of a bag: it is damaged");
+  if (head.Has("encryptor") && !head.Text("encryptor").empty()) {
+    throw DatasetError("is encrypted: `rosbag decrypt` makes a bag of it that can be read");
+  }
+  const auto index_at = head.Get<uint64_t>("index_pos");
+  if (index_at == 0) throw DatasetError("has no index, since it was not closed: `rosbag reindex` writes one");
+  if (index_at >= file_.size()) {
+    throw DatasetError(
+        fmt::format("its index would begin at byte {} of {}, since it is cut off: `rosbag reindex` "
+                    "makes it whole",
+                    index_at, file_.size()));
+  }
+  return index_at;
+}
+
+void BagReader::ReadIndex(uint64_t at) {
+  const uint64_t n = file_.size() - at;
+  if (n > kMaxIndexBytes) throw DatasetError(fmt::format("its index would have {} bytes: the file is damaged", n));
+  const Bytes index = file_.ReadAt(at, n, "the index");
+  for (RecordFields records(index); !records.empty();) {
+    Record record = TakeRecord(records);
+    if (record.head.op() == BagRecord::kConnection) {
+      const auto id = record.head.Get<uint32_t>("conn");
+      const NamedFields connection(record.data.rest());
+      channels_.push_back({id, record.head.Text("topic"), RosTypeName(connection.Text("type")), "ros1"});
+    } else if (record.head.op() == BagRecord::kChunkInfo) {
+      Chunk chunk;
+      chunk.offset = record.head.Get<uint64_t>("chunk_pos");
+      while (!record.data.empty()) {
+        chunk.connections.push_back(record.data.Get<uint32_t>());
+        record.data.Get<uint32_t>();  // the number of messages
+      }
+      chunks_.push_back(std::move(chunk));
+    }
+  }
+  const auto by_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id < b.id; };
+  std::stable_sort(channels_.begin(), channels_.end(), by_id);
+  const auto by_offset = [](const Chunk& a, const Chunk& b) { return a.offset < b.offset; };
+  std::stable_sort(chunks_.begin(), chunks_.end(), by_offset);
+}
+
+void BagReader::ReadChunkHeads(uint64_t index_at) {
+  for (size_t i = 0; i < chunks_.size(); ++i) {
+    Chunk& chunk = chunks_[i];
+    chunk.indices_end = i + 1 < chunks_.size() ? chunks_[i + 1].offset : index_at;
+    if (chunk.offset >= file_.size())
+      throw DatasetError("a chunk would lie behind the end of the file: it is damaged");
+    constexpr uint64_t kUsualHeadBytes = 128;
+    const uint64_t n = std::min(kUsualHeadBytes, file_.size() - chunk.offset);
+    const Bytes begin = file_.ReadAt(chunk.offset, n, "a chunk");
+    RecordFields bytes(begin);
+    const auto head_bytes = bytes.Get<uint32_t>();
+    const NamedFields head(bytes.Take(head_bytes));
+    if (head.op() != BagRecord::kChunk)
+      throw DatasetError("a chunk is not where the index says: the file is damaged");
+    chunk.compression = head.Text("compression");
+    if (chunk.compression == "none") chunk.compression.clear();
+    chunk.size = head.Get<uint32_t>("size");
+    chunk.data_bytes = bytes.Get<uint32_t>();
+    chunk.data_at = chunk.offset + head_bytes + 2 * sizeof(uint32_t);
+    const uint64_t end = chunk.data_at + chunk.data_bytes;
+    if (end > chunk.indices_end || chunk.indices_end - end > kMaxIndexBytes) {
+      throw DatasetError("a chunk does not end before the next one: the file is damaged");
+    }
+  }
+}
+
+void BagReader::AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const {
+  const uint64_t at = chunks_[chunk].data_at + chunks_[chunk].data_bytes;
+  const Bytes indices = file_.ReadAt(at, chunks_[chunk].indices_end - at, "the indices of a chunk");
+  for (RecordFields records(indices); !records.empty();) {
+    Record record = TakeRecord(records);
+    if (record.head.op() != BagRecord::kMessageIndex || record.head.Get<uint32_t>("conn") != connection) continue;
+    while (!record.data.empty()) {
+      const int64_t t_ns = GetTime_ns(record.data);
+      messages.push_back({t_ns, chunk, record.data.Get<uint32_t>()});
+    }
+  }
+}
+
+std::vector<RecordedMessage> BagReader::Messages(const std::string& topic) const {
+  std::vector<RecordedMessage> messages;
+  for (uint32_t i = 0; i < chunks_.size(); ++i) {
+    for (const RecordedChannel& channel : channels_) {
+      const auto& present = chunks_[i].connections;
+      if (channel.topic != topic || std::find(present.begin(), present.end(), channel.id) == present.end()) continue;
+      AppendMessages(i, channel.id, messages);
+    }
+  }
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
+  return messages;
+}
+
+std::vector<uint8_t> BagReader::Read(const RecordedMessage& message) const {
+  const Chunk& chunk = chunks_.at(message.chunk);
+  return recent_.Copy(
+      message.chunk,
+      [&] {
+        return DecompressChunk(chunk.compression, file_.ReadAt(chunk.data_at, chunk.data_bytes, "a chunk"),
+                               chunk.size);
+      },
+      [&](const Bytes& bytes) {
+        if (message.offset > bytes.size()) {
+          throw DatasetError("a message would lie behind its chunk: the file is damaged");
+        }
+        RecordFields records{std::span(bytes).subspan(message.offset)};
+        const Record record = TakeRecord(records);
+        if (record.head.op() != BagRecord::kMessage) {
+          throw DatasetError("a message is not where the index says: the file is damaged");
+        }
+        return record.data.rest();
+      });
+}
+
+bool LooksLikeBagFile(const std::string& path) {
+  std::array<char, kAnyMagic.size()> begin{};
+  std::ifstream file(path, std::ios::binary);
+  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kAnyMagic;
+}
+
+}  // namespace plslam

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/io/files/dataset_error.h"
+
+namespace plslam {
+
+// What readers of recordings share: bytes of the file, fields of its records, and its chunks. All throw DatasetError.
+
+/// A file that is read in pieces, by several threads.
+class RecordingFile {
+ public:
+  explicit RecordingFile(const std::string& path);
+  ~RecordingFile();
+  RecordingFile(const RecordingFile&) = delete;
+  RecordingFile& operator=(const RecordingFile&) = delete;
+
+  uint64_t size() const { return size_; }
+  /// Fails where the piece, called `what`, does not lie within the file.
+  std::vector<uint8_t> ReadAt(uint64_t offset, uint64_t n, const char* what) const;
+
+ private:
+  int fd_ = -1;
+  uint64_t size_ = 0;
+};
+
+/// Fields of a record, one after the other without any alignment.
+class RecordFields {
+ public:
+  explicit RecordFields(std::span<const uint8_t> bytes) : rest_(bytes) {}
+
+  template <class Number>
+  Number Get() {
+    Number value;
+    std::memcpy(&value, Take(sizeof(Number)).data(), sizeof(Number));
+    return value;
+  }
+  std::string Text() {
+    const auto bytes = Take(Get<uint32_t>());
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+  }
+  std::span<const uint8_t> Take(uint64_t n) {
+    if (n > rest_.size()) throw DatasetError("a record ends before its last field: the file is damaged");
+    const auto taken = rest_.first(n);
+    rest_ = rest_.subspan(n);
+    return taken;
+  }
+  bool empty() const { return rest_.empty(); }
+  std::span<const uint8_t> rest() const { return rest_; }
+
+ private:
+  std::span<const uint8_t> rest_;
+};
+
+/// A chunk as it was before `compression`: "" (none), "lz4" (frames), "zstd" or "bz2". `n` is its length then, as the
+/// file says; one above 128 MB is refused.
+std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n);
+
+/// The chunks read last.
+class RecentChunks {
+ public:
+  using Bytes = std::vector<uint8_t>;
+
+  /// What `find` makes of the chunk of that index, which is read by `read` where it is not among the recent ones.
+  Bytes Copy(uint32_t chunk, const std::function<Bytes()>& read,
+             const std::function<std::span<const uint8_t>(const Bytes&)>& find);
+
+ private:
+  std::mutex mutex_;
+  /// The one read last in front.
+  std::list<std::pair<uint32_t, Bytes>> recent_;
+};
+
+}  // namespace plslam

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// A topic of a recording, as one publisher wrote it.
+struct RecordedChannel {
+  uint32_t id = 0;
+  std::string topic;
+  std::string type;      ///< of its messages, as ROS 2 names it: "sensor_msgs/msg/Image"
+  std::string encoding;  ///< of its messages: "cdr" (ROS 2), "ros1"
+};
+
+/// The name that ROS 2 has for a type: "sensor_msgs/Image" of ROS 1 is "sensor_msgs/msg/Image".
+inline std::string RosTypeName(std::string type) {
+  const size_t slash = type.find('/');
+  if (slash != std::string::npos && type.find('/', slash + 1) == std::string::npos) type.insert(slash, "/msg");
+  return type;
+}
+
+/// Where a message stands.
+struct RecordedMessage {
+  int64_t t_ns = 0;     ///< when it was logged
+  uint32_t chunk = 0;   ///< index of its chunk
+  uint64_t offset = 0;  ///< in the chunk, decompressed
+};
+
+/// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
+/// and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the file.
+///
+/// All throw DatasetError, without the name of the file: where it is another file, is cut off, has no index, or is
+/// damaged. May be used by several threads.
+class Recording {
+ public:
+  Recording() = default;
+  virtual ~Recording() = default;
+  Recording(const Recording&) = delete;
+  Recording& operator=(const Recording&) = delete;
+
+  /// In order of their ids.
+  virtual const std::vector<RecordedChannel>& channels() const = 0;
+
+  /// All messages of the channels with this topic, in order of time.
+  virtual std::vector<RecordedMessage> Messages(const std::string& topic) const = 0;
+
+  /// The content of a message, a copy.
+  virtual std::vector<uint8_t> Read(const RecordedMessage& message) const = 0;
+};
+
+}  // namespace plslam

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/unit/datasets/tiny_recording.h"
+
+#include <bzlib.h>
+#include <lz4frame.h>
+#include <zstd.h>
+
+#include "tests/unit/datasets/dataset_folders.h"
+
+namespace plslam::test {
+namespace {
+
+/// A message: in CDR numbers stand at multiples of their sizes behind the four bytes of the encoding, and texts end with
+/// a zero that is counted.
+class RosBytes {
+ public:
+  explicit RosBytes(bool is_ros1) : is_ros1_(is_ros1), bytes_(is_ros1 ? "" : std::string("\0\1\0\0", 4)) {}
+
+  template <class T>
+  RosBytes& Number(T value) {
+    while (!is_ros1_ && (bytes_.size() - 4) % sizeof(T) != 0) bytes_ += '\0';
+    AppendLittleEndian(value, bytes_);
+    return *this;
+  }
+  RosBytes& Text(const std::string& text) {
+    const std::string written = is_ros1_ ? text : text + '\0';
+    Number(static_cast<uint32_t>(written.size()));
+    bytes_ += written;
+    return *this;
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  bool is_ros1_;
+  std::string bytes_;
+};
+
+RosBytes Message(bool is_ros1, int64_t t_ns) {
+  RosBytes message(is_ros1);
+  if (is_ros1) message.Number(uint32_t{7});  // which of them it is
+  message.Number(static_cast<uint32_t>(t_ns / 1'000'000'000)).Number(static_cast<uint32_t>(t_ns % 1'000'000'000));
+  message.Text("camera");
+  return message;
+}
+
+std::string Image(bool is_ros1, int64_t t_ns, int frame, int camera, const std::string& encoding) {
+  RosBytes message = Message(is_ros1, t_ns);
+  message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text(encoding).Number(uint8_t{0});
+  const uint32_t channels = encoding == "rgb8" ? 3 : 1;
+  message.Number(uint32_t{kTinyWidth_px} * channels).Number(uint32_t{kTinyWidth_px} * kTinyHeight_px * channels);
+  for (int y = 0; y < kTinyHeight_px; ++y) {
+    for (int x = 0; x < kTinyWidth_px; ++x) {
+      for (uint32_t c = 0; c < channels; ++c) message.Number(static_cast<uint8_t>(TinyPixel(frame, camera, x, y)));
+    }
+  }
+  return message.bytes();
+}
+
+std::string CameraInfo(bool is_ros1, int64_t t_ns, double p3) {
+  RosBytes message = Message(is_ros1, t_ns);
+  message.Number(uint32_t{kTinyHeight_px}).Number(uint32_t{kTinyWidth_px}).Text("plumb_bob").Number(uint32_t{5});
+  for (const double d : {-0.28, 0.07, 0.0002, 1.8e-5, 0.0}) message.Number(d);
+  for (const double k : {40.0, 0.0, 24.0, 0.0, 40.0, 16.0, 0.0, 0.0, 1.0}) message.Number(k);
+  for (const double r : {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0}) message.Number(r);
+  for (const double p : {40.0, 0.0, 24.0, p3, 0.0, 40.0, 16.0, 0.0, 0.0, 0.0, 1.0, 0.0}) message.Number(p);
+  return message.bytes();
+}
+
+std::string Pose(bool is_ros1, int64_t t_ns, int frame) {
+  RosBytes message = Message(is_ros1, t_ns);
+  for (const double x : {1.0 * frame, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0}) message.Number(x);
+  return message.bytes();
+}
+
+}  // namespace
+
+std::map<uint16_t, std::string> TinyMessages(int64_t t_ns, int frame, const RecordingOptions& o, bool is_ros1) {
+  return {{kLeft, Image(is_ros1, t_ns, frame, 0, o.encoding)},
+          {kRight, Image(is_ros1, t_ns, frame, 1, o.encoding)},
+          {kLeftInfo, CameraInfo(is_ros1, t_ns, 0.0)},
+          {kRightInfo, CameraInfo(is_ros1, t_ns, o.p_right)},
+          {kTruth, Pose(is_ros1, t_ns, frame)}};
+}
+
+std::vector<TinyTopic> TinyTopics(const RecordingOptions& o) {
+  const std::string left_space = o.left.substr(0, o.left.rfind('/'));
+  const std::string right_space = o.right.substr(0, o.right.rfind('/'));
+  return {{o.left, "sensor_msgs", "Image"},
+          {o.right, "sensor_msgs", "Image"},
+          {left_space + "/camera_info", "sensor_msgs", "CameraInfo"},
+          {right_space + "/camera_info", "sensor_msgs", "CameraInfo"},
+          {"/ground_truth", "geometry_msgs", "PoseStamped"}};
+}
+
+std::string CompressedChunk(const std::string& in, const std::string& compression) {
+  if (compression.empty()) return in;
+  std::string out(in.size() + 1000, '\0');
+  if (compression == "bz2") {
+    auto n = static_cast<unsigned>(out.size());
+    std::string from = in;
+    BZ2_bzBuffToBuffCompress(out.data(), &n, from.data(), static_cast<unsigned>(from.size()), 1, 0, 0);
+    return out.substr(0, n);
+  }
+  const size_t n = compression == "lz4" ? LZ4F_compressFrame(out.data(), out.size(), in.data(), in.size(), nullptr)
+                                        : ZSTD_compress(out.data(), out.size(), in.data(), in.size(), 1);
+  return out.substr(0, n);
+}
+
+}  // namespace plslam::test

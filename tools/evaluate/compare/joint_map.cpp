@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/compare/joint_map.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "tools/evaluate/compare/run_paths.h"
+#include "viewer_headless/report/report_page.h"
+
+namespace plslam::evaluate {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// As many colours as the page has for them.
+constexpr size_t kMaxOthers = 6;
+
+std::string ReportOf(const RunRecord& run) {
+  const std::string path = run.folder + "/report.html";
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw std::runtime_error(path + ": is missing; the map of a run is shown from its report");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+RunPaths PathsOf(const RunRecord& run) {
+  std::optional<RunPaths> paths = ReadRunPaths(run);
+  if (!paths) throw std::runtime_error(run.folder + "/trajectory.tum: has no poses that can be read");
+  return *std::move(paths);
+}
+
+Json Columns(const Json& table, const std::vector<const char*>& names) {
+  Json columns = Json::object();
+  for (const char* name : names) columns[name] = table.at(name);
+  return columns;
+}
+
+std::string LastPart(const std::string& folder) {
+  return std::filesystem::path(folder + "/").lexically_normal().parent_path().filename();
+}
+
+/// The last part of the folder, where no other run has the same.
+std::string NameOf(const RunRecord& run, const std::vector<RunRecord>& runs) {
+  const std::string name = LastPart(run.folder);
+  const auto n = std::count_if(runs.begin(), runs.end(), [&](const auto& r) { return LastPart(r.folder) == name; });
+  return n > 1 ? run.folder : name;
+}
+
+/// What others.js reads.
+Json OtherRun(const RunRecord& run, const std::string& name, const SE3& T_base_w) {
+  const Json data = Json::parse(viewer::DataOfReport(ReportOf(run)));
+  const Eigen::Matrix4d T = T_base_w.matrix();
+  Json transform = Json::array();
+  for (int i = 0; i < 16; ++i) transform.push_back(T(i / 4, i % 4));
+  return {{"label", name},
+          {"transform", transform},
+          {"frames", Columns(data.at("frames"), {"id", "state", "keyframe"})},
+          {"path", Columns(data.at("path"), {"p"})},
+          {"points", Columns(data.at("map").at("points"), {"p", "seen"})},
+          {"segments", Columns(data.at("map").at("segments"), {"pq", "seen"})}};
+}
+
+}  // namespace
+
+std::string JointMapPage(const std::vector<RunRecord>& runs) {
+  const RunRecord& base = runs.front();
+  const RunPaths base_paths = PathsOf(base);
+  Json others = Json::array();
+  for (size_t i = 1; i < runs.size() && others.size() < kMaxOthers; ++i) {
+    if (runs[i].played != base.played) continue;
+    try {
+      others.push_back(OtherRun(runs[i], NameOf(runs[i], runs), BaseFromOther(base_paths, PathsOf(runs[i]))));
+    } catch (const Json::exception&) {
+      throw std::runtime_error(runs[i].folder + "/report.html: has no map, or is of another version");
+    }
+  }
+  if (others.empty()) {
+    throw std::runtime_error(
+        fmt::format("no other run has played what {} has: there is no map to draw into its own", base.folder));
+  }
+  const Json json = {{"name", NameOf(base, runs)}, {"others", others}};
+  try {
+    return viewer::FillOtherRuns(ReportOf(base), json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(fmt::format("{}/report.html: {}", base.folder, error.what()));
+  }
+}
+
+}  // namespace plslam::evaluate

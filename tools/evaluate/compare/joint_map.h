@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/run_record.h"
+
+namespace plslam::evaluate {
+
+/// The report of the first run, with paths and landmarks of the others in its map, each in a colour of its own. The
+/// others are those of the same dataset, up to 6. Throws std::runtime_error where there is no other, or one of them
+/// has no report.html.
+std::string JointMapPage(const std::vector<RunRecord>& runs);
+
+}  // namespace plslam::evaluate

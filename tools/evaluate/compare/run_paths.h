@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "core/geometry/se3.h"
+#include "core/io/trajectories/trajectory.h"
+#include "tools/evaluate/run_record.h"
+
+namespace plslam::evaluate {
+
+/// The files that a run has written about where its camera was. The body is the left camera as calibrated.
+struct RunPaths {
+  Trajectory estimate;           ///< in w, the map of the run; not empty
+  Trajectory truth;              ///< empty where it is not known
+  std::optional<SE3> T_truth_w;  ///< joins both, where there is truth
+};
+
+/// nullopt where the trajectory is missing, empty or cannot be read.
+std::optional<RunPaths> ReadRunPaths(const RunRecord& run);
+
+/// From the map of `other` to that of `base`: through the truth where both know it, else by their own paths, else as
+/// if both had begun at one place.
+SE3 BaseFromOther(const RunPaths& base, const RunPaths& other);
+
+}  // namespace plslam::evaluate

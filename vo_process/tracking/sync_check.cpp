@@ -31,6 +31,9 @@ constexpr double kMemoryOfOthers = 0.1;
 // sigmas. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
 constexpr double kMinNoise = 0.3;
 constexpr int kSyncIterations = 3;
+// Of few points the errors that tracks have in common, of corners that slide along edges, say, do not average out:
+// the variances are multiplied by 1 + this / points.
+constexpr double kErrorsInCommon = 60.0;
 // To be believed: standard deviations, frames, and a share of the time between frames; a smaller one to be no longer
 // believed.
 constexpr double kMinDeviations = 10.0;
@@ -62,7 +65,7 @@ bool SyncCheck::Observe(const TrackedFrame& frame, double dt_s) {
   const auto moves = [dt_s](const Equation& e) { return std::abs(e.terms(kLate)) * dt_s > kMinFlow_px; };
   if (std::count_if(equations.begin(), equations.end(), moves) >= kMinMoving) {
     Learn(equations, dt_s);
-    Judge(equations, dt_s);
+    Decide(equations, dt_s);
   }
   return is_late_ != was_late;
 }
@@ -117,10 +120,11 @@ void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
   count_ = kMemory * count_ + static_cast<double>(equations.size());
 }
 
-void SyncCheck::Judge(const std::vector<Equation>& equations, double dt_s) {
+void SyncCheck::Decide(const std::vector<Equation>& equations, double dt_s) {
   const double noise = std::clamp(std::sqrt(squares_ / count_), kMinNoise, 1.0);
+  const double in_common = std::sqrt(1.0 + kErrorsInCommon / static_cast<double>(equations.size()));
   const Vector8d sigmas =
-      noise * information_.ldlt().solve(Matrix8d::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
+      noise * in_common * information_.ldlt().solve(Matrix8d::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto is_significant = [&](int i, double least_frames) {
     return n_frames_ >= kMinFrames && std::abs(solution_(i)) > least_frames * dt_s &&
            std::abs(solution_(i)) > kMinDeviations * sigmas(i);

@@ -96,7 +96,8 @@ class SyncCheck {
   std::vector<Equation> EquationsOf(const TrackedFrame& frame, double dt_s) const;
   void Learn(const std::vector<Equation>& equations, double dt_s);
   void Remember(const TrackedFrame& frame, double dt_s);
-  void Judge(const std::vector<Equation>& equations, double dt_s);
+  /// What is believed from now on.
+  void Decide(const std::vector<Equation>& equations, double dt_s);
 
   StereoCamera camera_;
   bool is_late_ = false;

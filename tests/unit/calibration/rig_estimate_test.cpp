@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr ImageSize kSize{640, 480};
+constexpr ImageSize kEstimateSize{640, 480};
 constexpr double kNoise_px = 0.1;
 
 Board Charuco() { return ParseBoard("charuco:11x8:0.03:0.022"); }
@@ -99,7 +99,7 @@ TEST_P(EveryLens, SixtyPosesGiveTheRigWithTrueSigmas) {
   const RigCalibration rig = test::KnownRig(GetParam());
   ChiSquare lens, pose, single, focal;
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 60, seed), kSize, GetParam());
+    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 60, seed), kEstimateSize, GetParam());
     EXPECT_NEAR(e.rig.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001);
     EXPECT_NEAR(e.noise_px, kNoise_px, 0.003);
     EXPECT_LT(e.baseline_sigma_m, 0.0001);
@@ -152,7 +152,7 @@ TEST(EstimateRig, RationalLensFarFromThePrior) {
   }
   ChiSquare lens;
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 40, seed), kSize, "rational");
+    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 40, seed), kEstimateSize, "rational");
     EXPECT_NEAR(e.rig.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001);
     EXPECT_NEAR(e.rig.left.fx_px / rig.left.fx_px, 1.0, 0.0005);
     for (const bool is_right : {false, true}) {
@@ -169,7 +169,7 @@ TEST(EstimateRig, RationalLensFarFromThePrior) {
 TEST(EstimateRig, MistakesAreNamed) {
   const RigCalibration rig = test::KnownRig("radtan");
   std::vector<BoardPair> pairs = Pairs(Charuco(), rig, 30, 7);
-  const auto error = [&] { return ErrorOf([&] { EstimateRig(Charuco(), pairs, kSize, "radtan"); }); };
+  const auto error = [&] { return ErrorOf([&] { EstimateRig(Charuco(), pairs, kEstimateSize, "radtan"); }); };
   std::vector<BoardPair> good = pairs;
   for (BoardPair& pair : pairs) std::swap(pair.left, pair.right);
   EXPECT_THAT(error(), HasSubstr("are exchanged"));
@@ -185,7 +185,7 @@ TEST(EstimateRig, AFewWrongPairsAndCornersAreLeftOut) {
   std::vector<BoardPair> pairs = Pairs(Charuco(), rig, 60, 8);
   std::swap(pairs[3].right, pairs[9].right);
   pairs[20].left.pixels[5].x() += 4.0;
-  const RigEstimate e = EstimateRig(Charuco(), pairs, kSize, "radtan");
+  const RigEstimate e = EstimateRig(Charuco(), pairs, kEstimateSize, "radtan");
   EXPECT_THAT(e.left_out_pairs, testing::ElementsAre("3", "9"));
   EXPECT_GE(e.left_out_corners, 1);
   EXPECT_LE(e.left_out_corners, 5);
@@ -197,7 +197,7 @@ TEST(ChoosePairs, AreThoseThatCoverTheImage) {
   std::vector<BoardPair> pairs(40, Pairs(Charuco(), rig, 1, 9).front());
   const std::vector<BoardPair> others = Pairs(Charuco(), rig, 10, 10);
   pairs.insert(pairs.end(), others.begin(), others.end());
-  const std::vector<int> chosen = ChoosePairs(pairs, kSize, 12);
+  const std::vector<int> chosen = ChoosePairs(pairs, kEstimateSize, 12);
   EXPECT_EQ(chosen.size(), 12U);
   EXPECT_GE(std::count_if(chosen.begin(), chosen.end(), [](int i) { return i >= 40; }), 8);
 }
@@ -209,8 +209,8 @@ TEST(Coverage, PictureAndWords) {
       if (x < 420 || y > 160) pixels.emplace_back(x, y);
     }
   }
-  EXPECT_THAT(EmptyRegions(pixels, kSize), testing::ElementsAre("upper right corner"));
-  const std::vector<std::string> picture = CoveragePicture(pixels, kSize);
+  EXPECT_THAT(EmptyRegions(pixels, kEstimateSize), testing::ElementsAre("upper right corner"));
+  const std::vector<std::string> picture = CoveragePicture(pixels, kEstimateSize);
   ASSERT_EQ(picture.size(), 12U);
   EXPECT_EQ(picture[0].substr(24), "        ");
   EXPECT_EQ(picture[0].find(' '), 21U);

@@ -127,6 +127,8 @@ TEST(SyncCheck, WorldsInStepAreLeftAlone) {
   for (const char* world : {"room", "street", "corridor", "whitewall"}) {
     EXPECT_EQ(LateIn(*OpenDataset(std::string("synthetic:") + world + "?frames=30", ""), 30), 0.0) << world;
   }
+  // Few points, most of them at edges of different depth.
+  EXPECT_EQ(LateIn(*OpenDataset("synthetic:whitewall?frames=45&seed=3", ""), 45), 0.0);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace {
 
 /// Frames whose poses are still believed to come, and poses that wait: seconds of a camera, and bounded.
 constexpr size_t kMostFrames = 256;
-constexpr std::chrono::milliseconds kPollTick{1000};
+constexpr std::chrono::milliseconds kTick{1000};
 
 std::optional<CameraPose> FromMessage(const pose_t& message) {
   const auto T_odom_c = bus::FromMessage(message.T_odom_c), T_w_odom = bus::FromMessage(message.T_w_odom),
@@ -59,7 +59,7 @@ void PoseSink::OnFrame(int64_t t_ns) {
 
 void PoseSink::Work() {
   while (!inbox_->stopped()) {
-    const auto taken = inbox_->Take(kPollTick);
+    const auto taken = inbox_->Take(kTick);
     if (!taken) continue;
     if (const auto message = bus::Decoded<pose_t>(taken->bytes)) Send(*message);
   }

@@ -100,7 +100,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
 
-ImageSize ResolutionOf(const YamlMap& yaml, const ImageSize& image_size) {
+ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
   if (!yaml.Has("resolution_px")) return image_size;
   const std::vector<double> size = yaml.Numbers("resolution_px", 2, 2);
   for (const double value : size) {
@@ -115,7 +115,7 @@ CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam", "mask",
                   "mask_polygons", "borders_px"});
   CameraCalibration camera;
-  const ImageSize size = ResolutionOf(yaml, image_size);
+  const ImageSize size = Resolution(yaml, image_size);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   if (yaml.Has("model")) camera.model = yaml.Text("model");

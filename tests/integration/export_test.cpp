@@ -18,7 +18,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-constexpr const char* kExportWorld = "synthetic:room?frames=40&size=376x240";
+constexpr const char* kWorld = "synthetic:room?frames=40&size=376x240";
 
 std::string Program(const std::string& name) { return (BinaryFolder() / name).string(); }
 
@@ -27,7 +27,7 @@ std::string Quoted(const std::filesystem::path& path) { return fmt::format("'{}'
 /// A short run that left its map in its folder.
 class RunWithMap {
  public:
-  RunWithMap() { exit_code_ = run_.Run({"run", kExportWorld, "--save-map", (run_.out() / "map.plmap").string()}); }
+  RunWithMap() { exit_code_ = run_.Run({"run", kWorld, "--save-map", (run_.out() / "map.plmap").string()}); }
 
   bool ok() const { return exit_code_ == 0 && std::filesystem::exists(run_.out() / "map.plmap"); }
   const WholeRun& run() const { return run_; }
@@ -45,7 +45,7 @@ TEST(ExportOfARun, OpensInColmapAtTheErrorThatMappingReached) {
   const ScratchFolder folder;
   const std::string source = Quoted(made.out());
   const auto exported = Shell(folder, fmt::format("{} export {} --dataset '{}' --out {}", Program("plslam"), source,
-                                                  kExportWorld, folder.Path("to")));
+                                                  kWorld, folder.Path("to")));
   ASSERT_EQ(exported.exit_code, 0) << exported.error;
   const auto keyframes = made.run().Summary()["map"]["keyframes"].get<int>();
   EXPECT_THAT(exported.out, HasSubstr(fmt::format("{0} of {0} rectified images", keyframes)));
@@ -87,8 +87,8 @@ TEST(FiguresOfARun, AllOfThemAsPictureAndDrawing) {
 
 TEST(ComparisonOfRuns, FromTheirFoldersToAPage) {
   WholeRun points, both;
-  ASSERT_EQ(points.Run({"run", kExportWorld, "--features", "points"}), 0) << points.Logs();
-  ASSERT_EQ(both.Run({"run", kExportWorld}), 0) << both.Logs();
+  ASSERT_EQ(points.Run({"run", kWorld, "--features", "points"}), 0) << points.Logs();
+  ASSERT_EQ(both.Run({"run", kWorld}), 0) << both.Logs();
   const ScratchFolder folder;
   const std::string compare =
       fmt::format("{} compare {} {}", Program("evaluate"), Quoted(points.out()), Quoted(both.out()));

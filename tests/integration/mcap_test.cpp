@@ -20,14 +20,14 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-constexpr const char* kMcapWorld = "synthetic:room?frames=40&size=376x240";
+constexpr const char* kWorld = "synthetic:room?frames=40&size=376x240";
 
 /// One run with its map, exported once, for all tests here.
 class McapOfARun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     run_ = std::make_unique<WholeRun>();
-    exit_code_ = run_->Run({"run", kMcapWorld, "--save-map", (run_->out() / "map.plmap").string()});
+    exit_code_ = run_->Run({"run", kWorld, "--save-map", (run_->out() / "map.plmap").string()});
   }
   static void TearDownTestSuite() { run_.reset(); }
 
@@ -66,7 +66,7 @@ json Topic(const std::string& type, int n) { return {{"type", type}, {"n", n}}; 
 
 TEST_F(McapOfARun, IsReadByTheFormatsOwnLibraries) {
   if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
-  const ShellResult exported = Export(fmt::format("'{}' --dataset '{}'", out().string(), kMcapWorld));
+  const ShellResult exported = Export(fmt::format("'{}' --dataset '{}'", out().string(), kWorld));
   ASSERT_EQ(exported.exit_code, 0) << exported.error;
   EXPECT_THAT(exported.out, HasSubstr("run.mcap: 40 frames, 40 images, the map"));
   const json layout = json::parse(ReadText(folder().Path("to/foxglove_layout.json")), nullptr, false);
@@ -92,7 +92,7 @@ TEST_F(McapOfARun, IsReadByTheFormatsOwnLibraries) {
   for (const auto& [topic, settings] : layout["configById"]["3D!plslam"]["topics"].items()) {
     EXPECT_TRUE(topics.contains(topic)) << "the layout shows a topic that is not written: " << topic;
   }
-  const auto rig = OpenDataset(kMcapWorld, "")->rig().left;
+  const auto rig = OpenDataset(kWorld, "")->rig().left;
   EXPECT_EQ(read["camera"]["k"], json({rig.fx_px, 0, rig.cx_px, 0, rig.fy_px, rig.cy_px, 0, 0, 1}));
   EXPECT_EQ(read["camera"]["model"], "plumb_bob");
   EXPECT_EQ(read["camera"]["size"], json({376, 240}));

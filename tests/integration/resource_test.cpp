@@ -23,7 +23,7 @@ using test::RunWatcher;
 using test::WholeRun;
 using testing::HasSubstr;
 
-const std::string kResourceWorld = "synthetic:room?size=160x120&frames=40";
+const std::string kWorld = "synthetic:room?size=160x120&frames=40";
 const std::string kLongWorld = "synthetic:room?size=376x240&frames=400";
 
 std::vector<std::string> HalfWritten(const fs::path& folder) {
@@ -58,7 +58,7 @@ TEST(Resources, FullDiskUnderTheOutputsIsOneSentenceAndNothingHalfWritten) {
       disk, 96,
       fmt::format(
           "{} run '{}' --out '{}' --overlay-every 1 --max-restarts 1; code=\\$?; cp -r '{}' '{}'; exit \\$code",
-          Plslam(), kResourceWorld, disk.string(), disk.string(), found.string()));
+          Plslam(), kWorld, disk.string(), disk.string(), found.string()));
   if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
   const std::string log = ReadFile(run.folder() / "disk.sh.log");
   EXPECT_EQ(*code, 1) << log;
@@ -76,7 +76,7 @@ void ExpectNoFilm(int kib, int filled_kib) {
       disk, kib,
       fmt::format("(dd if=/dev/zero of='{0}/full' bs=1k count={1}; {2} run '{3}' --out '{4}' --video '{0}/film.mp4'; "
                   "code=\\$?; cp -r '{0}' '{5}'; exit \\$code)",
-                  disk.string(), filled_kib, Plslam(), kResourceWorld, run.out().string(), found.string()));
+                  disk.string(), filled_kib, Plslam(), kWorld, run.out().string(), found.string()));
   if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
   const std::string log = ReadFile(run.folder() / "disk.sh.log") + run.Logs();
   EXPECT_EQ(*code, 1) << log;
@@ -97,7 +97,7 @@ TEST(Resources, FullDiskUnderTheMapIsTheReasonThatIsTold) {
   const auto code = OnASmallDisk(
       disk, 16,
       fmt::format("{} run '{}' --out '{}' --save-map '{}/room.plmap'; code=\\$?; cp -r '{}' '{}'; exit \\$code",
-                  Plslam(), kResourceWorld, run.out().string(), disk.string(), disk.string(), found.string()));
+                  Plslam(), kWorld, run.out().string(), disk.string(), disk.string(), found.string()));
   if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
   const std::string log = ReadFile(run.folder() / "disk.sh.log");
   EXPECT_EQ(*code, 1) << log;
@@ -134,7 +134,7 @@ TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
   const auto code =
       OnASmallDisk(disk, 64,
                    fmt::format("{} run '{}' --out '{}' --set bus.history_dir='{}' --set bus.history_bytes=200000",
-                               Plslam(), kResourceWorld, run.out().string(), disk.string()));
+                               Plslam(), kWorld, run.out().string(), disk.string()));
   if (!code) GTEST_SKIP() << "no file system of its own may be mounted here";
   EXPECT_EQ(*code, 0) << ReadFile(run.folder() / "disk.sh.log");
   EXPECT_EQ(run.Summary()["tracked_frames"], 40);
@@ -142,13 +142,13 @@ TEST(Resources, FullDiskUnderTheHistoryEndsNothing) {
 
 TEST(Resources, FoldersThatCannotBeWrittenAreNamed) {
   WholeRun history, out;
-  EXPECT_EQ(history.Run({"run", kResourceWorld, "--set", "bus.history_dir=/proc/nowhere"}), 1);
+  EXPECT_EQ(history.Run({"run", kWorld, "--set", "bus.history_dir=/proc/nowhere"}), 1);
   EXPECT_THAT(history.Logs(), HasSubstr("bus.history_dir: /proc/nowhere is no folder that can be written to"));
   const fs::path file = out.folder() / "a file";
   std::ofstream(file) << "in the way";
   const std::string log = (out.folder() / "log").string();
-  launcher::ChildProcess child(test::BinaryFolder() / "plslam",
-                               {"run", kResourceWorld, "--out", (file / "out").string()}, log);
+  launcher::ChildProcess child(test::BinaryFolder() / "plslam", {"run", kWorld, "--out", (file / "out").string()},
+                               log);
   std::optional<launcher::ChildExit> end;
   ASSERT_TRUE(WholeRun::WaitFor([&] {
     end = child.Poll();
@@ -182,7 +182,7 @@ TEST(Resources, InterruptBeforeAllAreReady) {
 TEST(Resources, InterruptWhileTheLastKeyframesAreSettled) {
   WholeRun run;
   const RunWatcher watcher;
-  run.Start({"run", kResourceWorld, "--url", watcher.url()});
+  run.Start({"run", kWorld, "--url", watcher.url()});
   ASSERT_TRUE(watcher.WaitForFrame(39)) << run.Logs();
   run.process().Signal(SIGINT);
   EXPECT_EQ(run.Wait(60), 0) << run.Logs();

@@ -16,17 +16,17 @@ namespace plslam::evaluate {
 namespace {
 
 using nlohmann::json;
-using Number = std::optional<double>;
+using Value = std::optional<double>;
 
 /// The number at a path of names ("accuracy/ate_m"); nullopt where there is none.
-Number At(const json& summary, const std::string& path) {
+Value At(const json& summary, const std::string& path) {
   const json::json_pointer pointer("/" + path);
   if (!summary.contains(pointer) || !summary[pointer].is_number()) return std::nullopt;
   return summary[pointer].get<double>();
 }
 
 /// Of the benchmark's lengths; of short ones where the path has none of those.
-Number TRel(const json& s) {
+Value TRel(const json& s) {
   for (const char* part : {"accuracy/kitti/", "accuracy/kitti_short/"}) {
     if (At(s, std::string(part) + "segments").value_or(0.0) > 0.0) return At(s, std::string(part) + "t_rel_percent");
   }
@@ -37,16 +37,16 @@ Number TRel(const json& s) {
 bool IsUntracked(const json& s) { return At(s, "accuracy/poses/associated").value_or(1.0) <= 0.0; }
 
 // Zero in summaries of older versions where nothing was tracked.
-Number Ate(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy/ate_m"); }
-Number LiveAte(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy_live_ate_m"); }
+Value Ate(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy/ate_m"); }
+Value LiveAte(const json& s) { return IsUntracked(s) ? std::nullopt : At(s, "accuracy_live_ate_m"); }
 
-Number KeyframeRmse(const json& s) {
+Value KeyframeRmse(const json& s) {
   if (At(s, "accuracy/keyframes/moving").value_or(0.0) <= 0.0) return std::nullopt;
   return At(s, "accuracy/keyframes/relative_rmse");
 }
 
-Number TrackedShare(const json& s) {
-  const Number frames = At(s, "frames"), tracked = At(s, "tracked_frames");
+Value TrackedShare(const json& s) {
+  const Value frames = At(s, "frames"), tracked = At(s, "tracked_frames");
   if (!frames || !tracked) return std::nullopt;
   // `frames` are those with a pose message. Older runs do not tell how many there were in all.
   const double all =
@@ -55,8 +55,8 @@ Number TrackedShare(const json& s) {
   return TrackedPercent(*tracked, all);
 }
 
-Number SumOverProcesses(const json& s, const char* name) {
-  Number sum;
+Value SumOverProcesses(const json& s, const char* name) {
+  Value sum;
   const json processes = s.value("processes", json::object());
   for (const auto& [process, report] : processes.items()) {
     if (report.contains(name) && report[name].is_number()) sum = sum.value_or(0.0) + report[name].get<double>();
@@ -66,7 +66,7 @@ Number SumOverProcesses(const json& s, const char* name) {
 
 struct MetricRow {
   Metric metric;
-  Number (*read)(const json& summary);
+  Value (*read)(const json& summary);
 };
 
 const std::vector<MetricRow>& Rows() {

@@ -10,7 +10,7 @@ namespace plslam::manual {
 namespace {
 
 /// Text as troff prints it: backslashes and hyphens as they are, no line taken for a request.
-std::string EscapedForRoff(const std::string& text) {
+std::string Escaped(const std::string& text) {
   std::string out;
   for (const char c : text) {
     if (c == '\\') {
@@ -31,9 +31,9 @@ std::string Upper(std::string text) {
 
 void AppendEntries(const std::vector<HelpEntry>& entries, std::string* out) {
   for (const HelpEntry& entry : entries) {
-    *out += fmt::format(".TP\n\\fB{}\\fR", EscapedForRoff(fmt::format("{}", fmt::join(entry.names, ", "))));
-    if (entry.TakesValue()) *out += fmt::format(" \\fI{}\\fR", EscapedForRoff(entry.value));
-    *out += fmt::format("\n{}\n", entry.meaning.empty() ? "\\&" : EscapedForRoff(entry.meaning));
+    *out += fmt::format(".TP\n\\fB{}\\fR", Escaped(fmt::format("{}", fmt::join(entry.names, ", "))));
+    if (entry.TakesValue()) *out += fmt::format(" \\fI{}\\fR", Escaped(entry.value));
+    *out += fmt::format("\n{}\n", entry.meaning.empty() ? "\\&" : Escaped(entry.meaning));
   }
 }
 
@@ -42,16 +42,16 @@ void AppendVerbatim(const std::string& text, std::string* out) {
   *out += ".PP\n.nf\n";
   std::istringstream lines(text);
   for (std::string line; std::getline(lines, line);)
-    *out += fmt::format("{}\n", line.empty() ? "\\&" : EscapedForRoff(line));
+    *out += fmt::format("{}\n", line.empty() ? "\\&" : Escaped(line));
   *out += ".fi\n";
 }
 
 void AppendSynopsis(const HelpPage& page, std::string* out) {
-  *out += fmt::format(".PP\n\\fB{}\\fR {}\n", EscapedForRoff(page.command), EscapedForRoff(page.usage));
+  *out += fmt::format(".PP\n\\fB{}\\fR {}\n", Escaped(page.command), Escaped(page.usage));
 }
 
 void AppendCommand(const HelpPage& page, std::string* out) {
-  *out += fmt::format(".SS {}\n{}\n", EscapedForRoff(page.command), EscapedForRoff(page.purpose));
+  *out += fmt::format(".SS {}\n{}\n", Escaped(page.command), Escaped(page.purpose));
   AppendSynopsis(page, out);
   AppendEntries(page.arguments, out);
   AppendEntries(page.options, out);
@@ -68,9 +68,9 @@ constexpr char kExitStatus[] =
 std::string ManualPage(const std::vector<HelpPage>& pages, const std::string& version,
                        const std::vector<std::string>& programs) {
   const HelpPage& own = pages[0];
-  std::string out = fmt::format(".TH {} 1 \"\" \"plslam {}\" \"plslam\"\n", EscapedForRoff(Upper(own.command)),
-                                EscapedForRoff(version));
-  out += fmt::format(".SH NAME\n{} \\- {}\n", EscapedForRoff(own.command), EscapedForRoff(own.purpose));
+  std::string out =
+      fmt::format(".TH {} 1 \"\" \"plslam {}\" \"plslam\"\n", Escaped(Upper(own.command)), Escaped(version));
+  out += fmt::format(".SH NAME\n{} \\- {}\n", Escaped(own.command), Escaped(own.purpose));
   out += ".SH SYNOPSIS\n";
   for (const HelpPage& page : pages) AppendSynopsis(page, &out);
   out += ".SH OPTIONS\n";
@@ -87,7 +87,7 @@ std::string ManualPage(const std::vector<HelpPage>& pages, const std::string& ve
   std::string others;
   for (const std::string& program : programs) {
     if (program != own.command)
-      others += fmt::format("{}\\fB{}\\fR(1)", others.empty() ? "" : ", ", EscapedForRoff(program));
+      others += fmt::format("{}\\fB{}\\fR(1)", others.empty() ? "" : ", ", Escaped(program));
   }
   return out + others + "\n";
 }

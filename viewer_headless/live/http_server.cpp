@@ -78,8 +78,6 @@ HttpResponse Answer(MHD_Connection* connection, const char* url, const char* met
   }
 }
 
-}  // namespace
-
 /// Cuts connections that take too long, which libmicrohttpd lets live as long as a byte comes now and then.
 class DeadlineWatch {
  public:
@@ -133,6 +131,8 @@ class DeadlineWatch {
   bool stopping_ = false;
   std::thread thread_;
 };
+
+}  // namespace
 
 struct HttpServer::Impl {
   Handler handler;

@@ -23,7 +23,7 @@ constexpr double kMaxSlantTravel = 1.5;
 constexpr size_t kPatchPlaces = static_cast<size_t>(kRow) * kSide;
 using PatchRow = Eigen::Array<float, kRow, 1>;
 /// The columns of a patch; the idle one takes what the last takes.
-const PatchRow kPatchColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
+const PatchRow kColumns = PatchRow::LinSpaced(0.0F, kSide).min(kSide - 1);
 
 /// Derivatives of the left patch by shift, row offset and slopes; orthogonal to a constant and to the patch itself,
 /// so that offset and gain of brightness drop out.
@@ -34,13 +34,13 @@ struct SlantTemplate {
   Eigen::Matrix4d hessian;
 };
 
-SlantTemplate MakeSlantTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
+SlantTemplate MakeTemplate(const cv::Mat& image, const Eigen::Vector2i& center) {
   const PatchGradients patch = ReadGradients(image, center);
   SlantTemplate t;
   t.pixels = patch.pixels;
   t.derivatives[0] = patch.grad_u;
   t.derivatives[1] = patch.grad_v;
-  t.derivatives[2] = patch.grad_u.colwise() * (kPatchColumns - kHalf);
+  t.derivatives[2] = patch.grad_u.colwise() * (kColumns - kHalf);
   for (int y = 0; y < kSide; ++y) t.derivatives[3].col(y) = patch.grad_u.col(y) * static_cast<float>(y - kHalf);
   RemoveMean(t.pixels);
   const float energy = Dot(t.pixels, t.pixels);
@@ -86,7 +86,7 @@ bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Ve
     if (v0 < 0 || v0 + 1 >= image.rows || u0 < 0 || u0 + reach >= image.cols) return false;
     rows[y] = image.ptr<uint8_t>(v0) + u0;
     fv[y] = static_cast<float>(v - v0);
-    places.col(y) = static_cast<float>(u - u0) + step * kPatchColumns;
+    places.col(y) = static_cast<float>(u - u0) + step * kColumns;
   }
   std::array<int32_t, kPatchPlaces> columns;
   Patch fractions;
@@ -114,7 +114,7 @@ bool Sample(const cv::Mat& image, const Eigen::Vector2i& center, const Eigen::Ve
 std::optional<SlantedAlignment> RefineSlanted(const HalvedPair::Level& level, const Eigen::Vector2i& center,
                                               const Eigen::Vector2d& off_center, const Eigen::Vector2d& shift,
                                               const RowPrior& row) {
-  const SlantTemplate t = MakeSlantTemplate(level.left, center);
+  const SlantTemplate t = MakeTemplate(level.left, center);
   Eigen::Vector4d warp(shift.x(), shift.y(), 0.0, 0.0);
   const Eigen::Vector4d place(1.0, 0.0, off_center.x(), off_center.y());
   const Eigen::Vector4d expected(0.0, row.offset_px, 0.0, 0.0);

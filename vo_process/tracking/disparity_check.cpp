@@ -20,10 +20,10 @@ constexpr double kShareLeft = 0.5;
 constexpr size_t kMinPoints = 20;
 // Most new landmarks are not seen again: they say nothing of how long a stretch is.
 constexpr int kMinAge = 1;
-constexpr int kCheckIterations = 3;
+constexpr int kIterations = 3;
 // Of three residuals in their own sigmas.
-constexpr double kCheckHuber = 2.5;
-constexpr double kMaxCheckDeviation = 5.0;
+constexpr double kHuber = 2.5;
+constexpr double kMaxDeviation = 5.0;
 // How large an error is expected to be: less bound than that of the calibration, for one that is too large to show as
 // such.
 constexpr double kPriorSigma_px = 0.3;
@@ -163,8 +163,8 @@ bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b
   const double norm = by_disparity.squaredNorm();
   const double along = by_disparity.dot(residual);
   const double deviation = std::sqrt(std::max(0.0, residual.squaredNorm() - along * along / norm));
-  if (!(deviation < kMaxCheckDeviation)) return false;
-  const double weight = 1.0 / std::max(1.0, deviation / kCheckHuber);
+  if (!(deviation < kMaxDeviation)) return false;
+  const double weight = 1.0 / std::max(1.0, deviation / kHuber);
   const Eigen::Matrix<double, 9, 1> cross = by_all.transpose() * by_disparity;
   normal.leftCols<9>() += weight * (by_all.transpose() * by_all - cross * cross.transpose() / norm);
   normal.col(9) += weight * (by_all.transpose() * residual - cross * (along / norm));
@@ -189,7 +189,7 @@ void DisparityCheck::Learn(SE3 T_now_before, std::vector<Seen> points) {
     disparities.push_back(point.disparity_px);
   }
   const double median_px = Median(disparities);
-  for (int i = 0; i < kCheckIterations; ++i) {
+  for (int i = 0; i < kIterations; ++i) {
     Normal normal = Normal::Zero();
     for (Seen& point : points) Linearise(T_now_before, b, point, normal);
     Evidence all = all_;

@@ -29,8 +29,8 @@ constexpr double kContradiction_px = 3.0;
 constexpr double kContradictionSigmas = 4.0;
 // How far a feature of a body may be from where it was, or would be if it stood.
 constexpr double kSearchRadius_px = 40.0;
-constexpr double kBodyRansacInlier_px = 3.0;
-constexpr uint64_t kBodyRansacSeed = 1;
+constexpr double kRansacInlier_px = 3.0;
+constexpr uint64_t kRansacSeed = 1;
 // Features of the world are given to a body where so many times as many around them are the body's.
 constexpr int kSurroundedTimes = 3;
 // Frames out of view after which what is near by creates landmarks of the world again, and after which a body is
@@ -294,12 +294,12 @@ std::optional<Alignment> MovingBodies::FindSecond(const SE3& T_odom_prev, const 
   if (matches.Weight() < kMinWeight) return std::nullopt;
   const auto T_c_odom = EstimatePoseRansac(candidates.points.Observations(matches.points, rest.frame),
                                            candidates.lines.Observations(matches.lines, rest.frame), camera_,
-                                           kMinWeight, kBodyRansacInlier_px, kBodyRansacSeed, Neighbourhood{});
+                                           kMinWeight, kRansacInlier_px, kRansacSeed, Neighbourhood{});
   if (!T_c_odom) return std::nullopt;
   const SE3 T_odom_c = T_c_odom->Inverse();
   const FrameMatches guided = Contradicting(
       candidates, rest.frame,
-      aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kBodyRansacInlier_px, 0}), found.T_odom_c);
+      aligner_.MatchByProjection(candidates, rest.frame, T_odom_c, {2.0 * kRansacInlier_px, 0}), found.T_odom_c);
   auto second = aligner_.Estimate(candidates, rest.frame, guided, T_odom_c, std::nullopt);
   if (!second || second->matches.Weight() < kMinWeight ||
       second->matches.Weight() < kMinInlierRatio * guided.Weight()) {

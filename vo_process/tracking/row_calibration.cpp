@@ -51,7 +51,7 @@ namespace {
 // Change from frame to frame: of warmth, and of what the model leaves out as the view changes.
 constexpr double kRowDrift_px = 0.005;
 // And from one run to another.
-constexpr double kRowsBetweenRuns_px = 0.1;
+constexpr double kBetweenRuns_px = 0.1;
 // Matches of a frame that tell something, and that tell whether rows differ.
 constexpr size_t kEnoughToBegin = 20;
 constexpr size_t kEnough = 50;
@@ -87,7 +87,7 @@ void RowCalibration::Begin(const SelfCalibration::Rows& learned) {
   if (!options_.enabled) return;
   state_ = learned.offsets_px;
   covariance_ = learned.covariance_px2;
-  covariance_.diagonal().array() += kRowsBetweenRuns_px * kRowsBetweenRuns_px;
+  covariance_.diagonal().array() += kBetweenRuns_px * kBetweenRuns_px;
   used_ = has_learned_ = true;
   // As if it had been compared, and had shown to be worth it; what comes says more.
   n_compared_ = 1;

@@ -16,7 +16,7 @@ namespace {
 constexpr double kMinFlow_px = 1.0;
 constexpr int kMinMoving = 20;
 // What is expected: of the mean of the rows, of the shape of the field, and, in frames, of lateness and unevenness.
-constexpr double kSyncShiftSigma_px = 5.0;
+constexpr double kShiftSigma_px = 5.0;
 constexpr double kShapeSigma_px = 1.0;
 constexpr double kLateSigma_frames = 1.0;
 constexpr double kUnevenSigma_frames = 0.1;
@@ -30,7 +30,7 @@ constexpr double kMemoryOfOthers = 0.1;
 // Residuals that are smaller than expected make the result surer, but not beyond this share of the standard
 // sigmas. Larger ones are of wrong matches, which are many as long as matches are not looked for where they are.
 constexpr double kMinNoise = 0.3;
-constexpr int kSyncIterations = 3;
+constexpr int kIterations = 3;
 // Of few points the errors that tracks have in common, of corners that slide along edges, say, do not average out:
 // the variances are multiplied by 1 + this / points.
 constexpr double kErrorsInCommon = 60.0;
@@ -93,7 +93,7 @@ std::vector<SyncCheck::Equation> SyncCheck::EquationsOf(const TrackedFrame& fram
 void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
   if (n_frames_ == 0) {
     Vector8d sigmas;
-    sigmas << kSyncShiftSigma_px, Eigen::Matrix<double, 5, 1>::Constant(kShapeSigma_px), kLateSigma_frames * dt_s,
+    sigmas << kShiftSigma_px, Eigen::Matrix<double, 5, 1>::Constant(kShapeSigma_px), kLateSigma_frames * dt_s,
         kUnevenSigma_frames * dt_s;
     information_ = sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
   }
@@ -102,7 +102,7 @@ void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
   const Matrix8d before = kMemory * information_;
   const Vector8d vector_before = kMemory * vector_;
   double squares = 0.0;
-  for (int iteration = 0; iteration < kSyncIterations; ++iteration) {
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
     information_ = before;
     vector_ = vector_before;
     squares = 0.0;

@@ -84,7 +84,7 @@ std::string Joined(const std::vector<std::string>& names) {
   return text;
 }
 
-std::string BoundText(double value) {
+std::string Shown(double value) {
   std::string text = std::to_string(value);
   text.erase(text.find_last_not_of('0') + 1);
   return text.back() == '.' ? text.substr(0, text.size() - 1) : text;
@@ -103,8 +103,8 @@ double ParseNumber(const NumericOption& option, const std::string& value) {
   const bool inside = whole && number >= option.bounds.low && number <= option.bounds.high;  // false for NaN
   if (!inside || (option.whole && static_cast<double>(static_cast<int64_t>(number)) != number)) {
     throw DatasetError("synthetic: option " + std::string(option.name) + "='" + value.substr(0, 40) + "' must be a " +
-                       (option.whole ? "whole number" : "number") + " from " + BoundText(option.bounds.low) + " to " +
-                       BoundText(option.bounds.high));
+                       (option.whole ? "whole number" : "number") + " from " + Shown(option.bounds.low) + " to " +
+                       Shown(option.bounds.high));
   }
   return number;
 }

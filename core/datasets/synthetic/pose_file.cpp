@@ -15,7 +15,7 @@ namespace {
 
 constexpr size_t kMaxPoses = 1000000;
 
-struct FileLine {
+struct Line {
   const std::string& path;
   int number;
   [[noreturn]] void Fail(const std::string& reason) const {
@@ -23,7 +23,7 @@ struct FileLine {
   }
 };
 
-std::vector<double> Numbers(const FileLine& line, const std::string& text) {
+std::vector<double> Numbers(const Line& line, const std::string& text) {
   std::vector<double> numbers;
   const char* at = text.data();
   const char* end = at + text.size();
@@ -45,7 +45,7 @@ std::vector<double> Numbers(const FileLine& line, const std::string& text) {
   }
 }
 
-SE3 PoseOfTum(const FileLine& line, const std::vector<double>& n) {
+SE3 PoseOfTum(const Line& line, const std::vector<double>& n) {
   const Eigen::Quaterniond q(n[7], n[4], n[5], n[6]);
   if (std::abs(q.norm() - 1.0) > 0.01) {
     line.Fail("the quaternion has length " + std::to_string(q.norm()) + ", not 1");
@@ -53,7 +53,7 @@ SE3 PoseOfTum(const FileLine& line, const std::vector<double>& n) {
   return {q, Eigen::Vector3d(n[1], n[2], n[3])};
 }
 
-SE3 PoseOfKitti(const FileLine& line, const std::vector<double>& n) {
+SE3 PoseOfKitti(const Line& line, const std::vector<double>& n) {
   Eigen::Matrix3d R;
   R << n[0], n[1], n[2], n[4], n[5], n[6], n[8], n[9], n[10];
   const double error = (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
@@ -63,7 +63,7 @@ SE3 PoseOfKitti(const FileLine& line, const std::vector<double>& n) {
   return {R, Eigen::Vector3d(n[3], n[7], n[11])};
 }
 
-void AddPose(const FileLine& line, const std::vector<double>& numbers, size_t columns, FilePoses& out) {
+void AddPose(const Line& line, const std::vector<double>& numbers, size_t columns, FilePoses& out) {
   if (numbers.size() != columns || (columns != 8 && columns != 12)) {
     line.Fail("has " + std::to_string(numbers.size()) +
               " numbers; a pose has 8 (TUM) or 12 (KITTI), the same on every line");
@@ -96,7 +96,7 @@ FilePoses ReadPoses(const std::string& path) {
   size_t columns = 0;
   std::string text;
   for (int number = 1; std::getline(file, text); ++number) {
-    const FileLine line{path, number};
+    const Line line{path, number};
     if (text.empty() || text[0] == '#' || text[0] == '\r') {
       continue;
     }

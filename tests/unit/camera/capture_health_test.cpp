@@ -6,12 +6,12 @@
 namespace plslam::camera {
 namespace {
 
-constexpr int64_t kCaptureMs_ns = 1'000'000;
+constexpr int64_t kMs = 1'000'000;
 
 cv::Mat Image(int grey) { return {48, 64, CV_8UC1, cv::Scalar(grey)}; }
 
 CapturedPair PairAt(int64_t left_ms, int64_t right_ms, int grey = 100) {
-  return {{left_ms * kCaptureMs_ns, Image(grey)}, {right_ms * kCaptureMs_ns, Image(100)}};
+  return {{left_ms * kMs, Image(grey)}, {right_ms * kMs, Image(100)}};
 }
 
 TEST(CaptureHealth, RateAndSkewAreThoseOfTheLastSeconds) {

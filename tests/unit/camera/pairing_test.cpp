@@ -15,19 +15,19 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::Pair;
 
-constexpr int64_t kMs_ns = 1'000'000;
+constexpr int64_t kMs = 1'000'000;
 
 using Pairs = std::vector<std::pair<int64_t, int64_t>>;
 
 /// Times in ms of the pairs that are sure.
 Pairs Sure(Pairing* pairing) {
   Pairs pairs;
-  while (const auto pair = pairing->Pop()) pairs.emplace_back(pair->left.t_ns / kMs_ns, pair->right.t_ns / kMs_ns);
+  while (const auto pair = pairing->Pop()) pairs.emplace_back(pair->left.t_ns / kMs, pair->right.t_ns / kMs);
   return pairs;
 }
 
 void Add(Pairing* pairing, Side side, const std::vector<int64_t>& times_ms) {
-  for (const int64_t t_ms : times_ms) pairing->Add(side, {t_ms * kMs_ns, {}});
+  for (const int64_t t_ms : times_ms) pairing->Add(side, {t_ms * kMs, {}});
 }
 
 /// All that come of whole streams.
@@ -48,26 +48,26 @@ TEST(Pairing, SameTimesAreAPairAtOnce) {
 }
 
 TEST(Pairing, ImagesWithoutAPartnerAreDroppedAndCounted) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   EXPECT_THAT(All(&pairing, {0, 50, 150}, {2, 103, 153, 204}), ElementsAre(Pair(0, 2), Pair(150, 153)));
   EXPECT_EQ(pairing.dropped(Side::kLeft), 1);
   EXPECT_EQ(pairing.dropped(Side::kRight), 1);
 }
 
 TEST(Pairing, TheSkewMayBeAsLargeAsTheLimitAndNoLarger) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   EXPECT_THAT(All(&pairing, {0, 50}, {5, 56}), ElementsAre(Pair(0, 5)));
 }
 
 TEST(Pairing, NearestPartnerIsTaken) {
-  Pairing pairing(30 * kMs_ns);
+  Pairing pairing(30 * kMs);
   // 20 is nearer to 18 than 0 is; 40 to 41.
   EXPECT_THAT(All(&pairing, {0, 20, 40}, {18, 41}), ElementsAre(Pair(20, 18), Pair(40, 41)));
   EXPECT_EQ(pairing.dropped(Side::kLeft), 0) << "that was before the first pair";
 }
 
 TEST(Pairing, OfFilesANextImageMayAlwaysBeNearer) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0, 50});
   Add(&pairing, Side::kRight, {0, 54});
   EXPECT_THAT(Sure(&pairing), ElementsAre(Pair(0, 0)));
@@ -78,7 +78,7 @@ TEST(Pairing, OfFilesANextImageMayAlwaysBeNearer) {
 }
 
 TEST(Pairing, LiveTheFirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
-  Pairing pairing(5 * kMs_ns, true);
+  Pairing pairing(5 * kMs, true);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});
   EXPECT_THAT(Sure(&pairing), IsEmpty()) << "a left image at 4 would be nearer";
@@ -89,7 +89,7 @@ TEST(Pairing, LiveTheFirstPairWaitsUntilTheRateIsKnownAndLaterOnesDoNot) {
 }
 
 TEST(Pairing, EndOfACameraMakesItsLastImageSure) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   Add(&pairing, Side::kLeft, {0});
   Add(&pairing, Side::kRight, {3});
   EXPECT_TRUE(pairing.End(Side::kLeft));
@@ -98,14 +98,14 @@ TEST(Pairing, EndOfACameraMakesItsLastImageSure) {
 }
 
 TEST(Pairing, TimesThatGoBackAreDropped) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   EXPECT_THAT(All(&pairing, {0, 50, 40, 50, 100}, {0, 50, 100}),
               ElementsAre(Pair(0, 0), Pair(50, 50), Pair(100, 100)));
   EXPECT_EQ(pairing.dropped(Side::kLeft), 2);
 }
 
 TEST(Pairing, CameraAloneDoesNotFillTheMemory) {
-  Pairing pairing(5 * kMs_ns);
+  Pairing pairing(5 * kMs);
   Add(&pairing, Side::kRight, {-50});
   Add(&pairing, Side::kLeft, {-50});
   EXPECT_EQ(Sure(&pairing).size(), 1U);
@@ -128,7 +128,7 @@ TEST(Pairing, TurnsInWhichImagesComeChangeNothing) {
     if (random() % 10 != 0) left.push_back(t_ms(4));
     if (random() % 10 != 0) right.push_back(t_ms(9));
   }
-  Pairing whole(6 * kMs_ns);
+  Pairing whole(6 * kMs);
   Pairs expected;
   for (size_t i = 0; i < std::max(left.size(), right.size()); ++i) {
     if (i < left.size()) Add(&whole, Side::kLeft, {left[i]});
@@ -139,7 +139,7 @@ TEST(Pairing, TurnsInWhichImagesComeChangeNothing) {
   EXPECT_GT(expected.size(), 100U);
   for (const auto& [l, r] : expected) EXPECT_LE(std::abs(l - r), 6);
   for (int trial = 0; trial < 20; ++trial) {
-    Pairing pairing(6 * kMs_ns);
+    Pairing pairing(6 * kMs);
     Pairs pairs;
     for (size_t l = 0, r = 0; l < left.size() || r < right.size();) {
       // Neither is ever far ahead, as it is of cameras.

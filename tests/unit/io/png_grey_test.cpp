@@ -15,7 +15,7 @@
 namespace plslam {
 namespace {
 
-std::span<const uint8_t> PngBytes(const std::string& text) {
+std::span<const uint8_t> BytesOf(const std::string& text) {
   return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
 }
 
@@ -100,7 +100,7 @@ TEST(GreyPng, IsForEightBitsOfGreyAlone) {
     const bool is_plain =
         kind.colour_type == PNG_COLOR_TYPE_GRAY && kind.bits == 8 && !kind.interlaced && !kind.transparent_colour;
     const std::string file = test::MakePng(kind, 7);
-    EXPECT_EQ(DecodeGreyPng(PngBytes(file), {kind.width_px, kind.height_px}).has_value(), is_plain) << kind.Name();
+    EXPECT_EQ(DecodeGreyPng(BytesOf(file), {kind.width_px, kind.height_px}).has_value(), is_plain) << kind.Name();
   }
 }
 
@@ -108,14 +108,14 @@ TEST(GreyPng, LeavesEveryDamagedFileToLibpng) {
   cv::Mat image(40, 61, CV_8UC1);
   cv::RNG(3).fill(image, cv::RNG::UNIFORM, 0, 256);
   const std::string whole = EncodePng(image, 6);
-  ASSERT_TRUE(DecodeGreyPng(PngBytes(whole), image.size()));
+  ASSERT_TRUE(DecodeGreyPng(BytesOf(whole), image.size()));
   for (size_t i = 0; i < whole.size(); ++i) {
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
-    EXPECT_FALSE(DecodeGreyPng(PngBytes(damaged), image.size())) << "byte " << i;
-    EXPECT_FALSE(DecodeGreyPng(PngBytes(whole.substr(0, i)), image.size())) << "cut off after " << i;
+    EXPECT_FALSE(DecodeGreyPng(BytesOf(damaged), image.size())) << "byte " << i;
+    EXPECT_FALSE(DecodeGreyPng(BytesOf(whole.substr(0, i)), image.size())) << "cut off after " << i;
   }
-  EXPECT_FALSE(DecodeGreyPng(PngBytes(whole), {61, 41}));
+  EXPECT_FALSE(DecodeGreyPng(BytesOf(whole), {61, 41}));
 }
 
 }  // namespace

@@ -111,9 +111,9 @@ TEST_F(TopNodeTest, LetsNoCursorMoveAndNoBytesBreakTheJson) {
   const BusLoad load = TakeWith(1);
   ASSERT_EQ(load.processes.size(), 1U);
   EXPECT_THAT(ToText(load), HasSubstr("a?[2Jb"));
-  const auto answer = nlohmann::json::parse(ToJson(load));
-  EXPECT_EQ(answer["processes"][0]["process"], "vo");
-  EXPECT_TRUE(answer["processes"][0]["rate_hz"].is_null());
+  const auto json = nlohmann::json::parse(ToJson(load));
+  EXPECT_EQ(json["processes"][0]["process"], "vo");
+  EXPECT_TRUE(json["processes"][0]["rate_hz"].is_null());
 }
 
 TEST_F(TopNodeTest, PassesOverAStatusThatIsDamaged) {

@@ -10,14 +10,14 @@
 namespace plslam::mapping {
 namespace {
 
-SE3 PoseAt(double x_m, double yaw_rad) {
+SE3 At(double x_m, double yaw_rad) {
   Vector6d twist;
   twist << 0.0, 0.0, 0.0, 0.0, yaw_rad, 0.0;
   return SE3(SE3::Exp(twist).rotation(), {x_m, 0.3 * x_m, 0.0});
 }
 
 /// Keyframes 0 to 9, a metre from one to the next.
-SE3 PoseOfKeyframe(int64_t id) { return PoseAt(static_cast<double>(id), 0.1 * static_cast<double>(id)); }
+SE3 PoseOf(int64_t id) { return At(static_cast<double>(id), 0.1 * static_cast<double>(id)); }
 
 Map MapWithout(const std::vector<int64_t>& culled) {
   Map map;
@@ -26,7 +26,7 @@ Map MapWithout(const std::vector<int64_t>& culled) {
     keyframe.id = id;
     keyframe.session = 5;
     keyframe.session_keyframe_id = 2 * id;
-    keyframe.T_w_kf = PoseOfKeyframe(id);
+    keyframe.T_w_kf = PoseOf(id);
     if (std::find(culled.begin(), culled.end(), id) == culled.end()) map.Put(keyframe);
   }
   return map;
@@ -37,20 +37,18 @@ LoopClosure Loop() {
   LoopClosure closure;
   closure.kind = LoopClosure::Kind::kLoop;
   for (int64_t id = 0; id < 10; ++id) {
-    closure.poses.push_back({id, PoseOfKeyframe(id)});
+    closure.poses.push_back({id, PoseOf(id)});
     closure.names.push_back({id, 5, 2 * id});
   }
   Matrix6d covariance = 1e-4 * Matrix6d::Identity();
   covariance(0, 0) = 4e-4;
-  closure.edges.push_back(
-      {2, 7, PoseOfKeyframe(2).Inverse() * PoseOfKeyframe(7) * PoseAt(0.01, 0.0), covariance, 80, 9});
+  closure.edges.push_back({2, 7, PoseOf(2).Inverse() * PoseOf(7) * At(0.01, 0.0), covariance, 80, 9});
   return closure;
 }
 
 /// How far the edge is off from how its keyframes lie.
 SE3 ErrorOf(const LoopEdge& edge) {
-  return (PoseOfKeyframe(edge.old_keyframe_id).Inverse() * PoseOfKeyframe(edge.keyframe_id)).Inverse() *
-         edge.T_old_kf;
+  return (PoseOf(edge.old_keyframe_id).Inverse() * PoseOf(edge.keyframe_id)).Inverse() * edge.T_old_kf;
 }
 
 TEST(LoopEdges, BetweenKeyframesOfTheMapStayAsTheyAre) {

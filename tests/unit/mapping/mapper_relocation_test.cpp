@@ -18,8 +18,8 @@ using test::WalkOptions;
 
 constexpr int kTracking = 1;
 constexpr int kRecovered = 4;
-constexpr double kLapRadius_m = 6.0;
-constexpr int kKeyframesOfLap = 75;
+constexpr double kRadius_m = 6.0;
+constexpr int kRound = 75;
 
 /// Where trackers are found again in a ring.
 class Relocation : public testing::Test {
@@ -67,8 +67,8 @@ class Relocation : public testing::Test {
     return most_m;
   }
 
-  FeatureWorld world_ = test::MakeRing(kLapRadius_m, 500, 120, 3);
-  std::vector<SE3> path_ = test::RingPath(kLapRadius_m, 0.5, kKeyframesOfLap + 20);
+  FeatureWorld world_ = test::MakeRing(kRadius_m, 500, 120, 3);
+  std::vector<SE3> path_ = test::RingPath(kRadius_m, 0.5, kRound + 20);
   const SE3 T_wrong_{ExpSO3(Eigen::Vector3d(0.2, -1.0, 0.3)), Eigen::Vector3d(2.0, -1.0, 3.0)};
   Mapper mapper_{FeatureWorld::Camera(), MappingOptions()};
   std::string reason_;
@@ -159,7 +159,7 @@ TEST_F(Relocation, ClaimsThatFitNowhereMoveNothing) {
 TEST_F(Relocation, AFalseLandmarkDoesNotTieAKeyframeToAnotherPlace) {
   const Walk walk = Session(7, 0, 12);
   ASSERT_NO_FATAL_FAILURE(Insert(walk));
-  const FeatureWorld elsewhere = test::MakeRing(kLapRadius_m, 500, 120, 99);
+  const FeatureWorld elsewhere = test::MakeRing(kRadius_m, 500, 120, 99);
   Keyframe next = test::MakeKeyframe(&walk.keyframes.back(), walk.keyframes.back().T_odom_kf * T_wrong_,
                                      elsewhere.Observe(path_[40], 0.4, 99));
   next.state = kRecovered;

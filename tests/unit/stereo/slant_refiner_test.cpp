@@ -79,18 +79,18 @@ SlantErrors AlignAll(const DisparityPlane& plane, const Align& align) {
   return errors;
 }
 
-struct SlantedPair {
+struct Pair {
   cv::Mat left;
   cv::Mat right;
   HalvedPair halved;
 
-  SlantedPair(const DisparityPlane& plane, double noise, double softness)
+  Pair(const DisparityPlane& plane, double noise, double softness)
       : left(test::RenderTexture(kSlantedWidth, kSlantedHeight, {.noise = noise, .noise_seed = 1}, 3, softness)),
         right(RenderRight(plane, {.noise = noise, .noise_seed = 2}, 3, softness)),
         halved(left, right) {}
 };
 
-SlantErrors WithSlant(const DisparityPlane& plane, const SlantedPair& pair) {
+SlantErrors WithSlant(const DisparityPlane& plane, const Pair& pair) {
   const HalvedPair::Level& level = pair.halved.LevelFor(1.0);
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const Eigen::Vector2i center(static_cast<int>(std::lround(px.x())), static_cast<int>(std::lround(px.y())));
@@ -103,7 +103,7 @@ SlantErrors WithSlant(const DisparityPlane& plane, const SlantedPair& pair) {
 
 /// The slow twin without slant: the shift of least squared difference (means removed, no gain), by a search over
 /// sixteenths of a pixel.
-SlantErrors WithoutSlant(const DisparityPlane& plane, const SlantedPair& pair) {
+SlantErrors WithoutSlant(const DisparityPlane& plane, const Pair& pair) {
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const int u = static_cast<int>(std::lround(px.x()));
     const int v = static_cast<int>(std::lround(px.y()));
@@ -140,7 +140,7 @@ class RefineSlantedOn : public testing::TestWithParam<SlantedSurface> {};
 
 TEST_P(RefineSlantedOn, IsUnbiasedAndSeveralTimesMoreAccurateThanOneShift) {
   const DisparityPlane& plane = GetParam().plane;
-  const SlantedPair pair(plane, 0.0, 1.5);
+  const Pair pair(plane, 0.0, 1.5);
   const SlantErrors with = WithSlant(plane, pair);
   const SlantErrors without = WithoutSlant(plane, pair);
   const std::string figures = "found " + std::to_string(with.Found()) + ", mean " + std::to_string(with.Mean()) +
@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, RefineSlantedOn,
 TEST(RefineSlanted, SurfacesParallelToTheImagesStayAsGood) {
   for (const double disparity : {20.0, 20.25, 31.8}) {
     const DisparityPlane plane{disparity, 0.0, 0.0};
-    const SlantErrors with = WithSlant(plane, SlantedPair(plane, 0.0, 1.0));
+    const SlantErrors with = WithSlant(plane, Pair(plane, 0.0, 1.0));
     EXPECT_GT(with.Found(), 0.9) << disparity;
     EXPECT_LT(with.Rms(), 0.03) << disparity;
   }
@@ -172,7 +172,7 @@ TEST(RefineSlanted, SurfacesParallelToTheImagesStayAsGood) {
 
 TEST(RefineSlanted, SlopesBeyondReasonAndWrongStartsAreRefusedOrRight) {
   const DisparityPlane steep{40.0, 0.0, 0.95};
-  const SlantErrors e = WithSlant(steep, SlantedPair(steep, 0.0, 1.5));
+  const SlantErrors e = WithSlant(steep, Pair(steep, 0.0, 1.5));
   EXPECT_LT(e.Found(), 0.5) << "rms " << e.Rms();
 }
 
@@ -196,7 +196,7 @@ TEST(RefineSlanted, OutsideTheImageAndWithoutTextureThereIsNothing) {
 }
 
 // As the front end calls it: the aligner takes slant into account where the disparity is large.
-SlantErrors AlignedByPatchAligner(const DisparityPlane& plane, const SlantedPair& pair) {
+SlantErrors AlignedByPatchAligner(const DisparityPlane& plane, const Pair& pair) {
   const PatchAligner aligner(pair.halved, 0.3);
   return AlignAll(plane, [&](const Eigen::Vector2d& px, double truth) -> std::optional<std::pair<double, double>> {
     const auto found = aligner.Align(px, 1.0, truth + 0.8);
@@ -209,7 +209,7 @@ TEST(PatchAlignerOnSlant, NormalisedErrorsAreAboutOne) {
   for (const DisparityPlane& plane :
        {DisparityPlane{40.0, 0.0, 0.3}, DisparityPlane{45.0, 0.2, 0.0}, DisparityPlane{30.0, 0.0, 0.0}}) {
     for (const double noise : {2.0, 5.0}) {
-      const SlantErrors e = AlignedByPatchAligner(plane, SlantedPair(plane, noise, 2.0));
+      const SlantErrors e = AlignedByPatchAligner(plane, Pair(plane, noise, 2.0));
       const std::string figures = "noise " + std::to_string(noise) + ", found " + std::to_string(e.Found()) +
                                   ", mean " + std::to_string(e.Mean()) + ", rms " + std::to_string(e.Rms());
       EXPECT_GT(e.Found(), 0.5) << figures;
@@ -222,7 +222,7 @@ TEST(PatchAlignerOnSlant, NormalisedErrorsAreAboutOne) {
 
 TEST(PatchAlignerOnSlant, CleanRoadsAndWallsAreWithinTheModelError) {
   for (const DisparityPlane& plane : {DisparityPlane{40.0, 0.0, 0.3}, DisparityPlane{45.0, 0.2, 0.0}}) {
-    const SlantErrors e = AlignedByPatchAligner(plane, SlantedPair(plane, 0.0, 1.5));
+    const SlantErrors e = AlignedByPatchAligner(plane, Pair(plane, 0.0, 1.5));
     EXPECT_GT(e.Found(), 0.9);
     EXPECT_LT(std::abs(e.Mean()), 0.01) << e.Mean();
     EXPECT_LT(e.Rms(), 0.06) << e.Rms();

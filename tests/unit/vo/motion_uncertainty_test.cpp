@@ -8,7 +8,7 @@
 namespace plslam::vo {
 namespace {
 
-constexpr int64_t kUncertainSession = 7;
+constexpr int64_t kSession = 7;
 
 Matrix6d Claimed() {
   Vector6d sigma;
@@ -23,7 +23,7 @@ Map MovedMap(double factor, int keyframes) {
   const SE3 step = SE3::Exp((Vector6d() << 0.0, 0.0, 0.3, 0.0, 0.02, 0.0).finished());
   Map map;
   MapKeyframe keyframe;
-  keyframe.session = kUncertainSession;
+  keyframe.session = kSession;
   keyframe.T_prevkf_kf = step;
   for (int i = 0; i < keyframes; ++i) {
     Vector6d x;
@@ -39,7 +39,7 @@ Map MovedMap(double factor, int keyframes) {
   return map;
 }
 
-double LearnedScale(double factor, int64_t session = kUncertainSession) {
+double LearnedScale(double factor, int64_t session = kSession) {
   MotionUncertainty uncertainty;
   uncertainty.Learn(MovedMap(factor, 40), session);
   return uncertainty.variance_scale();
@@ -58,7 +58,7 @@ TEST(MotionUncertainty, IsBounded) {
   EXPECT_GE(LearnedScale(0.0), 0.04);
 }
 
-TEST(MotionUncertainty, LearnsNothingOfOtherSessions) { EXPECT_EQ(LearnedScale(3.0, kUncertainSession + 1), 1.0); }
+TEST(MotionUncertainty, LearnsNothingOfOtherSessions) { EXPECT_EQ(LearnedScale(3.0, kSession + 1), 1.0); }
 
 TEST(MotionUncertainty, OneMotionThatTheMapContradictsIsNotTheMean) {
   Map map = MovedMap(0.5, 40);
@@ -66,13 +66,13 @@ TEST(MotionUncertainty, OneMotionThatTheMapContradictsIsNotTheMean) {
   keyframe.T_w_kf = keyframe.T_w_kf * SE3::Exp(Vector6d::Constant(1.0));
   map.Put(keyframe);
   MotionUncertainty uncertainty;
-  uncertainty.Learn(map, kUncertainSession);
+  uncertainty.Learn(map, kSession);
   EXPECT_LT(uncertainty.variance_scale(), 2.0);
 }
 
 TEST(MotionUncertainty, WhereAdjustmentMovesLessThanClaimedNoDriftIsAdded) {
   MotionUncertainty uncertainty;
-  uncertainty.Learn(MovedMap(0.3, 40), kUncertainSession);
+  uncertainty.Learn(MovedMap(0.3, 40), kSession);
   const Matrix6d covariance = uncertainty.Of(kStep, Claimed(), true);
   EXPECT_LT((covariance - uncertainty.variance_scale() * Claimed()).norm(), 1e-15);
 }
@@ -80,7 +80,7 @@ TEST(MotionUncertainty, WhereAdjustmentMovesLessThanClaimedNoDriftIsAdded) {
 // Over twenty frames, added up as independent, the drift alone is half a percent of the way.
 TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercentOfTheWay) {
   MotionUncertainty uncertainty;
-  uncertainty.Learn(MovedMap(3.0, 40), kUncertainSession);
+  uncertainty.Learn(MovedMap(3.0, 40), kSession);
   Matrix6d sum = Matrix6d::Zero();
   for (int i = 0; i < 20; ++i) sum = ComposeCovariance(sum, kStep, uncertainty.Of(kStep, Matrix6d::Zero(), true));
   EXPECT_NEAR(std::sqrt(sum(2, 2)), 0.005 * 2.0, 1e-6);
@@ -88,7 +88,7 @@ TEST(MotionUncertainty, DriftOverTwentyFramesIsHalfAPercentOfTheWay) {
 
 TEST(MotionUncertainty, WhatWasNotMeasuredIsNeverMadeMoreCertain) {
   MotionUncertainty uncertainty;
-  uncertainty.Learn(MovedMap(0.0, 40), kUncertainSession);
+  uncertainty.Learn(MovedMap(0.0, 40), kSession);
   EXPECT_EQ(uncertainty.Of(kStep, Claimed(), false), Claimed());
 }
 

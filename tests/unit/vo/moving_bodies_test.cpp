@@ -20,7 +20,7 @@ using test::FeatureWorld;
 using test::kFrame_ns;
 using test::PathAt;
 
-constexpr double kBodyNoise_px = 0.3;
+constexpr double kNoise_px = 0.3;
 
 /// A box full of points, 1.6 x 1.2 x 0.5 m around a place.
 FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eigen::Vector3d::Zero()) {
@@ -35,17 +35,17 @@ FeatureWorld Box(int points, uint64_t seed, const Eigen::Vector3d& middle = Eige
 }
 
 /// Points and lines of the world, and a box in front of them whose features come last.
-struct BodyScene {
+struct Scene {
   FeatureWorld world{{250, 40}, 3};
   FeatureWorld box = Box(150, 4);
 
   /// `T_w_b`: pose of the box; null: it is not there.
   StereoFeatures See(const SE3& T_w_c, const SE3* T_w_b, int frame) {
     const auto seed = static_cast<uint64_t>(frame);
-    StereoFeatures features = world.Observe(T_w_c, kBodyNoise_px, seed);
+    StereoFeatures features = world.Observe(T_w_c, kNoise_px, seed);
     n_world_points = features.points.size();
     if (T_w_b == nullptr) return features;
-    const StereoFeatures on_box = box.Observe(T_w_b->Inverse() * T_w_c, kBodyNoise_px, seed + 1000);
+    const StereoFeatures on_box = box.Observe(T_w_b->Inverse() * T_w_c, kNoise_px, seed + 1000);
     features.points.insert(features.points.end(), on_box.points.begin(), on_box.points.end());
     return features;
   }
@@ -68,7 +68,7 @@ Shares NamedOnBody(const OdometryResult& result, size_t n_world_points) {
   return {share(middle, result.point_tracks.end()), share(result.point_tracks.begin(), middle)};
 }
 
-double ErrorWithBodies(const OdometryResult& result, int frame) {
+double PositionError(const OdometryResult& result, int frame) {
   return (result.T_odom_c.translation() - (PathAt(0).Inverse() * PathAt(frame)).translation()).norm();
 }
 
@@ -76,7 +76,7 @@ double ErrorWithBodies(const OdometryResult& result, int frame) {
 SE3 AheadBy(double metres) { return PathAt(0) * SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(metres, 0.1, 3.0)); }
 
 TEST(MovingBodies, NothingMovesInAWorldThatStands) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 40; ++i) {
     const SE3 T_w_b = AheadBy(0.0);
@@ -88,13 +88,13 @@ TEST(MovingBodies, NothingMovesInAWorldThatStands) {
 }
 
 TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 50; ++i) {
     const SE3 T_w_b = AheadBy(-3.0 + 0.1 * i);  // 2 m/s
     const OdometryResult result = odometry.Track(i * kFrame_ns, scene.See(PathAt(i), &T_w_b, i));
     EXPECT_EQ(result.state, TrackingState::kTracking) << "frame " << i;
-    EXPECT_LT(ErrorWithBodies(result, i), 0.02) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.02) << "frame " << i;
     if (i < 25 || i > 35) continue;
     const Shares named = NamedOnBody(result, scene.n_world_points);
     EXPECT_GT(named.of_box, 0.9) << "frame " << i;
@@ -105,7 +105,7 @@ TEST(MovingBodies, OneThatComesIntoViewIsToldApart) {
 }
 
 TEST(MovingBodies, TheirPathIsKnown) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   std::optional<SE3> T_body_b;
   int seen = 0;
@@ -128,7 +128,7 @@ TEST(MovingBodies, TheirPathIsKnown) {
 
 // While nothing of the world is seen, the box is not taken for it, nor afterwards.
 TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 45; ++i) {
     const SE3 T_w_b = AheadBy(-2.6 + 0.1 * i);
@@ -145,7 +145,7 @@ TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
       EXPECT_EQ(result.state, TrackingState::kLost) << "frame " << i;
     } else {
       EXPECT_NE(result.state, TrackingState::kLost) << "frame " << i;
-      EXPECT_LT(ErrorWithBodies(result, i), 0.02) << "frame " << i;
+      EXPECT_LT(PositionError(result, i), 0.02) << "frame " << i;
     }
     if (i < 20 || i > 38) continue;
     EXPECT_GT(NamedOnBody(result, scene.n_world_points).of_box, 0.8) << "frame " << i;
@@ -156,7 +156,7 @@ TEST(MovingBodies, GoOnWhileTheCameraIsLost) {
 
 // Two boxes of one size from the first frame on, one of which stands: nobody can tell which.
 TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
-  BodyScene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
+  Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 8; ++i) {
     const SE3 T_w_b = AheadBy(0.6 + 0.2 * i);
@@ -171,25 +171,25 @@ TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
 
 // A rear and a front with nothing between, too far apart to be found as one.
 TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
-  BodyScene scene;
+  Scene scene;
   const FeatureWorld front = Box(150, 5, {2.2, 0.0, 1.0});
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   for (int i = 0; i < 60; ++i) {
     const SE3 T_w_b = AheadBy(-4.5 + 0.1 * i);
     StereoFeatures features = scene.See(PathAt(i), &T_w_b, i);
     const StereoFeatures more =
-        front.Observe(T_w_b.Inverse() * PathAt(i), kBodyNoise_px, 2000 + static_cast<uint64_t>(i));
+        front.Observe(T_w_b.Inverse() * PathAt(i), kNoise_px, 2000 + static_cast<uint64_t>(i));
     features.points.insert(features.points.end(), more.points.begin(), more.points.end());
     const OdometryResult result = odometry.Track(i * kFrame_ns, std::move(features));
     EXPECT_LE(result.n_bodies, 1) << "frame " << i;
-    EXPECT_LT(ErrorWithBodies(result, i), 0.02) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.02) << "frame " << i;
   }
 }
 
 // A box takes nearly all of the view: what is left of the world agrees with the motion so far and is not enough to
 // tell it.
 TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
-  BodyScene scene{{{120, 20}, 3}, Box(200, 4)};
+  Scene scene{{{120, 20}, 3}, Box(200, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   int weak = 0;
   for (int i = 0; i < 40; ++i) {
@@ -203,14 +203,14 @@ TEST(MovingBodies, WhereTheWorldIsHiddenTheFrameIsWeak) {
     }
     const OdometryResult result = odometry.Track(i * kFrame_ns, std::move(features));
     EXPECT_NE(result.state, TrackingState::kLost) << "frame " << i;
-    EXPECT_LT(ErrorWithBodies(result, i), 0.05) << "frame " << i;
+    EXPECT_LT(PositionError(result, i), 0.05) << "frame " << i;
     if (i >= 31 && result.state == TrackingState::kWeak) ++weak;
   }
   EXPECT_EQ(weak, 9);
 }
 
 TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   size_t withdrawn = 0;
   for (int i = 0; i < 60; ++i) {
@@ -226,7 +226,7 @@ TEST(MovingBodies, KeyframesAreOfTheWorldAndTakeBackWhatWasNot) {
 
 TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
   // From the first frame on a box that moves with the camera has most of the features, in a small part of the image.
-  BodyScene scene{{{90, 15}, 3}, Box(400, 4)};
+  Scene scene{{{90, 15}, 3}, Box(400, 4)};
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   const SE3 T_c_b(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.0, 0.0, 2.5));
   const auto path = [](int frame) {
@@ -244,7 +244,7 @@ TEST(MovingBodies, MoreFeaturesDoNotMakeItTheWorld) {
 }
 
 TEST(MovingBodies, OneThatStandsForAWhileIsTheWorldAgain) {
-  BodyScene scene;
+  Scene scene;
   Odometry odometry(FeatureWorld::Camera(), VoOptions());
   const auto path = [](int frame) {
     return SE3(Eigen::Matrix3d::Identity(), Eigen::Vector3d(0.03 * frame, 0.0, 0.0));

@@ -13,7 +13,7 @@ namespace {
 const Ink kLandmark{178, 178, 178};
 const Ink kLandmarkLine{120, 120, 120};
 constexpr size_t kMostPoints = 20000;
-constexpr double kTopViewLegend_pt = 22.0;
+constexpr double kLegendLine_pt = 22.0;
 /// A path that climbs by more than this share of its length or width is seen from the side.
 constexpr double kUpright = 0.75;
 /// A path is called longer than wide from here on.
@@ -34,7 +34,7 @@ Eigen::Vector3d ExtentAlong(const Eigen::Matrix3d& axes, const std::vector<Eigen
 Plan Begin(const std::string& title, const std::vector<LegendEntry>& legend,
            const std::vector<Eigen::Vector2d>& around, Drawing& drawing) {
   AddTitle(drawing, title);
-  const double top = AddLegend(drawing, {2.0, kTopViewLegend_pt}, kColumn_pt - 4.0, legend);
+  const double top = AddLegend(drawing, {2.0, kLegendLine_pt}, kColumn_pt - 4.0, legend);
   Plan plan = PlanAround(around, top + 6.0);
   drawing.size = {kColumn_pt, plan.height_pt};
   return plan;

@@ -141,11 +141,12 @@ std::string BodiesCsv(const Recorder& recorder, const Map& map) {
   std::string text = "session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n";
   const auto out = std::back_inserter(text);
   const FinalPoses final_poses(map, recorder);
-  for (const auto& [frame_id, bodies] : recorder.bodies()) {
+  for (const auto& [frame_id, seen] : recorder.bodies()) {
     const auto frame = recorder.frames().find(frame_id);
-    if (frame == recorder.frames().end() || !HasPose(frame->second)) continue;
+    if (frame == recorder.frames().end() || !HasPose(frame->second) || frame->second.session != seen.session)
+      continue;
     const SE3 T_w_c = final_poses(frame_id, frame->second);
-    for (const BodyRecord& body : bodies) {
+    for (const BodyRecord& body : seen.bodies) {
       const SE3 T_w_body = T_w_c * body.T_c_body;
       const Eigen::Vector3d& t = T_w_body.translation();
       const Eigen::Quaterniond& q = T_w_body.rotation();

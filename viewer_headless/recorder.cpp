@@ -92,11 +92,12 @@ bool Recorder::AddTruth(int64_t frame_id, const TruthRecord& truth) {
   return true;
 }
 
-bool Recorder::AddBodies(int64_t frame_id, const std::vector<BodyRecord>& bodies) {
+bool Recorder::AddBodies(int64_t frame_id, BodiesOfFrame seen) {
+  const std::vector<BodyRecord>& bodies = seen.bodies;
   const bool finite = std::all_of(bodies.begin(), bodies.end(),
                                   [](const BodyRecord& body) { return body.id >= 0 && body.T_c_body.IsFinite(); });
   if (frame_id < 0 || !finite || bodies.size() > kMaxBodiesOfFrame || bodies_.size() >= kMaxFrames) return false;
-  bodies_[frame_id] = bodies;
+  bodies_[frame_id] = std::move(seen);
   return true;
 }
 

@@ -78,6 +78,11 @@ struct BodyRecord {
   int32_t n_features = 0;
 };
 
+struct BodiesOfFrame {
+  int64_t session = 0;
+  std::vector<BodyRecord> bodies;
+};
+
 struct TruthRecord {
   int64_t t_ns = 0;
   SE3 T_w_l;
@@ -91,7 +96,7 @@ class Recorder {
   /// False where it is refused.
   bool AddPose(const FramePose& pose);
   bool AddTruth(int64_t frame_id, const TruthRecord& truth);
-  bool AddBodies(int64_t frame_id, const std::vector<BodyRecord>& bodies);
+  bool AddBodies(int64_t frame_id, BodiesOfFrame seen);
   /// The stream has ended after `n_frames` frames; `n_bad` could not be read.
   void SetEnd(int64_t n_frames, int64_t n_bad = 0) {
     n_frames_ = n_frames;
@@ -111,7 +116,7 @@ class Recorder {
   const std::map<int64_t, FrameRecord>& frames() const { return frames_; }
   const std::map<int64_t, TruthRecord>& truth() const { return truth_; }
   /// By frame.
-  const std::map<int64_t, std::vector<BodyRecord>>& bodies() const { return bodies_; }
+  const std::map<int64_t, BodiesOfFrame>& bodies() const { return bodies_; }
   const std::vector<std::string>& stage_names() const { return stage_names_; }
   int64_t keyframes() const { return keyframes_; }
   /// What became of the frames so far. Those sent and not answered count once the run `is_over`: before that they are
@@ -124,7 +129,7 @@ class Recorder {
 
   std::map<int64_t, FrameRecord> frames_;
   std::map<int64_t, TruthRecord> truth_;
-  std::map<int64_t, std::vector<BodyRecord>> bodies_;
+  std::map<int64_t, BodiesOfFrame> bodies_;
   std::vector<std::string> stage_names_;
   std::optional<int64_t> n_frames_;
   int64_t keyframes_ = 0;

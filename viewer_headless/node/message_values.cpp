@@ -28,14 +28,14 @@ std::optional<FramePose> ToFramePose(const pose_t& message) {
   return pose;
 }
 
-std::optional<std::vector<BodyRecord>> ToBodyRecords(const bodies_t& message) {
-  std::vector<BodyRecord> bodies;
+std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message) {
+  BodiesOfFrame seen{message.header.session, {}};
   for (const body_t& body : message.bodies) {
     const std::optional<SE3> T_c_body = bus::FromMessage(body.T_c_body);
     if (!T_c_body) return std::nullopt;
-    bodies.push_back({body.id, *T_c_body, body.n_features});
+    seen.bodies.push_back({body.id, *T_c_body, body.n_features});
   }
-  return bodies;
+  return seen;
 }
 
 OverlayFeatures ToOverlayFeatures(const tracks_t& message) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "plslam/bodies_t.hpp"
 #include "plslam/pose_t.hpp"
@@ -16,7 +15,7 @@ namespace plslam::viewer {
 
 /// Messages as the plain values of this folder; nullopt where poses or covariances are none.
 std::optional<FramePose> ToFramePose(const pose_t& message);
-std::optional<std::vector<BodyRecord>> ToBodyRecords(const bodies_t& message);
+std::optional<BodiesOfFrame> ToBodiesOfFrame(const bodies_t& message);
 OverlayFeatures ToOverlayFeatures(const tracks_t& message);
 /// Heard at `t_s` by the listener's clock, when `frame_id` was the newest frame.
 ProcessSample ToProcessSample(const status_t& message, double t_s, int64_t frame_id);

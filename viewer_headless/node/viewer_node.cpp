@@ -75,8 +75,8 @@ void ViewerNode::Subscribe() {
     quiet_ticks_ = 0;
   });
   bus.Subscribe<bodies_t>(bus::kBodies, [this](const bodies_t& m) {
-    const auto bodies = ToBodyRecords(m);
-    if (!bodies || !recorder_.AddBodies(m.frame_id, *bodies)) return Reject();
+    const std::optional<BodiesOfFrame> seen = ToBodiesOfFrame(m);
+    if (!seen || !recorder_.AddBodies(m.frame_id, *seen)) return Reject();
     dirty_ = true;
     quiet_ticks_ = 0;
   });

@@ -45,7 +45,7 @@ constexpr double kShownMotion_px = 2.0;
 constexpr double kStandingMotion_px = 0.7;
 // In how many cells of the image features must be seen that agree on an expected motion.
 constexpr int kMinCells = 4;
-constexpr double kMoreSpread = 1.5;
+constexpr double kMoreSpread = 2.25;
 // What a choice by spread alone is confirmed by, and in how many frames.
 constexpr double kClearlyMoreSpread = 3.0;
 constexpr int kDoubtfulFrames = 5;
@@ -104,8 +104,9 @@ bool MovingBodies::AnyIsThere() const {
   return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.IsThere(); });
 }
 
-std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                                          LocalLandmarks& world, TrackedFrame& frame, Alignment& found) {
+std::optional<RivalMotion> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPrediction& prediction,
+                                                  double dt_s, LocalLandmarks& world, TrackedFrame& frame,
+                                                  Alignment& found) {
   Claims claims = Follow(dt_s, frame, found.matches);
   // Where nothing says how the camera moves, after a long gap, say, a second motion proves little; but of the first
   // pair of frames the one that is found may be a body's.
@@ -124,7 +125,7 @@ std::optional<SE3> MovingBodies::Separate(const SE3& T_odom_prev, const MotionPr
   }
   NameFeatures(places, found.matches, frame);
   FoundOnBodies(world, frame);
-  std::optional<SE3> rival = FindRival(found.matches, frame);
+  std::optional<RivalMotion> rival = FindRival(found.matches, frame);
   LetStandingGo(T_odom_prev, found.T_odom_c, world, frame);
   return rival;
 }
@@ -138,8 +139,10 @@ void MovingBodies::SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFram
   FoundOnBodies(world, frame);
 }
 
-void MovingBodies::FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFrame& frame) {
+void MovingBodies::FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame) {
   if (!AnyIsThere()) return;
+  const auto may_be_world = [](const Body& body) { return body.IsThere() && body.doubtful_frames > 0; };
+  if (n_lost > kMaxUnseenFrames || std::any_of(bodies_.begin(), bodies_.end(), may_be_world)) return Forget();
   const FrameMatches none;
   Follow(dt_s, frame, none);
   NameFeatures(AllPlaces(none, frame), none, frame);
@@ -147,12 +150,13 @@ void MovingBodies::FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFr
 }
 
 // A body's frame was that of odometry when the choice was made.
-std::optional<SE3> MovingBodies::FindRival(const FrameMatches& of_world, const TrackedFrame& frame) {
-  std::optional<SE3> rival;
+std::optional<RivalMotion> MovingBodies::FindRival(const FrameMatches& of_world, const TrackedFrame& frame) {
+  std::optional<RivalMotion> rival;
   for (size_t k = 0; k < kMaxBodies; ++k) {
     Body& body = bodies_[k];
-    if (!body.IsThere() || body.unseen_frames > 0 || body.doubtful_frames == 0) continue;
-    rival = body.T_b_c;
+    if (!body.IsThere() || body.doubtful_frames == 0) continue;
+    rival = RivalMotion{body.T_b_c, T_b_prev_[k].Inverse() * body.T_b_c};
+    if (body.unseen_frames > 0) continue;
     const int of_body = SpreadOf(matches_[k], frame, camera_).Score();
     if (SpreadOf(of_world, frame, camera_).Score() > kClearlyMoreSpread * of_body) --body.doubtful_frames;
   }
@@ -224,8 +228,13 @@ void MovingBodies::JoinParts(size_t first, size_t second, const TrackedFrame& fr
   if (!Join(static_cast<int>(large), T_b_prev_[small], part.landmarks, matches_[small], frame)) return;
   // Of two that have been told of, one was too many.
   if (std::min(part.found_frames, whole.found_frames) >= kMetFrames) --n_met_;
+  // Of a part that has been told of the number stays, though the other one is larger now.
+  if (whole.found_frames < kMetFrames && part.found_frames >= kMetFrames) {
+    whole.id = part.id;
+    whole.middle_b = MiddleOf(whole.landmarks, matches_[large]);
+  }
   whole.found_frames = std::max(whole.found_frames, part.found_frames);
-  whole.doubtful_frames = std::max(whole.doubtful_frames, part.doubtful_frames);
+  whole.doubtful_frames = std::min(whole.doubtful_frames, part.doubtful_frames);
   part.id = -1;
   matches_[small] = {};
 }
@@ -367,9 +376,10 @@ bool MovingBodies::FindNew(const SE3& T_odom_prev, const MotionPrediction& predi
                       first_is_world ? second->covariance : found.covariance);
   body.unseen_frames = 0;
   body.standing_frames = 0;
-  body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
+  if (!goes_on) body.doubtful_frames = guessed ? kDoubtfulFrames : 0;
   T_b_prev_[k] = T_odom_prev;
   matches_[k] = taken_matches;
+  body.middle_b = MiddleOf(body.landmarks, matches_[k]);
 
   if (first_is_world) {
     found.matches = Renumbered(found.matches, point_places, line_places);

@@ -46,6 +46,12 @@ struct Body {
   }
 };
 
+/// Where the camera would be, and how it would have moved since the frame before, if a body were the world.
+struct RivalMotion {
+  SE3 T_odom_c;
+  SE3 T_prev_c;
+};
+
 /// Where a body is in a frame: a frame of its own in the middle of it, with the axes that odometry had when the body was
 /// first told of.
 struct BodyPose {
@@ -112,16 +118,17 @@ class MovingBodies {
   /// Tells bodies and world apart in a frame that was found at `found`. Changes `found` where it was a body's motion,
   /// or where features of a body took part in it; takes the landmarks of bodies out of `world`; names in the frame's
   /// tracks what is on a body. Where only geometry decided which motion is the world's, and it is not yet clear that it
-  /// decided rightly: the pose by the other one.
-  std::optional<SE3> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
-                              LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
+  /// decided rightly: the other one.
+  std::optional<RivalMotion> Separate(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s,
+                                      LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
   /// The same of a frame that was found elsewhere than it was thought to be: the motion since the frame before is not
   /// known, so bodies that are known go on, and no others are looked for.
   void SeparateKnown(double dt_s, LocalLandmarks& world, TrackedFrame& frame, Alignment& found);
 
-  /// Of a frame that was not found: bodies go on, so that their landmarks are not taken for a new world.
-  void FollowWhileLost(double dt_s, LocalLandmarks& world, TrackedFrame& frame);
+  /// Of a frame that was not found, the `n_lost`th in a row: bodies go on, so that their landmarks are not taken for a
+  /// new world. Not for long, and not where one of them may be the world.
+  void FollowWhileLost(int n_lost, double dt_s, LocalLandmarks& world, TrackedFrame& frame);
 
   /// Nobody knows where bodies are.
   void Forget();
@@ -160,7 +167,7 @@ class MovingBodies {
   void JoinParts(size_t first, size_t second, const TrackedFrame& frame);
   bool FindNew(const SE3& T_odom_prev, const MotionPrediction& prediction, double dt_s, LocalLandmarks& world,
                const TrackedFrame& frame, Claims& claims, Alignment& found);
-  std::optional<SE3> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
+  std::optional<RivalMotion> FindRival(const FrameMatches& of_world, const TrackedFrame& frame);
   /// A second motion: matches of landmarks of the world with features of the frame, all of which contradict the
   /// first.
   std::optional<Alignment> FindSecond(const SE3& T_odom_prev, const MotionPrediction& prediction,

@@ -82,6 +82,11 @@ double KnownShare(const TrackedFrame& frame, int observations) {
   return found == 0 ? 0.0 : static_cast<double>(known) / found;
 }
 
+Matrix6d SquareOf(const SE3& difference) {
+  const Vector6d x = difference.Log();
+  return x * x.transpose();
+}
+
 }  // namespace
 
 Matrix6d UnknownMotion() {
@@ -136,6 +141,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   last_t_ns_ = t_ns;
   // Of a frame in which two motions were equally likely: the answer covers both.
   Matrix6d doubt = Matrix6d::Zero();
+  Matrix6d doubt_of_motion = Matrix6d::Zero();
   if (!initialised_) {
     Initialise(frame, result);
   } else {
@@ -144,9 +150,9 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
     if (tracked) {
       TellBodiesApart(*tracked, prediction, dt_s, frame);
       Accept(*tracked, dt_s, frame, result);
-      if (tracked->T_odom_rival) {
-        const Vector6d between = (T_odom_c_.Inverse() * *tracked->T_odom_rival).Log();
-        doubt = between * between.transpose();
+      if (tracked->rival) {
+        doubt = SquareOf(T_odom_c_.Inverse() * tracked->rival->T_odom_c);
+        doubt_of_motion = SquareOf(result.T_prev_c.Inverse() * tracked->rival->T_prev_c);
       }
       calibration_.Observe(T_odom_c_, frame, raw_disparities_px);
       CheckSync(frame, result.T_prev_c, dt_s);
@@ -159,7 +165,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   }
   result.T_odom_c = T_odom_c_;
   result.covariance += doubt;
-  result.motion_covariance += doubt;
+  result.motion_covariance += doubt_of_motion;
   const bool found = result.state != TrackingState::kInitialising && result.state != TrackingState::kLost;
   const bool means = options_.keyframes.measurements == "mean";
   if (found && means) keyframe_measurements_.Add(T_odom_c_, frame);
@@ -247,13 +253,13 @@ void Odometry::TellBodiesApart(Tracked& tracked, const MotionPrediction& predict
   if (tracked.reference != Reference::kCurrent && tracked.reference != Reference::kLocalised) {
     return bodies_.SeparateKnown(dt_s, landmarks_, frame, tracked.alignment);
   }
-  tracked.T_odom_rival = bodies_.Separate(T_odom_c_, prediction, dt_s, landmarks_, frame, tracked.alignment);
+  tracked.rival = bodies_.Separate(T_odom_c_, prediction, dt_s, landmarks_, frame, tracked.alignment);
 }
 
 void Odometry::Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   const Alignment& alignment = tracked.alignment;
   result.state = TrackingState::kTracking;
-  if (alignment.weak || tracked.T_odom_rival || sync_check_.is_far_off()) result.state = TrackingState::kWeak;
+  if (alignment.weak || tracked.rival || sync_check_.is_far_off()) result.state = TrackingState::kWeak;
   if (tracked.reference != Reference::kCurrent) {
     if (tracked.reference != Reference::kLocalised) result.state = TrackingState::kRecovered;
     // Found again where it was lost, it knows no more of the map than it did there.
@@ -345,7 +351,7 @@ void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFram
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
   motion_model_.Slow(dt_s);
-  bodies_.FollowWhileLost(dt_s, landmarks_, frame);
+  bodies_.FollowWhileLost(previous_local_map_->n_lost, dt_s, landmarks_, frame);
   // The next frame may match this one even where neither matches the landmarks from before.
   landmarks_.Initialise(T_odom_c_, frame);
 }

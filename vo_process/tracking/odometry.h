@@ -160,7 +160,7 @@ class Odometry {
     SE3 T_odom_before{};
     double before_s = 0.0;
     /// Where only geometry said which of two motions is the world's: the pose by the other.
-    std::optional<SE3> T_odom_rival{};
+    std::optional<RivalMotion> rival{};
   };
   /// Landmarks of the map among which the camera should be.
   struct Relocalised {

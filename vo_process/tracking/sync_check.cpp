@@ -122,7 +122,8 @@ void SyncCheck::Learn(const std::vector<Equation>& equations, double dt_s) {
 
 void SyncCheck::Decide(const std::vector<Equation>& equations, double dt_s) {
   const double noise = std::clamp(std::sqrt(squares_ / count_), kMinNoise, 1.0);
-  const double in_common = std::sqrt(1.0 + kErrorsInCommon / static_cast<double>(equations.size()));
+  const double frames = (1.0 - std::pow(kMemory, n_frames_)) / (1.0 - kMemory);
+  const double in_common = std::sqrt(1.0 + kErrorsInCommon * frames / count_);
   const Vector8d sigmas =
       noise * in_common * information_.ldlt().solve(Matrix8d::Identity()).diagonal().cwiseMax(0.0).cwiseSqrt();
   const auto is_significant = [&](int i, double least_frames) {

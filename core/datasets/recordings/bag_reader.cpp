@@ -2,8 +2,6 @@
 #include "core/datasets/recordings/bag_reader.h"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <string_view>
 #include <utility>
 
@@ -138,6 +136,8 @@ void BagReader::ReadIndex(uint64_t at) {
   }
   const auto by_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id < b.id; };
   std::stable_sort(channels_.begin(), channels_.end(), by_id);
+  const auto same_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id == b.id; };
+  channels_.erase(std::unique(channels_.begin(), channels_.end(), same_id), channels_.end());
   const auto by_offset = [](const Chunk& a, const Chunk& b) { return a.offset < b.offset; };
   std::stable_sort(chunks_.begin(), chunks_.end(), by_offset);
 }
@@ -160,6 +160,10 @@ void BagReader::ReadChunkHeads(uint64_t index_at) {
     if (chunk.compression == "none") chunk.compression.clear();
     chunk.size = head.Get<uint32_t>("size");
     chunk.data_bytes = bytes.Get<uint32_t>();
+    if (std::max<uint64_t>(chunk.size, chunk.data_bytes) > kMaxChunkBytes) {
+      throw DatasetError(fmt::format("a chunk of {} bytes, more than {}: `rosbag compress` writes smaller ones",
+                                     std::max<uint64_t>(chunk.size, chunk.data_bytes), kMaxChunkBytes));
+    }
     chunk.data_at = chunk.offset + head_bytes + 2 * sizeof(uint32_t);
     const uint64_t end = chunk.data_at + chunk.data_bytes;
     if (end > chunk.indices_end || chunk.indices_end - end > kMaxIndexBytes) {
@@ -216,10 +220,6 @@ std::vector<uint8_t> BagReader::Read(const RecordedMessage& message) const {
       });
 }
 
-bool LooksLikeBagFile(const std::string& path) {
-  std::array<char, kAnyMagic.size()> begin{};
-  std::ifstream file(path, std::ios::binary);
-  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kAnyMagic;
-}
+bool LooksLikeBagFile(const std::string& path) { return BeginsWith(path, kAnyMagic); }
 
 }  // namespace plslam

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <fstream>
 #include <memory>
 
 #include <fmt/format.h>
@@ -21,7 +22,6 @@ namespace {
 
 /// Left and right image, their truth, and the neighbours of all: each may stand in another chunk.
 constexpr size_t kChunksKept = 4;
-constexpr uint64_t kMaxChunkBytes = 128 << 20;
 
 [[noreturn]] void FailAsDamaged(const char* compression, const char* why) {
   throw DatasetError(fmt::format("a chunk is damaged: {} says '{}'", compression, why));
@@ -98,9 +98,16 @@ std::vector<uint8_t> RecordingFile::ReadAt(uint64_t offset, uint64_t n, const ch
   return bytes;
 }
 
+bool BeginsWith(const std::string& path, std::string_view magic) {
+  std::string begin(magic.size(), '\0');
+  std::ifstream file(path, std::ios::binary);
+  return file.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == magic;
+}
+
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n) {
   if (n > kMaxChunkBytes) {
-    throw DatasetError(fmt::format("a chunk of {} bytes, more than {}", n, kMaxChunkBytes));
+    throw DatasetError(
+        fmt::format("a chunk of {} bytes, more than {}: `mcap compress` writes smaller ones", n, kMaxChunkBytes));
   }
   if (compression.empty()) {
     if (n != bytes.size()) FailAsDamaged("the file", "another length");

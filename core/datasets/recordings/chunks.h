@@ -8,6 +8,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,11 @@ class RecordingFile {
   int fd_ = -1;
   uint64_t size_ = 0;
 };
+
+/// False, too, where the file cannot be read.
+bool BeginsWith(const std::string& path, std::string_view magic);
+
+inline constexpr uint64_t kMaxChunkBytes = 128 << 20;
 
 /// Fields of a record, one after the other without any alignment.
 class RecordFields {
@@ -63,7 +69,7 @@ class RecordFields {
 };
 
 /// A chunk as it was before `compression`: "" (none), "lz4" (frames), "zstd" or "bz2". `n` is its length then, as the
-/// file says; one above 128 MB is refused.
+/// file says; one above `kMaxChunkBytes` is refused.
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n);
 
 /// The chunks read last.

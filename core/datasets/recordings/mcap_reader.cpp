@@ -2,9 +2,7 @@
 #include "core/datasets/recordings/mcap_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -110,6 +108,9 @@ std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) cons
         const auto t_ns = entries.Get<int64_t>();
         messages.push_back({t_ns, i, entries.Get<uint64_t>()});
       }
+      // Of indices that many chunks name, memory is not for.
+      if (messages.size() > file_.size())
+        throw DatasetError("its index has more messages than the file has bytes: it is damaged");
     }
   }
   std::stable_sort(messages.begin(), messages.end(),
@@ -142,10 +143,6 @@ std::vector<uint8_t> McapReader::Read(const RecordedMessage& message) const {
       });
 }
 
-bool LooksLikeMcapFile(const std::string& path) {
-  std::array<char, kMcapMagic.size()> begin{};
-  std::ifstream file(path, std::ios::binary);
-  return file.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == kMcapMagic;
-}
+bool LooksLikeMcapFile(const std::string& path) { return BeginsWith(path, kMcapMagic); }
 
 }  // namespace plslam

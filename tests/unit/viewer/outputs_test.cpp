@@ -186,11 +186,13 @@ TEST(Outputs, BodiesHaveTheirPlacesInTheMap) {
   pose.T_odom_c = SE3(Eigen::Quaterniond::Identity(), {0.0, 2.0, 0.0});
   recorder.AddPose(pose);
   recorder.AddPose(SomePose(1, TrackingState::kLost));
+  recorder.AddPose(SomePose(3));
   const SE3 T_c_body(Eigen::Quaterniond::Identity(), {0.0, 0.0, 5.0});
-  EXPECT_TRUE(recorder.AddBodies(0, {{3, T_c_body, 40}}));
-  EXPECT_TRUE(recorder.AddBodies(1, {{3, T_c_body, 41}})) << "a lost frame has no place in the map";
-  EXPECT_TRUE(recorder.AddBodies(7, {{3, T_c_body, 42}})) << "its pose has not come";
-  EXPECT_FALSE(recorder.AddBodies(2, {{-1, T_c_body, 40}}));
+  EXPECT_TRUE(recorder.AddBodies(0, {pose.session, {{3, T_c_body, 40}}}));
+  EXPECT_TRUE(recorder.AddBodies(1, {pose.session, {{3, T_c_body, 41}}})) << "a lost frame has no place in the map";
+  EXPECT_TRUE(recorder.AddBodies(7, {pose.session, {{3, T_c_body, 42}}})) << "its pose has not come";
+  EXPECT_TRUE(recorder.AddBodies(3, {pose.session + 1, {{3, T_c_body, 43}}})) << "its pose is of another session";
+  EXPECT_FALSE(recorder.AddBodies(2, {pose.session, {{-1, T_c_body, 40}}}));
   EXPECT_EQ(BodiesCsv(recorder, Map()),
             fmt::format("session,body,frame_id,t_s,x_m,y_m,z_m,qx,qy,qz,qw,n_features\n"
                         "{},3,0,1.000000000,10.000000,2.000000,5.000000,0.000000000,0.000000000,0.000000000,"

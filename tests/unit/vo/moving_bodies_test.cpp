@@ -169,6 +169,24 @@ TEST(MovingBodies, WhereNothingTellsWhichIsTheWorldAllFramesAreWeak) {
   }
 }
 
+// Of the same two one leaves: the other one is a world again, whichever was taken for it.
+TEST(MovingBodies, WhatMayBeTheWorldIsNotKeptForABodyWhileTheCameraIsLost) {
+  for (const bool box_stays : {false, true}) {
+    Scene scene{Box(200, 7, AheadBy(-1.0).translation()), Box(200, 4)};
+    Odometry odometry(FeatureWorld::Camera(), VoOptions());
+    OdometryResult result;
+    for (int i = 0; i < 12; ++i) {
+      const SE3 T_w_b = AheadBy(0.6 + 0.2 * std::min(i, 7));
+      StereoFeatures features = scene.See(PathAt(i), &T_w_b, i);
+      const auto middle = features.points.begin() + static_cast<std::ptrdiff_t>(scene.n_world_points);
+      if (i >= 8 && box_stays) features.points.erase(features.points.begin(), middle);
+      if (i >= 8 && !box_stays) features.points.erase(middle, features.points.end());
+      result = odometry.Track(i * kFrame_ns, std::move(features));
+    }
+    EXPECT_NE(result.state, TrackingState::kLost) << box_stays;
+  }
+}
+
 // A rear and a front with nothing between, too far apart to be found as one.
 TEST(MovingBodies, PartsThatMoveAlikeAreOne) {
   Scene scene;

@@ -132,20 +132,18 @@ std::string Formatted(const std::vector<RunGroup>& groups, const std::string& fo
 
 int CompareRuns(const Arguments& a) {
   const std::vector<RunRecord> runs = RunsOf(a.runs);
-  if (!a.map.empty()) WriteFileAtomically(a.map, JointMapPage(runs));
-  if (a.format == "tum" || a.format == "kitti") {
-    ConvertTrajectories(runs, a);
-    if (a.html.empty()) return 0;
-  }
+  const bool converts = a.format == "tum" || a.format == "kitti";
+  if (converts) ConvertTrajectories(runs, a);
   const std::vector<RunGroup> groups = Compare(runs);
   if (!a.html.empty()) WriteFileAtomically(a.html, ComparisonPage(groups));
-  if (a.format == "tum" || a.format == "kitti") return 0;
-  const std::string text = Formatted(groups, a.format);
+  const std::string text = converts ? "" : Formatted(groups, a.format);
   if (a.out.empty()) {
     fmt::print("{}", text);
-  } else {
+  } else if (!converts) {
     WriteFileAtomically(a.out, text);
   }
+  // Last: a run without report.html costs the map alone.
+  if (!a.map.empty()) WriteFileAtomically(a.map, JointMapPage(runs));
   return 0;
 }
 

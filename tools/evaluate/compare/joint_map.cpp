@@ -77,11 +77,17 @@ std::string JointMapPage(const std::vector<RunRecord>& runs) {
       others.push_back(OtherRun(runs[i], NameOf(runs[i], runs), BaseFromOther(base_paths, PathsOf(runs[i]))));
     } catch (const Json::exception&) {
       throw std::runtime_error(runs[i].folder + "/report.html: has no map, or is of another version");
+    } catch (const std::runtime_error& error) {
+      throw std::runtime_error(fmt::format("{}: {}", runs[i].folder, error.what()));
     }
   }
   if (others.empty()) {
     throw std::runtime_error(
         fmt::format("no other run has played what {} has: there is no map to draw into its own", base.folder));
+  }
+  if (others.size() + 1 < runs.size()) {
+    fmt::print(stderr, "the map has {} of {} runs: those of what {} has played, {} at most\n", others.size() + 1,
+               runs.size(), base.folder, kMaxOthers + 1);
   }
   const Json json = {{"name", NameOf(base, runs)}, {"others", others}};
   try {

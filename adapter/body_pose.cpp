@@ -1,19 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "adapter/body_pose.h"
 
-#include "core/geometry/rectification.h"
-
 namespace plslam::adapter {
 namespace {
-
-bool IsIdentity(const SE3& T) { return T.Log().norm() < 1e-9; }
-
-/// x right, y down, z forward to x forward, y left, z up.
-SE3 BodyFromOptical() {
-  Eigen::Matrix3d R;
-  R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  return {R, Eigen::Vector3d::Zero()};
-}
 
 /// The covariance of a right perturbation in c, as one in b.
 Matrix6d Moved(const SE3& T_b_c, const Matrix6d& covariance) {
@@ -29,11 +18,6 @@ Matrix6d Turned(const Eigen::Matrix3d& R, const Matrix6d& covariance) {
 }
 
 }  // namespace
-
-SE3 BodyFromCamera(const RigCalibration& rig) {
-  const SE3 T_l_c(Rectify(rig).q_l_c, Eigen::Vector3d::Zero());
-  return (IsIdentity(rig.left.T_b_cam) ? BodyFromOptical() : rig.left.T_b_cam) * T_l_c;
-}
 
 BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera) {
   const SE3 T_c_b = T_b_c.Inverse();

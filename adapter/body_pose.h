@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
 
 namespace plslam::adapter {
@@ -36,10 +35,7 @@ struct BodyPose {
   Matrix6d velocity_covariance = Matrix6d::Zero();
 };
 
-/// Body from the rectified left camera: by the rig's `T_b_cam`; where that is the identity, so that nobody has said
-/// how the camera is mounted, it looks along the body's x axis with its image upright. Throws what `Rectify` throws.
-SE3 BodyFromCamera(const RigCalibration& rig);
-
+/// `T_b_c` as `BodyFromCamera` has it.
 BodyPose ToBody(const SE3& T_b_c, const CameraPose& camera);
 
 /// A point of the map w in the robot's frame map.

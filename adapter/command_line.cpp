@@ -30,6 +30,10 @@ AdapterOptions AdapterCommandLine::Options(const Config& config) const {
   if (in_one && options.camera.empty()) {
     throw std::runtime_error("bot_core.images_t comes without calibration: name a file with --camera");
   }
+  if (!options.robot_odometry.empty() && options.robot_odometry == options.odometry) {
+    throw std::runtime_error("adapter.robot_odometry is the channel that adapter.odometry is published on: " +
+                             options.odometry);
+  }
   return options;
 }
 

@@ -18,6 +18,7 @@ struct AdapterOptions {
   std::string left_info;
   std::string right_info;
   double max_skew_ms = 5.0;
+  std::string robot_odometry;
   std::string pose = "POSE_BODY";
   std::string odometry = "/odom#nav_msgs.Odometry";
   std::string tf = "/tf#tf2_msgs.TFMessage";
@@ -34,6 +35,7 @@ void VisitFields(Visitor& visit, AdapterOptions& o) {
   visit("left_info", o.left_info, "of CameraInfo; empty: beside the images");
   visit("right_info", o.right_info, "of the right one");
   visit("max_skew_ms", o.max_skew_ms, Bounds{0, 100}, "between the stamps of a pair");
+  visit("robot_odometry", o.robot_odometry, "of nav_msgs.Odometry of wheels, to predict with; empty: none");
   visit("pose", o.pose, "for bot_core.pose_t; empty: none");
   visit("odometry", o.odometry, "for nav_msgs.Odometry");
   visit("tf", o.tf, "for tf2_msgs.TFMessage");

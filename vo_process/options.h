@@ -82,6 +82,12 @@ struct MaskUseOptions {
   double live_wait_ms = 20.0;
 };
 
+/// What the robot's own odometry says of its motion (channel ROBOT_MOTION).
+struct RobotMotionUseOptions {
+  bool enabled = false;
+  double wait_s = 15.0;
+};
+
 /// Being found again in the map by loop_process.
 struct RelocalisationUseOptions {
   bool enabled = true;
@@ -118,6 +124,7 @@ struct VoOptions {
   LandmarkOptions landmarks;
   TrackingOptions tracking;
   MaskUseOptions masks;
+  RobotMotionUseOptions robot_motion;
   MapUseOptions map;
   RelocalisationUseOptions relocalisation;
   KeyframeOptions keyframes;
@@ -169,6 +176,13 @@ void VisitFields(Visitor& visit, MaskUseOptions& o) {
 }
 
 template <class Visitor>
+void VisitFields(Visitor& visit, RobotMotionUseOptions& o) {
+  visit("enabled", o.enabled,
+        "whether wheels or a gyro of the robot predict where the camera is, as adapter sends it");
+  visit("wait_s", o.wait_s, Bounds{0, 3600}, "how long a lockstep stream waits where no such poses are heard of");
+}
+
+template <class Visitor>
 void VisitFields(Visitor& visit, RelocalisationUseOptions& o) {
   visit("enabled", o.enabled, "whether loop_process is asked where the camera is when tracking is lost");
   visit("wait_s", o.wait_s, Bounds{0, 3600},
@@ -197,6 +211,7 @@ void VisitFields(Visitor& visit, VoOptions& o) {
   visit("row_calibration", o.row_calibration, "self-calibration of the rows of the right image");
   visit("tracking", o.tracking, "search, and what counts as tracked");
   visit("masks", o.masks, "use of masks for single frames");
+  visit("robot_motion", o.robot_motion, "prediction by the robot's own odometry");
   visit("map", o.map, "use of the map");
   visit("relocalisation", o.relocalisation, "being found again in the map");
   visit("keyframes", o.keyframes, "choice of keyframes");

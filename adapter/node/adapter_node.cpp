@@ -2,6 +2,7 @@
 #include "adapter/node/adapter_node.h"
 
 #include "core/bus/run_loop.h"
+#include "core/geometry/body_frame.h"
 
 namespace plslam::adapter {
 namespace {
@@ -20,7 +21,10 @@ AdapterNode::AdapterNode(bus::Process& process, const AdapterOptions& options)
       map_(options.map.empty() ? nullptr : std::make_unique<MapSink>(process, maps_lcm_, options.map)),
       images_(process, images_lcm_, options,
               {.on_rig = [this](const RigCalibration& rig) { SetBody(BodyFromCamera(rig)); },
-               .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}) {
+               .on_frame = [this](int64_t t_ns) { poses_.OnFrame(t_ns); }}),
+      motions_(options.robot_odometry.empty()
+                   ? nullptr
+                   : std::make_unique<MotionSource>(process, images_lcm_, options.robot_odometry)) {
   AdapterOptions shown = options;
   process_.SetConfiguration(ToYaml("adapter", shown));
   listener_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { Listen(); }); });

@@ -7,6 +7,7 @@
 
 #include "adapter/node/image_source.h"
 #include "adapter/node/map_sink.h"
+#include "adapter/node/motion_source.h"
 #include "adapter/node/pose_sink.h"
 #include "adapter/options.h"
 #include "core/bus/transport/stock_lcm.h"
@@ -14,8 +15,8 @@
 
 namespace plslam::adapter {
 
-/// Joins a robot that speaks LCM to the bus: its images in (`ImageSource`), poses (`PoseSink`) and the map (`MapSink`)
-/// out. What it keeps can be had again from the robot and from the bus, so it may be killed and started again in the
+/// Joins a robot that speaks LCM to the bus: its images (`ImageSource`) and wheel odometry (`MotionSource`) in, poses
+/// (`PoseSink`) and the map (`MapSink`) out. What it keeps can be had again from the robot and from the bus, so it may be killed and started again in the
 /// middle of a session.
 class AdapterNode {
  public:
@@ -37,6 +38,7 @@ class AdapterNode {
   PoseSink poses_;
   std::unique_ptr<MapSink> map_;
   ImageSource images_;
+  std::unique_ptr<MotionSource> motions_;
   std::atomic<bool> stopped_ = false;
   std::thread listener_;
   std::thread worker_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -27,6 +28,9 @@ constexpr int kRightImage = 1;
 /// In `sensor_msgs.PointField.datatype`.
 constexpr uint8_t kFloat32 = 7;
 constexpr double kUnknownVariance = 1e6;
+/// Of quaternions that others have rounded; and beyond the circumference of the earth no robot drives.
+constexpr double kUnitTolerance = 1e-2;
+constexpr double kFarthest_m = 4e7;
 
 bool IsOfType(MessageBytes bytes, std::string_view type) {
   return bytes.size() >= 8 && bus::ReadInt64(bytes.data()) == ForeignLayout(type).fingerprint();
@@ -155,6 +159,19 @@ RosCameraInfo CameraInfoFromBytes(MessageBytes bytes) {
   info.R = Eigen::Map<const Rows3>(&message.R[0]);
   info.P = Eigen::Map<const Rows34>(&message.P[0]);
   return info;
+}
+
+RobotPose RobotPoseFromBytes(MessageBytes bytes) {
+  const auto message = Decoded<nav_msgs::Odometry>(bytes, "nav_msgs.Odometry");
+  const geometry_msgs::Point& p = message.pose.pose.position;
+  const geometry_msgs::Quaternion& q = message.pose.pose.orientation;
+  const Eigen::Quaterniond q_robot_b(q.w, q.x, q.y, q.z);
+  const Eigen::Vector3d p_m(p.x, p.y, p.z);
+  // Or the quaternion was never filled in; a NaN is not near 1, either.
+  if (!(std::abs(q_robot_b.norm() - 1.0) < kUnitTolerance) || !(p_m.norm() < kFarthest_m)) {
+    throw DatasetError("has a pose that cannot be");
+  }
+  return {FromStamp(message.header), SE3(q_robot_b, p_m)};
 }
 
 bot_core::pose_t ToBotPose(const BodyPose& pose) {

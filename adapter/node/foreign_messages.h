@@ -29,6 +29,13 @@ ForeignImage ImageFromBytes(MessageBytes bytes);
 /// A `sensor_msgs.CameraInfo`.
 RosCameraInfo CameraInfoFromBytes(MessageBytes bytes);
 
+/// Where a `nav_msgs.Odometry` says that the robot's body is, in the robot's own frame.
+struct RobotPose {
+  int64_t t_ns = 0;
+  SE3 T_robot_b;
+};
+RobotPose RobotPoseFromBytes(MessageBytes bytes);
+
 /// Names of frames in messages, those of ROS (REP 105).
 inline constexpr const char* kMapFrame = "map";
 inline constexpr const char* kOdomFrame = "odom";

@@ -119,6 +119,12 @@ inline constexpr Channel kMask{"MASK",
                                Delivery::kEvery,
                                Retention::kUnacknowledged,
                                "what is left out of the images of a frame"};
+inline constexpr Channel kRobotMotion{"ROBOT_MOTION",
+                                      "robot_motion_t",
+                                      "adapter",
+                                      Delivery::kEvery,
+                                      Retention::kUnacknowledged,
+                                      "poses by the robot's wheels, to predict with: those around a frame's time"};
 inline constexpr Channel kRepairRequest{
     "REPAIR_REQUEST",  "repair_request_t", "all",
     Delivery::kLatest, Retention::kNone,   "acknowledgements, and what is asked for again"};

@@ -99,6 +99,7 @@ bool Take(const ByteVector& bytes) {
     const RosCameraInfo info = CameraInfoFromBytes(bytes);
     RigFromRos(info, info, false);
   });
+  take([&] { ASSERT_TRUE(RobotPoseFromBytes(bytes).T_robot_b.IsFinite()); });
   return pair || image;
 }
 

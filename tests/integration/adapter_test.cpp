@@ -12,11 +12,13 @@
 #include <map>
 #include <memory>
 
-#include "adapter/body_pose.h"
+#include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/datasets/camera_file.h"
 #include "core/datasets/open_dataset.h"
+#include "core/geometry/body_frame.h"
 #include "plslam/pose_t.hpp"
+#include "plslam/robot_motion_t.hpp"
 #include "plslam/stage_t.hpp"
 #include "tests/integration/by_hand.h"
 #include "tests/integration/lcm_robot.h"
@@ -38,7 +40,7 @@ constexpr double kRate_hz = 2.0;
 constexpr double kRate_hz = 20.0;
 #endif
 
-/// When poses came on our own bus, by their times.
+/// When poses came on our own bus, by their times, and what came of the robot.
 class OwnPoses {
  public:
   explicit OwnPoses(const std::string& url) : bus_(Options(url)) {
@@ -48,6 +50,10 @@ class OwnPoses {
           const std::scoped_lock lock(mutex_);
           at_s_.emplace(bus::ReadHeader(bytes).t_ns, bus::NowS());
         });
+    bus_->Subscribe<robot_motion_t>(bus::kRobotMotion, [this](const robot_motion_t& motion) {
+      const std::scoped_lock lock(mutex_);
+      motions_.emplace(motion.header.t_ns, *bus::FromMessage(motion.T_robot_b));
+    });
     bus_.Start();
   }
   ~OwnPoses() { bus_.Join(); }
@@ -55,6 +61,12 @@ class OwnPoses {
   std::map<int64_t, double> at_s() const {
     const std::scoped_lock lock(mutex_);
     return at_s_;
+  }
+
+  /// The robot's own odometry.
+  std::map<int64_t, SE3> motions() const {
+    const std::scoped_lock lock(mutex_);
+    return motions_;
   }
 
  private:
@@ -66,6 +78,7 @@ class OwnPoses {
 
   mutable std::mutex mutex_;
   std::map<int64_t, double> at_s_;
+  std::map<int64_t, SE3> motions_;
   bus::test::RunningBus bus_;
 };
 
@@ -85,14 +98,16 @@ class Adapter : public testing::Test {
       run_->StartPlain("loop_process", {"--url", url_});
       run_->StartPlain("vo_process", {"--url", url_});
     } else {
-      run_->StartPlain("vo_process", {"--url", url_, "--set", "vo.map.enabled=false"});
+      run_->StartPlain("vo_process",
+                       {"--url", url_, "--set", "vo.map.enabled=false", "--set", "vo.robot_motion.enabled=true"});
     }
     StartAdapter();
   }
 
   void StartAdapter() {
     std::vector<std::string> arguments = robot_->AdapterArguments((run_->folder() / "camera.yaml").string());
-    arguments.insert(arguments.end(), {"--foreign-url", foreign_url_, "--url", url_});
+    arguments.insert(arguments.end(), {"--foreign-url", foreign_url_, "--url", url_, "--set",
+                                       std::string("adapter.robot_odometry=") + test::kWheelsChannel});
     run_->StartPlain("adapter", arguments);
   }
 
@@ -122,7 +137,7 @@ class Adapter : public testing::Test {
 
   /// True pose of the body at a frame, in the axes of the body at frame 0.
   SE3 Truth(int frame) const {
-    const SE3 T_b_c = adapter::BodyFromCamera(world_->rig());
+    const SE3 T_b_c = BodyFromCamera(world_->rig());
     const SE3 T_first_l = world_->GroundTruth(0)->Inverse() * *world_->GroundTruth(frame);
     return T_b_c * T_first_l * T_b_c.Inverse();
   }
@@ -224,6 +239,15 @@ TEST_P(AdapterInputs, EachKindOfImagesIsTracked) {
   ASSERT_GT(errors.size(), 5U);
   std::nth_element(errors.begin(), errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2), errors.end());
   EXPECT_LT(errors[errors.size() / 2], 0.2);
+  const std::map<int64_t, SE3> motions = own_->motions();
+  size_t n_motions = 0;
+  for (int i = 1; i < kFew; ++i) {
+    const auto motion = motions.find(robot_->t_ns(i));
+    if (motion == motions.end()) continue;
+    ++n_motions;
+    EXPECT_LT((motion->second.Inverse() * Truth(i)).Log().norm(), 1e-6) << i;
+  }
+  EXPECT_GE(n_motions, kFew / 2U);
   EXPECT_TRUE(run_->StopAll()) << run_->Logs();
 }
 

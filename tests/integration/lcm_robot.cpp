@@ -9,6 +9,7 @@
 
 #include "bot_core/images_t.hpp"
 #include "core/bus/run_loop.h"
+#include "core/geometry/body_frame.h"
 #include "core/io/images/jpeg_codec.h"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
@@ -97,6 +98,7 @@ void LcmRobot::Drive(int begin, int end, double rate_hz) {
     due = std::max(due + std::chrono::nanoseconds(std::llround(1e9 / rate_hz)), std::chrono::steady_clock::now());
     stamps_ns_[static_cast<size_t>(i)] =
         std::chrono::duration_cast<std::chrono::microseconds>(Clock::now().time_since_epoch()).count() * 1000;
+    PublishWheels(i);
     Publish(i);
   }
 }
@@ -138,6 +140,24 @@ void LcmRobot::Publish(int frame) {
     message.data_length = static_cast<int32_t>(message.data.size());
     out_.publish(std::string(kSides[side]) + "#sensor_msgs.Image", &message);
   }
+}
+
+void LcmRobot::PublishWheels(int frame) {
+  const SE3 T_b_c = BodyFromCamera(world_.rig());
+  const SE3 T_robot_b = T_b_c * world_.GroundTruth(0)->Inverse() * *world_.GroundTruth(frame) * T_b_c.Inverse();
+  nav_msgs::Odometry message{};
+  message.header = Header(t_ns(frame), "wheels");
+  message.child_frame_id = "base_link";
+  const Eigen::Vector3d& p = T_robot_b.translation();
+  const Eigen::Quaterniond& q = T_robot_b.rotation();
+  message.pose.pose.position.x = p.x();
+  message.pose.pose.position.y = p.y();
+  message.pose.pose.position.z = p.z();
+  message.pose.pose.orientation.w = q.w();
+  message.pose.pose.orientation.x = q.x();
+  message.pose.pose.orientation.y = q.y();
+  message.pose.pose.orientation.z = q.z();
+  out_.publish(kWheelsChannel, &message);
 }
 
 void LcmRobot::PublishInfo() {

@@ -20,8 +20,11 @@ namespace plslam::test {
 /// What a robot's camera driver publishes.
 enum class RobotImages { kBotGrey, kBotJpeg, kRosColour, kRosCompressed };
 
+/// The channel of the robot's own odometry.
+inline constexpr const char* kWheelsChannel = "/wheels#nav_msgs.Odometry";
+
 /// A robot that knows nothing of this project but the types that LCM robots speak: it publishes a world's images, as a
-/// camera driver does in real time, and keeps what comes back.
+/// camera driver does in real time, and where its wheels say that it is, and keeps what comes back.
 class LcmRobot {
  public:
   /// What has been heard, and when by the steady clock in s.
@@ -59,6 +62,7 @@ class LcmRobot {
   void Keep(const std::string& channel, std::vector<Heard<Message>>& heard);
   void Publish(int frame);
   void PublishInfo();
+  void PublishWheels(int frame);
 
   const Dataset& world_;
   const RobotImages images_;

@@ -32,7 +32,7 @@ namespace {
 
 /// To be counted up with each change of what is written, of the fields of Odometry, too.
 constexpr FileKind kTrackerState{
-    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 8, "state of a tracker", Checksum::kPoly1305};
+    {'P', 'L', 'S', 'L', 'V', 'O', 'S', 'T'}, 9, "state of a tracker", Checksum::kPoly1305};
 
 /// How often one state is gone on with. Maybe the state is what kills trackers.
 constexpr int kMaxRestored = 5;

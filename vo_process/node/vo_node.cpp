@@ -75,6 +75,7 @@ VoNode::VoNode(bus::Process& process, const VoOptions& options)
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& m) { OnStatus(m); });
   if (options_.map.enabled) ListenToTheMap();
   if (options_.masks.enabled) masks_.emplace(process_.bus(), options_.masks, [this] { GoOn(); });
+  if (options_.robot_motion.enabled) robot_.emplace(process_.bus(), options_.robot_motion, [this] { GoOn(); });
   process_.SetConfiguration(settings_);
   Restore();
 }
@@ -100,6 +101,7 @@ void VoNode::OnCamera(const RigCalibration& rig) {
     waiting_.clear();
   }
   rig_ = rig;
+  if (robot_) robot_->OnCamera(rig);
   report_.OnCamera();
   odometry_.reset();  // what it has learned is of the other camera
   GoOn();
@@ -116,7 +118,7 @@ void VoNode::OnFrame(const Frame& frame) {
     waiting_.clear();
   }
   const WaitingFrame waiting{frame, bus::NowS()};
-  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsMask(waiting)) return Track(frame);
+  if (WaitsFor() == Wait::kNothing && waiting_.empty() && !AwaitsOthers(waiting)) return Track(frame);
   if (waiting_.size() == kMaxWaitingFrames) {
     waiting_.erase(waiting_.begin());
     report_.Count(front_end_ ? "frames.dropped_waiting" : "frames.without_camera", 1);
@@ -145,9 +147,10 @@ VoNode::Wait VoNode::WaitsFor() const {
   return frames_asked_s_ ? Wait::kOlderFrames : Wait::kNothing;
 }
 
-/// Not where more frames wait than are kept.
-bool VoNode::AwaitsMask(const WaitingFrame& waiting) {
+/// For its mask not where more frames wait than are kept.
+bool VoNode::AwaitsOthers(const WaitingFrame& waiting) {
   const Frame& frame = waiting.frame;
+  if (robot_ && robot_->Awaits(frame.images.t_ns, frame.lockstep)) return true;
   return masks_ && (frame.lockstep || waiting_.size() < kMaxWaitingFrames) &&
          masks_->Awaits({frame.images.frame_id, frame.images.t_ns}, frame.lockstep, waiting.came_s);
 }
@@ -159,9 +162,16 @@ void VoNode::UseMask(const Frame& frame) {
   front_end_->SetMask(mask.value_or(FrameMask()));
 }
 
+void VoNode::UseRobotMotion(int64_t prev_t_ns, int64_t t_ns) {
+  if (!robot_) return;
+  const std::optional<RobotMotion> motion = robot_->Take(prev_t_ns, t_ns);
+  if (!motion) report_.Count("robot_motions.missing", 1);
+  odometry_->ExpectRobot(motion);
+}
+
 void VoNode::GoOn() {
   if (!map_ || !map_->wait().awaited()) PublishKeyframe();
-  while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsMask(waiting_.front())) {
+  while (WaitsFor() == Wait::kNothing && !waiting_.empty() && !AwaitsOthers(waiting_.front())) {
     const Frame frame = std::move(waiting_.front().frame);
     waiting_.erase(waiting_.begin());
     if (!IsRepeated(frame)) Track(frame);
@@ -291,6 +301,7 @@ void VoNode::Track(const Frame& frame) {
   if (!odometry_ || (frame.images.t_ns < session_.last_t_ns && !too_early)) BeginSession();
   session_.lockstep = frame.lockstep;
   UseMask(frame);
+  UseRobotMotion(session_.last_t_ns, frame.images.t_ns);
   if (!too_early) session_.last_t_ns = frame.images.t_ns;
   StageTimer timer(bus::NowMs);
   const OdometryResult result = timer.Time("total", [&] {

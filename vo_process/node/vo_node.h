@@ -14,6 +14,7 @@
 #include "vo_process/node/map_link.h"
 #include "vo_process/node/mask_link.h"
 #include "vo_process/node/relocalisation_client.h"
+#include "vo_process/node/robot_motion_link.h"
 #include "vo_process/node/tracker_report.h"
 #include "vo_process/node/tracker_state.h"
 #include "vo_process/options.h"
@@ -35,7 +36,7 @@ namespace plslam::vo {
 /// processes. Out: a pose and tracks for every frame; keyframes; relocalisation requests; go_back orders to a player.
 ///
 /// A frame is tracked when it comes, unless the tracker waits (`Wait`), or the frame itself for its mask
-/// (`vo.masks`); then up to eight frames are kept. What ends each wait stands with its name.
+/// (`vo.masks`) or the robot's motion (`vo.robot_motion`); then up to eight frames are kept. What ends each wait stands with its name.
 ///
 /// Another camera, or time that goes back by more than a second (another stream), begins a new session, since nothing
 /// of the old one holds there. A frame that does not fit the camera is answered as one without features, and so is
@@ -85,8 +86,9 @@ class VoNode {
   void FollowOrders();
   void OnRelocalisation(const relocalisation_t& message);
   void ListenToTheMap();
-  bool AwaitsMask(const WaitingFrame& waiting);
+  bool AwaitsOthers(const WaitingFrame& waiting);
   void UseMask(const Frame& frame);
+  void UseRobotMotion(int64_t prev_t_ns, int64_t t_ns);
   void GiveUpWaits();
 
   Wait WaitsFor() const;
@@ -139,6 +141,7 @@ class VoNode {
   std::optional<Keyframe> held_keyframe_;
   RelocalisationClient relocalisation_;
   std::optional<MaskLink> masks_;
+  std::optional<RobotMotionLink> robot_;
   TrackerCheckpoint checkpoint_;
   /// The state of a killed tracker was taken over, and no frame has come since.
   bool restored_ = false;

@@ -15,6 +15,8 @@ struct MotionPrediction {
   bool goes_on = false;
   /// The frame before was measured, and since then the camera cannot have turned anywhere.
   bool is_near = false;
+  /// By the robot's own odometry (`RobotMotionModel`), not by constant velocity.
+  bool by_robot = false;
 };
 
 /// Expected motions (all but one in 3000, 6 degrees of freedom) have less of `SquaredDeviation`.

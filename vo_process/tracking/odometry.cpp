@@ -116,11 +116,15 @@ double Odometry::SecondsSince(int64_t t_ns) const {
   return std::max(1e-9 * static_cast<double>(dt_ns), kMinInterval_s);
 }
 
+MotionPrediction Odometry::Predict(double dt_s) const {
+  return robot_model_.Predict(motion_model_.Predict(dt_s), dt_s);
+}
+
 void Odometry::Expect(int64_t t_ns) {
   skew_ = PairSkew();
   if (!initialised_ || sync_check_.late_s() == 0.0) return;
   const double dt_s = SecondsSince(t_ns);
-  skew_ = sync_check_.SkewOf(motion_model_.Predict(dt_s).T_prev_c, dt_s);
+  skew_ = sync_check_.SkewOf(Predict(dt_s).T_prev_c, dt_s);
 }
 
 bool Odometry::LearnRows(const StereoFeatures& features) {
@@ -145,7 +149,7 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
   if (!initialised_) {
     Initialise(frame, result);
   } else {
-    const MotionPrediction prediction = motion_model_.Predict(dt_s);
+    const MotionPrediction prediction = Predict(dt_s);
     auto tracked = Find(frame, prediction);
     if (tracked) {
       TellBodiesApart(*tracked, prediction, dt_s, frame);
@@ -162,7 +166,9 @@ OdometryResult Odometry::Track(int64_t t_ns, StereoFeatures features) {
       sync_check_.Interrupt();
     }
     PublishCovariance(result);
+    if (tracked) LearnAboutRobot(dt_s, result);
   }
+  robot_model_.Expect(std::nullopt);
   result.T_odom_c = T_odom_c_;
   result.covariance += doubt;
   result.motion_covariance += doubt_of_motion;
@@ -233,9 +239,10 @@ int Odometry::ExpectedWeight() const {
 
 std::optional<Odometry::Tracked> Odometry::FindInPreviousLocalMap(const TrackedFrame& frame,
                                                                   const MotionPrediction& prediction) {
-  // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead.
+  // Soon after the loss the camera has gone on; later it may be anywhere, back there as likely as ahead, unless its
+  // robot has told all the way.
   const bool soon = previous_local_map_->n_lost <= kSoonFrames;
-  const SE3& T_odom_last = soon ? T_odom_c_ : previous_local_map_->T_odom_c;
+  const SE3& T_odom_last = soon || previous_local_map_->by_robot ? T_odom_c_ : previous_local_map_->T_odom_c;
   auto found = aligner_.Align(previous_local_map_->landmarks, frame, T_odom_last, prediction, ExpectedWeight());
   const double share = soon ? kRecoveredShare : kRecoveredShareLater;
   if (!found || found->weak || found->matches.Weight() < share * tracked_weight_) return std::nullopt;
@@ -303,6 +310,12 @@ void Odometry::LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& 
                         ComposeCovariance(covariance_before, T_before_c, tracked.alignment.covariance));
 }
 
+// Where the robot's motion may have been part of what was found, or where doubt is, nothing is compared.
+void Odometry::LearnAboutRobot(double dt_s, const OdometryResult& result) {
+  const bool is_sure = result.state == TrackingState::kTracking && !result.jumped;
+  robot_model_.Observe(result.T_prev_c, result.motion_covariance, dt_s, is_sure);
+}
+
 void Odometry::PropagateCovariance(const Tracked& tracked, OdometryResult& result) {
   const Matrix6d& alignment = tracked.alignment.covariance;
   Matrix6d chained = ComposeCovariance(covariance_kf_c_, result.T_prev_c, alignment);
@@ -343,14 +356,16 @@ void Odometry::PublishCovariance(OdometryResult& result) {
 
 void Odometry::Miss(const MotionPrediction& prediction, double dt_s, TrackedFrame& frame, OdometryResult& result) {
   result.state = TrackingState::kLost;
-  if (!previous_local_map_) previous_local_map_ = PreviousLocalMap{landmarks_, T_odom_c_, 0};
+  if (!previous_local_map_) previous_local_map_ = PreviousLocalMap{landmarks_, T_odom_c_};
   ++previous_local_map_->n_lost;
   previous_local_map_->elapsed_s += dt_s;
   result.T_prev_c = prediction.T_prev_c;
   result.motion_covariance = prediction.covariance;
   covariance_kf_c_ = ComposeCovariance(covariance_kf_c_, prediction.T_prev_c, prediction.covariance);
   T_odom_c_ = T_odom_c_ * prediction.T_prev_c;
+  previous_local_map_->by_robot = previous_local_map_->by_robot && prediction.by_robot;
   motion_model_.Slow(dt_s);
+  robot_model_.Miss(dt_s);
   bodies_.FollowWhileLost(previous_local_map_->n_lost, dt_s, landmarks_, frame);
   // The next frame may match this one even where neither matches the landmarks from before.
   landmarks_.Initialise(T_odom_c_, frame);

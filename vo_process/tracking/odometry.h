@@ -18,6 +18,7 @@
 #include "vo_process/tracking/motion_uncertainty.h"
 #include "vo_process/tracking/moving_bodies.h"
 #include "vo_process/tracking/noise_scale.h"
+#include "vo_process/tracking/robot_motion_model.h"
 #include "vo_process/tracking/row_calibration.h"
 #include "vo_process/tracking/sync_check.h"
 
@@ -83,6 +84,10 @@ class Odometry {
   void Begin(const SelfCalibration& learned);
   SelfCalibration learned() const { return {row_calibration_.learned(), calibration_.learned()}; }
 
+  /// Before the next frame: how the robot says that it has moved since the last one; nullopt, or not called: nothing.
+  void ExpectRobot(const std::optional<RobotMotion>& motion) { robot_model_.Expect(motion); }
+  const RobotMotionModel& robot_model() const { return robot_model_; }
+
   /// Before the pair of this time is looked at: what it is expected to be like.
   void Expect(int64_t t_ns);
 
@@ -144,7 +149,7 @@ class Odometry {
       self.initialised_, self.last_t_ns_, self.T_odom_c_, self.tracked_weight_, self.alignment_covariance_,
       self.is_in_map_, self.is_unanchored_, self.next_keyframe_id_, self.T_odom_kf_, self.covariance_odom_kf_,
       self.covariance_kf_c_, self.alignment_covariance_kf_, self.keyframe_point_id_, self.keyframe_line_id_,
-      self.uncertainty_);
+      self.uncertainty_, self.robot_model_);
   }
 
  private:
@@ -169,6 +174,7 @@ class Odometry {
   };
 
   double SecondsSince(int64_t t_ns) const;
+  MotionPrediction Predict(double dt_s) const;
   std::optional<Tracked> Find(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindInPreviousLocalMap(const TrackedFrame& frame, const MotionPrediction& prediction);
   std::optional<Tracked> FindRelocalised(const TrackedFrame& frame, const MotionPrediction& prediction);
@@ -177,6 +183,7 @@ class Odometry {
   int ExpectedWeight() const;
   void TellBodiesApart(Tracked& tracked, const MotionPrediction& prediction, double dt_s, TrackedFrame& frame);
   void Accept(const Tracked& tracked, double dt_s, TrackedFrame& frame, OdometryResult& result);
+  void LearnAboutRobot(double dt_s, const OdometryResult& result);
   void LearnMotion(const Tracked& tracked, double dt_s, const Matrix6d& covariance_before,
                    const OdometryResult& result);
   void PropagateCovariance(const Tracked& tracked, OdometryResult& result);
@@ -192,6 +199,7 @@ class Odometry {
   VoOptions options_;
   FrameAligner aligner_;
   MotionModel motion_model_;
+  RobotMotionModel robot_model_;
   MotionUncertainty uncertainty_;
   NoiseScale noise_scale_;
   KeyframePolicy keyframe_policy_;
@@ -221,6 +229,7 @@ class Odometry {
     SE3 T_odom_c;
     int n_lost = 0;          ///< frames since
     double elapsed_s = 0.0;  ///< up to the last of them
+    bool by_robot = true;    ///< the robot has told the motion of all of them
   };
   std::optional<PreviousLocalMap> previous_local_map_;
 

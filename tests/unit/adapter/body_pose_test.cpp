@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "adapter/body_pose.h"
 
+#include "core/geometry/body_frame.h"
+
 #include <gtest/gtest.h>
 
 #include <random>

@@ -39,6 +39,14 @@ TEST(AdapterCommandLine, WinsOverTheConfiguration) {
   EXPECT_EQ(Parse({}, config).left, "/from_file");
 }
 
+TEST(AdapterCommandLine, TakesNoOdometryOfItsOwnForThatOfTheRobot) {
+  Config config;
+  config.Override("adapter.robot_odometry=/wheels#nav_msgs.Odometry");
+  EXPECT_EQ(Parse({"--left", "/l", "--right", "/r"}, config).robot_odometry, "/wheels#nav_msgs.Odometry");
+  config.Override("adapter.robot_odometry=/odom#nav_msgs.Odometry");
+  EXPECT_THROW(Parse({"--left", "/l", "--right", "/r"}, config), std::runtime_error);
+}
+
 TEST(InfoChannel, StandsBesideTheImages) {
   EXPECT_EQ(InfoChannelOf("/left#sensor_msgs.Image"), "/left/camera_info#sensor_msgs.CameraInfo");
   EXPECT_EQ(InfoChannelOf("/a/left/image_raw#sensor_msgs.Image"), "/a/left/camera_info#sensor_msgs.CameraInfo");

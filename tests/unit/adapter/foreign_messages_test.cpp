@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <map>
 #include <set>
@@ -13,6 +14,7 @@
 #include "core/bus/transport/stock_lcm.h"
 #include "core/io/files/dataset_error.h"
 #include "geometry_msgs/Vector3.hpp"
+#include "nav_msgs/Odometry.hpp"
 #include "sensor_msgs/CameraInfo.hpp"
 #include "sensor_msgs/CompressedImage.hpp"
 #include "sensor_msgs/Image.hpp"
@@ -112,6 +114,35 @@ TEST(ForeignMessages, BotPairsThatCannotBeAreNamed) {
   EXPECT_THAT(Complaint([&] { PairFromBytes(bytes); }), HasSubstr("ends too early"));
   EXPECT_THAT(Complaint([&] { PairFromBytes(Encoded(geometry_msgs::Vector3{})); }), HasSubstr("is no bot_core"));
   EXPECT_THAT(Complaint([&] { PairFromBytes({}); }), HasSubstr("is no bot_core.images_t"));
+}
+
+nav_msgs::Odometry Wheels() {
+  nav_msgs::Odometry message{};
+  message.header.stamp.sec = 7;
+  message.header.stamp.nsec = 5;
+  message.pose.pose.position.x = 3.0;
+  message.pose.pose.orientation.z = message.pose.pose.orientation.w = std::sqrt(0.5);
+  return message;
+}
+
+TEST(ForeignMessages, OdometryOfARobotIsAPoseOfItsBody) {
+  const RobotPose pose = RobotPoseFromBytes(Encoded(Wheels()));
+  EXPECT_EQ(pose.t_ns, 7'000'000'005);
+  const Eigen::Vector3d ahead = pose.T_robot_b * Eigen::Vector3d::UnitX();
+  EXPECT_LT((ahead - Eigen::Vector3d(3.0, 1.0, 0.0)).norm(), 1e-12);
+}
+
+TEST(ForeignMessages, OdometryThatCannotBeIsNamed) {
+  nav_msgs::Odometry bad = Wheels();
+  bad.pose.pose.orientation = {};
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has a pose that cannot be"));
+  bad = Wheels();
+  bad.pose.pose.position.y = std::nan("");
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("has a pose that cannot be"));
+  bad = Wheels();
+  bad.header.stamp.sec = -1;
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(bad)); }), HasSubstr("stamp that cannot be"));
+  EXPECT_THAT(Complaint([&] { RobotPoseFromBytes(Encoded(BotPair())); }), HasSubstr("is no nav_msgs.Odometry"));
 }
 
 sensor_msgs::Image RosImage() {

@@ -13,9 +13,11 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/datasets/open_dataset.h"
+#include "core/geometry/body_frame.h"
 #include "core/process/process_status.h"
 #include "plslam/camera_t.hpp"
 #include "plslam/mask_t.hpp"
+#include "plslam/robot_motion_t.hpp"
 #include "plslam/status_t.hpp"
 #include "tests/support/slam_run.h"
 #include "tests/unit/bus/bus_fixture.h"
@@ -115,6 +117,35 @@ class VoNodeTest : public testing::Test {
     message.header.t_ns = kFrame_ns * (frame_id + 1);
     (*others_)->Publish(bus::kMask, message);
   }
+  /// Wheels that tell 0.97 of each step, twice a frame.
+  void SayWheels(int index, int64_t frame_id) {
+    const SE3 T_b_c = BodyFromCamera(dataset_->rig());
+    for (int half = index > 0 ? 2 * index - 1 : 0; half <= 2 * index; ++half) {
+      const auto at = [&](int h) {
+        const SE3 T_w_c = *dataset_->GroundTruth(h / 2);
+        const SE3 next = T_w_c.Inverse() * *dataset_->GroundTruth((h + 1) / 2);
+        return T_w_c * SE3::Exp(0.5 * next.Log());
+      };
+      if (half > 0) {
+        const SE3 T_prevb_b = T_b_c * at(half - 1).Inverse() * at(half) * T_b_c.Inverse();
+        T_robot_b_ = T_robot_b_ * SE3::Exp(0.97 * T_prevb_b.Log());
+      }
+      robot_motion_t message{};
+      message.header.t_ns = kFrame_ns * (frame_id + 1) - (2 * index - half) * kFrame_ns / 2;
+      message.T_robot_b = bus::ToMessage(T_robot_b_);
+      (*others_)->Publish(bus::kRobotMotion, message);
+    }
+  }
+  /// Error of the last pose of 40 frames, the camera being covered for the last 20.
+  double ErrorAfterTheDark_m(bool wheels) {
+    pose_t pose;
+    for (int i = 0; i < 40; ++i) {
+      if (wheels) SayWheels(i, i);
+      pose = ShowNext(i, i >= 20);
+      EXPECT_EQ(pose.state == kLost, i >= 20) << i;
+    }
+    return (bus::FromMessage(pose.T_odom_c)->translation() - Truth(39).translation()).norm();
+  }
   bool HasPose(int64_t frame_id, std::chrono::milliseconds limit) {
     std::unique_lock lock(mutex_);
     return changed_.wait_for(lock, limit, [&] { return pose_ && pose_->frame_id == frame_id; });
@@ -142,6 +173,7 @@ class VoNodeTest : public testing::Test {
 
   const std::unique_ptr<Dataset> dataset_ = OpenDataset("synthetic:room?size=376x240&speed=2&frames=75", "");
   std::vector<int> shown_;
+  SE3 T_robot_b_;
   /// Left and right of what is shown.
   bool exchanged_ = false;
   bool localise_only_ = false;  ///< what the map says of itself
@@ -266,6 +298,46 @@ TEST_F(VoNodeTest, ALiveFrameWaitsForItsMaskForAMomentOnly) {
   Start(options, false);
   for (int i = 0; i < 3; ++i) EXPECT_GT(ShowNext(i).n_points, 200);
   EXPECT_TRUE(Says([](const status_t& status) { return bus::CounterOf(status, "masks.missing") >= 3.0; }));
+}
+
+VoOptions WithRobot() {
+  VoOptions options;
+  options.map.enabled = false;
+  options.robot_motion.enabled = true;
+  return options;
+}
+
+TEST_F(VoNodeTest, ACoveredCameraIsCarriedByTheWheels) {
+  Start(WithRobot(), true);
+  const double way_m = (Truth(19).Inverse() * Truth(39)).translation().norm();
+  EXPECT_GT(way_m, 1.5);
+  EXPECT_LT(ErrorAfterTheDark_m(true), 0.05 * way_m);
+}
+
+TEST_F(VoNodeTest, ACoveredCameraWithoutWheelsIsFarOff) {
+  VoOptions options = WithRobot();
+  options.robot_motion.wait_s = 0.5;
+  Start(options, true);
+  EXPECT_GT(ErrorAfterTheDark_m(false), 0.7);
+  EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "robot_motions.missing") >= 40.0; }));
+}
+
+TEST_F(VoNodeTest, FramesOfLockstepWaitForTheRobot) {
+  Start(WithRobot(), true);
+  SayWheels(0, 0);
+  ShowNext(0);
+  std::thread wheels([&] {
+    EXPECT_FALSE(HasPose(1, std::chrono::milliseconds(300)));
+    SayWheels(1, 1);
+  });
+  EXPECT_EQ(ShowNext(1).frame_id, 1);
+  wheels.join();
+}
+
+TEST_F(VoNodeTest, ALiveFrameDoesNotWaitForTheRobot) {
+  Start(WithRobot(), false);
+  for (int i = 0; i < 3; ++i) EXPECT_GT(ShowNext(i).n_points, 200);
+  EXPECT_TRUE(Says([](const status_t& s) { return bus::CounterOf(s, "robot_motions.missing") >= 3.0; }));
 }
 
 TEST_F(VoNodeTest, ALoopProcessThatIsStartedAgainIsAskedAgain) {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <thread>
+
+#include "adapter/node/complaints.h"
+#include "adapter/node/inbox.h"
+#include "core/bus/transport/stock_lcm.h"
+#include "core/process/process.h"
+
+namespace plslam::adapter {
+
+/// The robot's own odometry (`nav_msgs.Odometry` of wheels) to the bus, message by message, on a thread of its own: a
+/// reader that is behind holds up no image.
+class MotionSource {
+ public:
+  MotionSource(bus::Process& process, bus::StockLcm& foreign, const std::string& channel);
+  ~MotionSource();
+  MotionSource(const MotionSource&) = delete;
+  MotionSource& operator=(const MotionSource&) = delete;
+
+ private:
+  void Work();
+  void Send(const Inbox::Message& message);
+
+  bus::Process& process_;
+  const std::string channel_;
+  Inbox inbox_;
+  // Of the thread.
+  Complaints complaints_;
+  int64_t n_sent_ = 0, n_rejected_ = 0;
+  std::thread thread_;
+};
+
+}  // namespace plslam::adapter

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "vo_process/node/robot_motion_link.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/bus/messages/convert.h"
+#include "core/bus/run_loop.h"
+#include "core/geometry/body_frame.h"
+#include "plslam/robot_motion_t.hpp"
+
+namespace plslam::vo {
+namespace {
+
+// How often waits are looked at.
+constexpr std::chrono::milliseconds kRobotTick(100);
+
+}  // namespace
+
+RobotMotionLink::RobotMotionLink(bus::Bus& bus, const RobotMotionUseOptions& options, std::function<void()> go_on)
+    : go_on_(std::move(go_on)), wait_(options.wait_s) {
+  bus.Subscribe<robot_motion_t>(bus::kRobotMotion, [this, &bus](const robot_motion_t& message) {
+    const std::optional<SE3> T_robot_b = bus::FromMessage(message.T_robot_b);
+    if (!T_robot_b) return bus.CountRejected();
+    wait_.OnSignOfLife(bus::NowS());
+    path_.Add(message.header.t_ns, *T_robot_b);
+    go_on_();
+  });
+  bus.Every(kRobotTick, [this] {
+    if (!wait_.GiveUp(bus::NowS())) return;
+    spdlog::warn("no odometry of the robot comes: frames are tracked without");
+    go_on_();
+  });
+}
+
+void RobotMotionLink::OnCamera(const RigCalibration& rig) { T_b_c_ = BodyFromCamera(rig); }
+
+bool RobotMotionLink::Awaits(int64_t t_ns, bool lockstep) {
+  if (!lockstep || path_.Reaches(t_ns)) return false;
+  if (std::exchange(awaited_t_ns_, t_ns) != t_ns) wait_.Begin(t_ns, bus::NowS());
+  return wait_.awaited().has_value();
+}
+
+std::optional<RobotMotion> RobotMotionLink::Take(int64_t prev_t_ns, int64_t t_ns) {
+  wait_.End();
+  const std::optional<SE3> T_prevb_b = path_.Motion(prev_t_ns, t_ns);
+  if (!T_prevb_b) return std::nullopt;
+  return RobotMotion{*T_prevb_b, T_b_c_};
+}
+
+}  // namespace plslam::vo

@@ -579,24 +579,9 @@ std::vector<BodyPose> MovingBodies::Poses() const {
   return poses;
 }
 
-namespace {
-
-template <class Landmark>
-void LeaveOutOwned(OwnedIds& owned, std::vector<Adopted<Landmark>>& adopted) {
-  std::erase_if(adopted, [&owned](const Adopted<Landmark>& entry) {
-    const auto& ids = entry.tracker_ids;
-    const auto on_body = std::find_if(ids.begin(), ids.end(), [&owned](int64_t id) { return owned.Has(id); });
-    const bool is_owned = on_body != ids.end() || owned.HasOfMap(entry.landmark->id);
-    if (on_body != ids.end()) owned.Add(*on_body, entry.landmark->id);
-    return is_owned;
-  });
-}
-
-}  // namespace
-
 void MovingBodies::LeaveOut(TrackerLocalMap& local_map) {
-  LeaveOutOwned(owned_points_, local_map.points);
-  LeaveOutOwned(owned_lines_, local_map.lines);
+  owned_points_.LeaveOut(local_map.points);
+  owned_lines_.LeaveOut(local_map.lines);
 }
 
 }  // namespace plslam::vo

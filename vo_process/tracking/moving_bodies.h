@@ -73,6 +73,17 @@ class OwnedIds {
   }
   bool Has(int64_t id) const { return std::binary_search(ids_.begin(), ids_.end(), id); }
   bool HasOfMap(int64_t map_id) const { return std::binary_search(map_ids_.begin(), map_ids_.end(), map_id); }
+  /// Takes them out of what the map tells, and learns their numbers in the map.
+  template <class Landmark>
+  void LeaveOut(std::vector<Adopted<Landmark>>& adopted) {
+    std::erase_if(adopted, [this](const Adopted<Landmark>& entry) {
+      const auto& ids = entry.tracker_ids;
+      const auto on_body = std::find_if(ids.begin(), ids.end(), [this](int64_t id) { return Has(id); });
+      const bool is_owned = on_body != ids.end() || HasOfMap(entry.landmark->id);
+      if (on_body != ids.end()) Add(*on_body, entry.landmark->id);
+      return is_owned;
+    });
+  }
   /// Those added since this was asked last.
   std::vector<Withdrawn> TakeNew() { return std::exchange(new_, {}); }
 

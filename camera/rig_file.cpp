@@ -57,6 +57,8 @@ double NumberWithin(const YamlMap& yaml, const char* key, double fallback, doubl
   return value;
 }
 
+}  // namespace
+
 SourceSpec ReadSource(const YamlMap& yaml) {
   std::vector<std::string> known{"max_skew_ms", "give_up_s"};
   for (const Row& row : kRows) known.emplace_back(row.key);
@@ -77,8 +79,6 @@ SourceSpec ReadSource(const YamlMap& yaml) {
   source.give_up_s = NumberWithin(yaml, "give_up_s", source.give_up_s, 0.0, 1e6);
   return source;
 }
-
-}  // namespace
 
 std::string KeyOf(SourceSpec::Type type) { return RowOf(type).key; }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/datasets/yaml_map.h"
 #include "core/geometry/calibration.h"
 
 namespace plslam::camera {
@@ -28,6 +29,9 @@ std::string KeyOf(SourceSpec::Type type);
 
 /// The end of its stream is the end of the run: not so of a camera that is unplugged.
 bool MayEnd(SourceSpec::Type type);
+
+/// The map `source` of a rig file, names of `files` as they stand there. Throws DatasetError as `ReadRigFile`.
+SourceSpec ReadSource(const YamlMap& yaml);
 
 /// A rig file: the keys of camera.yaml, and a map `source`.
 struct LiveRig {

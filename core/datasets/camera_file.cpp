@@ -100,7 +100,16 @@ namespace fs = std::filesystem;
 
 constexpr double kMaxRate_hz = 100000.0;
 
-ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
+double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, double max) {
+  if (!yaml.Has(key)) return fallback;
+  const double value = yaml.Number(key);
+  if (!(value > 0.0 && value <= max)) yaml.Fail(key, fmt::format("= {} is not above 0 and at most {}", value, max));
+  return value;
+}
+
+}  // namespace
+
+ImageSize ReadResolution(const YamlMap& yaml, const ImageSize& image_size) {
   if (!yaml.Has("resolution_px")) return image_size;
   const std::vector<double> size = yaml.Numbers("resolution_px", 2, 2);
   for (const double value : size) {
@@ -111,11 +120,17 @@ ImageSize Resolution(const YamlMap& yaml, const ImageSize& image_size) {
   return {static_cast<int>(size[0]), static_cast<int>(size[1])};
 }
 
+double ReadRate_hz(const YamlMap& yaml, double fallback) {
+  return PositiveNumber(yaml, "rate_hz", fallback, kMaxRate_hz);
+}
+
+namespace {
+
 CameraCalibration ReadCamera(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.AllowOnly({"model", "resolution_px", "focal_length_px", "principal_point_px", "distortion", "T_b_cam", "mask",
                   "mask_polygons", "borders_px"});
   CameraCalibration camera;
-  const ImageSize size = Resolution(yaml, image_size);
+  const ImageSize size = ReadResolution(yaml, image_size);
   camera.width_px = size.width_px;
   camera.height_px = size.height_px;
   if (yaml.Has("model")) camera.model = yaml.Text("model");
@@ -167,13 +182,6 @@ void ReadRightCamera(const YamlMap& yaml, const ImageSize& image_size, RigCalibr
   rig->baseline_m = (rig->left.T_b_cam.Inverse() * rig->right.T_b_cam).translation().norm();
 }
 
-double PositiveNumber(const YamlMap& yaml, const char* key, double fallback, double max) {
-  if (!yaml.Has(key)) return fallback;
-  const double value = yaml.Number(key);
-  if (!(value > 0.0 && value <= max)) yaml.Fail(key, fmt::format("= {} is not above 0 and at most {}", value, max));
-  return value;
-}
-
 /// `from: FILE` or `from: [LEFT, RIGHT]`: files of another program beside this one.
 RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
   yaml.AllowOnly({"from", "name", "rate_hz", "source"});
@@ -188,7 +196,7 @@ RigCalibration ReadFrom(const YamlMap& yaml, const ImageSize& image_size) {
   }
   RigCalibration rig = ReadForeignCalibration(paths, image_size).rig;
   if (yaml.Has("name")) rig.name = yaml.Text("name");
-  rig.rate_hz = PositiveNumber(yaml, "rate_hz", rig.rate_hz, kMaxRate_hz);
+  rig.rate_hz = ReadRate_hz(yaml, rig.rate_hz);
   return rig;
 }
 
@@ -263,7 +271,7 @@ RigCalibration ReadCameraFile(const std::string& path, const ImageSize& image_si
     ReadRightCamera(yaml, image_size, &rig);
   }
   rig.name = yaml.Has("name") ? yaml.Text("name") : "images";
-  rig.rate_hz = PositiveNumber(yaml, "rate_hz", 0.0, kMaxRate_hz);
+  rig.rate_hz = ReadRate_hz(yaml, 0.0);
   return rig;
 }
 

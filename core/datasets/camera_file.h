@@ -19,6 +19,11 @@ void ReadMask(const YamlMap& yaml, CameraCalibration* camera);
 /// Adds what the image at `path` leaves out. Throws DatasetError that names it.
 void AddMaskImage(const std::string& path, CameraCalibration* camera);
 
+/// The key `resolution_px` of a camera, `rate_hz` of a rig; another value where they are absent. Throw DatasetError that
+/// names file, line, key, value and bound.
+ImageSize ReadResolution(const YamlMap& yaml, const ImageSize& image_size);
+double ReadRate_hz(const YamlMap& yaml, double fallback);
+
 /// Our own camera file (docs/datasets.md has the keys), `camera.yaml` of a folder of images or of a TUM RGB-D
 /// sequence. Cameras that name no `resolution` get `image_size`. The file may as well be one of another program's
 /// (calibrations/foreign_calibration.h), or name such ones by `from`, a file or a list of files beside it. Throws

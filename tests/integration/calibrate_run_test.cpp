@@ -99,8 +99,8 @@ TEST_F(CalibrateRun, InterruptedItKeepsWhatIsThere) {
   PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
   Render("charuco:11x8:0.03:0.022", 3);
   test::ShellResult result =
-      Run("timeout --preserve-status -s INT 2.5 plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out "
-          "camera.yaml");
+      Run("{ plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out camera.yaml & } && "
+          "for i in $(seq 200); do grep -q '^picture 1:' ../out && break; sleep 0.05; done; kill -INT $!; wait $!");
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.out, HasSubstr("picture 1: no board near the "));
   EXPECT_THAT(result.error, HasSubstr("at least 10 are needed"));
@@ -108,6 +108,30 @@ TEST_F(CalibrateRun, InterruptedItKeepsWhatIsThere) {
   result = Run("plslam calibrate rig.yaml --board chess:9x6:0.025 --out camera.yaml");
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.error, HasSubstr("camera_pictures: there are pictures already"));
+}
+
+TEST_F(CalibrateRun, ACameraThatFailsKeepsThePictures) {
+  PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
+  Render("charuco:11x8:0.03:0.022", 3);
+  test::ShellResult result =
+      Run("{ plslam calibrate rig.yaml --board charuco:11x8:0.03:0.022 --out camera.yaml & } && "
+          "for i in $(seq 200); do grep -q '^picture 1:' ../out && break; sleep 0.05; done; "
+          "kill -KILL $(cat /proc/$!/task/*/children); wait $!");
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.error, HasSubstr("plslam: warning: camera was ended by SIGKILL"));
+  EXPECT_THAT(result.out, HasSubstr("are kept in camera_pictures"));
+  EXPECT_THAT(result.error, HasSubstr("at least 10 are needed")) << "the pictures are calibrated";
+  EXPECT_THAT(ReadText(work_ + "/camera_coverage.html"), HasSubstr(", done"));
+}
+
+TEST_F(CalibrateRun, ABoardOfAnotherSizeIsSaid) {
+  PLSLAM_REQUIRE_ELEMENTS("multifilesrc", "pngdec", "videoconvert");
+  Render("charuco:11x8:0.03:0.022", 3);
+  fs::create_directories(work_ + "/camera_pictures/left");
+  const test::ShellResult result = Run("plslam calibrate rig.yaml --board charuco:8x11:0.03:0.022 --out camera.yaml");
+  EXPECT_EQ(result.exit_code, 1) << "empty folders of a run that was killed do not matter";
+  EXPECT_THAT(result.out, HasSubstr("are its columns and rows other ones?"));
+  EXPECT_THAT(result.error, HasSubstr("are its columns and rows other ones?"));
 }
 
 TEST_F(CalibrateRun, NoBoardAndNoCameraAreSaid) {

@@ -18,6 +18,7 @@
 #include "core/io/files/dataset_error.h"
 #include "core/io/images/image_folder.h"
 #include "tools/calibration/board.h"
+#include "tools/calibration/board_faults.h"
 #include "tools/calibration/calibration_command.h"
 #include "tools/calibration/coverage.h"
 #include "tools/calibration/live/live_rig.h"
@@ -48,27 +49,13 @@ struct Seen {
   std::vector<BoardPair> pairs;
   ImageSize size;
   int n_pictures = 0;
-  int n_contradictions = 0;
 };
-
-/// For the sentence about a board that is nowhere seen: sizes that people write instead.
-std::string OtherSizeSeen(const Board& board, const cv::Mat& image) {
-  if (board.kind != Board::Kind::kChess) return "";
-  for (const auto& [columns, rows] :
-       {std::pair(-1, -1), std::pair(1, 1), std::pair(-1, 0), std::pair(0, -1), std::pair(1, 0), std::pair(0, 1)}) {
-    Board other = board;
-    other.columns += columns;
-    other.rows += rows;
-    if (std::min(other.columns, other.rows) < 3 || FindBoard(other, image).corners.empty()) continue;
-    return fmt::format("; {} is seen in one: count inner corners", BoardText(other));
-  }
-  return "";
-}
 
 Seen FindBoards(const std::string& folder, const Board& board) {
   const auto left = ListImages((fs::path(folder) / "left").string());
   const auto right = ListImages((fs::path(folder) / "right").string());
   Seen seen;
+  BoardFaults faults;
   cv::Mat first;
   for (const auto& [key, left_path] : left) {
     const auto partner = right.find(key);
@@ -80,15 +67,12 @@ Seen FindBoards(const std::string& folder, const Board& board) {
     BoardPair pair{fs::path(left_path).filename().string(), FindBoard(board, image),
                    FindBoard(board, ReadGreyImage(partner->second, seen.size))};
     seen.n_pictures += 2;
-    seen.n_contradictions += (pair.left.contradicts ? 1 : 0) + (pair.right.contradicts ? 1 : 0);
+    faults.Count(pair.left);
+    faults.Count(pair.right);
     if (!pair.left.corners.empty() || !pair.right.corners.empty()) seen.pairs.push_back(std::move(pair));
   }
   if (seen.n_pictures == 0) throw DatasetError(folder + ": no picture in left has a partner of its number in right");
-  if (4 * seen.n_contradictions > seen.n_pictures) {
-    throw DatasetError(fmt::format(
-        "{}: the markers do not lie as on the board {} (in {} of {} pictures): are its columns and rows other ones?",
-        folder, BoardText(board), seen.n_contradictions, seen.n_pictures));
-  }
+  if (const std::string fault = faults.Sentence(board); !fault.empty()) throw DatasetError(folder + ": " + fault);
   if (seen.pairs.empty()) {
     throw DatasetError(fmt::format("{}: the board {} is seen in none of {} pictures{}", folder, BoardText(board),
                                    seen.n_pictures, OtherSizeSeen(board, first)));
@@ -124,8 +108,9 @@ void PrintParameters(const RigEstimate& e) {
   const Eigen::Vector3d t = 1e3 * e.rig.right.T_b_cam.translation();
   const Vector6d turn = e.rig.right.T_b_cam.Log() / kRadPerDeg;
   const auto& s = e.T_left_right_sigma;
+  const Eigen::Vector3d s_t = 1e3 * e.right_in_left_sigma_m;
   fmt::print("right camera in the left one: x {:.3f} y {:.3f} z {:.3f} mm (sigma {:.3f} {:.3f} {:.3f})\n", t.x(),
-             t.y(), t.z(), 1e3 * s[0], 1e3 * s[1], 1e3 * s[2]);
+             t.y(), t.z(), s_t.x(), s_t.y(), s_t.z());
   fmt::print("turned by x {:.4f} y {:.4f} z {:.4f} deg (sigma {:.4f} {:.4f} {:.4f})\n", turn[3], turn[4], turn[5],
              s[3] / kRadPerDeg, s[4] / kRadPerDeg, s[5] / kRadPerDeg);
   fmt::print("baseline {:.3f} mm, sigma {:.3f} mm\n", 1e3 * e.rig.baseline_m, 1e3 * e.baseline_sigma_m);
@@ -185,17 +170,41 @@ std::string BesideOutput(const CalibrateOptions& o, const std::string& name) {
   return (out.parent_path() / (out.stem().string() + name)).string();
 }
 
+bool IsRigFile(const std::string& path) {
+  const std::string extension = fs::path(path).extension().string();
+  return (extension == ".yaml" || extension == ".yml") && !fs::is_directory(path);
+}
+
+/// Whether two paths name one file, which need not be there yet.
+bool IsSameFile(const fs::path& a, const fs::path& b) {
+  return fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
+}
+
+void CheckOut(const CalibrateOptions& o, const fs::path& rig) {
+  if (o.out.empty() || !IsSameFile(o.out, rig)) return;
+  throw std::runtime_error(fmt::format("--out {} is the rig file itself: give another name", o.out));
+}
+
 int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRigFile* live);
 
 int CalibrateLive(const CalibrateOptions& o, const Board& board) {
-  if (o.out.empty()) throw std::runtime_error(o.folder + " names cameras (source): give --out camera.yaml, too");
   const LiveRigFile live = ReadLiveRigFile(o.folder);
+  if (o.out.empty()) throw std::runtime_error(o.folder + " names cameras (source): give --out camera.yaml, too");
+  CheckOut(o, o.folder);
   CalibrateOptions of_folder = o;
   of_folder.folder = BesideOutput(o, "_pictures");
-  const int n = TakeLivePictures(board, live, {of_folder.folder, BesideOutput(o, "_coverage.html"), o.seconds});
-  fmt::print("{} pictures in {}\n", n, of_folder.folder);
-  if (n == 0) throw std::runtime_error(fmt::format("the board {} was not seen to stand still", BoardText(board)));
+  TakeLivePictures(board, live, {of_folder.folder, BesideOutput(o, "_coverage.html"), o.seconds});
   return CalibrateFolder(of_folder, board, &live);
+}
+
+/// A folder of pictures, which may be one of live pictures.
+int CalibratePictures(const CalibrateOptions& o, const Board& board) {
+  if (o.seconds > 0.0) throw std::runtime_error(o.folder + " is a folder: --seconds is for a rig file only");
+  const fs::path rig = fs::path(o.folder) / kRigOfPictures;
+  if (!fs::exists(rig)) return CalibrateFolder(o, board, nullptr);
+  CheckOut(o, rig);
+  const LiveRigFile live = ReadLiveRigFile(rig.string());
+  return CalibrateFolder(o, board, &live);
 }
 
 int Calibrate(const CalibrateOptions& o) {
@@ -210,7 +219,23 @@ int Calibrate(const CalibrateOptions& o) {
     if (o.print_board.empty()) throw std::runtime_error("give a folder of pictures, or --print-board FILE");
     return 0;
   }
-  return NamesSource(o.folder) ? CalibrateLive(o, board) : CalibrateFolder(o, board, nullptr);
+  return IsRigFile(o.folder) ? CalibrateLive(o, board) : CalibratePictures(o, board);
+}
+
+void WriteResult(const CalibrateOptions& o, RigCalibration rig, const LiveRigFile* live) {
+  if (live != nullptr) {
+    rig.name = live->name;
+    rig.rate_hz = live->rate_hz;
+    rig.left.T_b_cam = live->T_b_left;
+    rig.right.T_b_cam = live->T_b_left * rig.right.T_b_cam;
+  }
+  WriteFileAtomically(o.out, CameraFileText(rig) + (live != nullptr ? live->source : ""));
+  fmt::print("written: {}\n", o.out);
+  const fs::path of_pictures = fs::path(o.folder) / "camera.yaml";
+  if (live == nullptr || IsSameFile(o.out, of_pictures)) return;
+  // So that the folder of pictures is a dataset, for rectify-check.
+  if (!(rig.rate_hz > 0.0)) rig.rate_hz = 1.0;
+  WriteFileAtomically(of_pictures.string(), CameraFileText(rig));
 }
 
 int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRigFile* live) {
@@ -240,16 +265,7 @@ int CalibrateFolder(const CalibrateOptions& o, const Board& board, const LiveRig
   PrintParameters(estimate);
   PrintCoverage(estimate, seen);
   PrintRows(estimate, board, seen);
-  if (!o.out.empty()) {
-    if (live != nullptr) estimate.rig.rate_hz = live->rate_hz;
-    WriteFileAtomically(o.out, CameraFileText(estimate.rig) + (live != nullptr ? live->source : ""));
-    fmt::print("written: {}\n", o.out);
-    if (live != nullptr) {
-      // So that the folder of pictures is a dataset, for rectify-check.
-      if (!(estimate.rig.rate_hz > 0.0)) estimate.rig.rate_hz = 1.0;
-      WriteFileAtomically((fs::path(o.folder) / "camera.yaml").string(), CameraFileText(estimate.rig));
-    }
-  }
+  if (!o.out.empty()) WriteResult(o, std::move(estimate.rig), live);
   return 0;
 }
 

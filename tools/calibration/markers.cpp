@@ -71,13 +71,13 @@ BoardView FindChess(const Board& board, const cv::Mat& image) {
 }
 
 /// Corners of markers, clockwise from the upper left one, with their numbers.
-struct FoundMarkers {
+struct ReadMarkers {
   std::vector<std::vector<cv::Point2f>> corners;
   std::vector<int> ids;
 };
 
 /// Whether markers lie as on the board: most of their corners fit one homography, to `bound_m`.
-bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const FoundMarkers& read) {
+bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const ReadMarkers& read) {
   std::vector<cv::Point2f> on_board, seen;
   size_t n_unknown = 0;
   for (size_t i = 0; i < read.ids.size(); ++i) {
@@ -101,7 +101,7 @@ bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double boun
 BoardView FindCharuco(const Board& board, const cv::Mat& image) {
   BoardView view;
   const auto charuco = OpenCvBoard(board);
-  FoundMarkers read;
+  ReadMarkers read;
   cv::aruco::detectMarkers(image, charuco->dictionary, read.corners, read.ids);
   if (read.ids.size() < 4) return view;
   view.contradicts = Contradicts(charuco->objPoints, 0.25 * board.square_m, read);
@@ -158,14 +158,14 @@ constexpr std::array kTagPasses = {TagPass{1, 10, 7.0}, TagPass{2, 4, 7.0}, TagP
 constexpr int kLargestScaledSide_px = 1300;
 
 /// Tags that `read` has already are passed over.
-void ReadTags(const cv::Mat& image, const TagPass& pass, FoundMarkers* read) {
+void ReadTags(const cv::Mat& image, const TagPass& pass, ReadMarkers* read) {
   cv::Mat scaled = image;
   if (pass.scale != 1) cv::resize(image, scaled, {}, pass.scale, pass.scale, cv::INTER_LINEAR);
   const auto parameters = cv::aruco::DetectorParameters::create();
   parameters->markerBorderBits = kTagBorder;
   parameters->adaptiveThreshWinSizeStep = pass.step_px;
   parameters->adaptiveThreshConstant = pass.constant;
-  FoundMarkers found;
+  ReadMarkers found;
   cv::aruco::detectMarkers(scaled, TagDictionary(), found.corners, found.ids, parameters);
   const float to_image = 1.0F / static_cast<float>(pass.scale);
   for (size_t i = 0; i < found.ids.size(); ++i) {
@@ -178,9 +178,9 @@ void ReadTags(const cv::Mat& image, const TagPass& pass, FoundMarkers* read) {
 
 /// Which corner of a tag is its first one is a matter of opinion: OpenCV's tags stand upside down. The other tags
 /// decide. False where they fit with none.
-bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, FoundMarkers* read) {
+bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, ReadMarkers* read) {
   for (const int turn : {2, 0, 1, 3}) {
-    FoundMarkers turned = *read;
+    ReadMarkers turned = *read;
     for (auto& corners : turned.corners) std::rotate(corners.begin(), corners.begin() + turn, corners.end());
     if (Contradicts(board, bound_m, turned)) continue;
     *read = turned;
@@ -208,13 +208,18 @@ bool RefineTag(const Board& board, const cv::Mat& image, std::vector<cv::Point2f
 
 BoardView FindAprilgrid(const Board& board, const cv::Mat& image) {
   BoardView view;
-  FoundMarkers read;
+  ReadMarkers read;
   for (const TagPass& pass : kTagPasses) {
     if (static_cast<int>(read.ids.size()) >= board.columns * board.rows) break;
     if (pass.scale == 1 || std::max(image.cols, image.rows) <= kLargestScaledSide_px) ReadTags(image, pass, &read);
   }
   // Of fewer it cannot be told how they stand.
   if (read.ids.size() < 4) return view;
+  const auto n_known = std::ranges::count_if(read.ids, [&](int id) { return id < board.columns * board.rows; });
+  if (n_known < 4) {
+    view.contradicts = 2 * static_cast<size_t>(n_known) < read.ids.size();
+    return view;
+  }
   view.contradicts = !TurnTags(TagCorners(board), 0.25 * board.marker_m, &read);
   if (view.contradicts) return view;
   std::map<int, Eigen::Vector2d> corners;

@@ -365,7 +365,7 @@ double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::Matri
   return std::sqrt((J * covariance * J.transpose())(0, 0));
 }
 
-Eigen::MatrixXd PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy) {
+std::optional<Eigen::MatrixXd> PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy) {
   const Eigen::Vector3d ray = xy.homogeneous();
   const std::vector<double> parameters = LensParameters(camera);
   Eigen::MatrixXd J(2, static_cast<Eigen::Index>(parameters.size()));
@@ -375,7 +375,7 @@ Eigen::MatrixXd PixelJacobian(const CameraCalibration& camera, const Eigen::Vect
     for (const int side : {0, 1}) {
       std::vector<double> moved = parameters;
       moved[i] += side == 0 ? -step : step;
-      ProjectLens(camera.model, moved.data(), ray.data(), pixels[side].data());
+      if (!ProjectLens(camera.model, moved.data(), ray.data(), pixels[side].data())) return std::nullopt;
     }
     J.col(static_cast<Eigen::Index>(i)) = (pixels[1] - pixels[0]) / (2.0 * step);
   }
@@ -392,8 +392,8 @@ double PixelSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& cov
       const auto xy = distortion.Undistort(
           {(pixel.x() - camera.cx_px) / camera.fx_px, (pixel.y() - camera.cy_px) / camera.fy_px});
       if (!xy) continue;
-      const Eigen::MatrixXd J = PixelJacobian(camera, *xy);
-      largest = std::max(largest, (J * covariance * J.transpose()).diagonal().maxCoeff());
+      const auto J = PixelJacobian(camera, *xy);
+      if (J) largest = std::max(largest, (*J * covariance * J->transpose()).diagonal().maxCoeff());
     }
   }
   return std::sqrt(largest);
@@ -494,6 +494,8 @@ RigEstimate EstimateRig(const Board& board, const std::vector<BoardPair>& pairs,
   }
   const Matrix6d rig_covariance = J * covariance.bottomRightCorner(6, 6) * J.transpose();
   estimate.T_left_right_sigma = rig_covariance.diagonal().cwiseSqrt();
+  const Eigen::Matrix3d R = T_left_right.rotation().toRotationMatrix();
+  estimate.right_in_left_sigma_m = (R * rig_covariance.topLeftCorner(3, 3) * R.transpose()).diagonal().cwiseSqrt();
   const Eigen::Vector3d direction = T_left_right.rotation().conjugate() * T_left_right.translation().normalized();
   estimate.baseline_sigma_m = std::sqrt(direction.dot(rig_covariance.topLeftCorner(3, 3) * direction));
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -74,6 +75,8 @@ struct RigEstimate {
   /// Of `T_left_right`: translation [m] and rotation [rad], perturbed on the right; and of its length.
   Eigen::Matrix<double, 6, 1> T_left_right_sigma = Eigen::Matrix<double, 6, 1>::Zero();
   double baseline_sigma_m = 0.0;
+  /// Of the translation alone, along the axes of the left camera as `T_left_right` has it.
+  Eigen::Vector3d right_in_left_sigma_m = Eigen::Vector3d::Zero();
   /// Of one coordinate of a corner that was used, root mean square over degrees of freedom.
   double noise_px = 0.0;
   int used_corners = 0;
@@ -110,8 +113,9 @@ double FocalInCentre_px(const CameraCalibration& camera);
 /// Its standard deviation.
 double FocalInCentreSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance);
 
-/// Derivative of the pixel of the ray (x, y) at z = 1 by the parameters of the lens, 2 x n.
-Eigen::MatrixXd PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy);
+/// Derivative of the pixel of the ray (x, y) at z = 1 by the parameters of the lens, 2 x n; none where the
+/// lens model does not hold there.
+std::optional<Eigen::MatrixXd> PixelJacobian(const CameraCalibration& camera, const Eigen::Vector2d& xy);
 
 /// The largest standard deviation of a pixel where a ray meets the image: how well the lens is known as a whole.
 double PixelSigma_px(const CameraCalibration& camera, const Eigen::MatrixXd& covariance);

@@ -10,14 +10,6 @@
 #include "core/process/process_signals.h"
 
 namespace plslam::launcher {
-namespace {
-
-std::string HowItEnded(int exit_code, int signal) {
-  return signal != 0 ? "was ended by " + bus::SignalName(signal) : fmt::format("ended with exit code {}", exit_code);
-}
-
-}  // namespace
-
 Supervisor::Supervisor(Options options) : options_(std::move(options)) {}
 
 void Supervisor::Start(const std::string& name, const std::string& executable,
@@ -126,7 +118,7 @@ void Supervisor::HandleExit(Child* child, const ChildExit& end, TimePoint now) {
     child->start_at = now + options_.first_pause * (1 << std::min(child->failed_starts, 10));
     ++child->failed_starts;
     if (options_.on_restart) {
-      options_.on_restart(child->name, HowItEnded(end.code, end.signal), child->report.restarts + 1);
+      options_.on_restart(child->name, HowItEnded(end), child->report.restarts + 1);
     }
     return;
   }
@@ -139,7 +131,7 @@ void Supervisor::Fail(const Child& child, pid_t pid) {
   const int signal = child.report.exit_signal;
   const std::string how = signal != 0 && signal == child.signal
                               ? fmt::format("was cut off ({}) while it stopped", bus::SignalName(signal))
-                              : HowItEnded(child.report.exit_code.value_or(0), signal);
+                              : HowItEnded({.code = child.report.exit_code.value_or(0), .signal = signal});
   failure_ = child.name + " " + how;
   failed_ = child.name;
   failed_pid_ = pid;
@@ -205,6 +197,11 @@ int Supervisor::restarts() const {
   int sum = 0;
   for (const Child& child : children_) sum += child.report.restarts;
   return sum;
+}
+
+std::string HowItEnded(const ChildExit& end) {
+  return end.signal != 0 ? "was ended by " + bus::SignalName(end.signal)
+                         : fmt::format("ended with exit code {}", end.code);
 }
 
 std::string LastLine(const std::filesystem::path& path) {

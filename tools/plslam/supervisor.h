@@ -133,6 +133,9 @@ class Supervisor {
   std::optional<TimePoint> stopping_since_;
 };
 
+/// "was ended by SIGKILL" or "ended with exit code 1".
+std::string HowItEnded(const ChildExit& end);
+
 /// The last line of a text file that is not empty; empty where there is none.
 std::string LastLine(const std::filesystem::path& file);
 

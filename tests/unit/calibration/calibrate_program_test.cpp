@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 
 #include "core/datasets/camera_file.h"
 #include "core/io/images/png_codec.h"
@@ -98,6 +99,23 @@ TEST_F(CalibrateProgram, AChessBoardOfAnotherSize) {
   EXPECT_THAT(Text("error"), HasSubstr("chess:9x6:0.025 is seen in one"));
   EXPECT_EQ(Run("nowhere --board chess:10x7:0.025"), 1);
   EXPECT_THAT(Text("error"), HasSubstr("nowhere"));
+}
+
+TEST_F(CalibrateProgram, RigFilesThatCannotBeUsedAreNamed) {
+  const auto write = [&](const std::string& name, const std::string& text) { std::ofstream(folder_ / name) << text; };
+  const std::string left = "left:\n  resolution_px: [640, 480]\n", board = " --board chess:9x6:0.025";
+  write("nosrc.yaml", left);
+  EXPECT_EQ(Run("nosrc.yaml --out camera.yaml" + board), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("nosrc.yaml:1: source is missing"));
+  EXPECT_EQ(Run("none.yaml --out camera.yaml" + board), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("none.yaml: the calibration cannot be read"));
+  write("rig.yaml", left + "source:\n  pair: [/nowhere/a, /nowhere/b]\n");
+  EXPECT_EQ(Run("rig.yaml --out ./rig.yaml" + board), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("is the rig file itself"));
+  EXPECT_EQ(Run("rig.yaml" + board), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("give --out camera.yaml"));
+  EXPECT_EQ(Run("pictures --seconds 3" + board), 1);
+  EXPECT_THAT(Text("error"), HasSubstr("--seconds is for a rig file only"));
 }
 
 TEST_F(CalibrateProgram, PrintsABoard) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "core/io/files/dataset_error.h"
 #include "tests/support/text_file.h"
 #include "tests/unit/calibration/board_pictures.h"
 #include "tools/calibration/live/coverage_page.h"
@@ -51,6 +52,15 @@ TEST_F(LiveBoard, OnePictureOfOnePlaceWhereItStandsStill) {
   EXPECT_EQ(taker_.pictures(), 1);
 }
 
+TEST_F(LiveBoard, ABoardThatIsNotMovedIsOnePlace) {
+  for (const SE3& T : test::BoardPoses(board_, 20, 11)) {
+    int taken = 0;
+    for (int i = 0; i < 100; ++i) taken += Look(T) ? 1 : 0;
+    EXPECT_LE(taken, 1);
+  }
+  EXPECT_GE(taker_.pictures(), 5);
+}
+
 TEST_F(LiveBoard, WhatIsMissingIsSaidUntilNothingIs) {
   EXPECT_THAT(taker_.Missing(), Contains("no board near the upper right corner of the left camera"));
   int shown = 0;
@@ -70,6 +80,7 @@ TEST_F(LiveBoard, BoardsThatAreNotTiltedAreNotEnough) {
     const Eigen::Vector3d corner = middle - Eigen::Vector3d(0.5 * board_.width_m(), 0.5 * board_.height_m(), 0.0);
     LookLong(SE3(Eigen::Quaterniond::Identity(), corner));
   }
+  EXPECT_GE(taker_.pictures(), 5);
   EXPECT_THAT(taker_.Missing(), Contains("no board that is turned to the left by 20 degrees"));
 }
 
@@ -90,7 +101,45 @@ TEST(LiveRigFile, NeedsNoLens) {
   EXPECT_EQ(rig.size, kSize);
   EXPECT_THAT(rig.source, HasSubstr(folder.Path("a.mp4")));
   EXPECT_THAT(rig.for_camera, HasSubstr("focal_length_px: [640, 640]"));
-  EXPECT_ANY_THROW(ReadLiveRigFile(folder.Write("small.yaml", "left: {}\nsource:\n  files: [a.mp4, b.mp4]\n")));
+  const LiveRigFile again = ReadLiveRigFile(folder.Write("again.yaml", rig.for_camera));
+  EXPECT_EQ(again.source, rig.source);
+  EXPECT_EQ(again.rate_hz, 20.0);
+}
+
+TEST(LiveRigFile, NameAndPoseOfTheLeftCameraAreTakenOver) {
+  const ScratchFolder folder;
+  const LiveRigFile rig = ReadLiveRigFile(
+      folder.Write("rig.yaml",
+                   "name: front\nleft:\n  resolution_px: [640, 480]\n  T_b_cam: [0, 0, 1, 0.2, -1, 0, 0, 0.1, 0, -1, "
+                   "0, 0.3]\nsource:\n  pair: [a, b]\n"));
+  EXPECT_EQ(rig.name, "front");
+  EXPECT_EQ(rig.T_b_left.translation(), Eigen::Vector3d(0.2, 0.1, 0.3));
+  EXPECT_THAT(rig.for_camera, HasSubstr("name: \"front\""));
+}
+
+TEST(LiveRigFile, ErrorsNameFileLineAndKey) {
+  const ScratchFolder folder;
+  const std::string left = "left:\n  resolution_px: [640, 480]\n", source = "source:\n  pair: [a, b]\n";
+  const std::pair<std::string, const char*> cases[] = {
+      {"left: {}\n" + source, "rig.yaml:1: resolution_px is missing"},
+      {left, "rig.yaml:1: source is missing"},
+      {left + "source:\n  pair: [a]\n", "rig.yaml:4: pair has 1 entries"},
+      {left + "  borders_px: [0, 0, 0, 80]\n" + source, "rig.yaml:3: borders_px is not taken over"},
+      {left + "  mask: mask.png\n" + source, "rig.yaml:3: mask is not taken over"},
+      {left + source + "rat_hz: 20\n", "rig.yaml:5: rat_hz is not a known key"},
+      {left + source + "rate_hz: -1\n", "rig.yaml:5: rate_hz = -1 is not above 0"},
+      {"left:\n  resolution_px: [640, 4.5]\n" + source, "rig.yaml:2: resolution_px 4.5 is not a whole number"},
+      {left + "right:\n  resolution_px: [320, 240]\n" + source, "rig.yaml:4: resolution_px is another one"},
+      {"left: [\n", "rig.yaml:"},
+  };
+  for (const auto& [text, complaint] : cases) {
+    try {
+      ReadLiveRigFile(folder.Write("rig.yaml", text));
+      ADD_FAILURE() << text;
+    } catch (const DatasetError& error) {
+      EXPECT_THAT(error.what(), HasSubstr(complaint)) << text;
+    }
+  }
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr ImageSize kEstimateSize{640, 480};
+constexpr ImageSize kSize{640, 480};
 constexpr double kNoise_px = 0.1;
 
 Board Charuco() { return ParseBoard("charuco:11x8:0.03:0.022"); }
@@ -66,7 +66,7 @@ ChiSquare OfPixels(const CameraCalibration& seen, const CameraCalibration& truth
     EXPECT_TRUE(ProjectLens(seen.model, a.data(), ray.data(), p.data()));
     EXPECT_TRUE(ProjectLens(truth.model, b.data(), ray.data(), q.data()));
     error.segment<2>(2 * i) = p - q;
-    J.middleRows(2 * i, 2) = PixelJacobian(seen, xy);
+    J.middleRows(2 * i, 2) = PixelJacobian(seen, xy).value();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(J * covariance * J.transpose());
   const Eigen::VectorXd along = modes.eigenvectors().transpose() * error;
@@ -99,7 +99,7 @@ TEST_P(EveryLens, SixtyPosesGiveTheRigWithTrueSigmas) {
   const RigCalibration rig = test::KnownRig(GetParam());
   ChiSquare lens, pose, single, focal;
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 60, seed), kEstimateSize, GetParam());
+    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 60, seed), kSize, GetParam());
     EXPECT_NEAR(e.rig.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001);
     EXPECT_NEAR(e.noise_px, kNoise_px, 0.003);
     EXPECT_LT(e.baseline_sigma_m, 0.0001);
@@ -139,10 +139,31 @@ TEST_P(EveryLens, SixtyPosesGiveTheRigWithTrueSigmas) {
     EXPECT_LT(single.sum, 2.0 * single.n);
   }
   EXPECT_LT(focal.sum, 4.0 * focal.n);
+  EXPECT_GT(focal.sum, 0.4 * focal.n);
   EXPECT_LT(pose.sum, 2.5 * pose.n);
+  EXPECT_GT(pose.sum, 0.4 * pose.n);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, EveryLens, testing::Values("radtan", "rational", "equidistant", "double_sphere"));
+
+/// The right camera is turned by 40 degrees about the optical axis, so that its axes are not those of the left one.
+TEST(EstimateRig, SigmasOfTheTranslationAreAlongTheLeftAxes) {
+  RigCalibration rig = test::KnownRig("radtan");
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(40.0 * kRadPerDeg, Eigen::Vector3d::UnitZ()));
+  rig.right.T_b_cam = SE3(turn, rig.right.T_b_cam.translation());
+  const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 40, 4), kSize, "radtan");
+  // The baseline lies along x, to some degrees.
+  EXPECT_NEAR(e.right_in_left_sigma_m.x() / e.baseline_sigma_m, 1.0, 0.1);
+  EXPECT_NEAR(e.right_in_left_sigma_m.norm(), e.T_left_right_sigma.head<3>().norm(), 1e-9);
+  EXPECT_GT((e.right_in_left_sigma_m - e.T_left_right_sigma.head<3>()).norm(), 1e-6);
+}
+
+TEST(PixelJacobian, IsNoneWhereTheLensDoesNotHold) {
+  CameraCalibration camera = test::KnownRig("rational").left;
+  camera.distortion = {0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0};
+  EXPECT_TRUE(PixelJacobian(camera, {0.5, 0.0}));
+  EXPECT_FALSE(PixelJacobian(camera, {1.0, 0.5}));
+}
 
 /// Coefficients far from what the prior holds likely, as depth cameras have them: others say the same.
 TEST(EstimateRig, RationalLensFarFromThePrior) {
@@ -152,7 +173,7 @@ TEST(EstimateRig, RationalLensFarFromThePrior) {
   }
   ChiSquare lens;
   for (unsigned seed = 1; seed <= 2; ++seed) {
-    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 40, seed), kEstimateSize, "rational");
+    const RigEstimate e = EstimateRig(Charuco(), Pairs(Charuco(), rig, 40, seed), kSize, "rational");
     EXPECT_NEAR(e.rig.baseline_m, rig.right.T_b_cam.translation().norm(), 0.0001);
     EXPECT_NEAR(e.rig.left.fx_px / rig.left.fx_px, 1.0, 0.0005);
     for (const bool is_right : {false, true}) {
@@ -169,7 +190,7 @@ TEST(EstimateRig, RationalLensFarFromThePrior) {
 TEST(EstimateRig, MistakesAreNamed) {
   const RigCalibration rig = test::KnownRig("radtan");
   std::vector<BoardPair> pairs = Pairs(Charuco(), rig, 30, 7);
-  const auto error = [&] { return ErrorOf([&] { EstimateRig(Charuco(), pairs, kEstimateSize, "radtan"); }); };
+  const auto error = [&] { return ErrorOf([&] { EstimateRig(Charuco(), pairs, kSize, "radtan"); }); };
   std::vector<BoardPair> good = pairs;
   for (BoardPair& pair : pairs) std::swap(pair.left, pair.right);
   EXPECT_THAT(error(), HasSubstr("are exchanged"));
@@ -185,7 +206,7 @@ TEST(EstimateRig, AFewWrongPairsAndCornersAreLeftOut) {
   std::vector<BoardPair> pairs = Pairs(Charuco(), rig, 60, 8);
   std::swap(pairs[3].right, pairs[9].right);
   pairs[20].left.pixels[5].x() += 4.0;
-  const RigEstimate e = EstimateRig(Charuco(), pairs, kEstimateSize, "radtan");
+  const RigEstimate e = EstimateRig(Charuco(), pairs, kSize, "radtan");
   EXPECT_THAT(e.left_out_pairs, testing::ElementsAre("3", "9"));
   EXPECT_GE(e.left_out_corners, 1);
   EXPECT_LE(e.left_out_corners, 5);
@@ -197,7 +218,7 @@ TEST(ChoosePairs, AreThoseThatCoverTheImage) {
   std::vector<BoardPair> pairs(40, Pairs(Charuco(), rig, 1, 9).front());
   const std::vector<BoardPair> others = Pairs(Charuco(), rig, 10, 10);
   pairs.insert(pairs.end(), others.begin(), others.end());
-  const std::vector<int> chosen = ChoosePairs(pairs, kEstimateSize, 12);
+  const std::vector<int> chosen = ChoosePairs(pairs, kSize, 12);
   EXPECT_EQ(chosen.size(), 12U);
   EXPECT_GE(std::count_if(chosen.begin(), chosen.end(), [](int i) { return i >= 40; }), 8);
 }
@@ -209,8 +230,8 @@ TEST(Coverage, PictureAndWords) {
       if (x < 420 || y > 160) pixels.emplace_back(x, y);
     }
   }
-  EXPECT_THAT(EmptyRegions(pixels, kEstimateSize), testing::ElementsAre("upper right corner"));
-  const std::vector<std::string> picture = CoveragePicture(pixels, kEstimateSize);
+  EXPECT_THAT(EmptyRegions(pixels, kSize), testing::ElementsAre("upper right corner"));
+  const std::vector<std::string> picture = CoveragePicture(pixels, kSize);
   ASSERT_EQ(picture.size(), 12U);
   EXPECT_EQ(picture[0].substr(24), "        ");
   EXPECT_EQ(picture[0].find(' '), 21U);

@@ -6,7 +6,7 @@
 namespace plslam::calibration {
 namespace {
 
-constexpr int kPageColumns = 16, kPageRows = 10, kCell = 20;
+constexpr int kColumns = 16, kRows = 10, kCell = 20;
 
 std::string Escaped(const std::string& text) {
   std::string escaped;
@@ -25,12 +25,12 @@ std::string Escaped(const std::string& text) {
 }
 
 std::string CoverageSvg(const PictureTaker& taker, bool is_right) {
-  std::vector<int> counts(static_cast<size_t>(kPageColumns * kPageRows), 0);
-  for (const Eigen::Vector2d& p : taker.pixels(is_right)) ++counts[CellOf(p, taker.size(), kPageColumns, kPageRows)];
-  std::string svg = fmt::format("<figure><svg width=\"{}\" height=\"{}\">", kPageColumns * kCell, kPageRows * kCell);
-  for (int row = 0; row < kPageRows; ++row) {
-    for (int column = 0; column < kPageColumns; ++column) {
-      const int n = counts[static_cast<size_t>(row * kPageColumns + column)];
+  std::vector<int> counts(static_cast<size_t>(kColumns * kRows), 0);
+  for (const Eigen::Vector2d& p : taker.pixels(is_right)) ++counts[CellOf(p, taker.size(), kColumns, kRows)];
+  std::string svg = fmt::format("<figure><svg width=\"{}\" height=\"{}\">", kColumns * kCell, kRows * kCell);
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      const int n = counts[static_cast<size_t>(row * kColumns + column)];
       const char* colour = n == 0 ? "#eee" : n < 4 ? "#bcd9f5" : n < 12 ? "#6aaee8" : "#1f77c9";
       svg += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"/>", column * kCell,
                          row * kCell, kCell - 1, kCell - 1, colour);

@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "camera/rig_file.h"
 #include "core/datasets/camera_file.h"
+#include "core/datasets/check_rig.h"
 #include "core/datasets/yaml_map.h"
 
 namespace plslam::calibration {
@@ -23,18 +25,39 @@ CameraCalibration MadeUpCamera(const ImageSize& size) {
   return camera;
 }
 
-std::string SourceText(const std::string& path) {
-  YAML::Node root = YAML::LoadFile(path);
-  YAML::Node source = root["source"];
-  if (source["files"] && source["files"].IsSequence()) {
+std::string SourceText(const camera::SourceSpec& spec, const std::string& path) {
+  std::vector<std::string> inputs = spec.inputs;
+  if (spec.type == camera::SourceSpec::Type::kFiles) {
     const auto folder = std::filesystem::absolute(path).parent_path();
-    for (size_t i = 0; i < source["files"].size(); ++i) {
-      source["files"][i] = (folder / source["files"][i].as<std::string>()).string();
-    }
+    for (std::string& input : inputs) input = (folder / input).string();
   }
-  YAML::Node only;
-  only["source"] = source;
-  return YAML::Dump(only) + "\n";
+  YAML::Node root;
+  YAML::Node source = root["source"];
+  if (inputs.size() == 1) {
+    source[camera::KeyOf(spec.type)] = inputs.front();
+  } else {
+    source[camera::KeyOf(spec.type)] = inputs;
+  }
+  source["max_skew_ms"] = fmt::format("{}", spec.max_skew_ms);
+  source["give_up_s"] = fmt::format("{}", spec.give_up_s);
+  return YAML::Dump(root) + "\n";
+}
+
+/// What is calibrated anew may stand there; what a user would miss in the result may not.
+void CheckCameraKeys(const YamlMap& camera) {
+  for (const char* key : {"mask", "mask_polygons", "borders_px"}) {
+    if (camera.Has(key)) camera.Fail(key, "is not taken over by a calibration: write it into the result afterwards");
+  }
+  camera.AllowOnly({"resolution_px", "model", "focal_length_px", "principal_point_px", "distortion", "T_b_cam"});
+}
+
+ImageSize SizeOf(const YamlMap& camera) {
+  if (!camera.Has("resolution_px")) {
+    camera.Fail("resolution_px", "is missing: the size of the images, [640, 480]");
+  }
+  const ImageSize size = ReadResolution(camera, {});
+  camera.Require("resolution_px", SizeComplaint(MadeUpCamera(size)));
+  return size;
 }
 
 }  // namespace
@@ -42,18 +65,31 @@ std::string SourceText(const std::string& path) {
 LiveRigFile ReadLiveRigFile(const std::string& path) {
   const YamlMap yaml = YamlMap::FromFile(path);
   if (!yaml.Has("source")) yaml.Fail("source", "is missing: it says where images come from");
+  if (yaml.Has("from")) yaml.Fail("from", "is a calibration already: give the size of images, left.resolution_px");
+  yaml.AllowOnly({"name", "kind", "rate_hz", "left", "right", "baseline_m", "source"});
+  if (yaml.Has("kind") && yaml.Text("kind") != "stereo")
+    yaml.Fail("kind", "is not stereo: two cameras are calibrated");
   const YamlMap left = yaml.Map("left");
-  if (!left.Has("resolution_px")) left.Fail("resolution_px", "is missing: the size of the images, [640, 480]");
-  const std::vector<double> size = left.Numbers("resolution_px", 2, 2);
+  CheckCameraKeys(left);
   LiveRigFile file;
-  file.rate_hz = yaml.Has("rate_hz") ? yaml.Number("rate_hz") : 0.0;
-  file.size = {static_cast<int>(size[0]), static_cast<int>(size[1])};
-  file.source = SourceText(path);
+  file.size = SizeOf(left);
+  if (yaml.Has("right")) {
+    const YamlMap right = yaml.Map("right");
+    CheckCameraKeys(right);
+    if (right.Has("resolution_px") && !(SizeOf(right) == file.size)) {
+      right.Fail("resolution_px", "is another one than that of left: both images have one size");
+    }
+  }
+  if (yaml.Has("name")) file.name = yaml.Text("name");
+  if (left.Has("T_b_cam")) file.T_b_left = left.Transform("T_b_cam");
+  file.rate_hz = ReadRate_hz(yaml, 0.0);
+  file.source = SourceText(camera::ReadSource(yaml.Map("source")), path);
   RigCalibration rig;
-  rig.name = "not calibrated yet";
+  rig.name = file.name;
   rig.rate_hz = file.rate_hz;
   rig.left = rig.right = MadeUpCamera(file.size);
-  rig.right.T_b_cam = SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
+  rig.left.T_b_cam = file.T_b_left;
+  rig.right.T_b_cam = file.T_b_left * SE3(Eigen::Quaterniond::Identity(), Eigen::Vector3d(0.1, 0.0, 0.0));
   file.for_camera = CameraFileText(rig) + file.source;
   return file;
 }

@@ -17,11 +17,11 @@ constexpr double kStill_px = 0.5;
 /// For so many looks, and so long.
 constexpr int kStillLooks = 3;
 constexpr double kStill_s = 0.25;
-constexpr size_t kMinSharedCorners = 8;
+constexpr size_t kMinCorners = 8;
 constexpr int kEnoughPictures = 30;
 /// Of the corners of a picture, in cells of the image that have none yet.
 constexpr double kNewShare = 0.15;
-constexpr int kGridColumns = 12, kGridRows = 8;
+constexpr int kColumns = 12, kRows = 8;
 constexpr double kSineOfTilt = 0.34;  // 20 degrees
 /// Steps of the distance, as of a factor of 1.4.
 constexpr double kStepsOfScale = 2.0;
@@ -35,7 +35,7 @@ double Motion_px(const BoardView& before, const BoardView& now) {
     const auto found = pixels.find(now.corners[i]);
     if (found != pixels.end()) motions.push_back((found->second - now.pixels[i]).norm());
   }
-  return motions.size() < kMinSharedCorners ? INFINITY : Median(motions);
+  return motions.size() < kMinCorners ? INFINITY : Median(motions);
 }
 
 }  // namespace
@@ -86,9 +86,8 @@ PictureTaker::Stance PictureTaker::StanceOf(const BoardView& view) const {
 
 bool PictureTaker::IsNewPlace(const BoardView& view, bool is_right) const {
   const auto& cells = cells_[is_right ? 1 : 0];
-  const auto n = std::ranges::count_if(view.pixels, [&](const Eigen::Vector2d& p) {
-    return !cells.contains(CellOf(p, size_, kGridColumns, kGridRows));
-  });
+  const auto n = std::ranges::count_if(
+      view.pixels, [&](const Eigen::Vector2d& p) { return !cells.contains(CellOf(p, size_, kColumns, kRows)); });
   return static_cast<double>(n) >= kNewShare * static_cast<double>(view.pixels.size());
 }
 
@@ -96,15 +95,19 @@ void PictureTaker::Count(const BoardView& view, bool is_right) {
   auto& pixels = pixels_[is_right ? 1 : 0];
   pixels.insert(pixels.end(), view.pixels.begin(), view.pixels.end());
   for (const Eigen::Vector2d& p : view.pixels) {
-    cells_[is_right ? 1 : 0].insert(CellOf(p, size_, kGridColumns, kGridRows));
+    cells_[is_right ? 1 : 0].insert(CellOf(p, size_, kColumns, kRows));
   }
 }
 
 bool PictureTaker::Add(const BoardView& left, const BoardView& right, double t_s) {
   if (!IsStill(left, right, t_s)) return false;
+  // Noise must not make one place of the board several.
+  if (std::max(Motion_px(taken_left_, left), Motion_px(taken_right_, right)) < kStill_px) return false;
   const Stance stance = StanceOf(left);
   if (stances_.contains(stance) && !IsNewPlace(left, false) && !IsNewPlace(right, true)) return false;
   stances_.insert(stance);
+  taken_left_ = left;
+  taken_right_ = right;
   Count(left, false);
   Count(right, true);
   ++pictures_;

@@ -48,6 +48,7 @@ class PictureTaker {
   Board board_;
   ImageSize size_;
   BoardView last_left_, last_right_;
+  BoardView taken_left_, taken_right_;  ///< of the last picture
   int still_looks_ = 0;
   double still_since_s_ = 0.0;
   int pictures_ = 0;

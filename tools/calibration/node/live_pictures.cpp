@@ -7,6 +7,8 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -16,11 +18,13 @@
 #include "core/bus/bus.h"
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/run_loop.h"
+#include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/process/process_signals.h"
 #include "core/run/process_names.h"
+#include "tools/calibration/board_faults.h"
 #include "tools/calibration/live/coverage_page.h"
 #include "tools/calibration/live/picture_taker.h"
 #include "tools/plslam/child_process.h"
@@ -34,6 +38,10 @@ namespace fs = std::filesystem;
 
 constexpr std::chrono::milliseconds kTick(100);
 constexpr double kPatienceAtTheEnd_s = 5.0;
+/// Cameras that give no image for so long count as begun.
+constexpr double kPatienceForFrames_s = 10.0;
+/// Before something is said about a board that gives no picture.
+constexpr int kLooksForAFault = 20;
 
 /// The process `camera` until the end of the scope.
 class CameraChild {
@@ -52,10 +60,15 @@ class CameraChild {
   CameraChild(const CameraChild&) = delete;
   CameraChild& operator=(const CameraChild&) = delete;
 
-  /// False where its source has ended. Throws where it has failed.
+  /// False where its source has ended. Throws where it has failed, with its last word.
   bool Runs() {
     const auto exit = process_.Poll();
-    if (exit && exit->code != 0) throw std::runtime_error(launcher::LastLine(log_));
+    if (exit && exit->code != 0) {
+      const std::string how = fmt::format("{} {}", process_name::kCamera, launcher::HowItEnded(*exit));
+      const std::string last_word = launcher::LastLine(log_);
+      throw std::runtime_error(
+          fmt::format("{}{}{} (its log: {})", how, last_word.empty() ? "" : ": ", last_word, log_.string()));
+    }
     return !exit.has_value();
   }
 
@@ -64,32 +77,94 @@ class CameraChild {
   launcher::ChildProcess process_;
 };
 
-/// A new folder for pictures, which goes again where none is taken.
+/// A folder for pictures. Where none is taken, the files that were made in it are removed again, and the folder with
+/// them unless something else is in it.
 class PictureFolder {
  public:
   explicit PictureFolder(fs::path folder) : folder_(std::move(folder)) {
-    for (const char* side : {"left", "right"}) fs::create_directories(folder_ / side);
+    for (const char* side : {"left", "right"}) {
+      fs::create_directories(folder_ / side);
+      if (fs::is_empty(folder_ / side)) continue;
+      throw std::runtime_error(
+          fmt::format("{0}: there are pictures already: `plslam calibrate {0}` takes them, or remove the folder",
+                      folder_.string()));
+    }
+    fs::remove(log());
   }
   ~PictureFolder() {
     std::error_code ignored;
-    if (fs::is_empty(folder_ / "left", ignored)) fs::remove_all(folder_, ignored);
+    if (!fs::is_empty(folder_ / "left", ignored)) return;
+    if (!keeps_log_) fs::remove(log(), ignored);
+    for (const fs::path& made : {rig(), folder_ / "left", folder_ / "right", folder_}) fs::remove(made, ignored);
   }
   PictureFolder(const PictureFolder&) = delete;
   PictureFolder& operator=(const PictureFolder&) = delete;
 
+  fs::path rig() const { return folder_ / kRigOfPictures; }
+  fs::path log() const { return folder_ / "camera.log"; }
+  void KeepLog() { keeps_log_ = true; }
+
  private:
   fs::path folder_;
+  bool keeps_log_ = false;
+};
+
+/// What the images of a session say about a board that gives no picture: each fault is told once.
+class BoardWatch {
+ public:
+  explicit BoardWatch(const Board& board) : board_(board) {}
+
+  void Look(const StereoImages& images, const BoardView& left, const BoardView& right) {
+    const bool in_left = !left.corners.empty(), in_right = !right.corners.empty();
+    ++looks_;
+    if (in_left || in_right || left.contradicts || right.contradicts) {
+      ++looks_at_board_;
+      faults_.Count(left);
+      faults_.Count(right);
+      in_both_ += in_left && in_right ? 1 : 0;
+      in_left_ += in_left ? 1 : 0;
+    }
+    const int looks = looks_at_board_ > 0 ? looks_at_board_ : looks_;
+    if (!fault_.empty() || looks % kLooksForAFault != 0) return;
+    fault_ = Fault(images);
+    if (!fault_.empty()) fmt::print("{}\n", fault_);
+    std::fflush(stdout);
+  }
+
+  /// A sentence; empty where nothing is wrong but that no board stood still.
+  const std::string& fault() const { return fault_; }
+
+ private:
+  std::string Fault(const StereoImages& images) const {
+    if (const std::string contradiction = faults_.Sentence(board_); !contradiction.empty()) return contradiction;
+    if (looks_at_board_ == 0) {
+      const std::string other = OtherSizeSeen(board_, images.left);
+      return other.empty() ? "" : fmt::format("the board {} is not seen{}", BoardText(board_), other);
+    }
+    if (in_both_ > 0) return "";
+    return fmt::format("the board is seen by the {} camera only: hold it where both see it",
+                       in_left_ == 0                ? "right"
+                       : in_left_ < looks_at_board_ ? "left or the right"
+                                                    : "left");
+  }
+
+  Board board_;
+  BoardFaults faults_;
+  int looks_ = 0, looks_at_board_ = 0, in_both_ = 0, in_left_ = 0;
+  std::string fault_;
 };
 
 class LiveSession {
  public:
   LiveSession(const Board& board, const ImageSize& size, const LiveOptions& options)
-      : board_(board), options_(options), taker_(board, size) {
+      : board_(board), options_(options), taker_(board, size), watch_(board) {
     WritePage(true);
   }
 
   void Look(const StereoImages& images) {
+    if (!first_frame_s_) first_frame_s_ = bus::NowS();
     const BoardView left = FindBoard(board_, images.left), right = FindBoard(board_, images.right);
+    watch_.Look(images, left, right);
     if (!taker_.Add(left, right, 1e-9 * static_cast<double>(images.t_ns))) return;
     const std::string name = fmt::format("{:03}.png", taker_.pictures());
     WritePng((fs::path(options_.folder) / "left" / name).string(), images.left, 1);
@@ -105,38 +180,54 @@ class LiveSession {
     WriteFileAtomically(options_.page, CoveragePage(taker_, pictures_, is_running));
   }
   bool is_complete() const { return taker_.Missing().empty(); }
-  int pictures() const { return taker_.pictures(); }
+  /// Pairs that are written whole.
+  int pictures() const { return static_cast<int>(pictures_.size()); }
+  std::optional<double> first_frame_s() const { return first_frame_s_; }
+  const std::string& fault() const { return watch_.fault(); }
 
  private:
   Board board_;
   LiveOptions options_;
   PictureTaker taker_;
+  BoardWatch watch_;
   std::vector<std::string> pictures_;
+  std::optional<double> first_frame_s_;
 };
+
+/// Runs `f`; the sentence of what it throws, or empty.
+std::string FailureOf(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const std::exception& error) {
+    return SentenceOf(error);
+  }
+  return "";
+}
+
+std::string WhyNoPicture(const Board& board, const LiveSession& session, double took_s) {
+  if (!session.first_frame_s()) return fmt::format("the cameras gave no images in {:.1f} s", took_s);
+  if (!session.fault().empty()) return session.fault();
+  return fmt::format("the board {} was not seen to stand still", BoardText(board));
+}
 
 }  // namespace
 
-int TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options) {
-  const fs::path folder(options.folder);
-  if (fs::exists(folder)) {
-    throw std::runtime_error(fmt::format(
-        "{0}: there are pictures already: `plslam calibrate {0}` takes them, or remove the folder", options.folder));
-  }
+void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options) {
   const fs::path camera = ProgramFolder() / process_name::kCamera;
   if (access(camera.c_str(), X_OK) != 0) {
     throw std::runtime_error(fmt::format(
         "there is no program {}: install libgstreamer1.0-dev and libgstreamer-plugins-base1.0-dev, and build again",
         camera.string()));
   }
-  const PictureFolder made(folder);
-  const fs::path rig_path = folder / "camera.rig.yaml";
-  WriteFileAtomically(rig_path.string(), rig.for_camera);
+  PictureFolder folder(options.folder);
+  WriteFileAtomically(folder.rig().string(), rig.for_camera);
 
+  std::atomic<bool> stopped = false;
+  // Before anything that starts threads, which must inherit the blocked signals.
+  const bus::SignalWatcher signals([&](const std::string&) { stopped = true; });
   const launcher::RunBus run_bus("");
   bus::BusOptions bus_options;
   bus_options.url = run_bus.url();
-  std::atomic<bool> stopped = false;
-  const bus::SignalWatcher signals([&](const std::string&) { stopped = true; });
   bus::Bus bus(bus_options, "plslam");
   LiveSession session(board, rig.size, options);
   const bus::FrameSubscriber frames(bus, bus::FrameSubscriber::Mode::kReliable,
@@ -144,15 +235,24 @@ int TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptio
   fmt::print("hold the board still, again and again elsewhere; Ctrl-C ends it. {} shows what is there.\n",
              options.page);
   std::fflush(stdout);
-  CameraChild child(rig_path, run_bus.url(), folder / "camera.log");
+  CameraChild child(folder.rig(), run_bus.url(), folder.log());
   const double begin_s = bus::NowS();
   bus.Every(kTick, [&] {
-    const bool is_late = options.seconds > 0.0 && bus::NowS() - begin_s > options.seconds;
+    const double count_from_s = session.first_frame_s().value_or(begin_s + kPatienceForFrames_s);
+    const bool is_late = options.seconds > 0.0 && bus::NowS() - count_from_s > options.seconds;
     if (stopped || is_late || session.is_complete() || !child.Runs()) bus.Stop();
   });
-  bus.Run();
-  session.WritePage(false);
-  return session.pictures();
+  const std::string failure = FailureOf([&] { bus.Run(); });
+  const std::string failure_of_page = FailureOf([&] { session.WritePage(false); });
+  if (session.pictures() == 0) {
+    if (!failure.empty()) folder.KeepLog();
+    throw std::runtime_error(!failure.empty() ? failure : WhyNoPicture(board, session, bus::NowS() - begin_s));
+  }
+  for (const std::string& warning : {failure, failure_of_page}) {
+    if (!warning.empty()) fmt::print(stderr, "plslam: warning: {}\n", warning);
+  }
+  fmt::print("{} pictures are kept in {}\n", session.pictures(), options.folder);
+  std::fflush(stdout);
 }
 
 }  // namespace plslam::calibration

@@ -10,14 +10,15 @@ namespace plslam::calibration {
 
 /// Where live pictures go, and how long they are taken.
 struct LiveOptions {
-  std::string folder;    ///< of pictures, in left and right; must not be there
+  std::string folder;    ///< of pictures, in left and right; has none yet
   std::string page;      ///< HTML, beside the folder
-  double seconds = 0.0;  ///< at most; 0: no limit
+  double seconds = 0.0;  ///< at most, from the first image on; 0: no limit
 };
 
 /// Starts the process `camera` on a bus of its own, and takes pictures of the board until no view is missing, the
-/// source ends, the time is over, or Ctrl-C. Prints a line for each. Returns how many were taken; throws
-/// std::runtime_error where the camera gives no images.
-int TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options);
+/// source ends, the time is over, or Ctrl-C. Prints a line for each, and what is wrong with the board where it gives
+/// none. A failure after the first picture (an unplugged camera, a full disk) is printed as a warning and ends it like
+/// Ctrl-C; throws std::runtime_error that says why where no picture was taken.
+void TakeLivePictures(const Board& board, const LiveRigFile& rig, const LiveOptions& options);
 
 }  // namespace plslam::calibration

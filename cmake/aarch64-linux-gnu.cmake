@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Toolchain for arm64 on a host of another architecture: Debian's cross compiler, the libraries of the root PLSLAM_SYSROOT, and
-# QEMU for the programs that the build itself runs and for tests. `scripts/arm64` makes the root.
+# QEMU for the programs that the build itself runs and for tests.
 set(CMAKE_SYSTEM_NAME Linux)
 set(CMAKE_SYSTEM_PROCESSOR aarch64)
 set(CMAKE_C_COMPILER aarch64-linux-gnu-gcc)

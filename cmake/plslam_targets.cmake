@@ -35,9 +35,9 @@ endif()
 configure_file(${CMAKE_SOURCE_DIR}/cmake/plslam_version.h.in ${CMAKE_BINARY_DIR}/version/plslam_version.h)
 include_directories(${CMAKE_BINARY_DIR}/version)
 
-# A tenth of the time that ld takes, of a hundred programs.
+# A tenth of the time that ld takes, of a hundred programs. GCC looks for a cross linker by the name of its target.
 find_program(LLD_PROGRAM ld.lld)
-if(LLD_PROGRAM)
+if(LLD_PROGRAM AND NOT CMAKE_CROSSCOMPILING)
   add_link_options(-fuse-ld=lld)
 endif()
 

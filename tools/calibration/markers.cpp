@@ -6,9 +6,10 @@
 #include <cmath>
 #include <map>
 
-#include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "tools/calibration/aruco.h"
 
 namespace plslam::calibration {
 namespace {
@@ -19,25 +20,7 @@ constexpr int kMarkerCells = 7;
 constexpr int kTagBorder = 2;
 constexpr int kTagCells = 6 + 2 * kTagBorder;
 
-cv::Ptr<cv::aruco::Dictionary> TagDictionary() {
-  return cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_36h11);
-}
-
-cv::Ptr<cv::aruco::CharucoBoard> OpenCvBoard(const Board& board) {
-  return cv::aruco::CharucoBoard::create(board.columns, board.rows, static_cast<float>(board.square_m),
-                                         static_cast<float>(board.marker_m),
-                                         cv::aruco::getPredefinedDictionary(cv::aruco::DICT_5X5_250));
-}
-
-/// OpenCV 4.6 counts y of a board from below, later versions from above.
-bool IsUpwards(const cv::aruco::CharucoBoard& board) {
-  return board.objPoints.front()[0].y > board.objPoints.front()[3].y;
-}
-
-Eigen::Vector2d Downwards(const Board& board, bool upwards, const cv::Point3f& p) {
-  const double x = p.x, y = p.y;
-  return {x, upwards ? board.SquareRows() * board.square_m - y : y};
-}
+using aruco::FoundMarkers;
 
 /// Moves corners of the board (by `BoardCorners` indices) onto the saddle points of the image, within windows of
 /// `share` of the shortest square, 2 to 7 px.
@@ -70,14 +53,8 @@ BoardView FindChess(const Board& board, const cv::Mat& image) {
   return view;
 }
 
-/// Corners of markers, clockwise from the upper left one, with their numbers.
-struct ReadMarkers {
-  std::vector<std::vector<cv::Point2f>> corners;
-  std::vector<int> ids;
-};
-
 /// Whether markers lie as on the board: most of their corners fit one homography, to `bound_m`.
-bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const ReadMarkers& read) {
+bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, const FoundMarkers& read) {
   std::vector<cv::Point2f> on_board, seen;
   size_t n_unknown = 0;
   for (size_t i = 0; i < read.ids.size(); ++i) {
@@ -100,24 +77,19 @@ bool Contradicts(const std::vector<std::vector<cv::Point3f>>& board, double boun
 
 BoardView FindCharuco(const Board& board, const cv::Mat& image) {
   BoardView view;
-  const auto charuco = OpenCvBoard(board);
-  ReadMarkers read;
-  cv::aruco::detectMarkers(image, charuco->dictionary, read.corners, read.ids);
+  const aruco::CharucoLayout charuco = aruco::LayoutOf(board);
+  const FoundMarkers read = aruco::DetectMarkers(image, aruco::Dictionary::kMarkers);
   if (read.ids.size() < 4) return view;
-  view.contradicts = Contradicts(charuco->objPoints, 0.25 * board.square_m, read);
+  view.contradicts = Contradicts(charuco.markers, 0.25 * board.square_m, read);
   if (view.contradicts) return view;
-  std::vector<cv::Point2f> pixels;
-  std::vector<int> found;
-  cv::aruco::interpolateCornersCharuco(read.corners, read.ids, image, charuco, pixels, found);
-  if (static_cast<int>(found.size()) < kMinCorners) return view;
-  const bool upwards = IsUpwards(*charuco);
-  for (size_t i = 0; i < found.size(); ++i) {
-    const Eigen::Vector2d at =
-        Downwards(board, upwards, charuco->chessboardCorners[static_cast<size_t>(found[i])]) / board.square_m;
-    view.corners.push_back(static_cast<int>(std::lround(at.y()) - 1) * board.CornerColumns() +
-                           static_cast<int>(std::lround(at.x())) - 1);
-    // OpenCV 4.6 counts these from the upper left corner of the first pixel, unlike all else.
-    view.pixels.emplace_back(pixels[i].x - 0.5, pixels[i].y - 0.5);
+  const aruco::CharucoCorners found = aruco::InterpolateCorners(image, board, read);
+  if (static_cast<int>(found.indices.size()) < kMinCorners) return view;
+  for (size_t i = 0; i < found.indices.size(); ++i) {
+    const cv::Point3f& at = charuco.corners[static_cast<size_t>(found.indices[i])];
+    view.corners.push_back(static_cast<int>(std::lround(at.y / board.square_m) - 1) * board.CornerColumns() +
+                           static_cast<int>(std::lround(at.x / board.square_m)) - 1);
+    // OpenCV counts these from the upper left corner of the first pixel, unlike all else.
+    view.pixels.emplace_back(found.pixels[i].x - 0.5, found.pixels[i].y - 0.5);
   }
   // The window must not reach the markers.
   Refine(board, image, 0.5 * (1.0 - board.marker_m / board.square_m), &view);
@@ -145,28 +117,21 @@ std::vector<std::vector<cv::Point3f>> TagCorners(const Board& board) {
   return tags;
 }
 
-/// One look for tags: at an image that is `scale` times as large, with a threshold for windows that grow by `step_px`
-/// and darkness by `constant`.
+/// One look for tags, at an image that is `scale` times as large.
 struct TagPass {
   int scale;
-  int step_px;
-  double constant;
+  aruco::Threshold threshold;
 };
 /// The squares at the corners of the tags touch them, and depending on the threshold become one blob with them: what
 /// one pass misses, another one sees.
-constexpr std::array kTagPasses = {TagPass{1, 10, 7.0}, TagPass{2, 4, 7.0}, TagPass{1, 10, 15.0}};
+constexpr std::array kTagPasses = {TagPass{1, {10, 7.0}}, TagPass{2, {4, 7.0}}, TagPass{1, {10, 15.0}}};
 constexpr int kLargestScaledSide_px = 1300;
 
 /// Tags that `read` has already are passed over.
-void ReadTags(const cv::Mat& image, const TagPass& pass, ReadMarkers* read) {
+void ReadTags(const cv::Mat& image, const TagPass& pass, FoundMarkers* read) {
   cv::Mat scaled = image;
   if (pass.scale != 1) cv::resize(image, scaled, {}, pass.scale, pass.scale, cv::INTER_LINEAR);
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->markerBorderBits = kTagBorder;
-  parameters->adaptiveThreshWinSizeStep = pass.step_px;
-  parameters->adaptiveThreshConstant = pass.constant;
-  ReadMarkers found;
-  cv::aruco::detectMarkers(scaled, TagDictionary(), found.corners, found.ids, parameters);
+  FoundMarkers found = aruco::DetectMarkers(scaled, aruco::Dictionary::kTags, kTagBorder, pass.threshold);
   const float to_image = 1.0F / static_cast<float>(pass.scale);
   for (size_t i = 0; i < found.ids.size(); ++i) {
     if (std::ranges::find(read->ids, found.ids[i]) != read->ids.end()) continue;
@@ -178,9 +143,9 @@ void ReadTags(const cv::Mat& image, const TagPass& pass, ReadMarkers* read) {
 
 /// Which corner of a tag is its first one is a matter of opinion: OpenCV's tags stand upside down. The other tags
 /// decide. False where they fit with none.
-bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, ReadMarkers* read) {
+bool TurnTags(const std::vector<std::vector<cv::Point3f>>& board, double bound_m, FoundMarkers* read) {
   for (const int turn : {2, 0, 1, 3}) {
-    ReadMarkers turned = *read;
+    FoundMarkers turned = *read;
     for (auto& corners : turned.corners) std::rotate(corners.begin(), corners.begin() + turn, corners.end());
     if (Contradicts(board, bound_m, turned)) continue;
     *read = turned;
@@ -208,7 +173,7 @@ bool RefineTag(const Board& board, const cv::Mat& image, std::vector<cv::Point2f
 
 BoardView FindAprilgrid(const Board& board, const cv::Mat& image) {
   BoardView view;
-  ReadMarkers read;
+  FoundMarkers read;
   for (const TagPass& pass : kTagPasses) {
     if (static_cast<int>(read.ids.size()) >= board.columns * board.rows) break;
     if (pass.scale == 1 || std::max(image.cols, image.rows) <= kLargestScaledSide_px) ReadTags(image, pass, &read);
@@ -238,9 +203,8 @@ BoardView FindAprilgrid(const Board& board, const cv::Mat& image) {
   return view;
 }
 
-Marker DrawnMarker(const cv::aruco::Dictionary& dictionary, int id, int cells, int border) {
-  cv::Mat picture;
-  dictionary.drawMarker(id, cells, picture, border);
+Marker DrawnMarker(aruco::Dictionary dictionary, int id, int cells, int border) {
+  const cv::Mat picture = aruco::DrawMarker(dictionary, id, cells, border);
   Marker marker;
   for (int y = 0; y < cells; ++y) {
     for (int x = 0; x < cells; ++x) marker.black.push_back(picture.at<uchar>(y, x) == 0);
@@ -254,17 +218,17 @@ std::vector<Marker> MarkersOf(const Board& board) {
   std::vector<Marker> markers;
   if (board.kind == Board::Kind::kAprilgrid) {
     for (const std::vector<cv::Point3f>& tag : TagCorners(board)) {
-      markers.push_back(DrawnMarker(*TagDictionary(), static_cast<int>(markers.size()), kTagCells, kTagBorder));
+      markers.push_back(
+          DrawnMarker(aruco::Dictionary::kTags, static_cast<int>(markers.size()), kTagCells, kTagBorder));
       std::reverse(markers.back().black.begin(), markers.back().black.end());
       markers.back().upper_left_m = {tag[0].x, tag[0].y};
     }
   }
   if (board.kind != Board::Kind::kCharuco) return markers;
-  const auto charuco = OpenCvBoard(board);
-  const bool upwards = IsUpwards(*charuco);
-  for (size_t i = 0; i < charuco->objPoints.size(); ++i) {
-    markers.push_back(DrawnMarker(*charuco->dictionary, charuco->ids[i], kMarkerCells, 1));
-    markers.back().upper_left_m = Downwards(board, upwards, charuco->objPoints[i][0]);
+  const aruco::CharucoLayout charuco = aruco::LayoutOf(board);
+  for (size_t i = 0; i < charuco.markers.size(); ++i) {
+    markers.push_back(DrawnMarker(aruco::Dictionary::kMarkers, charuco.ids[i], kMarkerCells, 1));
+    markers.back().upper_left_m = {charuco.markers[i][0].x, charuco.markers[i][0].y};
   }
   return markers;
 }

@@ -16,7 +16,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr ImageSize kPictureSize{640, 480};
+constexpr ImageSize kSize{640, 480};
 
 /// Shows boards at 10 Hz to a taker.
 class LiveBoard : public testing::Test {
@@ -36,7 +36,7 @@ class LiveBoard : public testing::Test {
 
   Board board_ = ParseBoard("charuco:11x8:0.03:0.022");
   RigCalibration rig_ = test::KnownRig("radtan");
-  PictureTaker taker_{board_, kPictureSize};
+  PictureTaker taker_{board_, kSize};
   double t_s_ = 0.0;
   unsigned looks_ = 0;
 };
@@ -98,7 +98,7 @@ TEST(LiveRigFile, NeedsNoLens) {
   const ScratchFolder folder;
   const LiveRigFile rig = ReadLiveRigFile(folder.Write(
       "rig.yaml", "rate_hz: 20\nleft:\n  resolution_px: [640, 480]\nsource:\n  files: [a.mp4, b.mp4]\n"));
-  EXPECT_EQ(rig.size, kPictureSize);
+  EXPECT_EQ(rig.size, kSize);
   EXPECT_THAT(rig.source, HasSubstr(folder.Path("a.mp4")));
   EXPECT_THAT(rig.for_camera, HasSubstr("focal_length_px: [640, 640]"));
   const LiveRigFile again = ReadLiveRigFile(folder.Write("again.yaml", rig.for_camera));

@@ -24,7 +24,8 @@ CameraCalibration CameraWith(const std::string& model, const std::vector<double>
 /// What a reader makes of the camera_info that is written for a lens; the right camera stands 0.1 m beside it.
 CameraCalibration ReadBack(const CameraCalibration& camera) {
   const std::string cdr = RosCameraInfoMessage(0, camera);
-  const RosCameraInfo left = ParseCameraInfo({reinterpret_cast<const uint8_t*>(cdr.data()), cdr.size()}, RosEncoding::kCdr);
+  const RosCameraInfo left =
+      ParseCameraInfo({reinterpret_cast<const uint8_t*>(cdr.data()), cdr.size()}, RosEncoding::kCdr);
   RosCameraInfo right = left;
   right.P(0, 3) = -0.1 * right.P(0, 0);
   return RigFromRos(left, right, false).left;

@@ -88,8 +88,8 @@ const std::vector<Arrow> kArrows = {
       "tools/rectify_check/rectify_check_command.h", "tools/calibration/calibration_command.h",
       "viewer_headless/report/report_page.h"}},
     {"tools/calibration/",
-     {"core/", "camera/rig_file.h", "tools/rectify_check/row_errors.h", "tools/plslam/child_process.h", "tools/plslam/run_bus.h",
-      "tools/plslam/supervisor.h"}},
+     {"core/", "camera/rig_file.h", "tools/rectify_check/row_errors.h", "tools/plslam/child_process.h",
+      "tools/plslam/run_bus.h", "tools/plslam/supervisor.h"}},
     {"tools/rectify_check/", {"core/"}},
     {"tools/pose_graph/", {"core/", "tools/command_line/"}},
 };

@@ -136,7 +136,7 @@ class BoardWatch {
 
  private:
   std::string Fault(const StereoImages& images) const {
-    if (const std::string contradiction = faults_.Sentence(board_); !contradiction.empty()) return contradiction;
+    if (std::string contradiction = faults_.Sentence(board_); !contradiction.empty()) return contradiction;
     if (looks_at_board_ == 0) {
       const std::string other = OtherSizeSeen(board_, images.left);
       return other.empty() ? "" : fmt::format("the board {} is not seen{}", BoardText(board_), other);

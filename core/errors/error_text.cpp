@@ -129,6 +129,24 @@ std::string Shown(std::string_view text) {
   return shown;
 }
 
+std::string InHtml(std::string_view text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else {
+      escaped += c;
+    }
+  }
+  return escaped;
+}
+
 std::string ReasonOf(int error_number) {
   if (error_number == EAGAIN) return ThreadsReason();
   if (error_number == ENOMEM) return MemoryReason();

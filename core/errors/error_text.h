@@ -19,6 +19,9 @@ std::string YamlComplaint(const std::string& name, std::string_view text, int li
 /// a terminal.
 std::string Shown(std::string_view text);
 
+/// Text in a page: what HTML would take for marks, as entities.
+std::string InHtml(std::string_view text);
+
 /// What an error number of the system means, with the limit behind it where there is one: of processes and threads
 /// (EAGAIN), of open files (EMFILE), of memory (ENOMEM); each with the command that shows it.
 std::string ReasonOf(int error_number);

@@ -5,15 +5,6 @@
 #include <array>
 
 namespace plslam::calibration {
-namespace {
-
-std::vector<int> Counts(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns, int rows) {
-  std::vector<int> counts(static_cast<size_t>(columns * rows), 0);
-  for (const Eigen::Vector2d& p : pixels) ++counts[CellOf(p, size, columns, rows)];
-  return counts;
-}
-
-}  // namespace
 
 size_t CellOf(const Eigen::Vector2d& pixel, const ImageSize& size, int columns, int rows) {
   const int column = std::clamp(static_cast<int>((pixel.x() + 0.5) * columns / size.width_px), 0, columns - 1);
@@ -21,8 +12,15 @@ size_t CellOf(const Eigen::Vector2d& pixel, const ImageSize& size, int columns, 
   return static_cast<size_t>(row * columns + column);
 }
 
+std::vector<int> CountsOfCells(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns,
+                               int rows) {
+  std::vector<int> counts(static_cast<size_t>(columns * rows), 0);
+  for (const Eigen::Vector2d& p : pixels) ++counts[CellOf(p, size, columns, rows)];
+  return counts;
+}
+
 std::vector<std::string> CoveragePicture(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size) {
-  const std::vector<int> counts = Counts(pixels, size, kCoverageColumns, kCoverageRows);
+  const std::vector<int> counts = CountsOfCells(pixels, size, kCoverageColumns, kCoverageRows);
   std::vector<std::string> picture;
   for (int row = 0; row < kCoverageRows; ++row) {
     picture.emplace_back();
@@ -40,7 +38,7 @@ std::vector<std::string> EmptyRegions(const std::vector<Eigen::Vector2d>& pixels
                                  "lower left corner", "lower edge", "lower right corner"};
   constexpr int kSide = 4;         // cells of a ninth
   constexpr int kEnoughCells = 3;  // of its 16
-  const std::vector<int> counts = Counts(pixels, size, 3 * kSide, 3 * kSide);
+  const std::vector<int> counts = CountsOfCells(pixels, size, 3 * kSide, 3 * kSide);
   std::array<int, kNames.size()> covered{};
   for (size_t i = 0; i < counts.size(); ++i) {
     const size_t row = i / (3 * kSide) / kSide, column = i % (3 * kSide) / kSide;

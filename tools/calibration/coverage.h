@@ -13,6 +13,10 @@ namespace plslam::calibration {
 /// The cell of a pixel, row by row, where the image is divided into `columns` by `rows`.
 size_t CellOf(const Eigen::Vector2d& pixel, const ImageSize& size, int columns, int rows);
 
+/// Pixels in each cell, in the same order.
+std::vector<int> CountsOfCells(const std::vector<Eigen::Vector2d>& pixels, const ImageSize& size, int columns,
+                               int rows);
+
 /// How corners are spread over the images of one camera: a picture of `kCoverageRows` lines, '.' for a cell with a
 /// few corners, 'o' for more, '#' for many.
 inline constexpr int kCoverageColumns = 32;

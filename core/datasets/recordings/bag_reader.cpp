@@ -194,8 +194,7 @@ std::vector<RecordedMessage> BagReader::Messages(const std::string& topic) const
       AppendMessages(i, channel.id, messages);
     }
   }
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
+  SortByTime(messages);
   return messages;
 }
 

@@ -113,8 +113,7 @@ std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) cons
         throw DatasetError("its index has more messages than the file has bytes: it is damaged");
     }
   }
-  std::stable_sort(messages.begin(), messages.end(),
-                   [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
+  SortByTime(messages);
   return messages;
 }
 

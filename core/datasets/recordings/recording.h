@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -28,6 +29,12 @@ struct RecordedMessage {
   uint32_t chunk = 0;   ///< index of its chunk
   uint64_t offset = 0;  ///< in the chunk, decompressed
 };
+
+/// Those of one time stay in their order.
+inline void SortByTime(std::vector<RecordedMessage>& messages) {
+  std::stable_sort(messages.begin(), messages.end(),
+                   [](const RecordedMessage& a, const RecordedMessage& b) { return a.t_ns < b.t_ns; });
+}
 
 /// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
 /// and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the file.

@@ -15,33 +15,16 @@ using test::MakeBagFile;
 using testing::AllOf;
 using testing::HasSubstr;
 
-class BagDataset : public testing::Test {
+class BagDataset : public test::RecordingFileTest {
  protected:
-  const std::string& path() const { return path_; }
-  std::string Error(const std::string& options = "") const {
-    return ErrorOf([&] { OpenDataset(path_ + options, "")->Read(0); });
-  }
-
- private:
-  test::TemporaryFolder folder_;
-  std::string path_ = (folder_.path() / "a.bag").string();
+  BagDataset() : RecordingFileTest("a.bag") {}
 };
 
 TEST_F(BagDataset, ChunksOfEachCompressionInAnyOrder) {
   for (const char* compression : {"", "lz4", "bz2"}) {
     for (const bool unsorted : {false, true}) {
       MakeBagFile(path(), {.compression = compression, .unsorted = unsorted});
-      const auto dataset = OpenDataset(path(), "");
-      ASSERT_EQ(dataset->size(), 3) << compression;
-      EXPECT_TRUE(dataset->Notes().empty());
-      for (int i = 0; i < 3; ++i) {
-        EXPECT_EQ(dataset->t_ns(i), 1'000'000'000 + 100'000'000 * i);
-        const StereoImages images = dataset->Read(i);
-        EXPECT_EQ(images.left.at<uint8_t>(5, 7), test::TinyPixel(i, 0, 7, 5));
-        EXPECT_EQ(images.right.at<uint8_t>(5, 7), test::TinyPixel(i, 1, 7, 5));
-        ASSERT_TRUE(dataset->GroundTruth(i));
-        EXPECT_EQ(dataset->GroundTruth(i)->translation(), Eigen::Vector3d(i, 0, 0));
-      }
+      ExpectItsFrames(compression);
     }
   }
 }

@@ -7,6 +7,8 @@
 #include <string>
 
 #include "core/datasets/dataset.h"
+#include "core/datasets/open_dataset.h"
+#include "tests/unit/datasets/dataset_folders.h"
 
 namespace plslam::test {
 
@@ -25,5 +27,35 @@ inline std::string ErrorOf(const std::function<void()>& f) {
   ADD_FAILURE() << "no error";
   return "";
 }
+
+/// A tiny recording in a folder of its own.
+class RecordingFileTest : public testing::Test {
+ protected:
+  explicit RecordingFileTest(const std::string& name) : path_((folder_.path() / name).string()) {}
+
+  const std::string& path() const { return path_; }
+  /// Of opening it with these options and reading its first frame.
+  std::string Error(const std::string& options = "") const {
+    return ErrorOf([&] { OpenDataset(path_ + options, "")->Read(0); });
+  }
+  /// It has the three frames, and the truth, that it was made with.
+  void ExpectItsFrames(const std::string& compression) const {
+    const auto dataset = OpenDataset(path_, "");
+    ASSERT_EQ(dataset->size(), 3) << compression;
+    EXPECT_TRUE(dataset->Notes().empty());
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_EQ(dataset->t_ns(i), 1'000'000'000 + 100'000'000 * i);
+      const StereoImages images = dataset->Read(i);
+      EXPECT_EQ(images.left.at<uint8_t>(5, 7), TinyPixel(i, 0, 7, 5));
+      EXPECT_EQ(images.right.at<uint8_t>(5, 7), TinyPixel(i, 1, 7, 5));
+      ASSERT_TRUE(dataset->GroundTruth(i));
+      EXPECT_EQ(dataset->GroundTruth(i)->translation(), Eigen::Vector3d(i, 0, 0));
+    }
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::string path_;
+};
 
 }  // namespace plslam::test

@@ -3,30 +3,16 @@
 
 #include <fmt/format.h>
 
+#include "core/errors/error_text.h"
+#include "tools/calibration/coverage.h"
+
 namespace plslam::calibration {
 namespace {
 
 constexpr int kColumns = 16, kRows = 10, kCell = 20;
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string CoverageSvg(const PictureTaker& taker, bool is_right) {
-  std::vector<int> counts(static_cast<size_t>(kColumns * kRows), 0);
-  for (const Eigen::Vector2d& p : taker.pixels(is_right)) ++counts[CellOf(p, taker.size(), kColumns, kRows)];
+  const std::vector<int> counts = CountsOfCells(taker.pixels(is_right), taker.size(), kColumns, kRows);
   std::string svg = fmt::format("<figure><svg width=\"{}\" height=\"{}\">", kColumns * kCell, kRows * kCell);
   for (int row = 0; row < kRows; ++row) {
     for (int column = 0; column < kColumns; ++column) {
@@ -52,9 +38,9 @@ std::string CoveragePage(const PictureTaker& taker, const std::vector<std::strin
   page += CoverageSvg(taker, false) + CoverageSvg(taker, true);
   const std::vector<std::string> missing = taker.Missing();
   page += missing.empty() ? "<p>No view is missing.</p>\n" : "<h2>Missing</h2>\n<ul>\n";
-  for (const std::string& sentence : missing) page += fmt::format("<li>{}</li>\n", Escaped(sentence));
+  for (const std::string& sentence : missing) page += fmt::format("<li>{}</li>\n", InHtml(sentence));
   if (!missing.empty()) page += "</ul>\n";
-  for (const std::string& picture : pictures) page += fmt::format("<img src=\"{}\">\n", Escaped(picture));
+  for (const std::string& picture : pictures) page += fmt::format("<img src=\"{}\">\n", InHtml(picture));
   return page + "</body></html>\n";
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "core/errors/error_text.h"
 #include "tools/evaluate/compare/comparison_figures.h"
 #include "tools/evaluate/compare/comparison_text.h"
 
@@ -33,32 +34,14 @@ h2 { margin-top: 1.8em; overflow-wrap: anywhere; }
 each column is bold. Runs that were not completed count as failed and are in no figure.</p>
 )";
 
-std::string Escaped(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '<') {
-      escaped += "&lt;";
-    } else if (c == '>') {
-      escaped += "&gt;";
-    } else if (c == '&') {
-      escaped += "&amp;";
-    } else if (c == '"') {
-      escaped += "&quot;";
-    } else {
-      escaped += c;
-    }
-  }
-  return escaped;
-}
-
 using Groups = std::vector<const RunGroup*>;
 
 std::string HeadRow(const std::string& first, const std::vector<size_t>& metrics) {
   std::string row = "<tr><th>" + first + "</th>";
   for (const size_t i : metrics) {
     const Metric& metric = Metrics()[i];
-    const std::string unit = metric.unit.empty() ? "" : "<br><small>" + Escaped(metric.unit) + "</small>";
-    row += "<th>" + Escaped(metric.name) + unit + "</th>";
+    const std::string unit = metric.unit.empty() ? "" : "<br><small>" + InHtml(metric.unit) + "</small>";
+    row += "<th>" + InHtml(metric.name) + unit + "</th>";
   }
   return row + "</tr>\n";
 }
@@ -88,7 +71,7 @@ std::string GroupTable(const Groups& groups) {
   std::string table = "<div class=\"scroll\"><table>\n" + HeadRow("configuration", metrics);
   for (const RunGroup* group : groups) {
     const std::string lacking = LackingText(*group);
-    table += fmt::format("<tr><td>{}<small>{} run{}{}</small></td>", Escaped(group->label), group->runs.size(),
+    table += fmt::format("<tr><td>{}<small>{} run{}{}</small></td>", InHtml(group->label), group->runs.size(),
                          group->runs.size() == 1 ? "" : "s",
                          lacking.empty() ? "" : fmt::format(", <span class=\"failed\">{}</span>", lacking));
     for (const size_t i : metrics) table += Cell(groups, *group, i);
@@ -109,9 +92,9 @@ std::string FiguresOf(const Groups& groups, int dataset) {
 }
 
 std::string RunRow(const RunRecord& run, const std::vector<size_t>& metrics) {
-  std::string row = "<tr><td>" + Escaped(run.folder);
+  std::string row = "<tr><td>" + InHtml(run.folder);
   if (run.completed && run.untracked) row += "<small class=\"failed\">no pose that has a true one</small>";
-  if (!run.completed) row += "<small class=\"failed\">" + Escaped(run.reason) + "</small>";
+  if (!run.completed) row += "<small class=\"failed\">" + InHtml(run.reason) + "</small>";
   row += "</td>";
   for (const size_t i : metrics) {
     row += run.values[i] ? fmt::format("<td>{:.{}f}</td>", *run.values[i], Metrics()[i].digits) : "<td>-</td>";
@@ -134,13 +117,13 @@ std::string OptionTable(const Groups& groups) {
   for (const RunGroup* group : groups) firsts.push_back(&group->runs.front());
   std::string rows;
   for (const std::string& name : DifferingOptions(firsts)) {
-    rows += "<tr><td>" + Escaped(name) + "</td>";
-    for (const RunRecord* run : firsts) rows += "<td>" + Escaped(ValueOf(*run, name)) + "</td>";
+    rows += "<tr><td>" + InHtml(name) + "</td>";
+    for (const RunRecord* run : firsts) rows += "<td>" + InHtml(ValueOf(*run, name)) + "</td>";
     rows += "</tr>\n";
   }
   if (rows.empty()) return "";
   std::string head = "<tr><th>option</th>";
-  for (const RunGroup* group : groups) head += "<th>" + Escaped(group->label) + "</th>";
+  for (const RunGroup* group : groups) head += "<th>" + InHtml(group->label) + "</th>";
   return "<details><summary>Options that differ</summary><div class=\"scroll\"><table>\n" + head + "</tr>\n" + rows +
          "</table></div></details>\n";
 }
@@ -155,7 +138,7 @@ std::string ComparisonPage(const std::vector<RunGroup>& groups) {
     while (i < groups.size() && (of_dataset.empty() || groups[i].dataset == of_dataset.front()->dataset)) {
       of_dataset.push_back(&groups[i++]);
     }
-    html += "<h2>" + Escaped(of_dataset.front()->dataset) + "</h2>\n" + GroupTable(of_dataset) +
+    html += "<h2>" + InHtml(of_dataset.front()->dataset) + "</h2>\n" + GroupTable(of_dataset) +
             FiguresOf(of_dataset, dataset) + RunsOf(of_dataset) + OptionTable(of_dataset);
   }
   return html + "</body></html>\n";

@@ -73,8 +73,8 @@ void Count(const Map& map, int64_t keyframe_id, const SE3& T_c_w, const StereoCa
   }
 }
 
-size_t CellOf(double px, int size_px) {
-  return static_cast<size_t>(std::clamp(static_cast<int>(px * kGrid / size_px), 0, kGrid - 1));
+size_t CellOf(double px, int first_px, int size_px) {
+  return static_cast<size_t>(std::clamp(static_cast<int>((px - first_px) * kGrid / size_px), 0, kGrid - 1));
 }
 
 template <class Type>
@@ -84,7 +84,8 @@ void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
     const Eigen::Vector2d px = Middle(features[i]);
-    cells[CellOf(px.y(), camera.height_px) * kGrid + CellOf(px.x(), camera.width_px)] = true;
+    cells[CellOf(px.y(), camera.top_px, camera.height_px) * kGrid + CellOf(px.x(), camera.left_px, camera.width_px)] =
+        true;
     depths.push_back((T_c_w * Middle(*Type::Find(map, association[i]))).z());
   }
 }
@@ -144,7 +145,7 @@ std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE
     if (!pose) return std::nullopt;
     found.pose = *pose;
   }
-  Weigh(map, place.keyframe_id, features, camera, found);
+  Weigh(map, place.keyframe_id, features, CameraOf(features, camera), found);
   return found;
 }
 

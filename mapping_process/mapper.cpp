@@ -79,6 +79,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Stored
       newest_session_(stored.newest_session),
       newest_t_ns_(stored.newest_t_ns),
       version_(stored.version) {
+  map_.SetCamera(camera);
   for (const auto& [session, newest] : stored.sessions) {
     sessions_[session] = {newest.keyframe_id, newest.session_keyframe_id};
   }

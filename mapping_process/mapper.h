@@ -29,7 +29,10 @@ namespace plslam::mapping {
 /// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
 class Mapper {
  public:
-  Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {}
+  /// Everything is told in `camera`, keyframes too (`ToldIn`).
+  Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {
+    map_.SetCamera(camera);
+  }
   /// Goes on in a map that was stored (its `rig` is the caller's to compare), with keyframes of new sessions.
   Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
   /// Goes on exactly where another one was: the same calls give the same bits from here on.
@@ -83,6 +86,7 @@ class Mapper {
   /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
   MapperState State() const;
 
+  const StereoCamera& camera() const { return camera_; }
   const Map& map() const { return map_; }
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }

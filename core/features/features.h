@@ -3,10 +3,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/geometry/stereo_camera.h"
 #include "core/geometry/triangulation.h"
 
 namespace plslam {
@@ -79,6 +81,13 @@ struct StereoLine {
 struct StereoFeatures {
   std::vector<StereoPoint> points;
   std::vector<StereoLine> lines;
+  /// What of the image plane was looked at; nullopt: the image of the camera that they are told in (see `ToldIn`).
+  std::optional<ImageArea> area;
 };
+
+/// The camera that features are told in, with the image that they are from.
+inline StereoCamera CameraOf(const StereoFeatures& features, const StereoCamera& camera) {
+  return features.area ? camera.WithArea(*features.area) : camera;
+}
 
 }  // namespace plslam

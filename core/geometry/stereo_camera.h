@@ -6,6 +6,16 @@
 
 namespace plslam {
 
+/// A part of an image plane, in whole pixels.
+struct ImageArea {
+  int left_px = 0;
+  int top_px = 0;
+  int width_px = 0;
+  int height_px = 0;
+
+  bool operator==(const ImageArea&) const = default;
+};
+
 /// A rectified stereo pair: one focal length, one principal point, the right camera `baseline_m` along +x of the
 /// left.
 ///
@@ -18,6 +28,17 @@ struct StereoCamera {
   double baseline_m = 0.0;
   int width_px = 0;
   int height_px = 0;
+  /// Where its image begins; not zero only where what one camera saw is told in another (`ToldIn`).
+  int left_px = 0;
+  int top_px = 0;
+
+  bool operator==(const StereoCamera&) const = default;
+
+  ImageArea area() const { return {left_px, top_px, width_px, height_px}; }
+  /// The same camera with another image.
+  StereoCamera WithArea(const ImageArea& area) const {
+    return {f_px, cx_px, cy_px, baseline_m, area.width_px, area.height_px, area.left_px, area.top_px};
+  }
 
   double FocalBaseline() const { return f_px * baseline_m; }
   double Depth(double disparity_px) const { return FocalBaseline() / disparity_px; }
@@ -50,8 +71,8 @@ struct StereoCamera {
   Eigen::Matrix3d BackprojectCovariance(const Eigen::Vector3d& uvd, double sigma_px, double sigma_disparity_px) const;
 
   bool InImage(const Eigen::Vector2d& px, double margin_px) const {
-    return px.x() >= margin_px && px.y() >= margin_px && px.x() <= width_px - 1 - margin_px &&
-           px.y() <= height_px - 1 - margin_px;
+    return px.x() >= left_px + margin_px && px.y() >= top_px + margin_px &&
+           px.x() <= left_px + width_px - 1 - margin_px && px.y() <= top_px + height_px - 1 - margin_px;
   }
 };
 

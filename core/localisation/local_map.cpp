@@ -79,10 +79,11 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association) {
   const double radius_px = options.search_radius_px;
-  Add(SearchPoints(map, local.points, T_w_kf, features.points, WithoutLandmark(association.points), radius_px, camera,
+  const StereoCamera looked = CameraOf(features, camera);
+  Add(SearchPoints(map, local.points, T_w_kf, features.points, WithoutLandmark(association.points), radius_px, looked,
                    options),
       association.points);
-  Add(SearchLines(map, local.lines, T_w_kf, features.lines, WithoutLandmark(association.lines), radius_px, camera,
+  Add(SearchLines(map, local.lines, T_w_kf, features.lines, WithoutLandmark(association.lines), radius_px, looked,
                   options),
       association.lines);
 }

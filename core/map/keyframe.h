@@ -6,6 +6,7 @@
 
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
 
 namespace plslam {
 
@@ -41,6 +42,8 @@ struct Keyframe {
   int state = 0;
   /// The stream waits for the map: every keyframe is adjusted to the end before the next (same result at every run).
   bool lockstep = false;
+  /// The rectified camera that the features are told in.
+  StereoCamera camera;
   StereoFeatures features;
   /// Landmark of vo_process that each feature was tracked from or created, or -1. As long as the features.
   std::vector<int64_t> point_landmark_ids;

@@ -5,10 +5,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/stereo_camera.h"
 #include "core/map/id_map.h"
 #include "core/map/keyframe.h"
 #include "core/map/landmarks.h"
@@ -112,6 +114,11 @@ class Map {
     std::vector<int64_t> lines;
   };
 
+  /// The rectified camera that all keyframes are told in, whichever camera saw them: octaves and distances of points
+  /// are as it sees them. nullopt where nobody has said.
+  const std::optional<StereoCamera>& camera() const { return camera_; }
+  void SetCamera(const StereoCamera& camera) { camera_ = camera; }
+
   const IdMap<MapKeyframe>& keyframes() const { return keyframes_; }
   const IdMap<MapPoint>& points() const { return points_; }
   const IdMap<MapLine>& lines() const { return lines_; }
@@ -196,6 +203,7 @@ class Map {
   template <class Landmark>
   void MoveLandmarks(const Moves& moves, Kind<Landmark> kind);
 
+  std::optional<StereoCamera> camera_;
   IdMap<MapKeyframe> keyframes_;
   IdMap<MapPoint> points_;
   IdMap<MapLine> lines_;

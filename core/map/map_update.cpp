@@ -20,6 +20,7 @@ void CopyAll(const IdMap<Value>& from, std::vector<Value>& to) {
 
 MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
   MapUpdate update;
+  update.camera = map.camera();
   update.moved_keyframes = changes.moved_keyframes;
   update.totals = map.Totals();
   Copy(map.keyframes(), changes.keyframes, update.keyframes);
@@ -34,6 +35,7 @@ MapUpdate ChangedPart(const Map& map, const MapChanges& changes) {
 
 MapUpdate WholeMap(const Map& map) {
   MapUpdate update;
+  update.camera = map.camera();
   update.totals = map.Totals();
   CopyAll(map.keyframes(), update.keyframes);
   CopyAll(map.points(), update.points);
@@ -88,6 +90,7 @@ MapVersion::Step MapReplica::Apply(const MapUpdate& update) {
   for (const MapPoint& point : update.points) map_.Put(point);
   for (const MapLine& line : update.lines) map_.Put(line);
   for (const LoopEdge& loop : update.loops) map_.Add(loop);
+  if (update.camera) map_.SetCamera(*update.camera);
   map_.ForgetChanges();
   return step;
 }

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/stereo_camera.h"
 #include "core/map/map.h"
 
 namespace plslam {
@@ -48,6 +50,8 @@ struct MapUpdate {
   int64_t version = 0;
   /// The version it builds on. 0: on nothing, it is the whole map.
   int64_t base_version = 0;
+  /// `Map::camera`.
+  std::optional<StereoCamera> camera;
   /// The newest keyframe of vo_process that is in it.
   int64_t session = 0;
   int64_t session_keyframe_id = -1;

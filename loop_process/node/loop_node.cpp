@@ -9,7 +9,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/geometry/rectification.h"
+#include "core/features/told_in.h"
 #include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
@@ -30,12 +30,11 @@ LoopNode::LoopNode(bus::Process& process, const LoopOptions& options)
       options_(options),
       places_(LoadPlaces(options.vocabularies, options.places)),
       publisher_(process.bus()),
-      camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { Queue(keyframe); }),
       requests_(
           process.bus(), [this](const Keyframe& frame) { Queue(RelocalisationRequest{frame}); },
           bus::kRelocalisationRequest),
-      map_(process.bus(), [this](MapUpdate update) { Queue(std::move(update)); }) {
+      map_(process.bus(), [this](MapUpdate update) { OnUpdate(std::move(update)); }) {
   process_.bus().Subscribe<status_t>(bus::kStatus, [this](const status_t& message) { OnStatus(message); });
   process_.SetConfiguration(ToYaml("loop", options_));
   checker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { CheckUntilStopped(); }); });
@@ -53,18 +52,17 @@ LoopNode::~LoopNode() {
   adjuster_.join();
 }
 
-/// The map is of the first camera (mapping_process tells of another one).
-void LoopNode::OnCamera(const RigCalibration& rig) {
-  if (std::exchange(has_camera_, true)) return;
-  {
+void LoopNode::OnUpdate(MapUpdate update) {
+  if (!has_camera_ && update.camera) {
+    has_camera_ = true;
     const std::lock_guard lock(mutex_);
-    camera_ = Rectify(rig).camera;
+    camera_ = update.camera;
   }
-  changed_.notify_all();
+  Queue(std::move(update));
 }
 
 void LoopNode::OnStatus(const status_t& message) {
-  // Before there is a camera everything waits.
+  // Before there is a map everything waits.
   if (has_camera_) Queue(SignOfLife{message.header.source});
 }
 
@@ -93,7 +91,7 @@ void LoopNode::CheckUntilStopped() {
         arrivals_.pop_front();
         if (arrivals_.size() + 1 >= kMostArrivals) changed_.notify_all();
         process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
-        if (!service_) service_.emplace(LoopCloser(*camera_, places_, options_), bus::NowMs);
+        if (!service_) Begin(*camera_);
       }
     }
     if (arrival) {
@@ -104,14 +102,34 @@ void LoopNode::CheckUntilStopped() {
   }
 }
 
+/// Whatever camera has seen it, it is told in that of the map.
+Keyframe LoopNode::InMapCamera(Keyframe keyframe) const {
+  const LocalisationOptions& localisation = options_.localisation;
+  keyframe.features = ToldIn(map_camera_, std::move(keyframe.features), keyframe.camera,
+                             {localisation.orb_scale_factor, localisation.orb_levels});
+  keyframe.camera = map_camera_;
+  return keyframe;
+}
+
+/// What is known of features is told in the camera of the map: with another one nothing is known.
+LoopService::Output LoopNode::Follow(const MapUpdate& update) {
+  if (update.camera && *update.camera != map_camera_) Begin(*update.camera);
+  return service_->OnUpdate(update);
+}
+
+void LoopNode::Begin(const StereoCamera& camera) {
+  map_camera_ = camera;
+  service_.emplace(LoopCloser(camera, places_, options_), bus::NowMs);
+}
+
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
-  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(*keyframe);
-  if (const auto* update = std::get_if<MapUpdate>(&arrival)) return service_->OnUpdate(*update);
+  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(InMapCamera(*keyframe));
+  if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
   if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
-  return service_->OnRequest(std::get<RelocalisationRequest>(arrival).frame);
+  return service_->OnRequest(InMapCamera(std::get<RelocalisationRequest>(arrival).frame));
 }
 
 /// What runs would undo the loop that is being told, or what has been adjusted already.

@@ -13,7 +13,6 @@
 #include <variant>
 #include <vector>
 
-#include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/keyframe_channel.h"
 #include "core/bus/messages/loop_channel.h"
 #include "core/bus/messages/map_channel.h"
@@ -30,8 +29,8 @@ namespace plslam::loop {
 /// loop_process on the bus: keyframes, the map and requests of trackers in; loop closures and answers out.
 ///
 /// One worker checks, in the order in which things came; another adjusts the whole map after a loop, so that checking
-/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for the
-/// camera.
+/// goes on. A loop found meanwhile ends that adjustment; the one that follows begins where it was. Work waits for a
+/// map, which says what camera it is told in: so is everything that comes (`ToldIn`).
 class LoopNode {
  public:
   LoopNode(bus::Process& process, const LoopOptions& options);
@@ -48,13 +47,16 @@ class LoopNode {
   };
   using Arrival = std::variant<Keyframe, MapUpdate, RelocalisationRequest, SignOfLife>;
 
-  void OnCamera(const RigCalibration& rig);
+  void OnUpdate(MapUpdate update);
   void OnStatus(const status_t& message);
   void Queue(Arrival arrival);
 
   // On the workers.
   void CheckUntilStopped();
   void AdjustUntilStopped();
+  void Begin(const StereoCamera& camera);
+  Keyframe InMapCamera(Keyframe keyframe) const;
+  LoopService::Output Follow(const MapUpdate& update);
   LoopService::Output Handle(const Arrival& arrival);
   void DropAdjustment(bool with_progress);
   void Send(LoopService::Output output);
@@ -71,21 +73,22 @@ class LoopNode {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Arrival> arrivals_;  ///< bounded: see `Queue`
-  std::optional<StereoCamera> camera_;
+  std::optional<StereoCamera> camera_;  ///< of the first map
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;
   std::atomic<bool> stop_adjustment_{false};
   bool forgets_progress_ = false;  ///< the next adjustment begins anew
   int64_t n_dropped_ = 0;          ///< adjustments, under way or not, for loops found meanwhile
 
-  std::optional<LoopService> service_;  // the checking worker's
+  // The checking worker's.
+  StereoCamera map_camera_;
+  std::optional<LoopService> service_;
   int64_t n_loops_ = 0;
   int64_t n_answers_ = 0;
   int64_t n_found_ = 0;
   int64_t n_failed_ = 0;  // the adjusting worker's
   std::thread checker_;
   std::thread adjuster_;
-  bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;
   bus::KeyframeSubscriber requests_;
   bus::MapUpdateSubscriber map_;

@@ -30,13 +30,14 @@ Ends CollectEnds(const MapLine& line, const KeyframeFeatures& features, const St
   for (const Observation& observation : line.observations) {
     const SE3 T_kf_w = map.FindKeyframe(observation.keyframe_id)->T_w_kf.Inverse();
     const Segment3 in_camera{T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q};
-    const Segment2& seen =
-        features.at(observation.keyframe_id).lines[static_cast<size_t>(observation.feature)].left.segment;
+    const StereoFeatures& of_keyframe = features.at(observation.keyframe_id);
+    const Segment2& seen = of_keyframe.lines[static_cast<size_t>(observation.feature)].left.segment;
+    const StereoCamera looked = CameraOf(of_keyframe, camera);
     const auto s_p = AlongLine(in_camera, seen.p, camera);
     const auto s_q = AlongLine(in_camera, seen.q, camera);
     if (!s_p || !s_q || *s_p >= *s_q) continue;
-    (AtBorder(seen.p, camera) ? ends.beyond_p : ends.at_p).push_back(*s_p);
-    (AtBorder(seen.q, camera) ? ends.beyond_q : ends.at_q).push_back(*s_q);
+    (AtBorder(seen.p, looked) ? ends.beyond_p : ends.at_p).push_back(*s_p);
+    (AtBorder(seen.q, looked) ? ends.beyond_q : ends.at_q).push_back(*s_q);
   }
   return ends;
 }

@@ -9,8 +9,10 @@
 namespace plslam::mapping {
 namespace {
 
-Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, const Map& map) {
+Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, const StereoCamera& camera,
+                    const Map& map) {
   Keyframe keyframe;
+  keyframe.camera = CameraOf(features, camera);
   keyframe.session = entry.session;
   keyframe.t_ns = entry.t_ns;
   keyframe.keyframe_id = entry.session_keyframe_id;
@@ -29,11 +31,12 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, co
 
 }  // namespace
 
-std::vector<Keyframe> KeyframesOf(const StoredMap& stored) {
+std::vector<Keyframe> KeyframesOf(const StoredMap& stored, const StereoCamera& camera) {
   std::vector<Keyframe> keyframes;
   for (const auto& [id, entry] : stored.map.keyframes()) {
     const auto features = stored.features.find(id);
-    if (features != stored.features.end()) keyframes.push_back(KeyframeOf(entry, features->second, stored.map));
+    if (features == stored.features.end()) continue;
+    keyframes.push_back(KeyframeOf(entry, features->second, camera, stored.map));
   }
   return keyframes;
 }

@@ -12,8 +12,8 @@
 
 namespace plslam::mapping {
 
-/// The keyframes of a map as trackers send them, for listeners that need their features.
-std::vector<Keyframe> KeyframesOf(const StoredMap& stored);
+/// The keyframes of a map, which is told in `camera`, as trackers send them, for listeners that need their features.
+std::vector<Keyframe> KeyframesOf(const StoredMap& stored, const StereoCamera& camera);
 
 /// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a
 /// restart a session may be told by several publishers (the tracker that goes on with it, and one who tells of the

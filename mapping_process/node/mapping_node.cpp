@@ -15,6 +15,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
+#include "core/features/told_in.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
 #include "core/process/order.h"
@@ -61,6 +62,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
   ReadState();
   if (!restored_ && !options_.map_file.empty()) {
     stored_ = ReadMapFile(options_.map_file);
+    camera_ = MapCamera(*stored_, options_.map_file);
     Know(*stored_);
   }
   worker_ = std::thread([this] { bus::RunGuarded(process_.bus(), [this] { WorkUntilStopped(); }); });
@@ -85,15 +87,9 @@ void MappingNode::Queue(const Change& change) {
   changed_.notify_one();
 }
 
+/// A new map is told in the first camera that is heard of.
 void MappingNode::OnCamera(const RigCalibration& rig) {
-  if (other_camera_) return;
-  // That of a state is in use already.
-  if (!camera_) return Queue([&] { camera_ = Rectify(rig).camera; });
-  const std::string difference = CameraDifference(*camera_, rig);
-  other_camera_ = !difference.empty();
-  if (other_camera_) {
-    spdlog::error("another camera '{}' ({}): its keyframes do not go into this map", rig.name, difference);
-  }
+  if (!camera_) Queue([&] { camera_ = Rectify(rig).camera; });
 }
 
 void MappingNode::OnKeyframe(const Keyframe& keyframe) {
@@ -103,13 +99,6 @@ void MappingNode::OnKeyframe(const Keyframe& keyframe) {
       process_.SetCounter("keyframes.other_map", static_cast<double>(++n_other_map_));
       return;
     }
-    const bool is_known = known_sessions_.contains(keyframe.session) || known_trackers_.contains(keyframe.source);
-    if (other_camera_ && !is_known) {
-      process_.SetCounter("keyframes.other_camera", static_cast<double>(++n_other_camera_));
-      return;
-    }
-    known_sessions_.insert(keyframe.session);
-    if (!other_camera_) known_trackers_.insert(keyframe.source);
     const double now_ms = bus::NowMs();
     if (!queue_.Add(keyframe, now_ms)) return;
     arrived_ms_ = now_ms;
@@ -168,8 +157,7 @@ void MappingNode::BeginMap() {
     mapper_.emplace(*camera_, options_);
     return;
   }
-  CheckCamera(*stored_, *camera_, options_.map_file);
-  PublishStored(KeyframesOf(*stored_));
+  PublishStored(KeyframesOf(*stored_, *camera_));
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Commit();
   PublishWhole();
@@ -179,7 +167,7 @@ void MappingNode::BeginMap() {
 
 /// The map first: trackers wait for it, and most of the others have the features.
 void MappingNode::GoOnFromState() {
-  const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored);
+  const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored, *camera_);
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
   process_.SetState(process_state::kRunning);
@@ -255,7 +243,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   for (const WorkQueue::Arrived& arrived : batch) {
     WarnOfMissing(arrived);
     std::string reason;
-    if (mapper_->Insert(arrived.keyframe, &reason)) {
+    if (mapper_->Insert(InMapCamera(arrived.keyframe), &reason)) {
       newest = &arrived.keyframe;
       ++count;
       continue;
@@ -277,6 +265,15 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
+}
+
+/// Whatever camera has seen it, the map is told in its own.
+Keyframe MappingNode::InMapCamera(Keyframe keyframe) const {
+  const LocalisationOptions& localisation = options_.localisation;
+  keyframe.features = ToldIn(mapper_->camera(), std::move(keyframe.features), keyframe.camera,
+                             {localisation.orb_scale_factor, localisation.orb_levels});
+  keyframe.camera = mapper_->camera();
+  return keyframe;
 }
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
@@ -352,12 +349,12 @@ void MappingNode::Obey(const bus::Order& order) {
   try {
     if (order.verb == command_verb::kSave) Save(order.argument);
     if (order.verb == command_verb::kLocalise) SetLocaliseOnly(order.argument);
-    if (order.verb == command_verb::kReset) Replace({});
+    if (order.verb == command_verb::kReset) Replace({}, mapper_->camera());
     if (order.verb == command_verb::kLoad) {
       MapperState next;
       next.stored = ReadMapFile(order.argument);
-      CheckCamera(next.stored, *camera_, order.argument);
-      Replace(std::move(next));
+      const StereoCamera camera = MapCamera(next.stored, order.argument);
+      Replace(std::move(next), camera);
       TellOfMap(order.argument);
     }
     bus::Answer(process_, order);
@@ -369,7 +366,7 @@ void MappingNode::Obey(const bus::Order& order) {
 
 void MappingNode::Save(const std::string& path) {
   StoredMap stored = mapper_->Store();
-  stored.rig = CameraBytes(*camera_);
+  stored.rig = CameraBytes(mapper_->camera());
   WriteMapFile(path, stored);
   spdlog::info("the map is in {}", path);
 }
@@ -384,18 +381,16 @@ void MappingNode::SetLocaliseOnly(const std::string& argument) {
   if (!options_.state_file.empty()) KeepState();
 }
 
-void MappingNode::Replace(MapperState next) {
+void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
   mapper_->Precede(next);
   {
     const std::lock_guard lock(mutex_);
     began_version_ = next.began_version;
-    known_sessions_.clear();
     queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
-    for (const auto& [id, session] : next.stored.sessions) known_sessions_.insert(id);
   }
   answer_ = {};
-  const std::vector<Keyframe> keyframes = KeyframesOf(next.stored);
-  mapper_.emplace(*camera_, options_, std::move(next));
+  const std::vector<Keyframe> keyframes = KeyframesOf(next.stored, camera);
+  mapper_.emplace(camera, options_, std::move(next));
   PublishWhole();
   // Listeners hold features of unknown sessions in small number only: they must have the map first.
   PublishStored(keyframes);
@@ -424,7 +419,6 @@ void MappingNode::ReadState() {
 /// culled.
 void MappingNode::Know(const StoredMap& stored) {
   const std::lock_guard lock(mutex_);
-  for (const auto& [id, session] : stored.sessions) known_sessions_.insert(id);
   queue_.Restore(NewestBySession(stored), stored.newest_session);
 }
 
@@ -432,7 +426,7 @@ void MappingNode::Know(const StoredMap& stored) {
 void MappingNode::KeepState() {
   try {
     MapperState state = mapper_->State();
-    state.stored.rig = CameraBytes(*camera_);
+    state.stored.rig = CameraBytes(mapper_->camera());
     WriteStateFile(options_.state_file, state);
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -32,8 +31,9 @@ namespace plslam::mapping {
 /// mapping_process on the bus: keyframes and what loop_process says of them in, updates of the map out.
 ///
 /// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
-/// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait for the camera. The
-/// map is of one camera (`CameraDifference`): keyframes of sessions that began with another are counted and left.
+/// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait until a camera is heard
+/// of. Each comes with the camera that saw it, and is told in that of the map (`ToldIn`): the map's own where it was
+/// saved or kept, else the first that was heard of.
 ///
 /// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again
 /// goes on exactly from there, takes from the histories of the others what came after, and so comes to the same map,
@@ -74,12 +74,13 @@ class MappingNode {
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
+  Keyframe InMapCamera(Keyframe keyframe) const;
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;
   void Obey(const bus::Order& order);
   void Save(const std::string& path);
-  void Replace(MapperState next);
+  void Replace(MapperState next, const StereoCamera& camera);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
   void Answer(const LoopClosure& loop, bool accepted);
@@ -93,20 +94,15 @@ class MappingNode {
   bus::MapUpdatePublisher publisher_;
 
   // On the thread of the bus.
-  bool other_camera_ = false;
-  int64_t n_other_camera_ = 0;
   int64_t n_other_map_ = 0;
 
   // Shared with the worker.
   std::mutex mutex_;
   std::condition_variable changed_;
   WorkQueue queue_;
-  /// Sessions that the map has, and trackers that have begun one before another camera was heard of: they may begin
-  /// further ones.
-  std::set<int64_t> known_sessions_;
-  std::set<int64_t> known_trackers_;
   /// As of the mapper: keyframes that are meant for another map are left.
   int64_t began_version_ = 0;
+  /// What the map begins with.
   std::optional<StereoCamera> camera_;
   bool stopping_ = false;
   /// When the last keyframe or closure came; the start, before that.

@@ -80,6 +80,7 @@ bool DecodesSoundly(const ByteVector& bytes) {
 std::vector<ByteVector> SmallMaps() {
   std::vector<ByteVector> maps;
   for (const int steps : {0, 3, 10, 30, 80}) maps.push_back(EncodeMap(test::RandomStoredMap(steps, steps)));
+  maps.push_back(EncodeMap(test::OfTwoCameras(5, 40)));
   return maps;
 }
 

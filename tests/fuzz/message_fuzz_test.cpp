@@ -130,6 +130,7 @@ TEST(MessageFuzz, StripsMakeWholeFramesOrNone) {
 TEST(MessageFuzz, KeyframesAreRefusedOrSound) {
   Keyframe keyframe;
   keyframe.keyframe_id = 3;
+  keyframe.camera = {400.0, 320.0, 240.0, 0.12, 640, 480};
   for (int i = 0; i < 30; ++i) {
     keyframe.features.points.emplace_back();
     keyframe.point_landmark_ids.push_back(-1);

@@ -73,8 +73,12 @@ double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
   return std::ranges::max(evaluate::ComputeAbsoluteErrors(pairs, alignment).translation_m);
 }
 
-std::vector<std::string> Robot(const std::string& url, const std::string& prefix, int start, int stop) {
-  return {"run",          "synthetic:room?frames=240&size=376x240",
+const std::string kCamera = "&size=376x240";
+const std::string kOtherCamera = "&size=480x400&fov=105&baseline=0.2";
+
+std::vector<std::string> Robot(const std::string& url, const std::string& prefix, const std::string& camera,
+                               int start, int stop) {
+  return {"run",          "synthetic:room?frames=240" + camera,
           "--url",        url,
           "--start",      std::to_string(start),
           "--stop",       std::to_string(stop),
@@ -82,18 +86,23 @@ std::vector<std::string> Robot(const std::string& url, const std::string& prefix
           "--map-prefix", "team/"};
 }
 
-/// Whether a tracker is killed on the way.
-class Fleet : public testing::TestWithParam<bool> {};
+/// What the robots do not have in common, and whether a tracker is killed on the way.
+struct FleetCase {
+  const char* name;
+  const std::string* second_camera;
+  bool is_killed;
+};
+class Fleet : public testing::TestWithParam<FleetCase> {};
 
 // Each begins elsewhere, and neither knows where the other is before it comes to where that one has been.
 TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   const PrivatePort port;
   WholeRun first, second;
   SharedMap shared(port.Url(), first.folder());
-  first.Start(Robot(port.Url(), "ann/", 0, 160));
+  first.Start(Robot(port.Url(), "ann/", kCamera, 0, 160));
   ASSERT_TRUE(shared.WaitForKeyframes(3)) << first.Logs();
-  second.Start(Robot(port.Url(), "bob/", 80, 240));
-  if (GetParam()) {
+  second.Start(Robot(port.Url(), "bob/", *GetParam().second_camera, 80, 240));
+  if (GetParam().is_killed) {
     ASSERT_TRUE(shared.WaitForKeyframes(12)) << second.Logs();
     ASSERT_EQ(kill(second.PidOf("vo_process"), SIGKILL), 0);
   }
@@ -115,8 +124,11 @@ TEST_P(Fleet, TwoRobotsWithTheirOwnPrefixesMakeOneMap) {
   EXPECT_EQ(shared.Stop(), (std::vector<int>{0, 0})) << first.Logs();
 }
 
-INSTANTIATE_TEST_SUITE_P(Killed, Fleet, testing::Bool(),
-                         [](const auto& killed) { return killed.param ? "Tracker" : "Nobody"; });
+INSTANTIATE_TEST_SUITE_P(Robots, Fleet,
+                         testing::Values(FleetCase{"NobodyIsKilled", &kCamera, false},
+                                         FleetCase{"TrackerIsKilled", &kCamera, true},
+                                         FleetCase{"OtherCamera", &kOtherCamera, false}),
+                         [](const auto& fleet) { return fleet.param.name; });
 
 }  // namespace
 }  // namespace plslam::launcher

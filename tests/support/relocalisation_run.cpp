@@ -39,7 +39,7 @@ Mapped MakeMap(const Dataset& dataset, const PlaceRecogniser& places, vo::Stereo
     const StereoImages images = dataset.Read(i);
     const vo::OdometryResult result = odometry.Track(images.t_ns, See(front_end, images, odometry));
     if (!result.keyframe) continue;
-    Keyframe keyframe = vo::ToKeyframe(result);
+    Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
     keyframe.session = kMapSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = i;

@@ -80,7 +80,7 @@ SlamRun RunSlam(const Dataset& dataset, const vo::VoOptions& vo, const mapping::
     frame.T_odom_l = odometry.T_w_odom() * frame.T_odom_l;
     run.live.push_back(frame);
     if (!result.keyframe) continue;
-    Keyframe keyframe = vo::ToKeyframe(result);
+    Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
     keyframe.session = kSession;
     keyframe.t_ns = images.t_ns;
     keyframe.frame_id = static_cast<int64_t>(in_odom.size()) - 1;

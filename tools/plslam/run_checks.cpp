@@ -114,10 +114,7 @@ void ReadConfiguration(RunOptions* options) {
 
 void CheckMapToGoOnFrom(const RunOptions& options) {
   if (options.map.empty()) return;
-  const StoredMap stored = ReadMapFile(options.map.string());
-  const RigCalibration rig =
-      options.from_cameras ? ReadCameraFile(options.dataset, {}) : OpenDataset(options.dataset, options.kind)->rig();
-  CheckCamera(stored, Rectify(rig).camera, options.map.string());
+  MapCamera(ReadMapFile(options.map.string()), options.map.string());
 }
 
 void CheckCameras(const RunOptions& options) {

@@ -16,7 +16,7 @@ void CheckFilesToWrite(const RunOptions& options);
 /// does not go together.
 void ReadConfiguration(RunOptions* options);
 
-/// That the map to go on from is one, whole, and of the camera of the dataset. Throws std::runtime_error with one
+/// That the map to go on from is one, and whole. Throws std::runtime_error with one
 /// sentence.
 void CheckMapToGoOnFrom(const RunOptions& options);
 

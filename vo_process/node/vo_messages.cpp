@@ -111,8 +111,9 @@ bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies) {
   return message;
 }
 
-Keyframe ToKeyframe(const OdometryResult& result) {
+Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera) {
   Keyframe keyframe;
+  keyframe.camera = camera;
   keyframe.keyframe_id = result.keyframe->id;
   keyframe.previous_keyframe_id = result.keyframe->previous_id;
   keyframe.T_prevkf_kf = result.keyframe->T_prevkf_kf;

@@ -25,7 +25,7 @@ bodies_t ToBodiesMessage(const std::vector<BodyPose>& bodies);
 
 /// What others get of a frame that became a keyframe (`result.keyframe` must be set); session, time and frame are the
 /// caller's.
-Keyframe ToKeyframe(const OdometryResult& result);
+Keyframe ToKeyframe(const OdometryResult& result, const StereoCamera& camera);
 
 /// A frame whose place in the map was asked for.
 struct RelocalisationQuestion {

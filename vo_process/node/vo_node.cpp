@@ -394,6 +394,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   asked.previous_keyframe_id = IsLocaliseOnly() ? -1 : session_.last_keyframe_id;
   asked.keyframe_id = asked.previous_keyframe_id + 1;
   asked.lockstep = frame.lockstep;
+  asked.camera = front_end_->camera();
   asked.features = result.features;
   asked.point_landmark_ids.assign(asked.features.points.size(), -1);
   asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
@@ -465,7 +466,7 @@ void VoNode::MakeKeyframe(const Frame& frame, const OdometryResult& result, bool
     if (!requests) KeepState(none);
     return;
   }
-  Keyframe keyframe = ToKeyframe(result);
+  Keyframe keyframe = ToKeyframe(result, front_end_->camera());
   keyframe.session = session_.id;
   keyframe.t_ns = frame.images.t_ns;
   keyframe.frame_id = frame.images.frame_id;

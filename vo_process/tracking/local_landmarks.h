@@ -42,7 +42,7 @@ struct LocalLandmarks {
   }
   void Adopt(const TrackerLocalMap& local_map, bool keep_own) {
     const SE3 T_odom_w = local_map.T_w_odom.Inverse();
-    points.Adopt(T_odom_w, local_map.points, keep_own, next_point_id);
+    points.Adopt(T_odom_w, local_map.points, local_map.f_px, keep_own, next_point_id);
     lines.Adopt(T_odom_w, local_map.lines, keep_own, next_line_id);
   }
   void Move(const SE3& T_new_odom) {

@@ -75,7 +75,7 @@ struct MovingBodies::Rest {
   Rest(const TrackedFrame& whole, const Claims& claims)
       : points(PlacesOf(claims.points, false)),
         lines(PlacesOf(claims.lines, false)),
-        frame({Chosen(whole.features.points, points), Chosen(whole.features.lines, lines)}) {
+        frame({Chosen(whole.features.points, points), Chosen(whole.features.lines, lines), {}}) {
     frame.point_sigma_scale = whole.point_sigma_scale;
   }
 

@@ -110,8 +110,10 @@ void PointLandmarks::Age(const SE3& T_c_odom) {
   DropStale(options_, landmarks_);
 }
 
-void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, bool keep_own,
-                           int64_t& next_id) {
+void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px,
+                           bool keep_own, int64_t& next_id) {
+  // From as far the octave looks alike in both cameras.
+  const double nearer = map_f_px > 0.0 ? camera_.f_px / map_f_px : 1.0;
   const Eigen::Matrix3d R = T_odom_w.R();
   AdoptEach(adopted, next_id, landmarks_, [&](const MapPoint& known, bool is_new, PointLandmark& landmark) {
     if (!is_new && keep_own && !landmark.from_map) return;
@@ -121,7 +123,7 @@ void PointLandmarks::Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoi
     landmark.descriptor = known.descriptor;
     landmark.angle_rad = known.angle_rad;
     landmark.octave = known.octave;
-    landmark.depth_m = known.depth_m;
+    landmark.depth_m = nearer * known.depth_m;
   });
 }
 

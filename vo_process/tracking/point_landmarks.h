@@ -66,7 +66,8 @@ class PointLandmarks {
 
   /// Takes over what the map says of landmarks: place and uncertainty of those already here (of several that are the
   /// same the oldest stays), and all of those that are not. With `keep_own` those already here stay where they are.
-  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, bool keep_own, int64_t& next_id);
+  void Adopt(const SE3& T_odom_w, const std::vector<Adopted<MapPoint>>& adopted, double map_f_px, bool keep_own,
+             int64_t& next_id);
 
   /// All into another frame, in which `T_new_odom` lies.
   void Move(const SE3& T_new_odom);

@@ -21,6 +21,8 @@ const MapKeyframe* FindKeyframe(const Map& map, int64_t session, int64_t keyfram
   return nullptr;
 }
 
+double FocalLength(const Map& map) { return map.camera() ? map.camera()->f_px : 0.0; }
+
 }  // namespace
 
 void KeyframeLog::Add(int64_t keyframe_id, std::vector<int64_t> point_ids, std::vector<int64_t> line_ids) {
@@ -62,6 +64,7 @@ std::optional<TrackerLocalMap> KeyframeLog::LocalMapAround(const Map& map, int64
   if (center == nullptr) return std::nullopt;
   const std::vector<int64_t> keyframes = KeyframesAround(center->id, map, kMinShared, max_keyframes);
   TrackerLocalMap local_map;
+  local_map.f_px = FocalLength(map);
   local_map.T_w_odom = center->T_w_kf * center->T_odom_kf.Inverse();
   local_map.points = Adopt<PointType>(map, session, keyframes, &Entry::point_ids);
   local_map.lines = Adopt<LineType>(map, session, keyframes, &Entry::line_ids);
@@ -73,6 +76,7 @@ std::optional<TrackerLocalMap> LocalMapAt(const Map& map, int64_t keyframe_id, c
   if (map.FindKeyframe(keyframe_id) == nullptr) return std::nullopt;
   const std::vector<int64_t> keyframes = KeyframesAround(keyframe_id, map, kMinShared, max_keyframes);
   TrackerLocalMap local_map;
+  local_map.f_px = FocalLength(map);
   local_map.T_w_odom = T_w_odom;
   for (const int64_t id : SeenBy<PointType>(keyframes, map)) local_map.points.push_back({map.FindPoint(id), {}});
   for (const int64_t id : SeenBy<LineType>(keyframes, map)) local_map.lines.push_back({map.FindLine(id), {}});

@@ -20,6 +20,8 @@ struct Adopted {
 /// The part of the map around a keyframe; points into that map.
 struct TrackerLocalMap {
   SE3 T_w_odom;
+  /// Of the camera that octaves and distances of the points are told in; 0: of the tracker's.
+  double f_px = 0.0;
   std::vector<Adopted<MapPoint>> points;
   std::vector<Adopted<MapLine>> lines;
 };

@@ -15,6 +15,7 @@
 #include "plslam/point_feature_t.hpp"
 #include "plslam/polygon_t.hpp"
 #include "plslam/pose3_t.hpp"
+#include "plslam/rectified_camera_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -248,6 +249,31 @@ std::optional<StereoLine> FromMessage(const line_feature_t& message) {
   line.sigma_disparity_p_px = message.sigma_disparity_p_px;
   line.sigma_disparity_q_px = message.sigma_disparity_q_px;
   return line;
+}
+
+rectified_camera_t ToMessage(const StereoCamera& camera) {
+  rectified_camera_t message{};
+  message.f_px = camera.f_px;
+  message.cx_px = camera.cx_px;
+  message.cy_px = camera.cy_px;
+  message.baseline_m = camera.baseline_m;
+  message.left_px = camera.left_px;
+  message.top_px = camera.top_px;
+  message.width_px = camera.width_px;
+  message.height_px = camera.height_px;
+  return message;
+}
+
+std::optional<StereoCamera> FromMessage(const rectified_camera_t& message) {
+  constexpr int32_t kMost_px = 1'000'000;
+  const auto is_place = [](int32_t px) { return px >= -kMost_px && px <= kMost_px; };
+  const auto is_size = [](int32_t px) { return px >= 1 && px <= kMost_px; };
+  const bool ok = PositiveFinite({message.f_px, message.baseline_m}) && std::isfinite(message.cx_px) &&
+                  std::isfinite(message.cy_px) && is_place(message.left_px) && is_place(message.top_px) &&
+                  is_size(message.width_px) && is_size(message.height_px);
+  if (!ok) return std::nullopt;
+  return StereoCamera{message.f_px,     message.cx_px,     message.cy_px,   message.baseline_m,
+                      message.width_px, message.height_px, message.left_px, message.top_px};
 }
 
 mask_t ToMessage(const FrameMask& mask) {

@@ -8,6 +8,7 @@
 #include "core/features/features.h"
 #include "core/geometry/calibration.h"
 #include "core/geometry/se3.h"
+#include "core/geometry/stereo_camera.h"
 
 namespace plslam {
 class camera_t;
@@ -16,6 +17,7 @@ class line_feature_t;
 class mask_t;
 class point_feature_t;
 class pose3_t;
+class rectified_camera_t;
 }  // namespace plslam
 
 namespace plslam::bus {
@@ -31,6 +33,10 @@ pose3_t ToMessage(const SE3& T_a_b);
 /// Unit quaternion (to 1e-6) and finite position. What is unit to rounding comes through with all its bits, but for
 /// the sign of the quaternion.
 std::optional<SE3> FromMessage(const pose3_t& message);
+
+rectified_camera_t ToMessage(const StereoCamera& camera);
+/// Positive focal length, baseline and size.
+std::optional<StereoCamera> FromMessage(const rectified_camera_t& message);
 
 /// Row major.
 void ToArray(const Matrix6d& covariance, double (&values)[36]);

@@ -7,6 +7,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/messages/pager.h"
 #include "plslam/keyframe_t.hpp"
+#include "plslam/rectified_camera_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -28,6 +29,7 @@ keyframe_t HeadPage(const Keyframe& keyframe) {
   page.T_odom_kf = ToMessage(keyframe.T_odom_kf);
   page.state = static_cast<int8_t>(keyframe.state);
   page.lockstep = keyframe.lockstep ? 1 : 0;
+  page.camera = ToMessage(keyframe.camera);
   return page;
 }
 
@@ -51,7 +53,8 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   const bool ids_ok = page.keyframe_id >= 0 && page.frame_id >= 0 && page.previous_keyframe_id >= -1 &&
                       page.previous_keyframe_id < page.keyframe_id && page.state >= 0 && page.state <= 4 &&
                       (page.lockstep == 0 || page.lockstep == 1) && page.map_began_version >= 0;
-  if (!T_prevkf_kf || !covariance || !T_odom_kf || !ids_ok) return std::nullopt;
+  const auto camera = FromMessage(page.camera);
+  if (!T_prevkf_kf || !covariance || !T_odom_kf || !camera || !ids_ok) return std::nullopt;
   Keyframe keyframe;
   keyframe.source = page.header.source;
   keyframe.session = page.header.session;
@@ -65,6 +68,7 @@ std::optional<Keyframe> Head(const keyframe_t& page) {
   keyframe.T_odom_kf = *T_odom_kf;
   keyframe.state = static_cast<uint8_t>(page.state);
   keyframe.lockstep = page.lockstep != 0;
+  keyframe.camera = *camera;
   return keyframe;
 }
 

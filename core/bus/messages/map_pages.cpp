@@ -9,8 +9,10 @@
 #include <string>
 #include <utility>
 
+#include "core/bus/messages/convert.h"
 #include "core/bus/messages/map_convert.h"
 #include "core/bus/messages/pager.h"
+#include "plslam/rectified_camera_t.hpp"
 
 namespace plslam::bus {
 namespace {
@@ -36,6 +38,7 @@ map_update_t HeadPage(const MapUpdate& update) {
   page.answer.accepted = update.answer.accepted ? 1 : 0;
   page.localise_only = update.localise_only ? 1 : 0;
   page.began_version = update.began_version;
+  if (update.camera) page.camera = ToMessage(*update.camera);
   page.totals = ToMessage(update.totals);
   page.adjustment = ToMessage(update.adjustment);
   return page;
@@ -213,7 +216,9 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
                           page.answer.map_version >= 0 && (page.answer.accepted == 0 || page.answer.accepted == 1) &&
                           (page.localise_only == 0 || page.localise_only == 1) && page.began_version >= 0 &&
                           page.began_version <= page.version;
-  if (!totals || !adjustment || !numbers_ok) return std::nullopt;
+  const auto camera = FromMessage(page.camera);
+  const bool camera_ok = camera || page.camera.f_px == 0.0;
+  if (!totals || !adjustment || !numbers_ok || !camera_ok) return std::nullopt;
   MapUpdate update;
   update.source = page.header.source;
   update.version = page.version;
@@ -226,6 +231,7 @@ std::optional<MapUpdate> HeadOf(const map_update_t& page) {
                    page.answer.accepted != 0};
   update.localise_only = page.localise_only != 0;
   update.began_version = page.began_version;
+  update.camera = camera;
   update.totals = *totals;
   update.adjustment = *adjustment;
   for (const stage_t& stage : page.stages) {

@@ -24,8 +24,9 @@ std::optional<Segment3> ClipInFront(const Segment3& segment_c, double min_depth_
 
 std::optional<Segment2> ClipToImage(const Segment2& segment, const StereoCamera& camera, double margin_px) {
   // Liang-Barsky against the image grown by the margin.
-  const Eigen::Vector2d low = Eigen::Vector2d::Constant(-margin_px);
-  const Eigen::Vector2d high(camera.width_px - 1 + margin_px, camera.height_px - 1 + margin_px);
+  const Eigen::Vector2d low(camera.left_px - margin_px, camera.top_px - margin_px);
+  const Eigen::Vector2d high(camera.left_px + camera.width_px - 1 + margin_px,
+                             camera.top_px + camera.height_px - 1 + margin_px);
   const Eigen::Vector2d along = segment.q - segment.p;
   double from = 0.0;
   double to = 1.0;

@@ -72,7 +72,7 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
   if (bytes.size() < sizeof(Seal)) throw std::runtime_error(fmt::format("is no {} (too short)", kind.name));
   std::memcpy(&seal, bytes.data(), sizeof(Seal));
   if (seal.magic != kind.magic) throw std::runtime_error(fmt::format("is no {}", kind.name));
-  if (seal.format != kind.format) {
+  if (seal.format < kind.oldest_format || seal.format > kind.format) {
     throw std::runtime_error(fmt::format("is a {0} of format {1}, and this program knows format {2}", kind.name,
                                          seal.format, kind.format));
   }

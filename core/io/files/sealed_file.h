@@ -22,6 +22,7 @@ struct FileKind {
   uint64_t format = 1;
   std::string_view name;  ///< "map file"
   Checksum checksum = Checksum::kBlake2b;
+  uint64_t oldest_format = format;  ///< that this program reads
 };
 
 /// What such a file begins with; then come `length` bytes of content.

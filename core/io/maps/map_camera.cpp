@@ -8,8 +8,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/geometry/rectification.h"
-
 namespace plslam {
 namespace {
 
@@ -54,9 +52,10 @@ StereoCamera MapCamera(const StoredMap& stored, const std::string& path) {
   for (const double number : numbers) {
     if (!std::isfinite(number)) throw std::runtime_error(fmt::format("{}: its camera has a number {}", path, number));
   }
-  if (!(numbers[0] > 0.0) || !IsSize(numbers[4]) || !IsSize(numbers[5])) {
-    throw std::runtime_error(fmt::format("{}: no camera has a focal length of {} px and images of {} x {} px", path,
-                                         numbers[0], numbers[4], numbers[5]));
+  if (!(numbers[0] > 0.0) || !(numbers[3] > 0.0) || !IsSize(numbers[4]) || !IsSize(numbers[5])) {
+    throw std::runtime_error(
+        fmt::format("{}: no camera has a focal length of {} px, a baseline of {} m and images of {} x {} px", path,
+                    numbers[0], numbers[3], numbers[4], numbers[5]));
   }
   return {numbers[0], numbers[1], numbers[2], numbers[3], static_cast<int>(numbers[4]), static_cast<int>(numbers[5])};
 }
@@ -73,21 +72,6 @@ std::string CameraDifference(const StereoCamera& was, const StereoCamera& is) {
     text += fmt::format("{}{} {} instead of {}", text.empty() ? "" : ", ", kNames[i], b[i], a[i]);
   }
   return text;
-}
-
-std::string CameraDifference(const StereoCamera& was, const RigCalibration& is) {
-  try {
-    return CameraDifference(was, Rectify(is).camera);
-  } catch (const std::runtime_error& error) {
-    return error.what();
-  }
-}
-
-void CheckCamera(const StoredMap& stored, const StereoCamera& camera, const std::string& path) {
-  const std::string difference = CameraDifference(MapCamera(stored, path), camera);
-  if (difference.empty()) return;
-  throw std::runtime_error(
-      fmt::format("{}: the map was made with another camera (rectified): this one has {}", path, difference));
 }
 
 }  // namespace plslam

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/calibration.h"
 #include "core/geometry/stereo_camera.h"
 #include "core/io/maps/map_file.h"
 
@@ -24,11 +23,4 @@ StereoCamera MapCamera(const StoredMap& stored, const std::string& path);
 /// than 1e-4 px, a thousandth of what features are measured to: a calibration that is written with fewer digits stays
 /// the same camera.
 std::string CameraDifference(const StereoCamera& was, const StereoCamera& is);
-/// Of a rig when it is rectified, or why it cannot be.
-std::string CameraDifference(const StereoCamera& was, const RigCalibration& is);
-
-/// The rectified camera that a map was made with must be the same (`CameraDifference`), since its keyframes are seen
-/// through it. Throws std::runtime_error with one sentence that names the file and what differs.
-void CheckCamera(const StoredMap& stored, const StereoCamera& camera, const std::string& path);
-
 }  // namespace plslam

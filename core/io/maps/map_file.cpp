@@ -19,7 +19,12 @@ namespace plslam {
 namespace {
 
 using Bytes = std::span<const uint8_t>;
-constexpr FileKind kMapFile{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 1, "map file"};
+/// Format 2 ends with the images of keyframes that another camera has seen. Where there are none, format 1 is written,
+/// which older programs read.
+constexpr uint64_t kWithoutAreas = 1;
+constexpr FileKind kMapFile{
+    {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutAreas};
+constexpr FileKind kMapFileWithoutAreas{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutAreas, "map file"};
 
 /// Reads landmarks of one kind into the map; returns how many observations they have.
 template <class Landmark>
@@ -61,7 +66,24 @@ void ReadMap(archive::Reader& read, std::map<int64_t, Value>& values) {
   }
 }
 
-StoredMap ReadContent(Bytes content) {
+std::map<int64_t, ImageArea> AreasOf(const StoredMap& stored) {
+  std::map<int64_t, ImageArea> areas;
+  for (const auto& [id, features] : stored.features) {
+    if (features.area) areas[id] = *features.area;
+  }
+  return areas;
+}
+
+void ReadAreas(archive::Reader& read, StoredMap& stored) {
+  std::map<int64_t, ImageArea> areas;
+  ReadMap(read, areas);
+  for (const auto& [id, area] : areas) {
+    map_file::Check(id, area, stored.features);
+    stored.features.at(id).area = area;
+  }
+}
+
+StoredMap ReadContent(uint64_t format, Bytes content) {
   StoredMap stored;
   archive::Reader read(content);
   read(stored);
@@ -77,6 +99,7 @@ StoredMap ReadContent(Bytes content) {
     map_file::Check(loop);
     stored.map.Add(loop);
   }
+  if (format != kWithoutAreas) ReadAreas(read, stored);
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
   map_file::CheckWhole(stored, point_observations, line_observations);
   stored.map.TakeChanges();
@@ -88,7 +111,7 @@ StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
   auto check = std::async(std::launch::async, [&] { CheckSeal(kMapFile, seal, content); });
   StoredMap stored;
   try {
-    stored = ReadContent(content);
+    stored = ReadContent(seal.format, content);
   } catch (const std::runtime_error&) {
     check.get();
     throw;
@@ -105,7 +128,10 @@ void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
 
 void CheckAll(const StoredMap& stored) {
   for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
-  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
+  for (const auto& [id, features] : stored.features) {
+    map_file::Check(id, features);
+    if (features.area) map_file::Check(id, *features.area, stored.features);
+  }
   for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
   for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
   for (const LoopEdge& loop : stored.map.loops()) map_file::Check(loop);
@@ -141,8 +167,10 @@ std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   WriteValues(write, stored.map.points());
   WriteValues(write, stored.map.lines());
   write(stored.map.loops());
+  const std::map<int64_t, ImageArea> areas = AreasOf(stored);
+  if (!areas.empty()) write(areas);
   std::vector<uint8_t> bytes = std::move(write).Take();
-  const Seal seal = MakeSeal(kMapFile, Bytes(bytes).subspan(sizeof(Seal)));
+  const Seal seal = MakeSeal(areas.empty() ? kMapFileWithoutAreas : kMapFile, Bytes(bytes).subspan(sizeof(Seal)));
   std::memcpy(bytes.data(), &seal, sizeof(Seal));
   return bytes;
 }

@@ -85,6 +85,15 @@ void Check(int64_t keyframe_id, const StereoFeatures& features) {
          "keyframe {} has a feature whose values cannot be", keyframe_id);
 }
 
+void Check(int64_t keyframe_id, const ImageArea& area, const std::map<int64_t, StereoFeatures>& features) {
+  Demand(features.contains(keyframe_id), "an image is of keyframe {}, which has no features", keyframe_id);
+  const auto is_place = [](int px) { return std::abs(px) <= kMaxPixel; };
+  const auto is_size = [](int px) { return px >= 1 && px <= kMaxPixel; };
+  Demand(is_place(area.left_px) && is_place(area.top_px) && is_size(area.width_px) && is_size(area.height_px),
+         "the image of keyframe {} cannot be: {} x {} px from ({}, {}) on", keyframe_id, area.width_px, area.height_px,
+         area.left_px, area.top_px);
+}
+
 void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features) {
   const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
                   p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;

@@ -31,6 +31,12 @@ void Fields(Archive& a, T& l) {
     l.disparity_q_px, l.sigma_px, l.sigma_disparity_p_px, l.sigma_disparity_q_px);
 }
 
+template <class Archive, Is<ImageArea> T>
+void Fields(Archive& a, T& area) {
+  a(area.left_px, area.top_px, area.width_px, area.height_px);
+}
+
+/// Without the area: few have one.
 template <class Archive, Is<StereoFeatures> T>
 void Fields(Archive& a, T& features) {
   a(features.points, features.lines);

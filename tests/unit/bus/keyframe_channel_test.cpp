@@ -24,6 +24,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
   keyframe.state = 1;
   keyframe.lockstep = id % 2 == 1;
+  keyframe.camera = {400.0, 320.5, 240.25, 0.12, 640, 480, -3, 5};
   for (int i = 0; i < n_points; ++i) {
     StereoPoint point;
     point.left.px = {static_cast<float>(i), 2.5};

@@ -163,9 +163,6 @@ TEST(MapCamera, WrittenWithFewerDigitsIsTheSame) {
   EXPECT_EQ(CameraDifference(exact, exact), "");
   EXPECT_EQ(CameraDifference(exact, rounded), "");
   EXPECT_EQ(CameraDifference(rounded, exact), "");
-  StoredMap stored = test::SmallStoredMap();
-  stored.rig = CameraBytes(exact);
-  EXPECT_NO_THROW(CheckCamera(stored, rounded, "a.plmap"));
 }
 
 TEST(MapCamera, WhatDiffersIsNamedWithDigitsThatDiffer) {
@@ -181,9 +178,6 @@ TEST(MapCamera, WhatDiffersIsNamedWithDigitsThatDiffer) {
   // 2e-4 px at a disparity of 100 px.
   other.baseline_m = 0.12 * (1.0 + 2e-6);
   EXPECT_THAT(CameraDifference(camera, other), HasSubstr("baseline_m 0.12000024"));
-  StoredMap stored = test::SmallStoredMap();
-  EXPECT_THAT([&] { CheckCamera(stored, other, "a.plmap"); },
-              testing::ThrowsMessage<std::runtime_error>(HasSubstr("a.plmap: the map was made with another camera")));
 }
 
 TEST(MapCamera, WhatCannotBeIsToldInASentence) {
@@ -198,7 +192,7 @@ TEST(MapCamera, WhatCannotBeIsToldInASentence) {
   };
   const auto set = [&](size_t number, double value) { std::memcpy(stored.rig.data() + 8 * number, &value, 8); };
   set(0, 0.0);
-  EXPECT_EQ(told(), "a.plmap: no camera has a focal length of 0 px and images of 640 x 480 px");
+  EXPECT_EQ(told(), "a.plmap: no camera has a focal length of 0 px, a baseline of 0.12 m and images of 640 x 480 px");
   set(0, 400.0);
   set(4, 640.5);
   EXPECT_THAT(told(), HasSubstr("640.5 x 480 px"));

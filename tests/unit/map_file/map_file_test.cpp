@@ -84,13 +84,14 @@ void ExpectSameGraphs(const Map& a, const Map& b) {
 
 TEST(MapFile, LoadedMapsAreThoseThatWereSavedAndSavedAgainAreTheSameBytes) {
   for (uint64_t seed = 1; seed <= 20; ++seed) {
-    const StoredMap stored = RandomStoredMap(seed, 400);
+    const StoredMap stored = seed % 2 == 0 ? RandomStoredMap(seed, 400) : test::OfTwoCameras(seed, 400);
     const std::vector<uint8_t> bytes = EncodeMap(stored);
     StoredMap loaded = DecodeMap(bytes);
     ExpectSameGraphs(stored.map, loaded.map);
     EXPECT_EQ(loaded.rig, stored.rig);
     EXPECT_EQ(loaded.sessions, stored.sessions);
     EXPECT_EQ(loaded.features.size(), stored.features.size());
+    for (const auto& [id, features] : stored.features) EXPECT_EQ(loaded.features.at(id).area, features.area) << id;
     EXPECT_EQ(loaded.map.loops().size(), stored.map.loops().size());
     EXPECT_TRUE(loaded.map.TakeChanges().empty());
     EXPECT_EQ(EncodeMap(loaded), bytes) << "seed " << seed;
@@ -166,8 +167,13 @@ TEST(MapFile, ForeignAndNewerFilesAreRefusedBySentencesThatNameThem) {
   bytes[8] = 9;
   test::Sign(bytes);
   file.Write(bytes);
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows format 1"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows format 2"));
   EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
+}
+
+TEST(MapFile, FormatIsNewOnlyWhereSeveralCamerasSawTheKeyframes) {
+  EXPECT_EQ(EncodeMap(RandomStoredMap(6, 10))[8], 1) << "older programs read it";
+  EXPECT_EQ(EncodeMap(test::OfTwoCameras(6, 30))[8], 2);
 }
 
 TEST(MapFile, ALengthBeyondTheFileIsNotBelieved) {
@@ -194,6 +200,9 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   bad = good;
   bad.features.at(some_keyframe).points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature whose values cannot be"));
+  bad = good;
+  bad.features.at(some_keyframe).area = ImageArea{0, 0, 0, 480};
+  EXPECT_THAT(EncodeError(bad), HasSubstr("cannot be: 0 x 480 px from (0, 0) on"));
   bad = good;
   bad.map.SetPose(some_keyframe, SE3::FromUnit(Eigen::Quaterniond(1.1, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}),
                   Matrix6d::Zero());

@@ -97,6 +97,14 @@ StoredMap RandomStoredMap(uint64_t seed, int steps) {
   return stored;
 }
 
+StoredMap OfTwoCameras(uint64_t seed, int steps) {
+  StoredMap stored = RandomStoredMap(seed, steps);
+  for (auto& [id, features] : stored.features) {
+    if (id % 2 == 1) features.area = ImageArea{-40, 3, 700 + static_cast<int>(id), 500};
+  }
+  return stored;
+}
+
 StoredMap LongStoredMap(int keyframes, int points, int lines) {
   std::mt19937_64 random(1);
   StoredMap stored;

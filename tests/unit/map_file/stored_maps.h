@@ -12,6 +12,9 @@ namespace plslam::test {
 /// A map that much has happened to, with random features, sessions and a rig. Everything follows from the seed.
 StoredMap RandomStoredMap(uint64_t seed, int steps);
 
+/// The same, where another camera has seen every other keyframe.
+StoredMap OfTwoCameras(uint64_t seed, int steps);
+
 /// A map as mapping leaves it after a long run: each keyframe has `points` and `lines`, of which six in ten are seen
 /// by six keyframes in a row.
 StoredMap LongStoredMap(int keyframes, int points, int lines);

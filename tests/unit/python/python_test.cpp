@@ -79,7 +79,7 @@ void ExpectNear(const std::vector<double>& read, const std::vector<double>& writ
 }
 
 TEST_F(Python, AMapIsWhatWasWritten) {
-  StoredMap stored = RandomStoredMap(7, 600);
+  StoredMap stored = test::OfTwoCameras(7, 600);
   stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
   WriteMapFile(folder().Path("map.plmap"), stored);
   const json map = Answer(R"(
@@ -95,7 +95,7 @@ print(json.dumps({
               "observations": observations(p, i)} for i in range(len(p.id))],
   "lines": [{"id": int(l.id[i]), "p_w": l.p_w[i].tolist(), "q_w": l.q_w[i].tolist(), "observations": observations(l, i)}
             for i in range(len(l.id))],
-  "features": {str(i): [f.points["px"].tolist(), f.lines["q_px"].tolist(), f.points["disparity_px"].tolist()]
+  "features": {str(i): [f.points["px"].tolist(), f.lines["q_px"].tolist(), f.points["disparity_px"].tolist(), f.area]
                for i, f in m.features.items()},
   "loops": m.loops["keyframe_id"].tolist()}))
 )");
@@ -140,6 +140,8 @@ print(json.dumps({
     const json& read = map["features"][std::to_string(id)];
     ASSERT_EQ(read[0].size(), features.points.size());
     ASSERT_EQ(read[1].size(), features.lines.size());
+    ASSERT_EQ(read[3].is_null(), !features.area);
+    if (features.area) EXPECT_EQ(read[3], (std::vector<int>{-40, 3, features.area->width_px, 500}));
     for (size_t k = 0; k < features.points.size(); ++k) {
       ExpectNear(read[0][k], Numbers(features.points[k].left.px), 0.0);
       EXPECT_EQ(read[2][k], features.points[k].disparity_px);
@@ -172,12 +174,12 @@ def why(content):
     return "taken"
 flipped = {why(data[:i] + bytes([data[i] ^ 1]) + data[i + 1:]) for i in range(0, len(data), max(1, len(data) // 300))}
 cut = {why(data[:n]).split(" bytes")[0].split(" has ")[0] for n in range(0, len(data), max(1, len(data) // 100))}
-format2 = why(data[:8] + bytes([2]) + data[9:])
+newer = why(data[:8] + bytes([3]) + data[9:])
 try:
     count = plslam.load_map("count.plmap") and "taken"
 except plslam.FileError as error:
     count = str(error)
-print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": format2, "count": count}))
+print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": newer, "count": count}))
 )");
   ASSERT_TRUE(said.is_object());
   for (const char* kind : {"flipped", "cut"}) {
@@ -185,7 +187,7 @@ print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": form
       EXPECT_THAT(sentence.get<std::string>(), testing::StartsWith("bad.plmap"));
     EXPECT_THAT(said[kind].dump(), testing::Not(HasSubstr("taken")));
   }
-  EXPECT_THAT(said["format"].get<std::string>(), HasSubstr("of format 2, and this package knows format 1"));
+  EXPECT_THAT(said["format"].get<std::string>(), HasSubstr("of format 3, and this package knows format 1 to 2"));
   EXPECT_THAT(said["count"].get<std::string>(), HasSubstr("promises more than it has"));
 }
 

@@ -4,7 +4,7 @@
 import hashlib
 import struct
 from dataclasses import dataclass
-from typing import Dict, List, Tuple
+from typing import Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from .errors import FileError
 from .wire import matrices
 
 _MAGIC = b"PLSLAMAP"
-_FORMAT = 1
+_FORMATS = (1, 2)
 _SEAL = struct.Struct("<8sQQ32s")
 _SUMMED = 24
 
@@ -44,6 +44,10 @@ _LOOP = np.dtype(
     [("old_keyframe_id", "<i8"), ("keyframe_id", "<i8"), ("T_old_kf", _POSE), ("covariance", "<f8", (6, 6))]
     + [("n_points", "<i4"), ("n_lines", "<i4")]
 )
+
+
+# Images of keyframes that another camera has seen than the one the map is told in.
+_AREA = np.dtype([("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4")])
 
 
 @dataclass
@@ -111,6 +115,8 @@ class Features:
 
     points: np.ndarray
     lines: np.ndarray
+    # Left, top, width and height of the image where another camera saw it than the one the map is told in.
+    area: Optional[Tuple[int, int, int, int]] = None
 
 
 @dataclass
@@ -129,18 +135,19 @@ def load_map(path: str) -> Map:
     with open(path, "rb") as file:
         data = file.read()
     try:
-        return _read_map(_Content(_check(data)))
+        version, content = _check(data)
+        return _read_map(version, _Content(content))
     except FileError as error:
         raise FileError(f"{path}: {error}") from None
 
 
-def _check(data: bytes) -> memoryview:
-    """The content of a file that is whole."""
+def _check(data: bytes) -> Tuple[int, memoryview]:
+    """Format and content of a file that is whole."""
     if len(data) < _SEAL.size or data[:8] != _MAGIC:
         raise FileError("is no map file")
     _, version, length, checksum = _SEAL.unpack_from(data)
-    if version != _FORMAT:
-        raise FileError(f"is a map file of format {version}, and this package knows format {_FORMAT}")
+    if version not in _FORMATS:
+        raise FileError(f"is a map file of format {version}, and this package knows format {_FORMATS[0]} to {_FORMATS[-1]}")
     if length != len(data) - _SEAL.size:
         raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was cut off or damaged")
     content = memoryview(data)[_SEAL.size :]
@@ -148,7 +155,7 @@ def _check(data: bytes) -> memoryview:
     digest.update(content)
     if digest.digest() != checksum:
         raise FileError("is damaged: its checksum is wrong")
-    return content
+    return version, content
 
 
 class _Content:
@@ -213,7 +220,7 @@ def _read_keyframes(content: _Content) -> Keyframes:
     return Keyframes(**{name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names})
 
 
-def _read_map(content: _Content) -> Map:
+def _read_map(file_format: int, content: _Content) -> Map:
     version = content.int64()
     camera = _read_camera(content)
     content.array(np.dtype("<i8"), 5)  # Next ids, newest session and its time: for those who go on in the map.
@@ -228,5 +235,10 @@ def _read_map(content: _Content) -> Map:
     s, of_lines = content.landmarks(_LINE)
     lines = Lines(s["id"], s["p_w"], s["q_w"], s["covariance_p"], s["covariance_q"], s["descriptor"], of_lines)
     loops = content.list(_LOOP)
+    if file_format > 1:
+        for area in content.list(_AREA):
+            if int(area["keyframe_id"]) not in features:
+                raise FileError(f"an image is of keyframe {area['keyframe_id']}, which has no features")
+            features[int(area["keyframe_id"])].area = tuple(int(area[name]) for name in _AREA.names[1:])
     content.end()
     return Map(version, camera, keyframes, points, lines, features, loops)

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/features/told_in.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+bool SameProjection(const StereoCamera& a, const StereoCamera& b) { return a.WithArea({}) == b.WithArea({}); }
+
+/// Of each number to single precision: as messages carry features, so that what is told on is told with the same bits.
+double Rounded(double value) { return static_cast<float>(value); }
+
+/// From the pixels of one rectified camera to those of another with the same axes.
+class PixelChange {
+ public:
+  PixelChange(const StereoCamera& from, const StereoCamera& to)
+      : from_{from.cx_px, from.cy_px},
+        to_{to.cx_px, to.cy_px},
+        scale_(to.f_px / from.f_px),
+        disparity_scale_(to.FocalBaseline() / from.FocalBaseline()) {}
+
+  double scale() const { return scale_; }
+  Eigen::Vector2d Pixel(const Eigen::Vector2d& px) const {
+    const Eigen::Vector2d changed = (px - from_) * scale_ + to_;
+    return {Rounded(changed.x()), Rounded(changed.y())};
+  }
+  double Length(double px) const { return Rounded(px * scale_); }
+  /// Of disparities and their deviations. Negative stays negative: there is none.
+  double Disparity(double px) const { return Rounded(px * disparity_scale_); }
+
+  ImageArea Area(const ImageArea& area) const {
+    const Eigen::Vector2d least = Pixel(Eigen::Vector2d(area.left_px, area.top_px));
+    const Eigen::Vector2d most =
+        Pixel(Eigen::Vector2d(area.left_px + area.width_px - 1, area.top_px + area.height_px - 1));
+    const auto whole = [](double px) { return static_cast<int>(std::lround(px)); };
+    const int left_px = whole(least.x()), top_px = whole(least.y());
+    return {left_px, top_px, whole(most.x()) - left_px + 1, whole(most.y()) - top_px + 1};
+  }
+
+ private:
+  Eigen::Vector2d from_;
+  Eigen::Vector2d to_;
+  double scale_;
+  double disparity_scale_;
+};
+
+void Change(const PixelChange& change, int octaves_up, int levels, StereoPoint& point) {
+  point.left.px = change.Pixel(point.left.px);
+  point.left.scale *= change.scale();
+  point.left.octave = std::clamp(point.left.octave + octaves_up, 0, levels - 1);
+  point.disparity_px = change.Disparity(point.disparity_px);
+  point.sigma_px = change.Length(point.sigma_px);
+  point.sigma_disparity_px = change.Disparity(point.sigma_disparity_px);
+  point.row_offset_px = change.Length(point.row_offset_px);
+  point.sigma_row_px = change.Length(point.sigma_row_px);
+}
+
+void Change(const PixelChange& change, StereoLine& line) {
+  line.left.segment = {change.Pixel(line.left.segment.p), change.Pixel(line.left.segment.q)};
+  line.disparity_p_px = change.Disparity(line.disparity_p_px);
+  line.disparity_q_px = change.Disparity(line.disparity_q_px);
+  line.sigma_px = change.Length(line.sigma_px);
+  line.sigma_disparity_p_px = change.Disparity(line.sigma_disparity_p_px);
+  line.sigma_disparity_q_px = change.Disparity(line.sigma_disparity_q_px);
+}
+
+}  // namespace
+
+StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from,
+                      const OctaveSteps& octaves) {
+  ImageArea area = from.area();
+  if (!SameProjection(from, to)) {
+    const PixelChange change(from, to);
+    const int octaves_up =
+        static_cast<int>(std::lround(std::log(change.scale()) / std::log(octaves.scale_factor)));
+    for (StereoPoint& point : features.points) Change(change, octaves_up, octaves.levels, point);
+    for (StereoLine& line : features.lines) Change(change, line);
+    area = change.Area(area);
+  }
+  features.area = area == to.area() ? std::nullopt : std::optional(area);
+  return features;
+}
+
+}  // namespace plslam

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/features/told_in.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace plslam {
+namespace {
+
+const StereoCamera kWide{180.0, 187.5, 119.5, 0.06, 376, 240};
+const StereoCamera kLong{460.0, 367.2, 248.4, 0.12, 752, 480};
+constexpr OctaveSteps kOctaves;
+
+StereoPoint PointAt(const Eigen::Vector3d& p_c, int octave, const StereoCamera& camera) {
+  const Eigen::Vector3d uvd = camera.ProjectStereo(p_c);
+  StereoPoint point;
+  point.left.px = uvd.head<2>();
+  point.left.octave = octave;
+  point.disparity_px = uvd.z();
+  point.sigma_px = 0.5;
+  point.sigma_disparity_px = 0.3;
+  return point;
+}
+
+StereoFeatures SeenBy(const StereoCamera& camera) {
+  StereoFeatures features;
+  features.points = {PointAt({0.3, -0.2, 2.0}, 1, camera), PointAt({-4.0, 1.0, 9.0}, 5, camera)};
+  features.points.push_back(features.points[0]);
+  features.points[2].disparity_px = -1.0;
+  StereoLine line;
+  line.left.segment = {camera.Project({-1.0, 0.5, 3.0}), camera.Project({1.0, 0.4, 5.0})};
+  line.disparity_p_px = camera.FocalBaseline() / 3.0;
+  line.disparity_q_px = camera.FocalBaseline() / 5.0;
+  features.lines = {line};
+  return features;
+}
+
+TEST(ToldIn, RaysAndDepthsStay) {
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
+  const StereoFeatures there = SeenBy(kLong);
+  for (size_t i = 0; i < told.points.size(); ++i) {
+    EXPECT_LT((told.points[i].left.px - there.points[i].left.px).norm(), 1e-4) << i;
+    EXPECT_EQ(told.points[i].HasDepth(), there.points[i].HasDepth()) << i;
+    if (there.points[i].HasDepth()) {
+      EXPECT_NEAR(told.points[i].disparity_px, there.points[i].disparity_px, 1e-4) << i;
+    }
+  }
+  const StereoLine& line = told.lines[0];
+  EXPECT_LT((line.left.segment.p - there.lines[0].left.segment.p).norm(), 1e-4);
+  EXPECT_LT((line.left.segment.q - there.lines[0].left.segment.q).norm(), 1e-4);
+  EXPECT_NEAR(line.disparity_p_px, there.lines[0].disparity_p_px, 1e-4);
+  EXPECT_NEAR(line.disparity_q_px, there.lines[0].disparity_q_px, 1e-4);
+}
+
+TEST(ToldIn, DeviationsInMetresStay) {
+  const Eigen::Vector3d p_c(0.3, -0.2, 2.0);
+  const StereoPoint seen = SeenBy(kWide).points[0];
+  const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves).points[0];
+  const auto covariance = [&p_c](const StereoCamera& camera, const StereoPoint& point) {
+    return camera.BackprojectCovariance(camera.ProjectStereo(p_c), point.sigma_px, point.sigma_disparity_px);
+  };
+  const Eigen::Matrix3d own = covariance(kWide, seen);
+  EXPECT_LT((covariance(kLong, told) - own).norm(), 1e-6 * own.norm());
+}
+
+TEST(ToldIn, OctavesAreThoseOfTheScaleAndWithinTheirNumber) {
+  // 460 / 180 is 1.2 to the power of 5.1.
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
+  EXPECT_EQ(told.points[0].left.octave, 6);
+  EXPECT_EQ(told.points[1].left.octave, 7) << "of ten";
+  EXPECT_EQ(ToldIn(kWide, SeenBy(kLong), kLong, kOctaves).points[1].left.octave, 0);
+}
+
+TEST(ToldIn, ImageGoesWithTheFeatures) {
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
+  ASSERT_TRUE(told.area);
+  const StereoCamera looked = CameraOf(told, kLong);
+  for (const Eigen::Vector2d& corner : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(374.0, 238.0)}) {
+    const Eigen::Vector3d ray((corner.x() - kWide.cx_px) / kWide.f_px, (corner.y() - kWide.cy_px) / kWide.f_px, 1.0);
+    EXPECT_TRUE(looked.InImage(kLong.Project(ray), 0.0)) << corner.transpose();
+  }
+  EXPECT_FALSE(looked.InImage({looked.left_px - 1.0, 100.0}, 0.0));
+  EXPECT_FALSE(looked.InImage({looked.left_px + looked.width_px + 0.0, 100.0}, 0.0));
+}
+
+TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
+  const StereoFeatures seen = SeenBy(kWide);
+  const StereoFeatures told = ToldIn(kWide, seen, kWide, kOctaves);
+  EXPECT_FALSE(told.area);
+  for (size_t i = 0; i < seen.points.size(); ++i) {
+    EXPECT_EQ(told.points[i].left.px, seen.points[i].left.px);
+    EXPECT_EQ(told.points[i].disparity_px, seen.points[i].disparity_px);
+    EXPECT_EQ(told.points[i].left.octave, seen.points[i].left.octave);
+  }
+  EXPECT_EQ(told.lines[0].left.segment.p, seen.lines[0].left.segment.p);
+}
+
+// A mapping_process that was started again tells keyframes in the camera of the map.
+TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
+  const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong), kOctaves);
+  EXPECT_EQ(again.area, told.area);
+  for (size_t i = 0; i < told.points.size(); ++i) {
+    EXPECT_EQ(again.points[i].left.px, told.points[i].left.px);
+    EXPECT_EQ(again.points[i].left.px.x(), static_cast<float>(told.points[i].left.px.x())) << "as in messages";
+    EXPECT_EQ(again.points[i].sigma_disparity_px, static_cast<float>(told.points[i].sigma_disparity_px));
+  }
+}
+
+}  // namespace
+}  // namespace plslam

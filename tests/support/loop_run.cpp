@@ -109,7 +109,7 @@ void Run::Frame(const Moment& moment) {
   const int64_t index = static_cast<int64_t>(in_odom_.size()) - 1;
   if (options_.ask_every > 0 && index % options_.ask_every == options_.ask_every - 1) Ask(result.features, index);
   if (!result.keyframe) return;
-  Keyframe keyframe = vo::ToKeyframe(result, front_end.camera());
+  Keyframe keyframe = vo::ToKeyframe(result, front_end_.camera());
   keyframe.session = kSession;
   keyframe.t_ns = moment.t_ns;
   keyframe.frame_id = static_cast<int64_t>(in_odom_.size()) - 1;

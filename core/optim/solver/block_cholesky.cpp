@@ -88,7 +88,7 @@ void BlockCholesky<N>::Analyse(const SymmetricBlocks<N>& matrix) {
   blocks_.resize(rows_.size());
 }
 
-/// Of a block that is there.
+/// Of a block that is there; of others, where it would have to be.
 template <int N>
 size_t BlockCholesky<N>::PlaceOf(int row, size_t column) const {
   const auto begin = rows_.begin() + static_cast<std::ptrdiff_t>(first_[column]);
@@ -149,6 +149,50 @@ bool BlockCholesky<N>::Factorise(const SymmetricBlocks<N>& matrix) {
     if (!FactoriseColumn(column)) return false;
   }
   return true;
+}
+
+/// Of later columns all is there.
+template <int N>
+void BlockCholesky<N>::InvertColumn(size_t column) {
+  const size_t begin = first_[column];
+  const size_t end = first_[column + 1];
+  const Block inverse_root = diagonal_[column].template triangularView<Eigen::Lower>().solve(Block::Identity());
+  std::vector<Block> scaled(end - begin);
+  for (size_t k = begin; k < end; ++k) scaled[k - begin].noalias() = blocks_[k] * inverse_root;
+  for (size_t k = begin; k < end; ++k) inverse_blocks_[k].setZero();
+  for (size_t k = begin; k < end; ++k) {
+    const auto later = static_cast<size_t>(rows_[k]);
+    inverse_blocks_[k].noalias() -= inverse_diagonal_[later] * scaled[k - begin];
+    // The rows of this column are among those of the later one, and both ascend.
+    size_t place = first_[later];
+    for (size_t j = k + 1; j < end; ++j) {
+      while (rows_[place] != rows_[j]) ++place;
+      inverse_blocks_[j].noalias() -= inverse_blocks_[place] * scaled[k - begin];
+      inverse_blocks_[k].noalias() -= inverse_blocks_[place].transpose() * scaled[j - begin];
+    }
+  }
+  Block on_diagonal = inverse_root.transpose() * inverse_root;
+  for (size_t k = begin; k < end; ++k) on_diagonal.noalias() -= scaled[k - begin].transpose() * inverse_blocks_[k];
+  inverse_diagonal_[column] = 0.5 * (on_diagonal + on_diagonal.transpose());
+}
+
+template <int N>
+void BlockCholesky<N>::Invert() {
+  inverse_diagonal_.resize(diagonal_.size());
+  inverse_blocks_.resize(blocks_.size());
+  for (size_t column = diagonal_.size(); column-- > 0;) InvertColumn(column);
+}
+
+template <int N>
+Eigen::Matrix<double, N, N> BlockCholesky<N>::Inverse(int row, int column) const {
+  const int place = place_of_[static_cast<size_t>(row)];
+  const int other = place_of_[static_cast<size_t>(column)];
+  if (place == other) return inverse_diagonal_[static_cast<size_t>(place)];
+  const auto earlier = static_cast<size_t>(std::min(place, other));
+  const int later = std::max(place, other);
+  const size_t found = PlaceOf(later, earlier);
+  if (found == first_[earlier + 1] || rows_[found] != later) return Block::Zero();
+  return place > other ? inverse_blocks_[found] : Block(inverse_blocks_[found].transpose());
 }
 
 template <int N>

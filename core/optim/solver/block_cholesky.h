@@ -46,6 +46,13 @@ class BlockCholesky {
   /// x of A x = b.
   Eigen::VectorXd Solve(const Eigen::VectorXd& b) const;
 
+  /// Computes those blocks of the inverse of A where A, or L, has one, without the rest of it. Recursion from the last
+  /// column to the first (K. Takahashi, J. Fagan, M. Chin, 1973): Z = L^-T L^-1 restricted to that pattern needs only
+  /// blocks of later columns. Costs about as much as the factorisation.
+  void Invert();
+  /// Of the inverse, after `Invert`; zero where it was not computed.
+  Eigen::Matrix<double, N, N> Inverse(int row, int column) const;
+
   /// Blocks of L below the diagonal.
   size_t size() const { return blocks_.size(); }
 
@@ -54,6 +61,7 @@ class BlockCholesky {
 
   void Analyse(const SymmetricBlocks<N>& matrix);
   void Fill(const SymmetricBlocks<N>& matrix);
+  void InvertColumn(size_t column);
   bool FactoriseColumn(size_t column);
   size_t PlaceOf(int row, size_t column) const;
 
@@ -64,6 +72,8 @@ class BlockCholesky {
   std::vector<int> rows_;
   std::vector<Block> diagonal_;  ///< lower triangular
   std::vector<Block> blocks_;
+  std::vector<Block> inverse_diagonal_;
+  std::vector<Block> inverse_blocks_;  ///< beside `blocks_`
 };
 
 }  // namespace plslam

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <random>
 
@@ -103,6 +104,34 @@ TEST(SymmetricBlocks, TakeTheValuesOfAnother) {
   larger.Assign(smaller);
   EXPECT_EQ(Dense(larger), Dense(smaller));
   EXPECT_GT(larger.below.size(), smaller.below.size());
+}
+
+TEST(BlockCholesky, BlocksOfTheInverseAreThoseOfTheDenseOne) {
+  for (const auto& [size, neighbours, loops] : {std::tuple{1, 0, 0}, {30, 3, 0}, {40, 5, 12}, {25, 24, 0}}) {
+    const SymmetricBlocks<6> matrix = Tied(size, neighbours, loops, static_cast<uint32_t>(size));
+    BlockCholesky<6> cholesky;
+    ASSERT_TRUE(cholesky.Factorise(matrix));
+    cholesky.Invert();
+    const Eigen::MatrixXd expected = Dense(matrix).inverse();
+    for (int row = 0; row < size; ++row) {
+      std::vector<int> columns{row};
+      for (const auto& [column, place] : matrix.rows[static_cast<size_t>(row)]) columns.push_back(column);
+      for (const int column : columns) {
+        const Matrix6d block = cholesky.Inverse(row, column);
+        EXPECT_LT((block - expected.block<6, 6>(6 * row, 6 * column)).norm(), 1e-9 * expected.norm()) << size;
+        EXPECT_EQ(block, cholesky.Inverse(column, row).transpose());
+      }
+    }
+  }
+}
+
+TEST(BlockCholesky, InverseOfNothingAndFarFromTheDiagonal) {
+  BlockCholesky<6> cholesky;
+  ASSERT_TRUE(cholesky.Factorise(SymmetricBlocks<6>(0)));
+  cholesky.Invert();
+  ASSERT_TRUE(cholesky.Factorise(Tied(12, 1, 0, 3)));
+  cholesky.Invert();
+  EXPECT_TRUE(cholesky.Inverse(11, 0).isZero(0.0)) << "is not computed";
 }
 
 }  // namespace

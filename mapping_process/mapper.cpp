@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <set>
@@ -19,6 +20,7 @@
 #include "mapping_process/corrections/loop_edges.h"
 #include "mapping_process/corrections/loop_fusion.h"
 #include "mapping_process/insertion/duplicates.h"
+#include "mapping_process/insertion/forgetting.h"
 #include "mapping_process/insertion/line_extent.h"
 #include "mapping_process/insertion/line_triangulation.h"
 #include "mapping_process/insertion/local_window.h"
@@ -29,6 +31,8 @@ namespace {
 
 // Newest keyframes of a session that are never redundant: the tracker's next steps lean on them.
 constexpr int kNewestKept = 3;
+// Sessions that may still go on: those that did so last.
+constexpr size_t kRunningSessions = 16;
 
 template <class Type>
 void AddObservations(int64_t keyframe_id, const std::vector<int64_t>& association, const KeyframeFeatures& features,
@@ -252,7 +256,9 @@ bool Mapper::Correct(const LoopClosure& closure, std::string* reason) {
     figures_ = ApplyAdjustment(window, Adjusted(window, nullptr), features_, map_);
   }
   // Composed along the way, covariances would not know what the loop has made certain.
-  if (!map_.loops().empty()) map_.SetCovariances(CovariancesAround(map_.loops().back().keyframe_id, map_));
+  const auto has_ends = [this](const LoopEdge& loop) { return map_.FindKeyframe(loop.keyframe_id) != nullptr; };
+  const auto newest = std::find_if(map_.loops().rbegin(), map_.loops().rend(), has_ends);
+  if (newest != map_.loops().rend()) map_.SetCovariances(CovariancesAround(newest->keyframe_id, map_));
   return true;
 }
 
@@ -272,7 +278,8 @@ void Mapper::CloseLoop(const LoopClosure& closure) {
 }
 
 bool Mapper::IsAmongNewest(const MapKeyframe& keyframe) const {
-  const MapKeyframe* newest = map_.FindKeyframe(sessions_.at(keyframe.session).keyframe_id);
+  const auto session = sessions_.find(keyframe.session);
+  const MapKeyframe* newest = session == sessions_.end() ? nullptr : map_.FindKeyframe(session->second.keyframe_id);
   for (int i = 0; i < kNewestKept && newest != nullptr; ++i) {
     if (newest->id == keyframe.id) return true;
     newest = map_.FindKeyframe(newest->previous_id);
@@ -288,6 +295,24 @@ void Mapper::Cull() {
   }
   std::sort(candidates.begin(), candidates.end());
   RemoveRedundantKeyframes(candidates, options_.culling, features_, map_);
+  if (options_.max_keyframes > 0) Forget();
+}
+
+/// Of sessions that ended long ago not even the newest keyframe stays for its own sake.
+void Mapper::Forget() {
+  const auto last_of = [this](const auto& session) { return session.second.keyframe_id; };
+  std::vector<int64_t> newest;
+  std::transform(sessions_.begin(), sessions_.end(), std::back_inserter(newest), last_of);
+  std::sort(newest.begin(), newest.end(), std::greater<>());
+  if (newest.size() > kRunningSessions) newest.resize(kRunningSessions);
+  const auto is_kept = [&](const MapKeyframe& keyframe) {
+    return IsAmongNewest(keyframe) && sessions_.at(keyframe.session).keyframe_id >= newest.back();
+  };
+  const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
+  for (const int64_t id : KeyframesToForget(map_, max_keyframes, is_kept)) {
+    TakeOut(id, features_, map_);
+    std::erase_if(sessions_, [id](const auto& session) { return session.second.keyframe_id == id; });
+  }
 }
 
 MapUpdate Mapper::TakeUpdate() {

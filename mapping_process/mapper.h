@@ -54,7 +54,8 @@ class Mapper {
   /// Local bundle adjustment around the newest keyframe (§V.B).
   void Adjust(const std::atomic<bool>* stop);
 
-  /// Takes out landmarks that did not prove themselves, and redundant keyframes.
+  /// Takes out landmarks that did not prove themselves, redundant keyframes, and what is beyond
+  /// `MappingOptions::max_keyframes`.
   void Cull();
 
   /// Takes a correction over (§VI.B): keyframes lie where it says, newer ones are carried along, and landmarks move
@@ -122,6 +123,7 @@ class Mapper {
   void AdjustAround(int64_t keyframe_id, const std::atomic<bool>* stop);
   void CloseLoop(const LoopClosure& closure);
   bool IsAmongNewest(const MapKeyframe& keyframe) const;
+  void Forget();
   void Sign(MapUpdate& update) const;
 
   StereoCamera camera_;

@@ -67,6 +67,8 @@ struct MappingOptions {
   LoopUseOptions loops;
   std::string map_file;
   bool localise_only = false;
+  /// Keyframes that the map may have; 0: as many as come.
+  int max_keyframes = 0;
   /// What is needed to go on exactly where a crash was, written now and then. Empty: all is built anew from the
   /// history.
   std::string state_file;
@@ -101,6 +103,8 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
   visit("loops", o.loops, "corrections by loop_process");
   visit("map_file", o.map_file, "a saved map to go on from; empty: none");
   visit("localise_only", o.localise_only, "the map stays as it is: keyframes do not enter it");
+  visit("max_keyframes", o.max_keyframes, Bounds{0, 10000000},
+        "keyframes of the map beyond which the oldest go, those first that newer ones replace; 0: all stay");
   visit("state_file", o.state_file,
         "kept up to date, and read when the process is started again after a crash; empty: none");
   visit(

@@ -52,9 +52,11 @@ void BridgeOver(int64_t id, Map& map) {
     if (keyframe.previous_id != id) continue;
     MapKeyframe next = keyframe;
     next.previous_id = gone.previous_id;
+    const bool begins = gone.previous_id < 0;
     next.relative_covariance =
-        ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
-    next.T_prevkf_kf = gone.T_prevkf_kf * next.T_prevkf_kf;
+        begins ? Matrix6d(Matrix6d::Zero())
+               : ComposeCovariance(gone.relative_covariance, next.T_prevkf_kf, next.relative_covariance);
+    next.T_prevkf_kf = begins ? SE3() : gone.T_prevkf_kf * next.T_prevkf_kf;
     return map.Put(next);
   }
 }
@@ -78,15 +80,19 @@ void RecentLandmarks::Cull(const CullingOptions& options, Map& map) {
   }
 }
 
+void TakeOut(int64_t keyframe_id, KeyframeFeatures& features, Map& map) {
+  BridgeOver(keyframe_id, map);
+  map.RemoveKeyframe(keyframe_id);
+  features.erase(keyframe_id);
+}
+
 std::vector<int64_t> RemoveRedundantKeyframes(const std::vector<int64_t>& candidates, const CullingOptions& options,
                                               KeyframeFeatures& features, Map& map) {
   std::vector<int64_t> removed;
   for (const int64_t id : candidates) {
     const MapKeyframe* keyframe = map.FindKeyframe(id);
     if (keyframe == nullptr || !IsRedundant(*keyframe, options, map)) continue;
-    BridgeOver(id, map);
-    map.RemoveKeyframe(id);
-    features.erase(id);
+    TakeOut(id, features, map);
     removed.push_back(id);
   }
   return removed;

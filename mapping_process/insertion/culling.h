@@ -39,6 +39,9 @@ class RecentLandmarks {
   std::map<int64_t, Session> sessions_;
 };
 
+/// A keyframe goes with its features, and the one after it in its session is tied to the one before it.
+void TakeOut(int64_t keyframe_id, KeyframeFeatures& features, Map& map);
+
 /// Of `candidates` those whose landmarks others see as well: each at least `redundant_observations` others, for a
 /// share of `redundant_share`. The first keyframe of the map and of a session is never redundant, nor is the end of a
 /// loop. One after the other is taken out, so that what is left is judged by what is left.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -194,10 +195,15 @@ class AnotherCamera : public testing::Test {
     other_ = OpenDataset(kOtherRoom, "");
   }
   static std::string Saved(const WholeRun& run) { return (run.folder() / "room.plmap").string(); }
-  std::map<int, double> Errors(const WholeRun& run) const {
-    std::vector<ChosenFrame> shown;
-    for (int i = 0; i < other_->size(); ++i) shown.push_back({i, false});
-    return ErrorsInMap(run, *other_, shown);
+  /// How far each pose that was published is from the truth in the first camera's map.
+  std::vector<double> Errors(const WholeRun& run) const {
+    std::map<int64_t, SE3> truth;
+    for (int i = 0; i < other_->size(); ++i) truth[other_->t_ns(i)] = *other_->GroundTruth(i);
+    const SE3 T_w_world = truth.begin()->second.Inverse();
+    std::vector<double> errors_m;
+    for (const TrajectoryPose& pose : ReadPath(run, "trajectory_live.tum"))
+      errors_m.push_back((pose.T_a_b.translation() - (T_w_world * truth.at(pose.t_ns)).translation()).norm());
+    return errors_m;
   }
 
   WholeRun first_, second_;
@@ -208,19 +214,19 @@ TEST_F(AnotherCamera, IsLocalisedInTheMap) {
   ASSERT_EQ(second_.Run({"run", kOtherRoom, "--map", Saved(first_), "--localise-only"}), 0) << second_.Logs();
   const nlohmann::json summary = second_.Summary();
   EXPECT_EQ(summary["map"]["keyframes"], first_.Summary()["map"]["keyframes"]);
-  int n_near = 0;
-  for (const auto& [frame, error_m] : Errors(second_)) n_near += error_m < 0.03 ? 1 : 0;
+  const std::vector<double> errors_m = Errors(second_);
+  const auto n_near = std::count_if(errors_m.begin(), errors_m.end(), [](double error_m) { return error_m < 0.03; });
   EXPECT_GE(n_near, 0.95 * other_->size()) << summary.dump(1);
 }
 
 TEST_F(AnotherCamera, GoesOnInTheMapAndItIsSavedAndRead) {
   ASSERT_EQ(second_.Run({"run", kOtherRoom, "--map", Saved(first_), "--save-map", Saved(second_)}), 0)
       << second_.Logs();
-  for (const auto& [frame, error_m] : Errors(second_)) EXPECT_LT(error_m, 0.03) << "frame " << frame;
+  EXPECT_LT(std::ranges::max(Errors(second_)), 0.03);
   // As the first camera, in what both have made.
   WholeRun third;
   ASSERT_EQ(third.Run({"run", kRoom, "--map", Saved(second_), "--localise-only"}), 0) << third.Logs();
-  EXPECT_EQ(third.Summary()["tracked_frames"], third.Summary()["frames"]);
+  EXPECT_GE(third.Summary()["tracked_frames"], third.Summary()["frames"].get<int>() - 2) << "until it is recognised";
   EXPECT_LT(third.Summary()["accuracy"]["ate_m"], 0.02) << third.Summary().dump(1);
 }
 

@@ -141,7 +141,9 @@ print(json.dumps({
     ASSERT_EQ(read[0].size(), features.points.size());
     ASSERT_EQ(read[1].size(), features.lines.size());
     ASSERT_EQ(read[3].is_null(), !features.area);
-    if (features.area) EXPECT_EQ(read[3], (std::vector<int>{-40, 3, features.area->width_px, 500}));
+    if (features.area) {
+      EXPECT_EQ(read[3], (std::vector<int>{-40, 3, features.area->width_px, 500}));
+    }
     for (size_t k = 0; k < features.points.size(); ++k) {
       ExpectNear(read[0][k], Numbers(features.points[k].left.px), 0.0);
       EXPECT_EQ(read[2][k], features.points[k].disparity_px);

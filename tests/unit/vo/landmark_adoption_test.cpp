@@ -23,7 +23,7 @@ constexpr int64_t kFirstMapId = 500;
 struct AdoptedPatch {
   std::deque<MapPoint> map_points;
   std::deque<MapLine> map_lines;
-  TrackerLocalMap patch{kT_w_odom, {}, {}};
+  TrackerLocalMap patch{kT_w_odom, 0.0, {}, {}};
 
   void Add(const Eigen::Vector3d& p_odom, std::vector<int64_t> tracker_ids) {
     MapPoint& point = map_points.emplace_back();

@@ -86,7 +86,7 @@ TEST(RowCalibration, MatchesThatDoNotTellTheirRowsAreNotAsked) {
 }
 
 StereoFeatures Some(const StereoFeatures& features, size_t n) {
-  return {{features.points.begin(), features.points.begin() + static_cast<std::ptrdiff_t>(n)}, {}};
+  return {{features.points.begin(), features.points.begin() + static_cast<std::ptrdiff_t>(n)}, {}, {}};
 }
 
 TEST(RowCalibration, WithLittleToSeeItIsLookedForNowAndThenUntilThereIsMore) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/features/features.h"
@@ -53,6 +54,13 @@ struct Keyframe {
   std::vector<int64_t> line_map_ids;
   std::vector<Withdrawn> withdrawn_points;
   std::vector<Withdrawn> withdrawn_lines;
+
+  /// These features, of which none is known to show a landmark.
+  void SetFeatures(StereoFeatures seen) {
+    point_landmark_ids.assign(seen.points.size(), -1);
+    line_landmark_ids.assign(seen.lines.size(), -1);
+    features = std::move(seen);
+  }
 };
 
 /// A keyframe as the map knows it. Its features stay with whoever needs them.

@@ -23,9 +23,7 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, co
   keyframe.covariance = entry.relative_covariance;
   keyframe.T_odom_kf = entry.T_odom_kf;
   keyframe.state = 1;
-  keyframe.features = features;
-  keyframe.point_landmark_ids.assign(features.points.size(), -1);
-  keyframe.line_landmark_ids.assign(features.lines.size(), -1);
+  keyframe.SetFeatures(features);
   return keyframe;
 }
 

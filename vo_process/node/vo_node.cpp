@@ -395,9 +395,7 @@ void VoNode::RequestRelocalisation(const Frame& frame, const OdometryResult& res
   asked.keyframe_id = asked.previous_keyframe_id + 1;
   asked.lockstep = frame.lockstep;
   asked.camera = front_end_->camera();
-  asked.features = result.features;
-  asked.point_landmark_ids.assign(asked.features.points.size(), -1);
-  asked.line_landmark_ids.assign(asked.features.lines.size(), -1);
+  asked.SetFeatures(result.features);
   relocalisation_.Ask(std::move(asked), result.T_odom_c, now_s);
   report_.Count("relocalisation.asked", 1);
 }

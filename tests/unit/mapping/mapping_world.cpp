@@ -102,9 +102,7 @@ Keyframe MakeKeyframe(const Keyframe* previous, const SE3& T_odom_kf, StereoFeat
   Keyframe keyframe;
   keyframe.session = previous == nullptr ? 7 : previous->session;
   keyframe.T_odom_kf = T_odom_kf;
-  keyframe.features = std::move(features);
-  keyframe.point_landmark_ids.assign(keyframe.features.points.size(), -1);
-  keyframe.line_landmark_ids.assign(keyframe.features.lines.size(), -1);
+  keyframe.SetFeatures(std::move(features));
   if (previous == nullptr) return keyframe;
   keyframe.keyframe_id = previous->keyframe_id + 1;
   keyframe.previous_keyframe_id = previous->keyframe_id;

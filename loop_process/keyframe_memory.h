@@ -25,7 +25,7 @@ PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatur
 /// so either may know of a keyframe first; and a map may be replaced by one that starts anew.
 class KeyframeMemory {
  public:
-  /// Of a session that no map has taken anything of so far (of another camera, say) only so many wait, the newest: as
+  /// Of a session that no map has taken anything of so far (of another map, say) only so many wait, the newest: as
   /// many as a map that is built anew may be behind.
   static constexpr int64_t kMostUntaken = 500;
 

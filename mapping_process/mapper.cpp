@@ -101,7 +101,7 @@ Mapper::Mapper(const StereoCamera& camera, const MappingOptions& options, Mapper
 }
 
 StoredMap Mapper::Store() {
-  recent_landmarks_ = {};
+  AcceptRecentLandmarks();
   return Stored();
 }
 
@@ -114,6 +114,26 @@ MapperState Mapper::State() const {
           .structural_version = structural_version_,
           .localise_only = options_.localise_only ? uint8_t{1} : uint8_t{0},
           .began_version = began_version_};
+}
+
+void Mapper::LendState(const std::function<void(MapperState&)>& use) {
+  // What is large is away meanwhile.
+  Map map = std::exchange(map_, {});
+  KeyframeFeatures features = std::exchange(features_, {});
+  MapperState state = State();
+  state.stored.map = std::move(map);
+  state.stored.features = std::move(features);
+  const auto take_back = [&] {
+    map_ = std::move(state.stored.map);
+    features_ = std::move(state.stored.features);
+  };
+  try {
+    use(state);
+  } catch (...) {
+    take_back();
+    throw;
+  }
+  take_back();
 }
 
 void Mapper::Precede(MapperState& next) const {
@@ -150,7 +170,7 @@ MapKeyframe Mapper::Prepare(const Keyframe& keyframe) const {
   entry.t_ns = keyframe.t_ns;
   entry.T_odom_kf = keyframe.T_odom_kf;
   const auto session = sessions_.find(keyframe.session);
-  if (session != sessions_.end()) {
+  if (session != sessions_.end() && session->second.keyframe_id >= 0) {
     const MapKeyframe& previous = *map_.FindKeyframe(session->second.keyframe_id);
     entry.previous_id = previous.id;
     entry.T_prevkf_kf = previous.T_odom_kf.Inverse() * keyframe.T_odom_kf;
@@ -188,8 +208,8 @@ bool Mapper::Insert(const Keyframe& keyframe, std::string* reason) {
     entry.relative_covariance = Widened(entry.relative_covariance, T_w_predicted.Inverse() * entry.T_w_kf);
   }
   Put(keyframe, entry, association);
-  NewLandmarks created =
-      CreateLandmarks(entry.id, keyframe.features, camera_, options_.insertion, landmark_ids_, map_);
+  NewLandmarks created = CreateLandmarks(entry.id, keyframe.features, CameraOf(keyframe.features, camera_),
+                                         options_.insertion, landmark_ids_, map_);
   Append(TriangulateLines(entry.id, features_, camera_, options_, landmark_ids_, map_), created.lines);
   MergeWithNeighbours(entry.id, features_, camera_, options_, map_);
   recent_landmarks_.Begin(created, entry.session);
@@ -300,6 +320,8 @@ void Mapper::Cull() {
 
 /// Of sessions that ended long ago not even the newest keyframe stays for its own sake.
 void Mapper::Forget() {
+  const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
+  if (map_.keyframes().size() <= max_keyframes) return;
   const auto last_of = [this](const auto& session) { return session.second.keyframe_id; };
   std::vector<int64_t> newest;
   std::transform(sessions_.begin(), sessions_.end(), std::back_inserter(newest), last_of);
@@ -308,10 +330,13 @@ void Mapper::Forget() {
   const auto is_kept = [&](const MapKeyframe& keyframe) {
     return IsAmongNewest(keyframe) && sessions_.at(keyframe.session).keyframe_id >= newest.back();
   };
-  const auto max_keyframes = static_cast<size_t>(options_.max_keyframes);
-  for (const int64_t id : KeyframesToForget(map_, max_keyframes, is_kept)) {
+  // Several at a time: finding out which costs as much as the map is large.
+  for (const int64_t id : KeyframesToForget(map_, max_keyframes - max_keyframes / 50, is_kept)) {
     TakeOut(id, features_, map_);
-    std::erase_if(sessions_, [id](const auto& session) { return session.second.keyframe_id == id; });
+    // Keyframes that a history tells again are known by the number of the newest one.
+    for (auto& [session, last] : sessions_) {
+      if (last.keyframe_id == id) last.keyframe_id = -1;
+    }
   }
 }
 
@@ -329,6 +354,8 @@ MapUpdate Mapper::Whole() const {
 }
 
 void Mapper::Sign(MapUpdate& update) const {
+  // The first keyframe will say.
+  if (map_.keyframes().empty()) update.camera.reset();
   update.version = version_;
   update.session = newest_session_;
   const auto newest = sessions_.find(newest_session_);

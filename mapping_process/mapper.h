@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -29,10 +30,8 @@ namespace plslam::mapping {
 /// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
 class Mapper {
  public:
-  /// Everything is told in `camera`, keyframes too (`ToldIn`).
-  Mapper(const StereoCamera& camera, const MappingOptions& options) : camera_(camera), options_(options) {
-    map_.SetCamera(camera);
-  }
+  /// All keyframes are told in `camera` (`ToldIn`).
+  Mapper(const StereoCamera& camera, const MappingOptions& options) : options_(options) { SetCamera(camera); }
   /// Goes on in a map that was stored (its `rig` is the caller's to compare), with keyframes of new sessions.
   Mapper(const StereoCamera& camera, const MappingOptions& options, StoredMap stored);
   /// Goes on exactly where another one was: the same calls give the same bits from here on.
@@ -84,10 +83,18 @@ class Mapper {
   /// All that is needed to go on with new sessions, but for `rig`. Recent landmarks are accepted, here too: so this
   /// mapper and one that goes on from what was stored make the same of the same new sessions.
   StoredMap Store();
+  void AcceptRecentLandmarks() { recent_landmarks_ = {}; }
   /// Everything as of the last update, but for `stored.rig`, for a mapper that goes on after a crash of this one.
   MapperState State() const;
+  /// The same, without a copy of the map: it is lent to `use`, which may throw, and taken back.
+  void LendState(const std::function<void(MapperState&)>& use);
 
   const StereoCamera& camera() const { return camera_; }
+  /// For a map without keyframes.
+  void SetCamera(const StereoCamera& camera) {
+    camera_ = camera;
+    map_.SetCamera(camera);
+  }
   const Map& map() const { return map_; }
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }
@@ -104,7 +111,7 @@ class Mapper {
   static constexpr int kRecovered = static_cast<int>(TrackingState::kRecovered);
 
   struct Session {
-    int64_t keyframe_id = -1;          ///< newest, in the map
+    int64_t keyframe_id = -1;          ///< newest, in the map; -1: it has been forgotten
     int64_t session_keyframe_id = -1;  ///< the same, as the session counts
   };
 

@@ -33,7 +33,14 @@ void Fields(Archive& a, T& state) {
 namespace plslam::mapping {
 
 std::vector<uint8_t> EncodeState(const MapperState& state) {
-  return archive::ToBytes(EncodeMap(state.stored), state);
+  // As `archive::FromBytes` reads a list of bytes and the rest; a large map is not copied for that.
+  archive::Writer write;
+  write(uint64_t{0});
+  AppendMap(state.stored, write);
+  const uint64_t length = write.size() - sizeof(length);
+  write.Overwrite(0, &length, sizeof(length));
+  write(state);
+  return std::move(write).Take();
 }
 
 MapperState DecodeState(std::span<const uint8_t> bytes) {

@@ -81,13 +81,13 @@ struct StereoLine {
 struct StereoFeatures {
   std::vector<StereoPoint> points;
   std::vector<StereoLine> lines;
-  /// What of the image plane was looked at; nullopt: the image of the camera that they are told in (see `ToldIn`).
-  std::optional<ImageArea> area;
+  /// The image that they are from; nullopt: that of the camera that they are told in (see `ToldIn`).
+  std::optional<TakenImage> image;
 };
 
 /// The camera that features are told in, with the image that they are from.
 inline StereoCamera CameraOf(const StereoFeatures& features, const StereoCamera& camera) {
-  return features.area ? camera.WithArea(*features.area) : camera;
+  return features.image ? camera.With(*features.image) : camera;
 }
 
 }  // namespace plslam

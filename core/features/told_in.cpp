@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/features/told_in.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace plslam {
 namespace {
 
-bool SameProjection(const StereoCamera& a, const StereoCamera& b) { return a.WithArea({}) == b.WithArea({}); }
+bool SameProjection(const StereoCamera& a, const StereoCamera& b) { return a.With({}) == b.With({}); }
 
 /// Of each number to single precision: as messages carry features, so that what is told on is told with the same bits.
 /// Through memory: GCC 12 leaves the rounding of two neighbours out where it vectorises them (-ftree-slp-vectorize).
@@ -31,16 +30,16 @@ class PixelChange {
     return {Rounded(changed.x()), Rounded(changed.y())};
   }
   double Length(double px) const { return Rounded(px * scale_); }
-  /// Of disparities and their deviations. Negative stays negative: there is none.
+  /// Of disparities and their standard deviations. Negative stays negative: there is none.
   double Disparity(double px) const { return Rounded(px * disparity_scale_); }
 
-  ImageArea Area(const ImageArea& area) const {
-    const Eigen::Vector2d least = Pixel(Eigen::Vector2d(area.left_px, area.top_px));
+  TakenImage Image(const TakenImage& image) const {
+    const Eigen::Vector2d least = Pixel(Eigen::Vector2d(image.left_px, image.top_px));
     const Eigen::Vector2d most =
-        Pixel(Eigen::Vector2d(area.left_px + area.width_px - 1, area.top_px + area.height_px - 1));
+        Pixel(Eigen::Vector2d(image.left_px + image.width_px - 1, image.top_px + image.height_px - 1));
     const auto whole = [](double px) { return static_cast<int>(std::lround(px)); };
     const int left_px = whole(least.x()), top_px = whole(least.y());
-    return {left_px, top_px, whole(most.x()) - left_px + 1, whole(most.y()) - top_px + 1};
+    return {left_px, top_px, whole(most.x()) - left_px + 1, whole(most.y()) - top_px + 1, image.f_px};
   }
 
  private:
@@ -50,10 +49,9 @@ class PixelChange {
   double disparity_scale_;
 };
 
-void Change(const PixelChange& change, int octaves_up, int levels, StereoPoint& point) {
+void Change(const PixelChange& change, StereoPoint& point) {
   point.left.px = change.Pixel(point.left.px);
   point.left.scale *= change.scale();
-  point.left.octave = std::clamp(point.left.octave + octaves_up, 0, levels - 1);
   point.disparity_px = change.Disparity(point.disparity_px);
   point.sigma_px = change.Length(point.sigma_px);
   point.sigma_disparity_px = change.Disparity(point.sigma_disparity_px);
@@ -72,19 +70,21 @@ void Change(const PixelChange& change, StereoLine& line) {
 
 }  // namespace
 
-StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from,
-                      const OctaveSteps& octaves) {
-  ImageArea area = from.area();
+StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from) {
+  TakenImage image = from.image();
   if (!SameProjection(from, to)) {
     const PixelChange change(from, to);
-    const int octaves_up =
-        static_cast<int>(std::lround(std::log(change.scale()) / std::log(octaves.scale_factor)));
-    for (StereoPoint& point : features.points) Change(change, octaves_up, octaves.levels, point);
+    for (StereoPoint& point : features.points) Change(change, point);
     for (StereoLine& line : features.lines) Change(change, line);
-    area = change.Area(area);
+    image = change.Image(image);
   }
-  features.area = area == to.area() ? std::nullopt : std::optional(area);
+  features.image = image == to.image() ? std::nullopt : std::optional(image);
   return features;
+}
+
+bool CanBeToldIn(const StereoCamera& to, const StereoCamera& from) {
+  const auto alike = [](double a, double b) { return a <= kMostUnlike * b && b <= kMostUnlike * a; };
+  return alike(to.f_px, from.f_px) && alike(to.baseline_m, from.baseline_m);
 }
 
 }  // namespace plslam

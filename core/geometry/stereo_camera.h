@@ -6,14 +6,16 @@
 
 namespace plslam {
 
-/// A part of an image plane, in whole pixels.
-struct ImageArea {
+/// An image as it lies in the image plane of a camera, which need not be the one that has taken it.
+struct TakenImage {
   int left_px = 0;
   int top_px = 0;
   int width_px = 0;
   int height_px = 0;
+  /// Focal length that it was taken with: octaves are of the pixels that it had then.
+  double f_px = 0.0;
 
-  bool operator==(const ImageArea&) const = default;
+  bool operator==(const TakenImage&) const = default;
 };
 
 /// A rectified stereo pair: one focal length, one principal point, the right camera `baseline_m` along +x of the
@@ -28,17 +30,21 @@ struct StereoCamera {
   double baseline_m = 0.0;
   int width_px = 0;
   int height_px = 0;
-  /// Where its image begins; not zero only where what one camera saw is told in another (`ToldIn`).
+  /// Where its image begins, and the focal length that this was taken with (0: its own); not zero only where what one
+  /// camera saw is told in another (`ToldIn`).
   int left_px = 0;
   int top_px = 0;
+  double taken_f_px = 0.0;
 
   bool operator==(const StereoCamera&) const = default;
 
-  ImageArea area() const { return {left_px, top_px, width_px, height_px}; }
+  TakenImage image() const { return {left_px, top_px, width_px, height_px, taken_f_px > 0.0 ? taken_f_px : f_px}; }
   /// The same camera with another image.
-  StereoCamera WithArea(const ImageArea& area) const {
-    return {f_px, cx_px, cy_px, baseline_m, area.width_px, area.height_px, area.left_px, area.top_px};
+  StereoCamera With(const TakenImage& image) const {
+    return {f_px, cx_px, cy_px, baseline_m, image.width_px, image.height_px, image.left_px, image.top_px, image.f_px};
   }
+  /// From this many times as far this camera would find a corner in the octave in which its image shows it.
+  double OctaveScale() const { return f_px / image().f_px; }
 
   double FocalBaseline() const { return f_px * baseline_m; }
   double Depth(double disparity_px) const { return FocalBaseline() / disparity_px; }

@@ -42,6 +42,7 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
                                           double radius_px, const StereoCamera& camera,
                                           const LocalisationOptions& options) {
   const SE3 T_kf_w = T_w_kf.Inverse();
+  const double octave_scale = camera.OctaveScale();
   std::vector<PointQuery> queries;
   std::vector<int64_t> owners;
   for (const int64_t id : ids) {
@@ -50,8 +51,8 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
     if (p_c.z() < camera.MinDepth()) continue;
     const Eigen::Vector2d px = camera.Project(p_c);
     if (!camera.InImage(px, 0.0)) continue;
-    const int octave =
-        ExpectedOctave(point.octave, point.depth_m, p_c.z(), options.orb_scale_factor, options.orb_levels);
+    const int octave = ExpectedOctave(point.octave, point.depth_m, octave_scale * p_c.z(), options.orb_scale_factor,
+                                      options.orb_levels);
     queries.push_back({px, radius_px, octave, point.angle_rad, point.descriptor});
     owners.push_back(id);
   }

@@ -33,8 +33,8 @@ struct MapPoint {
   /// Position in w, and its covariance given the poses of the keyframes that see it.
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  /// The observation whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave it was found in from
-  /// `depth_m`.
+  /// The observation whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave in which it was found, as
+  /// the camera of the map would have done from `depth_m`.
   Descriptor descriptor{};
   float angle_rad = 0.0F;
   int octave = 0;

@@ -114,8 +114,7 @@ class Map {
     std::vector<int64_t> lines;
   };
 
-  /// The rectified camera that all keyframes are told in, whichever camera saw them: octaves and distances of points
-  /// are as it sees them. nullopt where nobody has said.
+  /// The rectified camera that all keyframes are told in, whichever camera saw them. nullopt where nobody has said.
   const std::optional<StereoCamera>& camera() const { return camera_; }
   void SetCamera(const StereoCamera& camera) { camera_ = camera; }
 

@@ -71,7 +71,8 @@ void LoopNode::OnStatus(const status_t& message) {
 void LoopNode::Queue(Arrival arrival) {
   {
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, kHold, [this] { return stopping_ || arrivals_.size() < kMostArrivals; });
+    // Without a map nothing could be done with them, and it is the bus that brings it.
+    changed_.wait_for(lock, kHold, [this] { return stopping_ || !camera_ || arrivals_.size() < kMostArrivals; });
     arrivals_.push_back(std::move(arrival));
     process_.SetCounter("queue.arrivals", static_cast<double>(arrivals_.size()));
   }
@@ -104,9 +105,7 @@ void LoopNode::CheckUntilStopped() {
 
 /// Whatever camera has seen it, it is told in that of the map.
 Keyframe LoopNode::InMapCamera(Keyframe keyframe) const {
-  const LocalisationOptions& localisation = options_.localisation;
-  keyframe.features = ToldIn(map_camera_, std::move(keyframe.features), keyframe.camera,
-                             {localisation.orb_scale_factor, localisation.orb_levels});
+  keyframe.features = ToldIn(map_camera_, std::move(keyframe.features), keyframe.camera);
   keyframe.camera = map_camera_;
   return keyframe;
 }
@@ -123,13 +122,18 @@ void LoopNode::Begin(const StereoCamera& camera) {
 }
 
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
-  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) return service_->OnKeyframe(InMapCamera(*keyframe));
+  if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) {
+    if (!CanBeToldIn(map_camera_, keyframe->camera)) return {};
+    return service_->OnKeyframe(InMapCamera(*keyframe));
+  }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
   if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
-  return service_->OnRequest(InMapCamera(std::get<RelocalisationRequest>(arrival).frame));
+  const Keyframe& frame = std::get<RelocalisationRequest>(arrival).frame;
+  if (!CanBeToldIn(map_camera_, frame.camera)) return {};
+  return service_->OnRequest(InMapCamera(frame));
 }
 
 /// What runs would undo the loop that is being told, or what has been adjusted already.

@@ -69,11 +69,12 @@ void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow
   const StereoFeatures& seen = features.at(keyframe_id);
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const double spread_m = window.sigma_px / camera.f_px;
+  const StereoCamera seen_by = CameraOf(seen, camera);
   Merge<PointType>(SearchPoints(map, landmarks.points, T_w_kf, seen.points, std::vector<char>(seen.points.size(), 1),
-                                window.radius_px, camera, options),
+                                window.radius_px, seen_by, options),
                    keyframe_id, spread_m, features, map);
   Merge<LineType>(SearchLines(map, landmarks.lines, T_w_kf, seen.lines, std::vector<char>(seen.lines.size(), 1),
-                              window.radius_px, camera, options),
+                              window.radius_px, seen_by, options),
                   keyframe_id, spread_m, features, map);
 }
 

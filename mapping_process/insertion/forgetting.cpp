@@ -10,19 +10,16 @@
 namespace plslam::mapping {
 namespace {
 
-// Newest keyframes that say how far apart keyframes are.
-constexpr size_t kSteps = 100;
 constexpr double kLeastStep_m = 1e-3;
 // Views whose axes differ by less show the same.
 constexpr double kSameWay_deg = 15.0;
 // Of the distance between keyframes: from there on a camera has left a place.
 constexpr double kElsewhere = 3.0;
 
-// Median of the motions between the newest keyframes.
+// Median of the motions between keyframes.
 double Step_m(const Map& map) {
   std::vector<double> steps_m;
-  for (auto entry = map.keyframes().rbegin(); entry != map.keyframes().rend() && steps_m.size() < kSteps; ++entry) {
-    const MapKeyframe& keyframe = entry->second;
+  for (const auto& [id, keyframe] : map.keyframes()) {
     if (keyframe.previous_id >= 0) steps_m.push_back(keyframe.T_prevkf_kf.translation().norm());
   }
   if (steps_m.empty()) return kLeastStep_m;

@@ -12,8 +12,8 @@ namespace plslam::mapping {
 
 /// Keyframes that a map gives up so that no more than `max_keyframes` are left, in the order in which they should go.
 ///
-/// The oldest of those that a keyframe of a later visit replaces: one that is as near as the newest keyframes of the
-/// map follow each other, looks the same way, and came after the camera had left the place, or with another session.
+/// The oldest of those that a keyframe of a later visit replaces: one that is as near as keyframes of the map
+/// follow each other, looks the same way, and came after the camera had left the place, or with another session.
 /// So a robot that stays in one building keeps a view of every place, each the newest one. Where no keyframe is
 /// replaced, the oldest of all. `is_kept` says which stay in any case; then more than `max_keyframes` may be left.
 std::vector<int64_t> KeyframesToForget(const Map& map, size_t max_keyframes,

@@ -27,7 +27,7 @@ std::optional<MapPoint> MakePoint(const StereoPoint& seen, const SE3& T_w_kf, co
   point.descriptor = seen.left.descriptor;
   point.angle_rad = seen.left.angle_rad;
   point.octave = seen.left.octave;
-  point.depth_m = p_c.z();
+  point.depth_m = camera.OctaveScale() * p_c.z();
   return point;
 }
 

@@ -135,7 +135,7 @@ void AddObservationsOfOthers(int64_t line_id, const std::vector<int64_t>& keyfra
     const StereoFeatures& seen = features.at(id);
     for (const LandmarkFeature& found :
          SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines, WithoutDepth(id, seen, map),
-                     kMaxAcross_px, camera, options.localisation)) {
+                     kMaxAcross_px, CameraOf(seen, camera), options.localisation)) {
       AddObservation<LineType>(line_id, {id, found.feature}, features, map);
     }
   }

@@ -48,7 +48,9 @@ void Represent(const Observation& observation, const KeyframeFeatures& features,
   point.octave = seen.left.octave;
   const SE3& T_w_kf = map.FindKeyframe(observation.keyframe_id)->T_w_kf;
   const double depth_m = (T_w_kf.rotation().conjugate() * (point.p_w - T_w_kf.translation())).z();
-  if (depth_m > 0.0) point.depth_m = depth_m;
+  const std::optional<TakenImage>& image = features.at(observation.keyframe_id).image;
+  const double octave_scale = image ? map.camera()->f_px / image->f_px : 1.0;
+  if (depth_m > 0.0) point.depth_m = octave_scale * depth_m;
 }
 
 void Represent(const Observation& observation, const KeyframeFeatures& features, const Map&, MapLine& line) {

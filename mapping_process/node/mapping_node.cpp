@@ -87,7 +87,7 @@ void MappingNode::Queue(const Change& change) {
   changed_.notify_one();
 }
 
-/// A new map is told in the first camera that is heard of.
+/// Without one there is nothing to begin with; the first keyframe says which it is.
 void MappingNode::OnCamera(const RigCalibration& rig) {
   if (!camera_) Queue([&] { camera_ = Rectify(rig).camera; });
 }
@@ -157,10 +157,11 @@ void MappingNode::BeginMap() {
     mapper_.emplace(*camera_, options_);
     return;
   }
-  PublishStored(KeyframesOf(*stored_, *camera_));
+  const std::vector<Keyframe> keyframes = KeyframesOf(*stored_, *camera_);
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Commit();
   PublishWhole();
+  PublishStored(keyframes);
   process_.SetState(process_state::kRunning);
   TellOfMap(options_.map_file);
 }
@@ -243,7 +244,7 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
   for (const WorkQueue::Arrived& arrived : batch) {
     WarnOfMissing(arrived);
     std::string reason;
-    if (mapper_->Insert(InMapCamera(arrived.keyframe), &reason)) {
+    if (InsertOne(arrived.keyframe, &reason)) {
       newest = &arrived.keyframe;
       ++count;
       continue;
@@ -267,13 +268,19 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"update", done_ms - batch.front().received_ms}});
 }
 
-/// Whatever camera has seen it, the map is told in its own.
-Keyframe MappingNode::InMapCamera(Keyframe keyframe) const {
-  const LocalisationOptions& localisation = options_.localisation;
-  keyframe.features = ToldIn(mapper_->camera(), std::move(keyframe.features), keyframe.camera,
-                             {localisation.orb_scale_factor, localisation.orb_levels});
+/// Whatever camera has seen it, the map is told in its own: that of the first keyframe.
+bool MappingNode::InsertOne(Keyframe keyframe, std::string* reason) {
+  if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
+  if (!CanBeToldIn(mapper_->camera(), keyframe.camera)) {
+    *reason =
+        fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
+                    keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
+                    mapper_->camera().f_px, mapper_->camera().baseline_m);
+    return false;
+  }
+  keyframe.features = ToldIn(mapper_->camera(), std::move(keyframe.features), keyframe.camera);
   keyframe.camera = mapper_->camera();
-  return keyframe;
+  return mapper_->Insert(keyframe, reason);
 }
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {
@@ -365,9 +372,11 @@ void MappingNode::Obey(const bus::Order& order) {
 }
 
 void MappingNode::Save(const std::string& path) {
-  StoredMap stored = mapper_->Store();
-  stored.rig = CameraBytes(mapper_->camera());
-  WriteMapFile(path, stored);
+  mapper_->AcceptRecentLandmarks();
+  mapper_->LendState([&](MapperState& state) {
+    state.stored.rig = CameraBytes(mapper_->camera());
+    WriteMapFile(path, state.stored);
+  });
   spdlog::info("the map is in {}", path);
 }
 
@@ -425,14 +434,15 @@ void MappingNode::Know(const StoredMap& stored) {
 /// Where it cannot be written the process goes on; what a crash would cost is then more.
 void MappingNode::KeepState() {
   try {
-    MapperState state = mapper_->State();
-    state.stored.rig = CameraBytes(mapper_->camera());
-    WriteStateFile(options_.state_file, state);
+    mapper_->LendState([this](MapperState& state) {
+      state.stored.rig = CameraBytes(mapper_->camera());
+      WriteStateFile(options_.state_file, state);
+    });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
-  // Copies of the whole map, needed now and then only: twice the memory of the process, if it kept that.
+  // The bytes of the whole map, needed now and then only.
   bus::GiveBackFreedMemory();
 }
 

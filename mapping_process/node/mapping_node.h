@@ -32,8 +32,8 @@ namespace plslam::mapping {
 ///
 /// A worker owns the map, and takes from a queue what is to be done next (`WorkQueue`). A solve of a live stream ends
 /// early when a keyframe comes; of a lockstep stream each is adjusted to the end. Keyframes wait until a camera is heard
-/// of. Each comes with the camera that saw it, and is told in that of the map (`ToldIn`): the map's own where it was
-/// saved or kept, else the first that was heard of.
+/// of. Each comes with the camera that saw it, and is told in that of the map (`ToldIn`), which is that of its first
+/// keyframe.
 ///
 /// Now and then, and before each new session, the state is written beside (`state_file`): one that is started again
 /// goes on exactly from there, takes from the histories of the others what came after, and so comes to the same map,
@@ -74,7 +74,7 @@ class MappingNode {
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
-  Keyframe InMapCamera(Keyframe keyframe) const;
+  bool InsertOne(Keyframe keyframe, std::string* reason);
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;

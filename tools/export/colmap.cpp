@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/export/colmap.h"
 
+#include <algorithm>
 #include <array>
 #include <iterator>
 #include <set>
@@ -17,10 +18,24 @@ namespace {
 const Eigen::Vector2d kHalfPixel(0.5, 0.5);
 constexpr double kLeastDepth_m = 1e-6;
 
-ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const StereoFeatures& features) {
-  ColmapImage image{keyframe.id + 1, keyframe.T_w_kf.Inverse(), name, {}};
+/// Pixels of the image plane that images of this camera begin at.
+Eigen::Vector2d Begin(const StereoCamera& camera) { return Eigen::Vector2d(camera.left_px, camera.top_px); }
+
+/// Index of the camera with this image, which is added where it is new.
+size_t CameraWith(const StereoCamera& camera, std::vector<StereoCamera>& cameras) {
+  const auto found = std::find(cameras.begin(), cameras.end(), camera);
+  if (found != cameras.end()) return static_cast<size_t>(found - cameras.begin());
+  cameras.push_back(camera);
+  return cameras.size() - 1;
+}
+
+ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const StereoFeatures& features,
+                    std::vector<StereoCamera>& cameras) {
+  const size_t camera = features.image ? CameraWith(CameraOf(features, cameras.front()), cameras) : 0;
+  ColmapImage image{keyframe.id + 1, camera, keyframe.T_w_kf.Inverse(), name, {}};
   image.features.reserve(features.points.size());
-  for (const StereoPoint& point : features.points) image.features.push_back({point.left.px + kHalfPixel, -1});
+  const Eigen::Vector2d shift = kHalfPixel - Begin(cameras[camera]);
+  for (const StereoPoint& point : features.points) image.features.push_back({point.left.px + shift, -1});
   return image;
 }
 
@@ -46,7 +61,8 @@ double ErrorOf(const ColmapPoint& point, const ColmapModel& model, const std::ma
     const Eigen::Vector3d p_c = image.T_c_w * point.p_w;
     if (p_c.z() < kLeastDepth_m) continue;
     const size_t feature = static_cast<size_t>(view.feature);
-    sum += (model.camera.Project(p_c) + kHalfPixel - image.features[feature].px).norm();
+    const StereoCamera& camera = model.cameras[image.camera];
+    sum += (camera.Project(p_c) + kHalfPixel - Begin(camera) - image.features[feature].px).norm();
     ++n;
   }
   return n > 0 ? sum / n : 0.0;
@@ -77,7 +93,7 @@ std::map<int64_t, std::string> KeyframeImageNames(const Map& map) {
 }
 
 ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera) {
-  ColmapModel model{camera, {}, {}};
+  ColmapModel model{{camera}, {}, {}};
   const auto names = KeyframeImageNames(stored.map);
   const StereoFeatures none;
   std::map<int64_t, size_t> place_of;
@@ -85,7 +101,7 @@ ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera) {
     const auto features = stored.features.find(id);
     place_of[id] = model.images.size();
     model.images.push_back(
-        ImageOf(keyframe, names.at(id), features == stored.features.end() ? none : features->second));
+        ImageOf(keyframe, names.at(id), features == stored.features.end() ? none : features->second, model.cameras));
   }
   const HeightColours colour_of(stored.map);
   for (const auto& [id, point] : stored.map.points()) AddPoint(point, colour_of(point.p_w), place_of, model);
@@ -94,13 +110,15 @@ ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera) {
 
 namespace {
 
-constexpr uint32_t kCameraId = 1;
+/// From 1.
+uint32_t CameraId(size_t camera) { return static_cast<uint32_t>(camera + 1); }
 /// COLMAP's number of the model PINHOLE (fx, fy, cx, cy).
 constexpr int32_t kPinhole = 1;
 constexpr uint64_t kNoPoint = ~uint64_t{0};
 
-double CentreX(const StereoCamera& camera) { return camera.cx_px + 0.5; }
-double CentreY(const StereoCamera& camera) { return camera.cy_px + 0.5; }
+Eigen::Vector2d Centre(const StereoCamera& camera) {
+  return Eigen::Vector2d(camera.cx_px, camera.cy_px) + kHalfPixel - Begin(camera);
+}
 
 /// qw qx qy qz tx ty tz, zeros without sign.
 std::array<double, 7> PoseNumbers(const ColmapImage& image) {
@@ -110,10 +128,13 @@ std::array<double, 7> PoseNumbers(const ColmapImage& image) {
 }
 
 std::string CamerasText(const ColmapModel& model) {
-  const StereoCamera& c = model.camera;
-  return fmt::format(
-      "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n{} PINHOLE {} {} {:.17g} {:.17g} {:.17g} {:.17g}\n", kCameraId,
-      c.width_px, c.height_px, c.f_px, c.f_px, CentreX(c), CentreY(c));
+  std::string text = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
+  for (size_t i = 0; i < model.cameras.size(); ++i) {
+    const StereoCamera& c = model.cameras[i];
+    text += fmt::format("{} PINHOLE {} {} {:.17g} {:.17g} {:.17g} {:.17g}\n", CameraId(i), c.width_px, c.height_px,
+                        c.f_px, c.f_px, Centre(c).x(), Centre(c).y());
+  }
+  return text;
 }
 
 std::string ImagesText(const ColmapModel& model) {
@@ -122,7 +143,7 @@ std::string ImagesText(const ColmapModel& model) {
   for (const ColmapImage& image : model.images) {
     fmt::format_to(out, "{}", image.id);
     for (const double value : PoseNumbers(image)) fmt::format_to(out, " {:.17g}", value);
-    fmt::format_to(out, " {} {}\n", kCameraId, image.name);
+    fmt::format_to(out, " {} {}\n", CameraId(image.camera), image.name);
     const char* space = "";
     for (const ColmapFeature& feature : image.features) {
       fmt::format_to(out, "{}{:.17g} {:.17g} {}", space, feature.px.x(), feature.px.y(), feature.point_id);
@@ -146,21 +167,23 @@ std::string PointsText(const ColmapModel& model) {
 }
 
 std::string CamerasBytes(const ColmapModel& model) {
-  const StereoCamera& c = model.camera;
   std::string bytes;
-  AppendLittleEndian(uint64_t{1}, bytes);
-  AppendLittleEndian(kCameraId, bytes);
-  AppendLittleEndian(kPinhole, bytes);
-  AppendLittleEndian(static_cast<uint64_t>(c.width_px), bytes);
-  AppendLittleEndian(static_cast<uint64_t>(c.height_px), bytes);
-  for (const double value : {c.f_px, c.f_px, CentreX(c), CentreY(c)}) AppendLittleEndian(value, bytes);
+  AppendLittleEndian(static_cast<uint64_t>(model.cameras.size()), bytes);
+  for (size_t i = 0; i < model.cameras.size(); ++i) {
+    const StereoCamera& c = model.cameras[i];
+    AppendLittleEndian(CameraId(i), bytes);
+    AppendLittleEndian(kPinhole, bytes);
+    AppendLittleEndian(static_cast<uint64_t>(c.width_px), bytes);
+    AppendLittleEndian(static_cast<uint64_t>(c.height_px), bytes);
+    for (const double value : {c.f_px, c.f_px, Centre(c).x(), Centre(c).y()}) AppendLittleEndian(value, bytes);
+  }
   return bytes;
 }
 
 void AppendImage(const ColmapImage& image, std::string& bytes) {
   AppendLittleEndian(static_cast<uint32_t>(image.id), bytes);
   for (const double value : PoseNumbers(image)) AppendLittleEndian(value, bytes);
-  AppendLittleEndian(kCameraId, bytes);
+  AppendLittleEndian(CameraId(image.camera), bytes);
   bytes.append(image.name.c_str(), image.name.size() + 1);
   AppendLittleEndian(static_cast<uint64_t>(image.features.size()), bytes);
   for (const ColmapFeature& feature : image.features) {

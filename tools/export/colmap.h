@@ -20,7 +20,8 @@ struct ColmapFeature {
 };
 
 struct ColmapImage {
-  int64_t id = 0;  ///< from 1
+  int64_t id = 0;     ///< from 1
+  size_t camera = 0;  ///< of the model's cameras
   SE3 T_c_w;
   std::string name;
   std::vector<ColmapFeature> features;
@@ -41,9 +42,10 @@ struct ColmapPoint {
   std::vector<ColmapView> track;
 };
 
-/// A sparse model as COLMAP knows it: one camera (PINHOLE, that of the rectified left images), ordered by id.
+/// A sparse model as COLMAP knows it, ordered by id. Cameras (PINHOLE) are that of the map and, where keyframes are from
+/// other cameras, what of its image plane those saw.
 struct ColmapModel {
-  StereoCamera camera;
+  std::vector<StereoCamera> cameras;
   std::vector<ColmapImage> images;
   std::vector<ColmapPoint> points;
 };

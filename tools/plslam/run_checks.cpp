@@ -14,9 +14,6 @@
 
 #include "camera/options.h"
 #include "core/bus/options.h"
-#include "core/datasets/camera_file.h"
-#include "core/datasets/open_dataset.h"
-#include "core/geometry/rectification.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/files/shared_file.h"
 #include "core/io/maps/map_camera.h"

@@ -14,14 +14,14 @@ namespace plslam::archive {
 
 template <class Archive, Is<StereoCamera> T>
 void Fields(Archive& a, T& c) {
-  a(c.f_px, c.cx_px, c.cy_px, c.baseline_m, c.width_px, c.height_px, c.left_px, c.top_px);
+  a(c.f_px, c.cx_px, c.cy_px, c.baseline_m, c.width_px, c.height_px, c.left_px, c.top_px, c.taken_f_px);
 }
 
 template <class Archive, Is<Keyframe> T>
 void Fields(Archive& a, T& k) {
   a(k.session, k.t_ns, k.keyframe_id, k.frame_id, k.previous_keyframe_id, k.T_prevkf_kf, k.covariance, k.T_odom_kf,
-    k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids, k.line_map_ids,
-    k.withdrawn_points, k.withdrawn_lines, k.map_began_version);
+    k.state, k.lockstep, k.camera, k.features, k.point_landmark_ids, k.line_landmark_ids, k.point_map_ids,
+    k.line_map_ids, k.withdrawn_points, k.withdrawn_lines, k.map_began_version);
 }
 
 template <class Archive, Is<vo::TrackerState> T>

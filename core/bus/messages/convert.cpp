@@ -261,6 +261,7 @@ rectified_camera_t ToMessage(const StereoCamera& camera) {
   message.top_px = camera.top_px;
   message.width_px = camera.width_px;
   message.height_px = camera.height_px;
+  message.taken_f_px = camera.taken_f_px;
   return message;
 }
 
@@ -268,12 +269,13 @@ std::optional<StereoCamera> FromMessage(const rectified_camera_t& message) {
   constexpr int32_t kMost_px = 1'000'000;
   const auto is_place = [](int32_t px) { return px >= -kMost_px && px <= kMost_px; };
   const auto is_size = [](int32_t px) { return px >= 1 && px <= kMost_px; };
-  const bool ok = PositiveFinite({message.f_px, message.baseline_m}) && std::isfinite(message.cx_px) &&
-                  std::isfinite(message.cy_px) && is_place(message.left_px) && is_place(message.top_px) &&
-                  is_size(message.width_px) && is_size(message.height_px);
+  const bool ok = message.f_px >= 1.0 && PositiveFinite({message.baseline_m}) && message.taken_f_px >= 0.0 &&
+                  PixelsOk({message.f_px, message.cx_px, message.cy_px, message.taken_f_px}) &&
+                  is_place(message.left_px) && is_place(message.top_px) && is_size(message.width_px) &&
+                  is_size(message.height_px);
   if (!ok) return std::nullopt;
-  return StereoCamera{message.f_px,     message.cx_px,     message.cy_px,   message.baseline_m,
-                      message.width_px, message.height_px, message.left_px, message.top_px};
+  return StereoCamera{message.f_px,      message.cx_px,   message.cy_px,  message.baseline_m, message.width_px,
+                      message.height_px, message.left_px, message.top_px, message.taken_f_px};
 }
 
 mask_t ToMessage(const FrameMask& mask) {

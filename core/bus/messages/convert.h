@@ -35,7 +35,7 @@ pose3_t ToMessage(const SE3& T_a_b);
 std::optional<SE3> FromMessage(const pose3_t& message);
 
 rectified_camera_t ToMessage(const StereoCamera& camera);
-/// Positive focal length, baseline and size.
+/// Focal length and size of a pixel at least, positive baseline.
 std::optional<StereoCamera> FromMessage(const rectified_camera_t& message);
 
 /// Row major.

@@ -59,6 +59,15 @@ class Writer {
     return std::move(bytes_);
   }
 
+  size_t size() const { return size_; }
+  /// Room for as many bytes more.
+  void Reserve(size_t n) {
+    if (bytes_.size() - size_ < n) bytes_.resize(size_ + n);
+  }
+  std::span<const uint8_t> Written() const { return {bytes_.data(), size_}; }
+  /// Puts bytes in the place of some that have been written.
+  void Overwrite(size_t begin, const void* data, size_t n) { std::memcpy(bytes_.data() + begin, data, n); }
+
  private:
   void Append(const void* data, size_t n) {
     if (bytes_.size() - size_ < n) bytes_.resize(2 * bytes_.size() + n + 64);

@@ -73,8 +73,10 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
   std::memcpy(&seal, bytes.data(), sizeof(Seal));
   if (seal.magic != kind.magic) throw std::runtime_error(fmt::format("is no {}", kind.name));
   if (seal.format < kind.oldest_format || seal.format > kind.format) {
-    throw std::runtime_error(fmt::format("is a {0} of format {1}, and this program knows format {2}", kind.name,
-                                         seal.format, kind.format));
+    const bool one = kind.oldest_format == kind.format;
+    throw std::runtime_error(fmt::format("is a {} of format {}, and this program knows {}", kind.name, seal.format,
+                                         one ? fmt::format("format {}", kind.format)
+                                             : fmt::format("formats {} to {}", kind.oldest_format, kind.format)));
   }
   if (seal.length != file_length - sizeof(Seal)) {
     throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",

@@ -21,10 +21,10 @@ namespace {
 using Bytes = std::span<const uint8_t>;
 /// Format 2 ends with the images of keyframes that another camera has seen. Where there are none, format 1 is written,
 /// which older programs read.
-constexpr uint64_t kWithoutAreas = 1;
+constexpr uint64_t kWithoutImages = 1;
 constexpr FileKind kMapFile{
-    {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutAreas};
-constexpr FileKind kMapFileWithoutAreas{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutAreas, "map file"};
+    {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutImages};
+constexpr FileKind kMapFileWithoutImages{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutImages, "map file"};
 
 /// Reads landmarks of one kind into the map; returns how many observations they have.
 template <class Landmark>
@@ -66,20 +66,20 @@ void ReadMap(archive::Reader& read, std::map<int64_t, Value>& values) {
   }
 }
 
-std::map<int64_t, ImageArea> AreasOf(const StoredMap& stored) {
-  std::map<int64_t, ImageArea> areas;
+std::map<int64_t, TakenImage> ImagesOf(const StoredMap& stored) {
+  std::map<int64_t, TakenImage> images;
   for (const auto& [id, features] : stored.features) {
-    if (features.area) areas[id] = *features.area;
+    if (features.image) images[id] = *features.image;
   }
-  return areas;
+  return images;
 }
 
-void ReadAreas(archive::Reader& read, StoredMap& stored) {
-  std::map<int64_t, ImageArea> areas;
-  ReadMap(read, areas);
-  for (const auto& [id, area] : areas) {
-    map_file::Check(id, area, stored.features);
-    stored.features.at(id).area = area;
+void ReadImages(archive::Reader& read, StoredMap& stored) {
+  std::map<int64_t, TakenImage> images;
+  ReadMap(read, images);
+  for (const auto& [id, image] : images) {
+    map_file::Check(id, image, stored.features);
+    stored.features.at(id).image = image;
   }
 }
 
@@ -99,7 +99,7 @@ StoredMap ReadContent(uint64_t format, Bytes content) {
     map_file::Check(loop);
     stored.map.Add(loop);
   }
-  if (format != kWithoutAreas) ReadAreas(read, stored);
+  if (format != kWithoutImages) ReadImages(read, stored);
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
   map_file::CheckWhole(stored, point_observations, line_observations);
   stored.map.TakeChanges();
@@ -130,7 +130,7 @@ void CheckAll(const StoredMap& stored) {
   for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
   for (const auto& [id, features] : stored.features) {
     map_file::Check(id, features);
-    if (features.area) map_file::Check(id, *features.area, stored.features);
+    if (features.image) map_file::Check(id, *features.image, stored.features);
   }
   for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
   for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
@@ -156,9 +156,10 @@ size_t RoughLength(const StoredMap& stored) {
 
 }  // namespace
 
-std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
+void AppendMap(const StoredMap& stored, archive::Writer& write) {
   CheckAll(stored);
-  archive::Writer write(RoughLength(stored));
+  write.Reserve(RoughLength(stored));
+  const size_t begin = write.size();
   // The seal's place; what it says is known at the end.
   write(std::vector<uint8_t>(sizeof(Seal) - sizeof(uint64_t)), stored);
   write(stored.sessions);
@@ -167,12 +168,17 @@ std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
   WriteValues(write, stored.map.points());
   WriteValues(write, stored.map.lines());
   write(stored.map.loops());
-  const std::map<int64_t, ImageArea> areas = AreasOf(stored);
-  if (!areas.empty()) write(areas);
-  std::vector<uint8_t> bytes = std::move(write).Take();
-  const Seal seal = MakeSeal(areas.empty() ? kMapFileWithoutAreas : kMapFile, Bytes(bytes).subspan(sizeof(Seal)));
-  std::memcpy(bytes.data(), &seal, sizeof(Seal));
-  return bytes;
+  const std::map<int64_t, TakenImage> images = ImagesOf(stored);
+  if (!images.empty()) write(images);
+  const Seal seal =
+      MakeSeal(images.empty() ? kMapFileWithoutImages : kMapFile, write.Written().subspan(begin + sizeof(Seal)));
+  write.Overwrite(begin, &seal, sizeof(Seal));
+}
+
+std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
+  archive::Writer write;
+  AppendMap(stored, write);
+  return std::move(write).Take();
 }
 
 StoredMap DecodeMap(std::span<const uint8_t> bytes) {

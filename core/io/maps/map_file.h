@@ -12,9 +12,13 @@
 
 namespace plslam {
 
+namespace archive {
+class Writer;
+}
+
 /// The newest keyframe of a session that is in the map: its number there and as the session counts.
 struct StoredSession {
-  int64_t keyframe_id = -1;
+  int64_t keyframe_id = -1;  ///< -1: it has been forgotten
   int64_t session_keyframe_id = -1;
 
   bool operator==(const StoredSession&) const = default;
@@ -43,6 +47,8 @@ struct StoredMap {
 ///
 /// Throws std::runtime_error where the map breaks what decoding demands.
 std::vector<uint8_t> EncodeMap(const StoredMap& stored);
+/// The same bytes, behind what has been written.
+void AppendMap(const StoredMap& stored, archive::Writer& write);
 
 /// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a
 /// newer format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that

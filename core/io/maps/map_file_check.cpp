@@ -85,13 +85,15 @@ void Check(int64_t keyframe_id, const StereoFeatures& features) {
          "keyframe {} has a feature whose values cannot be", keyframe_id);
 }
 
-void Check(int64_t keyframe_id, const ImageArea& area, const std::map<int64_t, StereoFeatures>& features) {
+void Check(int64_t keyframe_id, const TakenImage& image, const std::map<int64_t, StereoFeatures>& features) {
   Demand(features.contains(keyframe_id), "an image is of keyframe {}, which has no features", keyframe_id);
   const auto is_place = [](int px) { return std::abs(px) <= kMaxPixel; };
   const auto is_size = [](int px) { return px >= 1 && px <= kMaxPixel; };
-  Demand(is_place(area.left_px) && is_place(area.top_px) && is_size(area.width_px) && is_size(area.height_px),
-         "the image of keyframe {} cannot be: {} x {} px from ({}, {}) on", keyframe_id, area.width_px, area.height_px,
-         area.left_px, area.top_px);
+  const bool is_one = is_place(image.left_px) && is_place(image.top_px) && is_size(image.width_px) &&
+                      is_size(image.height_px) && image.f_px >= 1.0 && image.f_px <= kMaxPixel;
+  Demand(is_one,
+         "the image of keyframe {} cannot be: {} x {} px from ({}, {}) on, taken with a focal length of {} px",
+         keyframe_id, image.width_px, image.height_px, image.left_px, image.top_px, image.f_px);
 }
 
 void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features) {
@@ -130,6 +132,7 @@ void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t lin
     Demand(map.FindKeyframe(id) != nullptr, "features are of keyframe {}, which the map does not have", id);
   }
   for (const auto& [session, newest] : stored.sessions) {
+    if (newest.keyframe_id < 0 && session != stored.newest_session) continue;
     const MapKeyframe* keyframe = map.FindKeyframe(newest.keyframe_id);
     Demand(keyframe != nullptr && keyframe->session == session,
            "session {} ends with keyframe {}, which the map does not have of it", session, newest.keyframe_id);

@@ -12,7 +12,7 @@ namespace plslam::map_file {
 void Check(const MapKeyframe& keyframe);
 void Check(int64_t keyframe_id, const StereoFeatures& features);
 /// An image of pixels that can be, of a keyframe with features.
-void Check(int64_t keyframe_id, const ImageArea& area, const std::map<int64_t, StereoFeatures>& features);
+void Check(int64_t keyframe_id, const TakenImage& image, const std::map<int64_t, StereoFeatures>& features);
 /// Observations ascend and are of features that there are.
 void Check(const MapPoint& point, const std::map<int64_t, StereoFeatures>& features);
 void Check(const MapLine& line, const std::map<int64_t, StereoFeatures>& features);

@@ -31,12 +31,12 @@ void Fields(Archive& a, T& l) {
     l.disparity_q_px, l.sigma_px, l.sigma_disparity_p_px, l.sigma_disparity_q_px);
 }
 
-template <class Archive, Is<ImageArea> T>
-void Fields(Archive& a, T& area) {
-  a(area.left_px, area.top_px, area.width_px, area.height_px);
+template <class Archive, Is<TakenImage> T>
+void Fields(Archive& a, T& image) {
+  a(image.left_px, image.top_px, image.width_px, image.height_px, image.f_px);
 }
 
-/// Without the area: few have one.
+/// Without the image: few have one of their own.
 template <class Archive, Is<StereoFeatures> T>
 void Fields(Archive& a, T& features) {
   a(features.points, features.lines);

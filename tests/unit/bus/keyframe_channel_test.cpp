@@ -24,7 +24,7 @@ Keyframe KeyframeOf(int64_t id, int n_points, int n_lines) {
   keyframe.covariance = 1e-4 * Matrix6d::Identity();
   keyframe.state = 1;
   keyframe.lockstep = id % 2 == 1;
-  keyframe.camera = {400.0, 320.5, 240.25, 0.12, 640, 480, -3, 5};
+  keyframe.camera = {400.0, 320.5, 240.25, 0.12, 640, 480, -3, 5, 250.5};
   for (int i = 0; i < n_points; ++i) {
     StereoPoint point;
     point.left.px = {static_cast<float>(i), 2.5};
@@ -54,6 +54,7 @@ void ExpectEqual(const Keyframe& a, const Keyframe& b) {
   EXPECT_EQ(a.session, b.session);
   EXPECT_EQ(a.t_ns, b.t_ns);
   EXPECT_EQ(a.covariance, b.covariance);
+  EXPECT_EQ(a.camera, b.camera);
   EXPECT_EQ(a.point_landmark_ids, b.point_landmark_ids);
   EXPECT_EQ(a.line_landmark_ids, b.line_landmark_ids);
   EXPECT_EQ(a.point_map_ids, b.point_map_ids);

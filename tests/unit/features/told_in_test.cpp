@@ -10,7 +10,6 @@ namespace {
 
 const StereoCamera kWide{180.0, 187.5, 119.5, 0.06, 376, 240};
 const StereoCamera kLong{460.0, 367.2, 248.4, 0.12, 752, 480};
-constexpr OctaveSteps kOctaves;
 
 StereoPoint PointAt(const Eigen::Vector3d& p_c, int octave, const StereoCamera& camera) {
   const Eigen::Vector3d uvd = camera.ProjectStereo(p_c);
@@ -37,7 +36,7 @@ StereoFeatures SeenBy(const StereoCamera& camera) {
 }
 
 TEST(ToldIn, RaysAndDepthsStay) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
   const StereoFeatures there = SeenBy(kLong);
   for (size_t i = 0; i < told.points.size(); ++i) {
     EXPECT_LT((told.points[i].left.px - there.points[i].left.px).norm(), 1e-4) << i;
@@ -53,10 +52,10 @@ TEST(ToldIn, RaysAndDepthsStay) {
   EXPECT_NEAR(line.disparity_q_px, there.lines[0].disparity_q_px, 1e-4);
 }
 
-TEST(ToldIn, DeviationsInMetresStay) {
+TEST(ToldIn, StandardDeviationsInMetresStay) {
   const Eigen::Vector3d p_c(0.3, -0.2, 2.0);
   const StereoPoint seen = SeenBy(kWide).points[0];
-  const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves).points[0];
+  const StereoPoint told = ToldIn(kLong, SeenBy(kWide), kWide).points[0];
   const auto covariance = [&p_c](const StereoCamera& camera, const StereoPoint& point) {
     return camera.BackprojectCovariance(camera.ProjectStereo(p_c), point.sigma_px, point.sigma_disparity_px);
   };
@@ -64,17 +63,26 @@ TEST(ToldIn, DeviationsInMetresStay) {
   EXPECT_LT((covariance(kLong, told) - own).norm(), 1e-6 * own.norm());
 }
 
-TEST(ToldIn, OctavesAreThoseOfTheScaleAndWithinTheirNumber) {
-  // 460 / 180 is 1.2 to the power of 5.1.
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
-  EXPECT_EQ(told.points[0].left.octave, 6);
-  EXPECT_EQ(told.points[1].left.octave, 7) << "of ten";
-  EXPECT_EQ(ToldIn(kWide, SeenBy(kLong), kLong, kOctaves).points[1].left.octave, 0);
+TEST(ToldIn, OctavesStayAndTheScaleSaysFromWhereTheOtherCameraWouldFindThem) {
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+  EXPECT_EQ(told.points[1].left.octave, 5);
+  EXPECT_EQ(CameraOf(told, kLong).OctaveScale(), 460.0 / 180.0);
+  EXPECT_EQ(CameraOf(SeenBy(kLong), kLong).OctaveScale(), 1.0);
+}
+
+TEST(ToldIn, CamerasTooUnlikeAreSaidToBe) {
+  EXPECT_TRUE(CanBeToldIn(kLong, kWide));
+  StereoCamera other = kWide;
+  other.f_px = 1.0;
+  EXPECT_FALSE(CanBeToldIn(kWide, other));
+  other = kWide;
+  other.baseline_m = 7.0;
+  EXPECT_FALSE(CanBeToldIn(other, kWide));
 }
 
 TEST(ToldIn, ImageGoesWithTheFeatures) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
-  ASSERT_TRUE(told.area);
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+  ASSERT_TRUE(told.image);
   const StereoCamera looked = CameraOf(told, kLong);
   for (const Eigen::Vector2d& corner : {Eigen::Vector2d(1.0, 1.0), Eigen::Vector2d(374.0, 238.0)}) {
     const Eigen::Vector3d ray((corner.x() - kWide.cx_px) / kWide.f_px, (corner.y() - kWide.cy_px) / kWide.f_px, 1.0);
@@ -86,8 +94,8 @@ TEST(ToldIn, ImageGoesWithTheFeatures) {
 
 TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
   const StereoFeatures seen = SeenBy(kWide);
-  const StereoFeatures told = ToldIn(kWide, seen, kWide, kOctaves);
-  EXPECT_FALSE(told.area);
+  const StereoFeatures told = ToldIn(kWide, seen, kWide);
+  EXPECT_FALSE(told.image);
   for (size_t i = 0; i < seen.points.size(); ++i) {
     EXPECT_EQ(told.points[i].left.px, seen.points[i].left.px);
     EXPECT_EQ(told.points[i].disparity_px, seen.points[i].disparity_px);
@@ -98,9 +106,9 @@ TEST(ToldIn, BetweenEqualCamerasEveryBitStays) {
 
 // A mapping_process that was started again tells keyframes in the camera of the map.
 TEST(ToldIn, WhatIsToldOnKeepsItsBitsAndItsImage) {
-  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide, kOctaves);
-  const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong), kOctaves);
-  EXPECT_EQ(again.area, told.area);
+  const StereoFeatures told = ToldIn(kLong, SeenBy(kWide), kWide);
+  const StereoFeatures again = ToldIn(kLong, told, CameraOf(told, kLong));
+  EXPECT_EQ(again.image, told.image);
   for (size_t i = 0; i < told.points.size(); ++i) {
     EXPECT_EQ(again.points[i].left.px, told.points[i].left.px);
     EXPECT_EQ(again.points[i].left.px.x(), static_cast<float>(told.points[i].left.px.x())) << "as in messages";

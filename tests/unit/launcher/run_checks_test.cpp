@@ -7,8 +7,6 @@
 #include <chrono>
 
 #include "core/config/config.h"
-#include "core/datasets/open_dataset.h"
-#include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
 #include "core/io/maps/map_file.h"
 #include "tests/support/text_file.h"

@@ -76,7 +76,7 @@ TEST(KeyframeMemory, KeyframesThatWereTakenOutLeave) {
   EXPECT_FALSE(memory.features().contains(1));
 }
 
-// Another camera's, say.
+// Another map's, say.
 TEST(KeyframeMemory, OfASessionThatTheMapDoesNotTakeOnlyTheNewestWait) {
   constexpr int64_t kMost = loop::KeyframeMemory::kMostUntaken;
   loop::KeyframeMemory memory(SmallPlaces());

@@ -91,7 +91,7 @@ TEST(MapFile, LoadedMapsAreThoseThatWereSavedAndSavedAgainAreTheSameBytes) {
     EXPECT_EQ(loaded.rig, stored.rig);
     EXPECT_EQ(loaded.sessions, stored.sessions);
     EXPECT_EQ(loaded.features.size(), stored.features.size());
-    for (const auto& [id, features] : stored.features) EXPECT_EQ(loaded.features.at(id).area, features.area) << id;
+    for (const auto& [id, features] : stored.features) EXPECT_EQ(loaded.features.at(id).image, features.image) << id;
     EXPECT_EQ(loaded.map.loops().size(), stored.map.loops().size());
     EXPECT_TRUE(loaded.map.TakeChanges().empty());
     EXPECT_EQ(EncodeMap(loaded), bytes) << "seed " << seed;
@@ -167,7 +167,7 @@ TEST(MapFile, ForeignAndNewerFilesAreRefusedBySentencesThatNameThem) {
   bytes[8] = 9;
   test::Sign(bytes);
   file.Write(bytes);
-  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows format 2"));
+  EXPECT_THAT(read(), HasSubstr("foreign.plmap: is a map file of format 9, and this program knows formats 1 to 2"));
   EXPECT_THAT(ErrorOf([] { ReadMapFile(testing::TempDir()); }), HasSubstr("cannot be"));
 }
 
@@ -201,8 +201,9 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   bad.features.at(some_keyframe).points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature whose values cannot be"));
   bad = good;
-  bad.features.at(some_keyframe).area = ImageArea{0, 0, 0, 480};
-  EXPECT_THAT(EncodeError(bad), HasSubstr("cannot be: 0 x 480 px from (0, 0) on"));
+  bad.features.at(some_keyframe).image = TakenImage{0, 0, 0, 480, 400.0};
+  EXPECT_THAT(EncodeError(bad),
+              HasSubstr("cannot be: 0 x 480 px from (0, 0) on, taken with a focal length of 400 px"));
   bad = good;
   bad.map.SetPose(some_keyframe, SE3::FromUnit(Eigen::Quaterniond(1.1, 0.0, 0.0, 0.0), {0.0, 0.0, 0.0}),
                   Matrix6d::Zero());

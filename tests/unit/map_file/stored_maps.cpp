@@ -100,7 +100,7 @@ StoredMap RandomStoredMap(uint64_t seed, int steps) {
 StoredMap OfTwoCameras(uint64_t seed, int steps) {
   StoredMap stored = RandomStoredMap(seed, steps);
   for (auto& [id, features] : stored.features) {
-    if (id % 2 == 1) features.area = ImageArea{-40, 3, 700 + static_cast<int>(id), 500};
+    if (id % 2 == 1) features.image = TakenImage{-40, 3, 700 + static_cast<int>(id), 500, 320.5};
   }
   return stored;
 }

@@ -182,6 +182,16 @@ class StateFile : public testing::Test {
                                 .string();
 };
 
+TEST(MapperState, IsLentWithoutACopyAndTakenBackWhateverHappens) {
+  Mapper mapper = Restored(TheStream().mapper);
+  const Bytes whole = EncodeState(mapper.State());
+  Bytes lent;
+  mapper.LendState([&](MapperState& state) { lent = EncodeState(state); });
+  EXPECT_EQ(lent, whole);
+  EXPECT_THROW(mapper.LendState([](MapperState&) { throw std::runtime_error("disk full"); }), std::runtime_error);
+  EXPECT_EQ(EncodeState(mapper.State()), whole);
+}
+
 TEST_F(StateFile, HoldsAll) { EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State())); }
 
 TEST_F(StateFile, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {

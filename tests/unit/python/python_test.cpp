@@ -95,7 +95,7 @@ print(json.dumps({
               "observations": observations(p, i)} for i in range(len(p.id))],
   "lines": [{"id": int(l.id[i]), "p_w": l.p_w[i].tolist(), "q_w": l.q_w[i].tolist(), "observations": observations(l, i)}
             for i in range(len(l.id))],
-  "features": {str(i): [f.points["px"].tolist(), f.lines["q_px"].tolist(), f.points["disparity_px"].tolist(), f.area]
+  "features": {str(i): [f.points["px"].tolist(), f.lines["q_px"].tolist(), f.points["disparity_px"].tolist(), f.image]
                for i, f in m.features.items()},
   "loops": m.loops["keyframe_id"].tolist()}))
 )");
@@ -140,9 +140,9 @@ print(json.dumps({
     const json& read = map["features"][std::to_string(id)];
     ASSERT_EQ(read[0].size(), features.points.size());
     ASSERT_EQ(read[1].size(), features.lines.size());
-    ASSERT_EQ(read[3].is_null(), !features.area);
-    if (features.area) {
-      EXPECT_EQ(read[3], (std::vector<int>{-40, 3, features.area->width_px, 500}));
+    ASSERT_EQ(read[3].is_null(), !features.image);
+    if (features.image) {
+      EXPECT_EQ(read[3], json::array({-40, 3, features.image->width_px, 500, 320.5}));
     }
     for (size_t k = 0; k < features.points.size(); ++k) {
       ExpectNear(read[0][k], Numbers(features.points[k].left.px), 0.0);
@@ -189,7 +189,7 @@ print(json.dumps({"flipped": sorted(flipped), "cut": sorted(cut), "format": newe
       EXPECT_THAT(sentence.get<std::string>(), testing::StartsWith("bad.plmap"));
     EXPECT_THAT(said[kind].dump(), testing::Not(HasSubstr("taken")));
   }
-  EXPECT_THAT(said["format"].get<std::string>(), HasSubstr("of format 3, and this package knows format 1 to 2"));
+  EXPECT_THAT(said["format"].get<std::string>(), HasSubstr("of format 3, and this package knows formats 1 to 2"));
   EXPECT_THAT(said["count"].get<std::string>(), HasSubstr("promises more than it has"));
 }
 

@@ -154,6 +154,21 @@ TYPED_TEST(LandmarkAdoption, UnknownOnesAreAddedAsNotSeenLately) {
   EXPECT_EQ(TypeParam::NextId(this->landmarks_), next_id + 2);
 }
 
+// Octaves are of the pixels of the camera that found them.
+TEST(PointAdoption, FromAMapOfAnotherCameraPointsLookAsFromAsMuchNearer) {
+  const Scene scene = MakeScene();
+  for (const double ratio : {1.0, 0.5, 2.5}) {
+    LocalLandmarks landmarks = LandmarksOf(scene);
+    AdoptedPatch map;
+    map.Add(scene.points[4], {});
+    map.patch.f_px = kCamera.f_px / ratio;
+    landmarks.Adopt(map.patch, false);
+    const PointLandmark& added = landmarks.points.landmarks().back();
+    EXPECT_EQ(added.octave, 2);
+    EXPECT_DOUBLE_EQ(added.depth_m, ratio * 3.5);
+  }
+}
+
 TYPED_TEST(LandmarkAdoption, OfThoseThatAreTheSameTheOldestStays) {
   const size_t before = this->Now().size();
   this->map_.Add(TypeParam::In(this->scene_)[4], {9, 4, 7});

@@ -146,7 +146,7 @@ void DrawPair(const Material& m, const Arguments& a) {
     const auto a_shown = shown(images, first), b_shown = shown(images, second);
     if (!a_shown || !b_shown) return Skip("keyframe_pair", m.dataset + " has no images of these times");
     Write(PairFigure(m.title, *a_shown, *b_shown, SharedBy(stored.map, first, second)), "keyframe_pair", m);
-  } catch (const DatasetError& e) {
+  } catch (const std::runtime_error& e) {
     Skip("keyframe_pair", e.what());
   }
 }

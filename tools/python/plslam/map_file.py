@@ -47,7 +47,7 @@ _LOOP = np.dtype(
 
 
 # Images of keyframes that another camera has seen than the one the map is told in.
-_AREA = np.dtype([("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4")])
+_IMAGE = np.dtype([("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4"), ("f_px", "<f8")])
 
 
 @dataclass
@@ -115,8 +115,9 @@ class Features:
 
     points: np.ndarray
     lines: np.ndarray
-    # Left, top, width and height of the image where another camera saw it than the one the map is told in.
-    area: Optional[Tuple[int, int, int, int]] = None
+    # Left, top, width and height of the image in the image plane of the map's camera, and the focal length that it was taken
+    # with, where another camera took it.
+    image: Optional[Tuple[int, int, int, int, float]] = None
 
 
 @dataclass
@@ -147,7 +148,7 @@ def _check(data: bytes) -> Tuple[int, memoryview]:
         raise FileError("is no map file")
     _, version, length, checksum = _SEAL.unpack_from(data)
     if version not in _FORMATS:
-        raise FileError(f"is a map file of format {version}, and this package knows format {_FORMATS[0]} to {_FORMATS[-1]}")
+        raise FileError(f"is a map file of format {version}, and this package knows formats {_FORMATS[0]} to {_FORMATS[-1]}")
     if length != len(data) - _SEAL.size:
         raise FileError(f"has {len(data) - _SEAL.size} bytes of content, and should have {length}: it was cut off or damaged")
     content = memoryview(data)[_SEAL.size :]
@@ -236,9 +237,9 @@ def _read_map(file_format: int, content: _Content) -> Map:
     lines = Lines(s["id"], s["p_w"], s["q_w"], s["covariance_p"], s["covariance_q"], s["descriptor"], of_lines)
     loops = content.list(_LOOP)
     if file_format > 1:
-        for area in content.list(_AREA):
-            if int(area["keyframe_id"]) not in features:
+        for image in content.list(_IMAGE):
+            if int(image["keyframe_id"]) not in features:
                 raise FileError(f"an image is of keyframe {area['keyframe_id']}, which has no features")
-            features[int(area["keyframe_id"])].area = tuple(int(area[name]) for name in _AREA.names[1:])
+            features[int(image["keyframe_id"])].image = tuple(image[name].item() for name in _IMAGE.names[1:])
     content.end()
     return Map(version, camera, keyframes, points, lines, features, loops)

@@ -198,7 +198,7 @@ std::vector<double> LiveErrors_m(const WholeRun& run, const Dataset& dataset) {
 // Of another lens, size and baseline, and the first camera again in what both have made.
 TEST(SavedMap, OfAnotherCameraIsLocalisedInAndGoneOnWith) {
   const std::string room = "synthetic:room?size=376x240&speed=2&frames=90";
-  const std::string other_room = "synthetic:room?size=640x440&fov=60&baseline=0.2&speed=2&frames=90";
+  const std::string other_room = "synthetic:room?size=560x380&fov=66&baseline=0.2&speed=2&frames=90";
   WholeRun first, localised, gone_on, again;
   const std::string map = (first.folder() / "room.plmap").string();
   const std::string of_both = (gone_on.folder() / "room.plmap").string();

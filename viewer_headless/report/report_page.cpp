@@ -2,8 +2,9 @@
 #include "viewer_headless/report/report_page.h"
 
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "core/io/files/shared_file.h"
 
@@ -29,20 +30,24 @@ std::string Fill(const std::string& page, std::string_view place, std::string_vi
 std::optional<std::string> ReadReportTemplate() {
   std::ifstream stream(SharedFile("report_template.html"), std::ios::binary);
   if (!stream) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(stream), {});
+  return ReadPage(stream);
+}
+
+std::string ReadPage(std::istream& stream) {
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
 }
 
 std::string SafeInPage(std::string_view json) {
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
+  size_t begin = 0;
+  for (size_t at = json.find('<'); at != std::string_view::npos; at = json.find('<', begin)) {
+    safe.append(json.substr(begin, at - begin)).append("\\u003c");
+    begin = at + 1;
   }
-  return safe;
+  return safe.append(json.substr(begin));
 }
 
 std::string FillTemplate(const std::string& page, std::string_view json) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <istream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,9 @@ namespace plslam::viewer {
 /// The page that shows a report, as the build has bundled it: `report_template.html` in `share/plslam` beside the
 /// folder of this program. nullopt where it was built without (docs/viewer.md).
 std::optional<std::string> ReadReportTemplate();
+
+/// A page, template or report, from its file.
+std::string ReadPage(std::istream& stream);
 
 /// JSON as the page can hold it: no text in it ends the element that it stands in.
 std::string SafeInPage(std::string_view json);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -79,8 +80,9 @@ struct TrackerState {
   Keyframe keyframe;
 };
 
-/// Beside the file and renamed. Throws std::runtime_error that names the file.
-void WriteTrackerState(const std::string& path, const TrackerState& state);
+/// Beside the file and renamed. Returns how many bytes its content has; `expected_bytes` makes room for them at once.
+/// Throws std::runtime_error that names the file.
+size_t WriteTrackerState(const std::string& path, const TrackerState& state, size_t expected_bytes = 0);
 
 /// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
 TrackerState ReadTrackerState(const std::string& path);
@@ -105,6 +107,7 @@ class TrackerCheckpoint {
  private:
   std::string path_;
   bool has_failed_ = false;
+  size_t bytes_ = 0;  ///< of the state that was kept last
 };
 
 }  // namespace plslam::vo

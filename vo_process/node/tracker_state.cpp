@@ -67,6 +67,7 @@ bool TrackerCheckpoint::Keep(const TrackerState& state) {
   if (path_.empty()) return false;
   try {
     bytes_ = WriteTrackerState(path_, state, bytes_);
+    odometry_bytes_ = state.odometry.size();
     return true;
   } catch (const std::exception& error) {
     Drop();

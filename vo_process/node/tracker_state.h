@@ -102,12 +102,16 @@ class TrackerCheckpoint {
   /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse
   /// than none: other processes know what came after it.
   bool Keep(const TrackerState& state);
+  /// Of what was kept last, as a hint for the next one.
+  size_t odometry_bytes() const { return odometry_bytes_; }
   void Drop() const;
 
  private:
   std::string path_;
   bool has_failed_ = false;
-  size_t bytes_ = 0;  ///< of the state that was kept last
+  /// Of the state that was kept last.
+  size_t bytes_ = 0;
+  size_t odometry_bytes_ = 0;
 };
 
 }  // namespace plslam::vo

@@ -143,7 +143,6 @@ class VoNode {
   std::optional<MaskLink> masks_;
   std::optional<RobotMotionLink> robot_;
   TrackerCheckpoint checkpoint_;
-  size_t odometry_bytes_ = 0;  ///< of odometry in the state that was kept last
   /// The state of a killed tracker was taken over, and no frame has come since.
   bool restored_ = false;
   /// Since when older frames have been asked for, in s of the steady clock.

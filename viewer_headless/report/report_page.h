@@ -16,10 +16,16 @@ std::optional<std::string> ReadReportTemplate();
 std::string ReadPage(std::istream& stream);
 
 /// JSON as the page can hold it: no text in it ends the element that it stands in.
-std::string SafeInPage(std::string_view json);
+std::string SafeInPage(std::string json);
 
-/// The page with the data inside, so that it needs nothing else. Throws std::runtime_error where the template is
-/// none.
+/// The template before and behind the data of a run, which with them inside needs nothing else. Throws
+/// std::runtime_error where it is none.
+struct PageAroundData {
+  std::string_view before, behind;
+};
+PageAroundData AroundData(std::string_view page);
+
+/// The page with the data inside.
 std::string FillTemplate(const std::string& page, std::string_view json);
 
 /// A report with these warnings (a list as in summary.json) in the place of those that the viewer told: `plslam run`

@@ -41,10 +41,13 @@ Bus::Impl::Impl(const BusOptions& options_in, std::string process_in)
       drop_random_(static_cast<uint64_t>(options.drop_seed)) {
   spdlog::default_logger_raw();  // made here, before the thread that may use it
   transport.SetReceiver([this](std::string_view channel, ByteView bytes) { OnDatagram(channel, bytes); });
-  for (const Channel& control : {kRepairRequest, kAnnounce}) {
-    transport.Listen(names.WireName(control));
-    if (const std::string name = names.NameForMap(control); !name.empty()) transport.Listen(name);
-  }
+  const auto names_of = [this](const Channel& control) {
+    std::set<std::string, std::less<>> both{names.WireName(control)};
+    if (std::string name = names.NameForMap(control); !name.empty()) both.insert(std::move(name));
+    return both;
+  };
+  transport.Listen({names_of(kRepairRequest), request_layout_->fingerprint(), source});
+  for (const std::string& name : names_of(kAnnounce)) transport.Listen(name);
   transport.ListenToEnding(kStatus.name);
   receiver_ = std::thread([this] { ReceiveLoop(); });
 }

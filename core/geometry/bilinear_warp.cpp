@@ -36,32 +36,33 @@ uint8_t Blend(uint16_t above, uint16_t below, int wx, int wy) {
 
 }  // namespace
 
-BilinearWarp::BilinearWarp(int width_px, int height_px)
-    : width_px_(width_px),
-      height_px_(height_px),
-      offsets_(static_cast<size_t>(width_px) * height_px, 0),
+BilinearWarp::BilinearWarp(cv::Size source, cv::Size result)
+    : source_(source),
+      result_(result),
+      offsets_(static_cast<size_t>(result.width) * result.height, 0),
       weights_(offsets_.size(), Weights{0, 0}),
       mask_(offsets_.size(), 0) {
-  if (width_px < 2 || height_px < 2) {
-    throw std::runtime_error("images of " + std::to_string(width_px) + "x" + std::to_string(height_px) +
+  const cv::Size least(std::min(source.width, result.width), std::min(source.height, result.height));
+  if (least.width < 2 || least.height < 2) {
+    throw std::runtime_error("images of " + std::to_string(least.width) + "x" + std::to_string(least.height) +
                              " cannot be warped, expected at least 2x2");
   }
 }
 
 void BilinearWarp::SetSource(int u, int v, int x, int y) {
   // The last column (row) is the right (lower) one of the last pair, so nothing is read outside.
-  const int left = std::min(x / kSubpixels, width_px_ - 2);
-  const int top = std::min(y / kSubpixels, height_px_ - 2);
-  const size_t at = static_cast<size_t>(v) * width_px_ + u;
-  offsets_[at] = top * width_px_ + left;
+  const int left = std::min(x / kSubpixels, source_.width - 2);
+  const int top = std::min(y / kSubpixels, source_.height - 2);
+  const size_t at = static_cast<size_t>(v) * result_.width + u;
+  offsets_[at] = top * source_.width + left;
   weights_[at] = {static_cast<uint8_t>(x - left * kSubpixels), static_cast<uint8_t>(y - top * kSubpixels)};
   mask_[at] = 255;
 }
 
 void BilinearWarp::WarpRow(const uint8_t* image, int v, uint8_t* out) const {
-  const size_t row = static_cast<size_t>(v) * width_px_;
-  for (int u = 0; u < width_px_; u += kBlock) {
-    const int count = std::min(kBlock, width_px_ - u);
+  const size_t row = static_cast<size_t>(v) * result_.width;
+  for (int u = 0; u < result_.width; u += kBlock) {
+    const int count = std::min(kBlock, result_.width - u);
     const int32_t* offsets = offsets_.data() + row + u;
     const Weights* weights = weights_.data() + row + u;
     const uint8_t* mask = mask_.data() + row + u;
@@ -70,7 +71,7 @@ void BilinearWarp::WarpRow(const uint8_t* image, int v, uint8_t* out) const {
     for (int i = 0; i < count; ++i) {
       const uint8_t* pixel = image + offsets[i];
       above[i] = LoadPair(pixel);
-      below[i] = LoadPair(pixel + width_px_);
+      below[i] = LoadPair(pixel + source_.width);
     }
     // Apart from the loop above, whose addresses are scattered: this one becomes vector code.
     for (int i = 0; i < count; ++i) {
@@ -80,10 +81,10 @@ void BilinearWarp::WarpRow(const uint8_t* image, int v, uint8_t* out) const {
 }
 
 cv::Mat BilinearWarp::Apply(const cv::Mat& image) const {
-  CV_Assert(image.type() == CV_8UC1 && image.cols == width_px_ && image.rows == height_px_);
+  CV_Assert(image.type() == CV_8UC1 && image.size() == source_);
   const cv::Mat whole = image.isContinuous() ? image : image.clone();
-  cv::Mat result(height_px_, width_px_, CV_8UC1);
-  for (int v = 0; v < height_px_; ++v) WarpRow(whole.ptr<uint8_t>(), v, result.ptr<uint8_t>(v));
+  cv::Mat result(result_, CV_8UC1);
+  for (int v = 0; v < result_.height; ++v) WarpRow(whole.ptr<uint8_t>(), v, result.ptr<uint8_t>(v));
   return result;
 }
 

@@ -15,14 +15,16 @@ class BilinearWarp {
  public:
   static constexpr int kSubpixels = 32;
 
-  /// Images are `width_px` x `height_px` before and after; pixels are 0 until `SetSource`. Throws std::runtime_error
-  /// for images smaller than 2 x 2.
-  BilinearWarp(int width_px, int height_px);
+  /// Images of the size `source` become images of the size `result`, whose pixels are 0 until `SetSource`. Throws
+  /// std::runtime_error for images smaller than 2 x 2.
+  BilinearWarp(cv::Size source, cv::Size result);
+  /// Images are `width_px` x `height_px` before and after.
+  BilinearWarp(int width_px, int height_px) : BilinearWarp({width_px, height_px}, {width_px, height_px}) {}
 
-  /// Pixel (u, v) of the result shows (x, y) of the image, given in 1/32 pixels within [0, 32 (size - 1)].
+  /// Pixel (u, v) of the result shows (x, y) of the image, given in 1/32 pixels within [0, 32 (source size - 1)].
   void SetSource(int u, int v, int x, int y);
 
-  /// A new image. `image` is CV_8UC1 of the size given.
+  /// A new image. `image` is CV_8UC1 of the size `source`.
   cv::Mat Apply(const cv::Mat& image) const;
 
  private:
@@ -33,8 +35,8 @@ class BilinearWarp {
 
   void WarpRow(const uint8_t* image, int v, uint8_t* out) const;
 
-  int width_px_;
-  int height_px_;
+  cv::Size source_;
+  cv::Size result_;
   // Where the upper left of the four pixels lies in the image, and the weights of the right and lower ones in 32nds.
   std::vector<int32_t> offsets_;
   std::vector<Weights> weights_;

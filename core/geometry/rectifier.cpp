@@ -29,6 +29,15 @@ int Rounded(double value) {
 
 }  // namespace
 
+void CheckImage(const cv::Mat& image, int type, const StereoCamera& camera, const char* side) {
+  if (image.type() == type && image.cols == camera.width_px && image.rows == camera.height_px) return;
+  std::ostringstream text;
+  text << "the " << side << " image is " << image.cols << "x" << image.rows << " of type "
+       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says " << camera.width_px
+       << "x" << camera.height_px << " of type " << cv::typeToString(type);
+  throw std::runtime_error(text.str());
+}
+
 Rectifier::Rectifier(const RigCalibration& rig) : rectification_(Rectify(rig)) {
   const bool stereo = rig.kind == RigCalibration::Kind::kStereo;
   const cv::Mat left_in_use = DrawMask(rig.left);
@@ -73,16 +82,6 @@ Rectifier::Maps Rectifier::MakeMaps(const RectifiedView& view, const cv::Mat& in
   return maps;
 }
 
-void Rectifier::CheckImage(const cv::Mat& image, int type, const char* side) const {
-  const StereoCamera& c = rectification_.camera;
-  if (image.type() == type && image.cols == c.width_px && image.rows == c.height_px) return;
-  std::ostringstream text;
-  text << "the " << side << " image is " << image.cols << "x" << image.rows << " of type "
-       << (image.empty() ? "nothing" : cv::typeToString(image.type())) << ", the calibration says " << c.width_px
-       << "x" << c.height_px << " of type " << cv::typeToString(type);
-  throw std::runtime_error(text.str());
-}
-
 cv::Mat Rectifier::LeftMask(const cv::Mat& in_use) const { return MaskWith(left_, in_use); }
 cv::Mat Rectifier::RightMask(const cv::Mat& in_use) const { return MaskWith(right_, in_use); }
 
@@ -95,20 +94,20 @@ cv::Mat Rectifier::MaskWith(const Maps& maps, const cv::Mat& in_use) const {
 }
 
 cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
-  CheckImage(image, CV_8UC1, "left");
+  CheckImage(image, CV_8UC1, camera(), "left");
   if (rectification_.identity) return image;
   return left_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
-  CheckImage(image, CV_8UC1, "right");
+  CheckImage(image, CV_8UC1, camera(), "right");
   if (rectification_.identity) return image;
   CV_Assert(right_.warp);
   return right_.warp->Apply(image);
 }
 
 cv::Mat Rectifier::RectifyDepth(const cv::Mat& depth) const {
-  CheckImage(depth, CV_16UC1, "depth");
+  CheckImage(depth, CV_16UC1, camera(), "depth");
   if (rectification_.identity) return depth;
   cv::Mat result;
   cv::remap(depth, result, left_.nearest, cv::Mat(), cv::INTER_NEAREST, cv::BORDER_CONSTANT, cv::Scalar(0));

@@ -10,6 +10,10 @@
 
 namespace plslam {
 
+/// Throws std::runtime_error that names both sizes and types where the image of a `side` ("left") is not of the type
+/// and of the calibrated size.
+void CheckImage(const cv::Mat& image, int type, const StereoCamera& camera, const char* side);
+
 /// Warps the images of a rig into the rectified pair of `camera()`. Bilinear in fixed point (1/32 px), so the result
 /// is the same on every machine. Pixels without a source are 0; `Rectification` says when there are any. A pair that
 /// is rectified already passes through untouched and uncopied (the result shares the input's pixels).
@@ -47,7 +51,6 @@ class Rectifier {
 
   Maps MakeMaps(const RectifiedView& view, const cv::Mat& in_use, bool with_nearest) const;
   cv::Mat MaskWith(const Maps& maps, const cv::Mat& in_use) const;
-  void CheckImage(const cv::Mat& image, int type, const char* side) const;
 
   Rectification rectification_;
   Maps left_;

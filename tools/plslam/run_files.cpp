@@ -4,7 +4,6 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -155,8 +154,7 @@ void PutWarningsIntoReport(const std::filesystem::path& out, const nlohmann::jso
   const std::filesystem::path report = out / "report.html";
   if (!std::filesystem::is_regular_file(report)) return;
   std::ifstream stream(report, std::ios::binary);
-  const std::string page{std::istreambuf_iterator<char>(stream), {}};
-  WriteFileAtomically(report.string(), viewer::FillWarnings(page, JsonText(warnings)));
+  WriteFileAtomically(report.string(), viewer::FillWarnings(viewer::ReadPage(stream), JsonText(warnings)));
 }
 
 void WriteSummary(const std::filesystem::path& out, const nlohmann::json& summary) {

@@ -56,17 +56,19 @@ void PictureNode::BeginAgain(PictureStore* store) {
   film_.reset();
   film_problem_.reset();
   if (!options_.video.empty() && sources_.map != nullptr) film_ = std::make_unique<Film>(options_.video);
-  if (film_) film_->SetRate(rate_hz_);
+  if (film_ && camera_) film_->SetRate(camera_->rig.rate_hz);
   queue_ = OverlayQueue(Every(options_, store));
   n_pictures_ = 0;
   newest_ = -1;
   problem_.clear();
 }
 
-void PictureNode::SetRectifier(const Rectifier* rectifier, double rate_hz) {
-  rectifier_ = rectifier;
-  rate_hz_ = rate_hz;
-  if (film_) film_->SetRate(rate_hz_);
+void PictureNode::SetCamera(const RigCalibration& rig, const Rectification& rectification) {
+  camera_.emplace(Camera{rig, rectification.camera.width_px,
+                         SmallRectifier(rectification, rectification.left, "left", PictureStore::kPictureWidth_px),
+                         SmallRectifier(rectification, rectification.right, "right", PictureStore::kRightWidth_px),
+                         std::nullopt});
+  if (film_) film_->SetRate(rig.rate_hz);
   UseAll();
 }
 
@@ -85,7 +87,7 @@ void PictureNode::OnFrame(const bus::FrameSubscriber::Frame& frame) {
 
 /// Pictures wait for the camera, too.
 void PictureNode::UseAll() {
-  while (rectifier_ != nullptr) {
+  while (camera_) {
     const std::optional<OverlayQueue::Ready> ready = queue_.Next();
     if (!ready) return;
     Use(*ready);
@@ -98,19 +100,10 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
   ++n_pictures_;
   newest_ = std::max(newest_, frame_id);
   const bool drawn = film_ || IsOverlay(frame_id);
-  PictureStore* const store = sources_.store;
-  const bool keyframe = store != nullptr && ready.pose.keyframe_id >= 0;
-  const bool stored = IsStored(frame_id);
-  if (!drawn && !keyframe && !stored) return;
   try {
-    const cv::Mat image = rectifier_->RectifyLeft(ready.image);
-    if (stored) {
-      const cv::Mat right = ready.right.empty() ? cv::Mat() : rectifier_->RectifyRight(ready.right);
-      store->Add(frame_id, image, right, ready.features);
-    }
-    if (keyframe) store->AddKeyframe(frame_id, image);
+    Store(ready);
     if (!drawn) return;
-    const cv::Mat picture = DrawOverlay(image, ready.features, FrameCaption(ready.pose), rectifier_->left_mask());
+    const cv::Mat picture = Draw(ready);
     if (film_) film_->Add(ready.pose, picture, *sources_.map);
     if (IsOverlay(frame_id)) WriteOverlay(frame_id, picture);
   } catch (const std::exception& e) {
@@ -118,6 +111,28 @@ void PictureNode::Use(const OverlayQueue::Ready& ready) {
     if (problem_.empty()) problem_ = e.what();
     rejected_();
   }
+}
+
+/// What the report wants of it.
+void PictureNode::Store(const OverlayQueue::Ready& ready) {
+  PictureStore* const store = sources_.store;
+  const int64_t frame_id = ready.pose.frame_id;
+  const bool keyframe = store != nullptr && ready.pose.keyframe_id >= 0;
+  const bool stored = IsStored(frame_id);
+  if (!keyframe && !stored) return;
+  const cv::Mat left = camera_->left.Apply(ready.image);
+  if (stored) {
+    const cv::Mat right = ready.right.empty() ? cv::Mat() : camera_->right.Apply(ready.right);
+    store->Add(frame_id, left, right, ready.features, camera_->width_px);
+  }
+  if (keyframe) store->AddKeyframe(frame_id, left);
+}
+
+cv::Mat PictureNode::Draw(const OverlayQueue::Ready& ready) {
+  if (!camera_->whole) camera_->whole.emplace(camera_->rig);
+  const Rectifier& rectifier = *camera_->whole;
+  return DrawOverlay(rectifier.RectifyLeft(ready.image), ready.features, FrameCaption(ready.pose),
+                     rectifier.left_mask());
 }
 
 bool PictureNode::IsOverlay(int64_t frame_id) const {

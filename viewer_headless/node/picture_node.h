@@ -16,6 +16,7 @@
 #include "viewer_headless/overlay.h"
 #include "viewer_headless/recorder.h"
 #include "viewer_headless/report/picture_store.h"
+#include "viewer_headless/report/small_images.h"
 
 namespace plslam::viewer {
 
@@ -34,8 +35,8 @@ class PictureNode {
   PictureNode(bus::Bus& bus, const ViewerOptions& options, Sources sources, std::function<void()> rejected,
               std::function<void()> came);
 
-  /// From now on images are of that camera; `rate_hz`: images a second, 0 where unknown.
-  void SetRectifier(const Rectifier* rectifier, double rate_hz = 0.0);
+  /// From now on images are of that rig, which `rectification` is for.
+  void SetCamera(const RigCalibration& rig, const Rectification& rectification);
   /// Once for each frame.
   void AddPose(const FramePose& pose);
   /// A new stream begins: its film replaces the one before, and its report has a store of its own.
@@ -56,9 +57,21 @@ class PictureNode {
   Result Finish(const Recorder& recorder, bool lockstep, bool ended);
 
  private:
+  /// What images of a rig go through.
+  struct Camera {
+    RigCalibration rig;
+    int width_px = 0;
+    SmallRectifier left;
+    SmallRectifier right;
+    /// For pictures as large as the images; made when the first one is wanted.
+    std::optional<Rectifier> whole;
+  };
+
   void OnFrame(const bus::FrameSubscriber::Frame& frame);
   void UseAll();
   void Use(const OverlayQueue::Ready& ready);
+  void Store(const OverlayQueue::Ready& ready);
+  cv::Mat Draw(const OverlayQueue::Ready& ready);
   void WriteOverlay(int64_t frame_id, const cv::Mat& picture);
   bool IsOverlay(int64_t frame_id) const;
   /// The report wants it.
@@ -74,8 +87,7 @@ class PictureNode {
   std::function<void()> rejected_;
   std::function<void()> came_;
   OverlayQueue queue_;
-  const Rectifier* rectifier_ = nullptr;
-  double rate_hz_ = 0.0;
+  std::optional<Camera> camera_;
   std::unique_ptr<Film> film_;
   int64_t n_pictures_ = 0;
   int64_t newest_ = -1;  ///< frame that has a picture

@@ -83,7 +83,8 @@ void ReportNode::Write() {
   report_->Finish();
   if (live_) live_->SetFinished(true);
   if (!options_.report) return;
-  WriteFileAtomically(options_.out + "/report.html", FillTemplate(*page_, Json(ReportSince())));
+  const PageAroundData page = AroundData(*page_);
+  WriteFileAtomically(options_.out + "/report.html", {page.before, Json(ReportSince()), page.behind});
 }
 
 }  // namespace plslam::viewer

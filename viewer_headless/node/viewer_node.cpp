@@ -95,10 +95,10 @@ void ViewerNode::Subscribe() {
 
 void ViewerNode::OnCamera(const RigCalibration& rig) {
   try {
-    auto rectifier = std::make_unique<Rectifier>(rig);
-    pictures_->SetRectifier(rectifier.get(), rig.rate_hz);
-    report_->SetCamera(rectifier->camera());
-    rectifier_ = std::move(rectifier);
+    const Rectification rectification = Rectify(rig);
+    pictures_->SetCamera(rig, rectification);
+    report_->SetCamera(rectification.camera);
+    q_l_c_ = rectification.q_l_c;
     dirty_ = dirty_ || written_;
     quiet_ticks_ = 0;
   } catch (const std::exception& e) {
@@ -185,7 +185,7 @@ bool ViewerNode::HasPlayed() const { return !recorder_.frames().empty(); }
 bool ViewerNode::RunIsOver() const {
   if (!recorder_.n_frames()) return false;
   if (!MapIsComplete() && quiet_ticks_ <= kQuietTicksForTheMap) return false;
-  if (!rectifier_ && quiet_ticks_ <= kQuietTicksAtMost) return false;
+  if (!q_l_c_ && quiet_ticks_ <= kQuietTicksAtMost) return false;
   if (PicturesMayCome() && quiet_ticks_ <= kQuietTicksForPictures) return false;
   if (recorder_.IsComplete()) return true;
   return quiet_ticks_ > (vo_finished_ ? kQuietTicksAfterFinish : kQuietTicksAtMost);
@@ -212,7 +212,7 @@ void ViewerNode::Write(bool ended) {
 }
 
 std::vector<std::string> ViewerNode::WriteFiles() {
-  if (!rectifier_ && !recorder_.frames().empty()) {
+  if (!q_l_c_ && !recorder_.frames().empty()) {
     return {
         fmt::format("nothing is written to {}: poses were heard, but no camera (CAMERA, which the player repeats "
                     "every second); without it "
@@ -237,9 +237,7 @@ void ViewerNode::SetFailures(const std::vector<std::string>& failures) {
 
 void ViewerNode::Reject() { process_.SetCounter("viewer.rejected", static_cast<double>(++rejected_)); }
 
-Eigen::Quaterniond ViewerNode::q_l_c() const {
-  return rectifier_ ? rectifier_->q_l_c() : Eigen::Quaterniond::Identity();
-}
+Eigen::Quaterniond ViewerNode::q_l_c() const { return q_l_c_.value_or(Eigen::Quaterniond::Identity()); }
 
 double ViewerNode::FramesPerSecond() {
   history_.emplace_back(bus::NowS(), static_cast<int64_t>(recorder_.frames().size()));
@@ -253,7 +251,7 @@ void ViewerNode::ShowProgress(bool last) {
   const bus::BusCounters counters = process_.bus().counters();
   const double rate = FramesPerSecond();
   // Without a camera none of them can be written: whoever stops this process waits until they can.
-  process_.SetCounter("frames", rectifier_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
+  process_.SetCounter("frames", q_l_c_ ? static_cast<double>(recorder_.frames().size()) : 0.0);
   process_.SetCounter("keyframes", static_cast<double>(recorder_.keyframes()));
   process_.SetCounter("frames.lost", static_cast<double>(recorder_.Tally(false).lost));
   if (!on_terminal_) return;

@@ -12,7 +12,7 @@
 
 #include "core/bus/messages/frame_channel.h"
 #include "core/bus/messages/map_channel.h"
-#include "core/geometry/rectifier.h"
+#include "core/geometry/rectification.h"
 #include "core/io/files/folder_lock.h"
 #include "core/process/process.h"
 #include "plslam/command_t.hpp"
@@ -69,7 +69,8 @@ class ViewerNode {
   std::optional<FolderLock> lock_;
   Recorder recorder_;
   std::unique_ptr<bus::MapSubscriber> map_;
-  std::unique_ptr<Rectifier> rectifier_;
+  /// Once the camera is known: its left image as calibrated (l) from the rectified one (c).
+  std::optional<Eigen::Quaterniond> q_l_c_;
   std::unique_ptr<ReportNode> report_;
   std::unique_ptr<PictureNode> pictures_;
   std::optional<bus::CameraSubscriber> camera_;

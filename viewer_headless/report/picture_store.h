@@ -15,6 +15,10 @@ namespace plslam::viewer {
 /// smaller image, for the pairs of loops; beyond `max_keyframes` every second one goes.
 class PictureStore {
  public:
+  static constexpr int kPictureWidth_px = 512;
+  /// Looked at now and then: at half the width it makes the report a third larger.
+  static constexpr int kRightWidth_px = kPictureWidth_px / 2;
+
   explicit PictureStore(int64_t max_pictures) : max_pictures_(max_pictures) {}
 
   /// The stream is going to have so many frames: chooses the stride that will fit.
@@ -22,8 +26,10 @@ class PictureStore {
   bool Wants(int64_t frame_id) const { return max_pictures_ > 0 && frame_id >= 0 && frame_id % stride_ == 0; }
   int64_t stride() const { return stride_; }
 
-  /// Rectified images, 8-bit grey; `right` is empty where there is none.
-  void Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features);
+  /// Rectified images, 8-bit grey, which may be smaller than the `width_px` of the image that has the features;
+  /// `right` is empty where there is none.
+  void Add(int64_t frame_id, const cv::Mat& left, const cv::Mat& right, const OverlayFeatures& features,
+           int width_px);
   void AddKeyframe(int64_t frame_id, const cv::Mat& image);
 
   /// So many pictures of frames that were wanted have not come.

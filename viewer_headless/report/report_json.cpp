@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -184,22 +185,24 @@ Json ToJson(const std::vector<Row>& rows) {
 }  // namespace
 
 std::string ReportJson(const ReportData& data) {
-  const Json json = {{"facts", ToJson(data.facts)},
-                     {"next", data.next},
-                     {"whole", data.whole},
-                     {"stage_names", data.stage_names},
-                     {"map_stage_names", data.map_stage_names},
-                     {"first_row", data.first_row},
-                     {"frames", ToJson(data.frames)},
-                     {"path", data.path ? ToJson(*data.path) : Json()},
-                     {"map", data.map ? ToJson(*data.map) : Json()},
-                     {"map_times", ToJson(data.map_times)},
-                     {"loops", ToJson(data.loops)},
-                     {"corrections", ToJson(data.corrections)},
-                     {"processes", ToJson(data.processes)},
-                     {"pictures", ToJson(data.pictures)},
-                     {"notes", data.notes}};
-  return SafeInPage(json.dump(-1, ' ', false, Json::error_handler_t::replace));
+  Json json = {{"facts", ToJson(data.facts)},
+               {"next", data.next},
+               {"whole", data.whole},
+               {"stage_names", data.stage_names},
+               {"map_stage_names", data.map_stage_names},
+               {"first_row", data.first_row},
+               {"frames", ToJson(data.frames)},
+               {"path", data.path ? ToJson(*data.path) : Json()},
+               {"map", data.map ? ToJson(*data.map) : Json()},
+               {"map_times", ToJson(data.map_times)},
+               {"loops", ToJson(data.loops)},
+               {"corrections", ToJson(data.corrections)},
+               {"processes", ToJson(data.processes)},
+               {"pictures", ToJson(data.pictures)},
+               {"notes", data.notes}};
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  json = {};  // as much memory as the text
+  return SafeInPage(std::move(text));
 }
 
 }  // namespace plslam::viewer

@@ -2,8 +2,9 @@
 #include "viewer_headless/report/report_page.h"
 
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "core/io/files/shared_file.h"
 
@@ -15,12 +16,16 @@ constexpr std::string_view kOthersPlace = "\"PLSLAM_OTHER_RUNS\"";
 constexpr std::string_view kDataBegin = "<script id=\"run-data\" type=\"application/json\">";
 constexpr std::string_view kWarningsPlace = "\"PLSLAM_RUN_WARNINGS\"";
 
-std::string Fill(const std::string& page, std::string_view place, std::string_view json, const char* lacks) {
+PageAroundData Around(std::string_view page, std::string_view place, const char* lacks) {
   const size_t at = page.find(place);
-  if (at == std::string::npos) throw std::runtime_error(lacks);
+  if (at == std::string_view::npos) throw std::runtime_error(lacks);
+  return {page.substr(0, at), page.substr(at + place.size())};
+}
+
+std::string Fill(const PageAroundData& page, std::string_view json) {
   std::string filled;
-  filled.reserve(page.size() + json.size());
-  filled.append(page, 0, at).append(json).append(page, at + place.size());
+  filled.reserve(page.before.size() + json.size() + page.behind.size());
+  filled.append(page.before).append(json).append(page.behind);
   return filled;
 }
 
@@ -29,28 +34,36 @@ std::string Fill(const std::string& page, std::string_view place, std::string_vi
 std::optional<std::string> ReadReportTemplate() {
   std::ifstream stream(SharedFile("report_template.html"), std::ios::binary);
   if (!stream) return std::nullopt;
-  return std::string(std::istreambuf_iterator<char>(stream), {});
+  return ReadPage(stream);
 }
 
-std::string SafeInPage(std::string_view json) {
+std::string ReadPage(std::istream& stream) {
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return std::move(text).str();
+}
+
+std::string SafeInPage(std::string json) {
+  if (json.find('<') == std::string::npos) return json;
   std::string safe;
   safe.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
+  size_t begin = 0;
+  for (size_t at = json.find('<'); at != std::string::npos; at = json.find('<', begin)) {
+    safe.append(json, begin, at - begin).append("\\u003c");
+    begin = at + 1;
   }
-  return safe;
+  return safe.append(json, begin);
 }
 
-std::string FillTemplate(const std::string& page, std::string_view json) {
-  return Fill(page, kDataPlace, json, "report_template.html has no place for the data of a run");
+PageAroundData AroundData(std::string_view page) {
+  return Around(page, kDataPlace, "report_template.html has no place for the data of a run");
 }
+
+std::string FillTemplate(const std::string& page, std::string_view json) { return Fill(AroundData(page), json); }
 
 std::string FillWarnings(const std::string& page, std::string_view json) {
-  return Fill(page, kWarningsPlace, SafeInPage(json), "report.html has no place for the warnings of its run");
+  return Fill(Around(page, kWarningsPlace, "report.html has no place for the warnings of its run"),
+              SafeInPage(std::string(json)));
 }
 
 std::string DataOfReport(const std::string& page) {
@@ -63,7 +76,8 @@ std::string DataOfReport(const std::string& page) {
 }
 
 std::string FillOtherRuns(const std::string& page, std::string_view json) {
-  return Fill(page, kOthersPlace, SafeInPage(json), "has no place for other runs: it is of an older version");
+  return Fill(Around(page, kOthersPlace, "has no place for other runs: it is of an older version"),
+              SafeInPage(std::string(json)));
 }
 
 }  // namespace plslam::viewer

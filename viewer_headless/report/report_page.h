@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <istream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,11 +12,20 @@ namespace plslam::viewer {
 /// folder of this program. nullopt where it was built without (docs/viewer.md).
 std::optional<std::string> ReadReportTemplate();
 
-/// JSON as the page can hold it: no text in it ends the element that it stands in.
-std::string SafeInPage(std::string_view json);
+/// A page, template or report, from its file.
+std::string ReadPage(std::istream& stream);
 
-/// The page with the data inside, so that it needs nothing else. Throws std::runtime_error where the template is
-/// none.
+/// JSON as the page can hold it: no text in it ends the element that it stands in.
+std::string SafeInPage(std::string json);
+
+/// The template before and behind the data of a run, which with them inside needs nothing else. Throws
+/// std::runtime_error where it is none.
+struct PageAroundData {
+  std::string_view before, behind;
+};
+PageAroundData AroundData(std::string_view page);
+
+/// The page with the data inside.
 std::string FillTemplate(const std::string& page, std::string_view json);
 
 /// A report with these warnings (a list as in summary.json) in the place of those that the viewer told: `plslam run`

@@ -44,8 +44,10 @@ constexpr int kMaxRestored = 5;
 
 }  // namespace
 
-void WriteTrackerState(const std::string& path, const TrackerState& state) {
-  WriteSealedFile(path, kTrackerState, archive::ToBytes(state));
+size_t WriteTrackerState(const std::string& path, const TrackerState& state, size_t expected_bytes) {
+  const std::vector<uint8_t> bytes = archive::ToBytesOf(expected_bytes, state);
+  WriteSealedFile(path, kTrackerState, bytes);
+  return bytes.size();
 }
 
 TrackerState ReadTrackerState(const std::string& path) {
@@ -69,7 +71,8 @@ std::optional<TrackerState> TrackerCheckpoint::Take(const std::string& settings)
 bool TrackerCheckpoint::Keep(const TrackerState& state) {
   if (path_.empty()) return false;
   try {
-    WriteTrackerState(path_, state);
+    bytes_ = WriteTrackerState(path_, state, bytes_);
+    odometry_bytes_ = state.odometry.size();
     return true;
   } catch (const std::exception& error) {
     Drop();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -79,8 +80,9 @@ struct TrackerState {
   Keyframe keyframe;
 };
 
-/// Beside the file and renamed. Throws std::runtime_error that names the file.
-void WriteTrackerState(const std::string& path, const TrackerState& state);
+/// Beside the file and renamed. Returns how many bytes its content has; `expected_bytes` makes room for them at once.
+/// Throws std::runtime_error that names the file.
+size_t WriteTrackerState(const std::string& path, const TrackerState& state, size_t expected_bytes = 0);
 
 /// Throws std::runtime_error that names the file where it cannot be read, is damaged, or is of another version.
 TrackerState ReadTrackerState(const std::string& path);
@@ -100,11 +102,16 @@ class TrackerCheckpoint {
   /// False where the file cannot be written, which is said once; then no file is left, since an old state is worse
   /// than none: other processes know what came after it.
   bool Keep(const TrackerState& state);
+  /// Of what was kept last, as a hint for the next one.
+  size_t odometry_bytes() const { return odometry_bytes_; }
   void Drop() const;
 
  private:
   std::string path_;
   bool has_failed_ = false;
+  /// Of the state that was kept last.
+  size_t bytes_ = 0;
+  size_t odometry_bytes_ = 0;
 };
 
 }  // namespace plslam::vo

@@ -547,7 +547,7 @@ void VoNode::KeepState(const Keyframe& keyframe) {
   state.localise_only = IsLocaliseOnly() ? 1 : 0;
   state.map_is_fixed = map_ && map_->map_is_fixed() ? 1 : 0;
   state.adopted_keyframe_id = map_ ? map_->adopted_keyframe_id() : -1;
-  state.odometry = archive::ToBytes(*odometry_);
+  state.odometry = archive::ToBytesOf(checkpoint_.odometry_bytes(), *odometry_);
   state.keyframe = keyframe;
   if (checkpoint_.Keep(state)) report_.Count("state.written", 1);
 }

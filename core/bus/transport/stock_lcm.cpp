@@ -70,7 +70,7 @@ void StockLcm::Subscribe(const std::string& channel, std::function<void(ByteView
   if (!udp_) Named(option_, [&] { udp_.emplace(url_); });
   std::set<std::string, std::less<>> names;
   for (const auto& each : subscriptions_) names.insert(each->channel);
-  FilterLargeDatagrams(udp_->fd(), names);
+  FilterDatagrams(udp_->fd(), names);
 }
 
 void StockLcm::SubscribeByLcm(Subscription& subscription) {

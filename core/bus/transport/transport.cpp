@@ -128,13 +128,21 @@ void Transport::Listen(const std::string& channel) {
     const std::lock_guard lock(listen_mutex_);
     if (!names_.insert(channel).second) return;
     if (udp_ != nullptr) {
-      if (!listens_to_all_) FilterLargeDatagrams(udp_->fd(), names_);
+      if (!listens_to_all_) FilterDatagrams(udp_->fd(), names_, addressed_);
       return;
     }
     // LCM hands a message to each pattern that matches it.
     if (HasListenedEnding(channel)) return;
   }
   Subscribe(Quoted(channel));
+}
+
+void Transport::Listen(const AddressedChannels& channels) {
+  {
+    const std::lock_guard lock(listen_mutex_);
+    addressed_ = channels;
+  }
+  for (const std::string& name : channels.names) Listen(name);
 }
 
 void Transport::ListenToEnding(std::string_view ending) {

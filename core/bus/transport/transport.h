@@ -59,7 +59,9 @@ class Transport {
 
   /// All messages of `channel` (a name, no pattern) from now on go to the receiver.
   void Listen(const std::string& channel);
-  /// All messages of channels whose name ends like this; of multicast, small ones (datagram_filter.h).
+  /// Messages of these channels that are for this process or for all; of some transports others, too. Once.
+  void Listen(const AddressedChannels& channels);
+  /// All messages of channels whose name ends like this; of multicast, small ones (FilterDatagrams).
   void ListenToEnding(std::string_view ending);
   /// All messages of all channels; `Listen` is then not needed any more.
   void ListenToAll();
@@ -95,6 +97,7 @@ class Transport {
   std::unique_ptr<UdpReceiver> udp_;
   std::mutex listen_mutex_;  // what follows, and `listens_to_all_`
   std::set<std::string, std::less<>> names_;
+  AddressedChannels addressed_;
   std::vector<std::string> endings_;
   std::atomic<int64_t> junk_{0};
   Receiver receiver_;

@@ -42,9 +42,9 @@ void Expect(Program& program, uint32_t value, size_t skipped) {
   program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 0, static_cast<uint8_t>(skipped), value});
 }
 
-// Keeps a datagram whose channel is this one. At most 64 bytes are compared by words, then by single bytes, two
-// instructions each.
-void KeepChannel(Program& program, const std::string& name) {
+// Goes on with `rest` for a datagram whose channel is this one, and behind that for others. At most 64 bytes are
+// compared by words, then by single bytes, two instructions each.
+void IfChannel(Program& program, const std::string& name, const Program& rest) {
   const size_t size = name.size() + 1;  // with the zero that ends it
   const size_t words = size / 4;
   const size_t comparisons = words + size % 4;
@@ -54,23 +54,75 @@ void KeepChannel(Program& program, const std::string& name) {
     const bool word = i < words;
     const uint32_t value = word ? byte(at) << 24 | byte(at + 1) << 16 | byte(at + 2) << 8 | byte(at + 3) : byte(at);
     Load(program, word ? BPF_W : BPF_B, kNameAt + static_cast<uint32_t>(at));
-    Expect(program, value, 2 * (comparisons - i - 1) + 1);
+    Expect(program, value, 2 * (comparisons - i - 1) + rest.size());
     at += word ? 4 : 1;
   }
+  program.insert(program.end(), rest.begin(), rest.end());
+}
+
+// Answers for a datagram of the channel that is long enough for a message to begin in it.
+Program DropForOthers(const AddressedChannels& addressed, uint32_t message_at, uint32_t string_at) {
+  const auto high = [](int64_t value) { return static_cast<uint32_t>(static_cast<uint64_t>(value) >> 32); };
+  const auto low = [](int64_t value) { return static_cast<uint32_t>(value); };
+  Program program;
+  // The program goes on where what was loaded is (equal to, or at least) the value; else the datagram comes.
+  const auto keep_unless = [&program](uint16_t jump, uint32_t value) {
+    program.push_back({static_cast<uint16_t>(BPF_JMP | jump | BPF_K), 1, 0, value});
+    Return(program, kAll);
+  };
+  const auto load_process = [&program, string_at](uint32_t word) {
+    program.push_back({BPF_LD | BPF_W | BPF_IND, 0, 0, string_at + 4 * word});
+  };
+  Load(program, BPF_W, message_at);
+  keep_unless(BPF_JEQ, high(addressed.fingerprint));
+  Load(program, BPF_W, message_at + 4);
+  keep_unless(BPF_JEQ, low(addressed.fingerprint));
+  // The length of the string, where the process is looked for.
+  Load(program, BPF_W, string_at - 4);
+  program.push_back({BPF_JMP | BPF_JGT | BPF_K, 0, 1, static_cast<uint32_t>(kMaxChannelBytes) + 1});
   Return(program, kAll);
+  program.push_back({BPF_MISC | BPF_TAX, 0, 0, 0});
+  program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
+  program.push_back({BPF_ALU | BPF_SUB | BPF_X, 0, 0, 0});
+  keep_unless(BPF_JGE, string_at + 8);
+  for (const int64_t process : {addressed.own, int64_t{0}}) {
+    load_process(0);
+    Expect(program, high(process), 3);
+    load_process(1);
+    Expect(program, low(process), 1);
+    Return(program, kAll);
+  }
+  Return(program, kNone);
+  return program;
+}
+
+// Of an addressed channel. What is too short comes: a program that reads beyond the end drops the datagram.
+void AppendAddressed(Program& program, const AddressedChannels& addressed, const std::string& name) {
+  const uint32_t message_at = kNameAt + static_cast<uint32_t>(name.size()) + 1;
+  const uint32_t string_at = message_at + static_cast<uint32_t>(kWireHeaderBytes) + 4;
+  Program rest;
+  IfChannel(rest, name, DropForOthers(addressed, message_at, string_at));
+  program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
+  program.push_back({BPF_JMP | BPF_JGE | BPF_K, 0, static_cast<uint8_t>(rest.size()), string_at});
+  program.insert(program.end(), rest.begin(), rest.end());
 }
 
 }  // namespace
 
-void FilterLargeDatagrams(int fd, const std::set<std::string, std::less<>>& names) {
+void FilterDatagrams(int fd, const std::set<std::string, std::less<>>& names, const AddressedChannels& addressed) {
   Program program;
+  const Program keep{{BPF_RET | BPF_K, 0, 0, kAll}};
   program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
-  program.push_back({BPF_JMP | BPF_JGT | BPF_K, 1, 0, static_cast<uint32_t>(kUnfilteredBytes)});
+  program.push_back({BPF_JMP | BPF_JGE | BPF_K, 1, 0, kNameAt});
   Return(program, kAll);
   Load(program, BPF_W, kPacketAt);
   program.push_back({BPF_JMP | BPF_JEQ | BPF_K, 1, 0, kLcmMagic});
   Return(program, kAll);
-  for (const std::string& name : names) KeepChannel(program, name);
+  for (const std::string& name : addressed.names) AppendAddressed(program, addressed, name);
+  program.push_back({BPF_LD | BPF_W | BPF_LEN, 0, 0, 0});
+  program.push_back({BPF_JMP | BPF_JGT | BPF_K, 1, 0, static_cast<uint32_t>(kUnfilteredBytes)});
+  Return(program, kAll);
+  for (const std::string& name : names) IfChannel(program, name, keep);
   Return(program, kNone);
   if (program.size() > BPF_MAXINSNS) return RemoveDatagramFilter(fd);
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};

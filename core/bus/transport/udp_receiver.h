@@ -18,11 +18,21 @@ namespace plslam::bus {
 /// keyframes and maps.
 inline constexpr size_t kUnfilteredBytes = 16'384;
 
-/// Has the kernel drop large LCM packets of channels other than `names` before they take room in the buffer of the
-/// UDP socket `fd` and wake its reader (classic BPF, which needs no privileges: socket(7), SO_ATTACH_FILTER). Images
-/// that only the tracker reads then cost the other processes nothing. Parts of longer messages, and what is no LCM
-/// packet, come as before. Takes the place of the filter before; where the kernel refuses, everything comes.
-void FilterLargeDatagrams(int fd, const std::set<std::string, std::less<>>& names);
+/// Channels whose messages name the process that they are for: after the header a string, then that process.
+struct AddressedChannels {
+  std::set<std::string, std::less<>> names;
+  int64_t fingerprint = 0;
+  int64_t own = 0;  ///< messages for this process come, and those for 0, which stands for all
+};
+
+/// Has the kernel drop LCM packets before they take room in the buffer of the UDP socket `fd` and wake its reader
+/// (classic BPF, which needs no privileges: socket(7), SO_ATTACH_FILTER): large ones of channels other than `names`,
+/// and those of `addressed` channels that are for another process. Images that only the tracker reads then cost the
+/// other processes nothing, and an acknowledgement costs the publisher alone. Parts of longer messages, what is no
+/// LCM packet, and addressed messages that are malformed or of another version come as before. Takes the place of
+/// the filter before; where the kernel refuses, everything comes.
+void FilterDatagrams(int fd, const std::set<std::string, std::less<>>& names,
+                     const AddressedChannels& addressed = {});
 
 /// Everything comes again.
 void RemoveDatagramFilter(int fd);

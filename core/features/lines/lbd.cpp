@@ -93,7 +93,8 @@ void GatherClamped(const Gradients& g, const Lattice& l, Samples& out) {
 }
 
 /// Sums of `count` gradients turned into the segment's frame, whose direction is (cx, cy) with 14 fractional bits.
-PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, int cx, int cy, int32_t* sums) {
+PLSLAM_AVX2_CLONES void SumRow(const int16_t* dx, const int16_t* dy, int count, int16_t cx, int16_t cy,
+                               int32_t* sums) {
   int32_t across_all = 0;
   int32_t across_positive = 0;
   int32_t along_all = 0;
@@ -135,8 +136,8 @@ std::array<LbdRow, kLbdRows> LbdRows(const Gradients& gradients, const Segment2&
   } else {
     GatherClamped(gradients, lattice, samples);
   }
-  const int cx = static_cast<int>(Fixed(direction.x(), kAxisBits));
-  const int cy = static_cast<int>(Fixed(direction.y(), kAxisBits));
+  const auto cx = static_cast<int16_t>(Fixed(direction.x(), kAxisBits));
+  const auto cy = static_cast<int16_t>(Fixed(direction.y(), kAxisBits));
   for (size_t r = 0; r < kLbdRows; ++r) {
     const size_t first = r * static_cast<size_t>(samples.count);
     SumRow(&samples.dx[first], &samples.dy[first], samples.count, cx, cy, rows[r].data());

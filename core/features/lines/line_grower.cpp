@@ -39,12 +39,19 @@ void ComputeEdgeMap(const Gradients& gradients, int threshold, cv::Mat& out) {
   const int width = gradients.dx.cols;
   const int height = gradients.dx.rows;
   out.create(height, width, CV_8UC1);
-  out.setTo(kNoEdge);
-  if (width <= 2 * kMargin || height <= 2 * kMargin) return;
+  if (width <= 2 * kMargin || height <= 2 * kMargin) {
+    out.setTo(kNoEdge);
+    return;
+  }
+  out.rowRange(0, kMargin).setTo(kNoEdge);
+  out.rowRange(height - kMargin, height).setTo(kNoEdge);
   for (int y = kMargin; y < height - kMargin; ++y) {
+    uint8_t* row = out.ptr<uint8_t>(y);
+    std::fill_n(row, kMargin, uint8_t{kNoEdge});
+    std::fill_n(row + width - kMargin, kMargin, uint8_t{kNoEdge});
     MarkRow(gradients.dx.ptr<int16_t>(y) + kMargin, gradients.dy.ptr<int16_t>(y) + kMargin,
             gradients.dy.ptr<int16_t>(y - 1) + kMargin, gradients.dy.ptr<int16_t>(y + 1) + kMargin,
-            width - 2 * kMargin, static_cast<int16_t>(threshold), out.ptr<uint8_t>(y) + kMargin);
+            width - 2 * kMargin, static_cast<int16_t>(threshold), row + kMargin);
   }
 }
 

@@ -219,12 +219,19 @@ void Reader::Read(std::map<Key, Value>& values) {
   }
 }
 
+/// The bytes of these values. With room for a bit more than `expected_bytes`, those of the time before say, what is
+/// written needs not be moved.
+template <class... T>
+std::vector<uint8_t> ToBytesOf(size_t expected_bytes, const T&... values) {
+  Writer writer(expected_bytes + expected_bytes / 8);
+  writer(values...);
+  return std::move(writer).Take();
+}
+
 /// The bytes of these values.
 template <class... T>
 std::vector<uint8_t> ToBytes(const T&... values) {
-  Writer writer;
-  writer(values...);
-  return std::move(writer).Take();
+  return ToBytesOf(0, values...);
 }
 
 /// The values that `ToBytes` made the bytes of. Throws std::runtime_error for bytes that are not as many.

@@ -16,6 +16,7 @@
 #include "core/bus/transport/transport.h"
 #include "core/bus/transport/udp_receiver.h"
 #include "plslam/pose_t.hpp"
+#include "plslam/repair_request_t.hpp"
 #include "tests/unit/bus/bus_fixture.h"
 
 namespace plslam::bus {
@@ -29,8 +30,9 @@ constexpr size_t kSmall = 1000;
 /// A socket that is filtered, and a sender to it.
 class FilteredSocket {
  public:
-  void Send(const std::string& channel, size_t size) {
-    ASSERT_TRUE(sender_.Send(channel, std::vector<uint8_t>(size)));
+  void Send(const std::string& channel, size_t size) { Send(channel, std::vector<uint8_t>(size)); }
+  void Send(const std::string& channel, const std::vector<uint8_t>& bytes) {
+    ASSERT_TRUE(sender_.Send(channel, bytes));
   }
 
   /// What came of what was sent until now, by channel; `END` is sent, and comes always.
@@ -59,17 +61,64 @@ class FilteredSocket {
 
 TEST(DatagramFilter, LargeMessagesOfOtherChannelsDoNotReachTheSocket) {
   FilteredSocket socket;
-  FilterLargeDatagrams(socket.fd(), {"POSE", "ann/KEYFRAME"});
+  FilterDatagrams(socket.fd(), {"POSE", "ann/KEYFRAME"});
   for (const char* channel : {"STEREO_FRAME", "POSE", "ann/KEYFRAME", "bob/KEYFRAME"}) socket.Send(channel, kLarge);
   EXPECT_EQ(socket.Received(), (std::vector<std::string>{"POSE", "ann/KEYFRAME"}));
 }
 
 TEST(DatagramFilter, SmallMessagesComeWhateverTheirChannel) {
   FilteredSocket socket;
-  FilterLargeDatagrams(socket.fd(), {"POSE"});
+  FilterDatagrams(socket.fd(), {"POSE"});
   socket.Send("STATUS", kSmall);
   socket.Send("P", kSmall);
   EXPECT_EQ(socket.Received(), (std::vector<std::string>{"STATUS", "P"}));
+}
+
+/// A request about a channel to a process.
+std::vector<uint8_t> RequestTo(int64_t process, const std::string& channel = "POSE") {
+  repair_request_t request{};
+  request.channel = channel;
+  request.publisher = process;
+  return Encoded(request);
+}
+
+constexpr int64_t kOwn = 0x123456789abcdef0;
+
+AddressedChannels Requests() { return {{"REPAIR_REQUEST", "map/REPAIR_REQUEST"}, repair_request_t::getHash(), kOwn}; }
+
+/// How many of two messages come: the one given, and one that always comes.
+size_t Come(const std::string& channel, const std::vector<uint8_t>& bytes) {
+  FilteredSocket socket;
+  FilterDatagrams(socket.fd(), {"POSE"}, Requests());
+  socket.Send(channel, bytes);
+  return socket.Received().size();
+}
+
+TEST(DatagramFilter, RequestsToOthersDoNotReachTheSocket) {
+  for (const char* name : {"REPAIR_REQUEST", "map/REPAIR_REQUEST"}) {
+    for (const char* channel : {"", "A", "POSE", "STEREO_FRAME_LIVE"}) {
+      EXPECT_EQ(Come(name, RequestTo(kOwn, channel)), 1U) << name << " about " << channel;
+      EXPECT_EQ(Come(name, RequestTo(0, channel)), 1U) << name << " about " << channel;
+      for (const int64_t other : {kOwn + 1, kOwn - (int64_t{1} << 40), int64_t{1}, int64_t{1} << 33}) {
+        EXPECT_EQ(Come(name, RequestTo(other, channel)), 0U) << name << " about " << channel << " to " << other;
+      }
+    }
+  }
+  EXPECT_EQ(Come("other/REPAIR_REQUEST", RequestTo(1)), 1U) << "of another prefix";
+}
+
+TEST(DatagramFilter, RequestsThatAreNoneComeToBeRejected) {
+  const std::vector<uint8_t> whole = RequestTo(1);
+  for (size_t size = 0; size < whole.size(); ++size) {
+    const bool has_process = size >= kWireHeaderBytes + 4 + 5 + 8;
+    const std::vector<uint8_t> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+    EXPECT_EQ(Come("REPAIR_REQUEST", cut), has_process ? 0U : 1U) << size;
+  }
+  for (const size_t at : {size_t{0}, size_t{7}, kWireHeaderBytes, kWireHeaderBytes + 3}) {
+    std::vector<uint8_t> other = whole;
+    other[at] = 0xff;
+    EXPECT_EQ(Come("REPAIR_REQUEST", other), 1U) << "of another version, or longer than names are: " << at;
+  }
 }
 
 TEST(DatagramFilter, NamesAreComparedToTheirEnd) {
@@ -77,7 +126,7 @@ TEST(DatagramFilter, NamesAreComparedToTheirEnd) {
   for (size_t length = 1; length <= 63; ++length) {
     const std::string name(length, 'x');
     FilteredSocket socket;
-    FilterLargeDatagrams(socket.fd(), {name});
+    FilterDatagrams(socket.fd(), {name});
     socket.Send(name, kLarge);
     if (length > 1) socket.Send(name.substr(1), kLarge);
     if (length < 63) socket.Send(name + "x", kLarge);
@@ -88,8 +137,8 @@ TEST(DatagramFilter, NamesAreComparedToTheirEnd) {
 
 TEST(DatagramFilter, TheNextOneTakesItsPlace) {
   FilteredSocket socket;
-  FilterLargeDatagrams(socket.fd(), {"A"});
-  FilterLargeDatagrams(socket.fd(), {"A", "B"});
+  FilterDatagrams(socket.fd(), {"A"});
+  FilterDatagrams(socket.fd(), {"A", "B"});
   socket.Send("A", kLarge);
   socket.Send("B", kLarge);
   socket.Send("C", kLarge);
@@ -103,8 +152,8 @@ TEST(DatagramFilter, MoreNamesThanTheKernelTakesLetEverythingCome) {
   Names names;
   for (int i = 0; i < 2000; ++i) names.insert("CHANNEL_" + std::to_string(i));
   FilteredSocket socket;
-  FilterLargeDatagrams(socket.fd(), {"A"});
-  FilterLargeDatagrams(socket.fd(), names);
+  FilterDatagrams(socket.fd(), {"A"});
+  FilterDatagrams(socket.fd(), names);
   socket.Send("B", kLarge);
   EXPECT_EQ(socket.Received(), std::vector<std::string>{"B"});
 }

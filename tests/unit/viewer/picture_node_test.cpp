@@ -28,8 +28,8 @@ TEST(PictureNode, ASecondStreamHasItsPicturesWhateverWasMissingInTheFirst) {
   bus::Bus bus(options, "viewer");
   PictureNode pictures(
       bus, {.out = folder.Path(""), .overlay_every = 1, .video = ""}, {}, [] {}, [] {});
-  const Rectifier rectifier(SomeRig());
-  pictures.SetRectifier(&rectifier);
+  const RigCalibration rig = SomeRig();
+  pictures.SetCamera(rig, Rectify(rig));
   // Frames whose images never came.
   for (int64_t frame = 100; frame < 120; ++frame) pictures.AddPose(PoseOf(frame));
   pictures.BeginAgain(nullptr);
@@ -55,8 +55,8 @@ ReportPicture PictureWith(const cv::Mat& right) {
   PictureStore store(10);
   PictureNode pictures(
       bus, {.out = "", .report_pictures = 10, .video = ""}, {nullptr, &store}, [] {}, [&] { bus.Stop(); });
-  const Rectifier rectifier(SomeRig());
-  pictures.SetRectifier(&rectifier);
+  const RigCalibration rig = SomeRig();
+  pictures.SetCamera(rig, Rectify(rig));
   pictures.AddPose(PoseOf(0));
   bus::FramePublisher(bus, true).Publish({0, 0, cv::Mat(240, 320, CV_8UC1, cv::Scalar(90)), right});
   bus.Publish(bus::kTracks, tracks_t{});

@@ -167,7 +167,7 @@ TEST(PictureStore, ThinsOutWhatDoesNotFit) {
   OverlayFeatures features;
   features.points.push_back({{512.0F, 60.0F}, 4.0F, 2});
   for (int64_t frame = 0; frame < 40; ++frame) {
-    if (store.Wants(frame)) store.Add(frame, image, frame == 0 ? cv::Mat() : right, features);
+    if (store.Wants(frame)) store.Add(frame, image, frame == 0 ? cv::Mat() : right, features, 1024);
   }
   EXPECT_EQ(store.stride(), 8);
   EXPECT_EQ(store.pictures().size(), 5U);
@@ -285,7 +285,7 @@ TEST_F(ReportRecorderTest, ALivePageIsSentOnlyWhatIsNew) {
 
   AddFrames(5, 6);
   const cv::Mat image(48, 64, CV_8UC1, cv::Scalar(80));
-  report_.pictures().Add(5, image, image, {});
+  report_.pictures().Add(5, image, image, {}, image.cols);
   const ReportData second = Build(first.next);
   EXPECT_FALSE(second.whole);
   EXPECT_EQ(second.first_row, 5);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -25,7 +24,7 @@ std::string ReportOf(const RunRecord& run) {
   const std::string path = run.folder + "/report.html";
   std::ifstream file(path, std::ios::binary);
   if (!file) throw std::runtime_error(path + ": is missing; the map of a run is shown from its report");
-  return {std::istreambuf_iterator<char>(file), {}};
+  return viewer::ReadPage(file);
 }
 
 RunPaths PathsOf(const RunRecord& run) {

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+#include "core/geometry/bilinear_warp.h"
+#include "core/geometry/rectification.h"
+
+namespace plslam::viewer {
+
+/// The image at most `width_px` wide. Means of whole blocks as far as they go (a border narrower than a block is cut
+/// off), and the rest between pixels: a tenth of the time that means over parts of pixels take.
+cv::Mat Shrink(const cv::Mat& image, int width_px);
+
+/// Rectifies images of one camera as `Rectifier` does, and makes them small, for people to look at. It warps at the
+/// small size: a third of the time and of the memory that a whole rectified image takes.
+class SmallRectifier {
+ public:
+  /// `view` is the one of `rectification` whose images come, `side` its name in errors.
+  SmallRectifier(const Rectification& rectification, const RectifiedView& view, const char* side, int width_px);
+
+  /// `image` as recorded, 8-bit grey, becomes one at most `width_px` wide. Throws as `CheckImage`.
+  cv::Mat Apply(const cv::Mat& image) const;
+
+ private:
+  StereoCamera camera_;
+  const char* side_;
+  int width_px_;
+  int block_;
+  std::optional<BilinearWarp> warp_;  // of the means of blocks; none where images are rectified already
+};
+
+}  // namespace plslam::viewer

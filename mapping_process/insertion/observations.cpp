@@ -9,6 +9,7 @@
 
 #include "core/features/matching/hamming.h"
 #include "core/features/matching/segment_projection.h"
+#include "core/geometry/hypot.h"
 #include "core/motion/residual.h"
 
 namespace plslam::mapping {
@@ -170,7 +171,7 @@ double ObservationError(const MapLine& line, const StereoLine& seen, const SE3& 
     const Eigen::Vector3d uvd = camera.ProjectStereo(end);
     error += Across(seen.left.segment, uvd.head<2>(), seen.sigma_px);
     if (!seen.HasDepth()) continue;
-    const double sigma_px = std::hypot(seen.sigma_px, std::max(seen.sigma_disparity_p_px, seen.sigma_disparity_q_px));
+    const double sigma_px = Hypot(seen.sigma_px, std::max(seen.sigma_disparity_p_px, seen.sigma_disparity_q_px));
     error += Across(RightSegment(seen), {uvd.x() - uvd.z(), uvd.y()}, sigma_px);
   }
   return Capped(error);

@@ -6,6 +6,7 @@
 //   accuracy_benchmark DATASET... --pieces N
 //   accuracy_benchmark DATASET... --mapping | --loops [--forth-and-back] [--noise S] [--darkest F] [--blur S]
 // [--covered F]
+//   accuracy_benchmark DATASET... --mapping --exact
 
 #include <algorithm>
 #include <cstdio>
@@ -106,6 +107,20 @@ void PrintPlaces(size_t i, const plslam::test::SlamRun& run) {
               live.x(), live.y(), live.z(), final.x(), final.y(), final.z(), truth.x(), truth.y(), truth.z());
 }
 
+void PrintBits(const plslam::SE3& pose) {
+  const Eigen::Vector4d q = pose.rotation().coeffs();
+  const Eigen::Vector3d t = pose.translation();
+  std::printf("  %a %a %a %a %a %a %a", q[0], q[1], q[2], q[3], t[0], t[1], t[2]);
+}
+
+// All bits of the live pose, of the final one and of what the live one is uncertain of, to compare two builds.
+void PrintExactly(size_t i, const plslam::test::SlamRun& run) {
+  std::printf("%zu", i);
+  PrintBits(run.live[i].T_odom_l);
+  PrintBits(run.final[i].T_odom_l);
+  std::printf("  %a\n", run.live[i].motion_covariance.norm());
+}
+
 // Empty vocabularies will do where no loops are looked for.
 plslam::PlaceRecogniser Places(bool with_loops, const plslam::PlaceOptions& options) {
   if (!with_loops) {
@@ -160,6 +175,7 @@ struct Arguments {
   std::vector<std::string> overrides;
   std::string config;
   bool verbose = false;
+  bool exact = false;
   bool mapping = false;
   bool loops = false;
   int pieces = 0;
@@ -176,6 +192,7 @@ void AddArguments(CLI::App& app, Arguments& a, plslam::test::LoopRunOptions& run
   app.add_option("--first", a.first, "odometry alone: from this frame on");
   app.add_flag("--verbose", a.verbose, "a line for each frame");
   app.add_flag("--mapping", a.mapping, "tracking against the map instead of odometry alone");
+  app.add_flag("--exact", a.exact, "with --mapping: all bits of the poses instead of figures and times");
   app.add_flag("--loops", a.loops, "mapping and loop closing");
   app.add_flag("--forth-and-back", run.forth_and_back, "with --loops: then all frames in reverse order");
   app.add_option("--pieces", a.pieces, "then pieces of so many frames on their own: their scales against the whole");
@@ -202,6 +219,8 @@ std::string LastOf(const std::string& location, size_t length) {
 void RunMapping(const std::string& location, const plslam::Dataset& dataset, const Arguments& a,
                 const plslam::test::LoopRunOptions& options) {
   const auto run = plslam::test::RunSlam(dataset, options.vo, options.mapping, options.stride, options.max_frames);
+  for (size_t i = 0; a.exact && i < run.live.size(); ++i) PrintExactly(i, run);
+  if (a.exact) return;
   PrintSlam(LastOf(location, 40), run);
   for (size_t i = 0; a.verbose && i < run.live.size(); ++i) PrintPlaces(i, run);
 }

@@ -32,9 +32,10 @@ void PaintWindows(Random& random, Canvas& canvas) {
     const auto glass = static_cast<float>(random.Uniform(20.0, 70.0));
     canvas.Rectangle((i + 0.08) * width, top, (i + 0.92) * width, bottom, glass);
     const double x = (i + random.Uniform(0.2, 0.7)) * width;
-    canvas.Rectangle(x, random.Uniform(top, bottom), x + width * random.Uniform(0.05, 0.2), bottom, glass + 60.0F);
-    canvas.Disc((i + random.Uniform(0.2, 0.8)) * width, 0.5 * (top + bottom), random.Uniform(6.0, 18.0),
-                glass + 90.0F);
+    const double right = x + width * random.Uniform(0.05, 0.2);
+    canvas.Rectangle(x, random.Uniform(top, bottom), right, bottom, glass + 60.0F);
+    const double radius = random.Uniform(6.0, 18.0);
+    canvas.Disc((i + random.Uniform(0.2, 0.8)) * width, 0.5 * (top + bottom), radius, glass + 90.0F);
   }
 }
 
@@ -47,10 +48,12 @@ void PaintPrint(Random& random, Canvas& canvas) {
       case 0:
         canvas.Glyph(random, x, y, random.Uniform(14.0, 60.0), value);
         break;
-      case 1:
-        canvas.TurnedRectangle(x, y, random.Uniform(4.0, 30.0), random.Uniform(2.5, 12.0),
-                               random.Uniform(0.0, synthetic::kPi), value);
+      case 1: {
+        const double angle = random.Uniform(0.0, synthetic::kPi);
+        const double half_width = random.Uniform(2.5, 12.0);
+        canvas.TurnedRectangle(x, y, random.Uniform(4.0, 30.0), half_width, angle, value);
         break;
+      }
       default:
         canvas.Disc(x, y, random.Uniform(2.5, 9.0), value);
     }
@@ -71,7 +74,8 @@ Texture PaintVehicle(uint64_t seed) {
   PaintWindows(random, canvas);
   for (int i = 0; i < 4; ++i) {
     const double y = random.Uniform(0.48 * kHeight, 0.97 * kHeight);
-    canvas.Rectangle(0.0, y, kWidth, y + random.Uniform(3.0, 14.0), static_cast<float>(random.Uniform(20.0, 230.0)));
+    const auto shade = static_cast<float>(random.Uniform(20.0, 230.0));
+    canvas.Rectangle(0.0, y, kWidth, y + random.Uniform(3.0, 14.0), shade);
   }
   PaintPrint(random, canvas);
   canvas.AddNoise(synthetic::Hash(seed, 7002), 64, 16.0F, 4);

@@ -7,6 +7,8 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/geometry/hypot.h"
+
 namespace plslam::vo {
 namespace {
 
@@ -60,7 +62,7 @@ void AttachDepthToPoints(std::vector<StereoPoint>& points, const cv::Mat& depth1
     if (!z) continue;
     const double disparity_px = fb / *z;
     if (disparity_px < options.min_disparity_px || disparity_px > options.max_disparity_px) continue;
-    const double sigma_z_m = std::hypot(options.depth_noise_per_m * *z * *z, rounding_m);
+    const double sigma_z_m = Hypot(options.depth_noise_per_m * *z * *z, rounding_m);
     p.disparity_px = disparity_px;
     p.sigma_disparity_px = fb / (*z * *z) * sigma_z_m;
   }

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "core/geometry/hypot.h"
 #include "core/motion/robust.h"
 
 namespace plslam::vo {
@@ -125,7 +126,7 @@ bool DisparityCheck::Linearise(const SE3& T_now_before, const Eigen::Vector3d& b
   const Eigen::Vector3d& t = T_now_before.translation();
   const Eigen::Vector3d turned = T_now_before.rotation() * Eigen::Vector3d((before.px.x() - camera_.cx_px) / f,
                                                                            (before.px.y() - camera_.cy_px) / f, 1.0);
-  const double sigma_px = std::hypot(before.sigma_px, now.sigma_px);
+  const double sigma_px = Hypot(before.sigma_px, now.sigma_px);
   const Eigen::Vector4d weights(1.0 / before.sigma_disparity_px, 1.0 / sigma_px, 1.0 / sigma_px,
                                 1.0 / now.sigma_disparity_px);
   Eigen::Vector4d residual;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/features/matching/segment_projection.h"
+#include "core/geometry/hypot.h"
 
 namespace plslam::vo {
 namespace {
@@ -206,7 +207,7 @@ bool KeyframeMeasurements::ImproveDisparities(const LineLandmark& landmark, Obse
     if (!expected || !measured.HasDepth()) continue;
     const Segment2 projected = expected->Right();
     const double sigma =
-        std::hypot(measured.sigma_px, std::max(measured.sigma_disparity_p_px, measured.sigma_disparity_q_px));
+        Hypot(measured.sigma_px, std::max(measured.sigma_disparity_p_px, measured.sigma_disparity_q_px));
     means.Add(projected.p, projected.q, RightSegment(measured), sigma);
   }
   const auto here = Project(frames_.back().T_c_odom, landmark.segment_odom, camera_);

@@ -10,6 +10,7 @@
 #include "core/features/matching/hamming.h"
 #include "core/features/matching/line_matcher.h"
 #include "core/features/matching/segment_projection.h"
+#include "core/geometry/hypot.h"
 #include "core/geometry/triangulation.h"
 #include "core/localisation/pose_refinement.h"
 #include "vo_process/tracking/landmark_list.h"
@@ -51,7 +52,7 @@ EndpointMeasurements MeasureEndpoint(const Eigen::Vector3d& p_c, const Eigen::Ma
   Eigen::Matrix<double, 2, 3> J_right = J.topRows<2>();
   J_right.row(0) -= J.row(2);
   const double sigma_disparity = std::max(seen.sigma_disparity_p_px, seen.sigma_disparity_q_px);
-  const double sigma = std::hypot(seen.sigma_px, right.x() * sigma_disparity);
+  const double sigma = Hypot(seen.sigma_px, right.x() * sigma_disparity);
   result.values[result.count++] = {right.head<2>().transpose() * J_right, -right.dot(px.homogeneous()),
                                    VarianceAcross(right_segment, px, sigma)};
   return result;

@@ -51,7 +51,8 @@ inline double Smoothstep(double x) {
   return x >= 1.0 ? 1.0 : x * x * (3.0 - 2.0 * x);
 }
 
-/// SplitMix64: seeded random numbers, equal everywhere.
+/// SplitMix64: seeded random numbers, equal everywhere, as long as no list of arguments draws twice: GCC evaluates
+/// arguments from right to left on amd64 and from left to right on arm64.
 class Random {
  public:
   explicit Random(uint64_t seed) : state_(Mix(seed + 0x9e3779b97f4a7c15ULL)) {}

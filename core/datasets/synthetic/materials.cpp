@@ -90,8 +90,12 @@ Texture PaintWallpaper(uint64_t seed, float value, float contrast) {
   for (int i = 0; i < 90; ++i) {
     const double sign = random.Chance(0.5) ? 1.0 : -1.0;
     const auto shade = static_cast<float>(value + sign * contrast * random.Uniform(0.4, 1.3));
-    canvas.TurnedRectangle(random.Uniform(20.0, 490.0), random.Uniform(20.0, 490.0), random.Uniform(4.0, 14.0),
-                           random.Uniform(2.0, 9.0), random.Uniform(0.0, kPi), shade);
+    const double angle = random.Uniform(0.0, kPi);
+    const double half_width = random.Uniform(2.0, 9.0);
+    const double half_length = random.Uniform(4.0, 14.0);
+    const double y = random.Uniform(20.0, 490.0);
+    const double x = random.Uniform(20.0, 490.0);
+    canvas.TurnedRectangle(x, y, half_length, half_width, angle, shade);
   }
   canvas.AddNoise(seed + 1, 8, 0.3F * contrast, 3);
   return canvas.ToTexture(Border::kRepeat);
@@ -126,12 +130,16 @@ Texture PaintPlanks(uint64_t seed, float value) {
     for (int grain = 0; grain < 14; ++grain) {
       const double gx = random.Uniform(0.0, 400.0);
       const double gy = y + random.Uniform(4.0, 58.0);
-      canvas.Rectangle(gx, gy, gx + random.Uniform(20.0, 110.0), gy + random.Uniform(0.8, 2.5),
-                       static_cast<float>(value + random.Uniform(-45.0, 5.0)));
+      const auto shade = static_cast<float>(value + random.Uniform(-45.0, 5.0));
+      const double height = random.Uniform(0.8, 2.5);
+      const double length = random.Uniform(20.0, 110.0);
+      canvas.Rectangle(gx, gy, gx + length, gy + height, shade);
     }
     if (random.Chance(0.5)) {
-      canvas.Disc(random.Uniform(20.0, 490.0), y + random.Uniform(15.0, 50.0), random.Uniform(3.0, 8.0),
-                  value - 60.0F);
+      const double radius = random.Uniform(3.0, 8.0);
+      const double knot_y = y + random.Uniform(15.0, 50.0);
+      const double knot_x = random.Uniform(20.0, 490.0);
+      canvas.Disc(knot_x, knot_y, radius, value - 60.0F);
     }
     canvas.Rectangle(0, y, 512, y + 2, value - 70.0F);
     canvas.Rectangle(joint - 1, y, joint + 1, y + 64, value - 70.0F);
@@ -161,8 +169,10 @@ Texture PaintPoster(uint64_t seed) {
   ScatterShapes(canvas, random, 40, 14.0, 45.0);
   ScatterShapes(canvas, random, 120, 4.0, 12.0);
   for (int line = 0; line < 3; ++line) {
-    WriteText(canvas, random, 30.0, 40.0 + line * 150.0 + random.Uniform(0.0, 80.0), 480.0,
-              random.Uniform(14.0, 30.0), random.Chance(0.5) ? 20.0F : 235.0F);
+    const float shade = random.Chance(0.5) ? 20.0F : 235.0F;
+    const double size = random.Uniform(14.0, 30.0);
+    const double y = 40.0 + line * 150.0 + random.Uniform(0.0, 80.0);
+    WriteText(canvas, random, 30.0, y, 480.0, size, shade);
   }
   canvas.Rectangle(0, 0, 512, 8, 235.0F);
   canvas.Rectangle(0, 504, 512, 512, 235.0F);
@@ -264,13 +274,20 @@ Texture PaintAsphalt(uint64_t seed) {
   Canvas canvas(512, 512, 95.0F);
   Random random(seed);
   for (int patch = 0; patch < 7; ++patch) {
-    canvas.TurnedRectangle(random.Uniform(80.0, 430.0), random.Uniform(80.0, 430.0), random.Uniform(15.0, 60.0),
-                           random.Uniform(10.0, 40.0), random.Uniform(-0.2, 0.2),
-                           static_cast<float>(random.Uniform(70.0, 120.0)));
+    const auto shade = static_cast<float>(random.Uniform(70.0, 120.0));
+    const double angle = random.Uniform(-0.2, 0.2);
+    const double half_width = random.Uniform(10.0, 40.0);
+    const double half_length = random.Uniform(15.0, 60.0);
+    const double y = random.Uniform(80.0, 430.0);
+    const double x = random.Uniform(80.0, 430.0);
+    canvas.TurnedRectangle(x, y, half_length, half_width, angle, shade);
   }
   for (int crack = 0; crack < 16; ++crack) {
-    canvas.TurnedRectangle(random.Uniform(60.0, 450.0), random.Uniform(60.0, 450.0), random.Uniform(12.0, 50.0), 1.2,
-                           random.Uniform(0.0, kPi), 55.0F);
+    const double angle = random.Uniform(0.0, kPi);
+    const double half_length = random.Uniform(12.0, 50.0);
+    const double y = random.Uniform(60.0, 450.0);
+    const double x = random.Uniform(60.0, 450.0);
+    canvas.TurnedRectangle(x, y, half_length, 1.2, angle, 55.0F);
   }
   canvas.AddNoise(seed, 64, 10.0F, 3);
   canvas.AddNoise(seed + 1, 8, 16.0F, 4);

@@ -155,8 +155,10 @@ class RoomBuilder {
       const double wide = width * random_.Uniform(0.55, 0.95);
       const double deep = random_.Uniform(0.3, 0.5);
       top -= rise;
-      builder_.AddSlab(wall.Part(x + random_.Uniform(0.0, width - wide), top, wide, rise, deep), deep - 0.001,
-                       Any(boxes_), Any(boxes_));
+      const Material& sides = Any(boxes_);
+      const Material& front = Any(boxes_);
+      const double left = x + random_.Uniform(0.0, width - wide);
+      builder_.AddSlab(wall.Part(left, top, wide, rise, deep), deep - 0.001, front, sides);
     }
     builder_.AddSlab(wall.Part(x + 0.1, 0.45, 0.7, 0.55, 0.02), 0.02, Any(posters_), dark_);
   }
@@ -183,8 +185,10 @@ class RoomBuilder {
       }
       for (int i = 0; i < 3; ++i) {
         const Eigen::Vector3d at = centre + Eigen::Vector3d(-0.55 + 0.55 * i, random_.Uniform(-0.12, 0.12), 0.75);
-        builder_.AddBox(at, {0.3, 0.22, random_.Uniform(0.2, 0.45)}, random_.Uniform(0.0, 1.5), Any(boxes_),
-                        Any(boxes_));
+        const Material& lid = Any(boxes_);
+        const Material& sides = Any(boxes_);
+        const double angle = random_.Uniform(0.0, 1.5);
+        builder_.AddBox(at, {0.3, 0.22, random_.Uniform(0.2, 0.45)}, angle, sides, lid);
       }
     }
     builder_.AddFace({{centre.x() - 1.3, centre.y() + 0.8, centre.z() + 0.01}, {2.6, 0.0, 0.0}, {0.0, -1.6, 0.0}},

@@ -101,7 +101,8 @@ void PaintWall(WhiteFace& wall) {
     if (kind % 3 == 2) {
       x += 0.1;
     }
-    wall.Stripe({x, low}, {x + lean, high}, random.Uniform(0.03, 0.07), Contrast(random));
+    const double contrast = Contrast(random);
+    wall.Stripe({x, low}, {x + lean, high}, random.Uniform(0.03, 0.07), contrast);
     x += lean;
   }
   wall.Stripe({0.3, 0.07}, {wall.width_m() - 0.3, 0.07}, 0.03, -30.0);
@@ -114,7 +115,8 @@ void PaintSlanted(WhiteFace& face, double slant, double pitch) {
   for (double x = 0.4; x + std::max(0.0, slant) + 0.4 < face.width_m(); x += pitch) {
     const double start = x + std::max(0.0, -slant);
     if (start + slant > 0.3 && start < face.width_m() - 0.3) {
-      face.Stripe({start, 0.3}, {start + slant, face.height_m() - 0.3}, random.Uniform(0.03, 0.08), Contrast(random));
+      const double contrast = Contrast(random);
+      face.Stripe({start, 0.3}, {start + slant, face.height_m() - 0.3}, random.Uniform(0.03, 0.08), contrast);
     }
   }
 }

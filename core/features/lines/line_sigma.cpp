@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/hypot.h"
+
 namespace plslam {
 namespace {
 
@@ -66,7 +68,7 @@ double LineSigma_px(double length_px, double contrast, double t, int octave) {
 
 double EndSigma_px(const LineFeature& line) {
   const double fit = LineSigma_px(line.segment.Length(), line.response, 1.0, line.octave);
-  return line.octave == 0 ? fit : std::hypot(fit, kBlurred_px * (1 << line.octave));
+  return line.octave == 0 ? fit : Hypot(fit, kBlurred_px * (1 << line.octave));
 }
 
 double PlaceAlong(const Segment2& segment, const Eigen::Vector2d& point) {

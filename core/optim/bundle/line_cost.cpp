@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/hypot.h"
 #include "core/motion/residual.h"
 
 namespace plslam {
@@ -82,7 +83,7 @@ LineCost::LineCost(const LineObservation& observation, const AdjustedLine& line,
   const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
   const auto end = [&](const Eigen::Vector2d& px, double sigma_disparity_px) {
     return End{0.0, ((px - centre) / camera.f_px).homogeneous(),
-               1.0 / std::hypot(right_.normal.x() * sigma_disparity_px, kRightOwnShare * observation.sigma_px)};
+               1.0 / Hypot(right_.normal.x() * sigma_disparity_px, kRightOwnShare * observation.sigma_px)};
   };
   ends_ = {end(observation.observed.p, observation.sigma_disparity_p_px),
            end(observation.observed.q, observation.sigma_disparity_q_px)};

@@ -72,7 +72,7 @@ class LoopNode {
   // Shared with the workers.
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<Arrival> arrivals_;  ///< bounded: see `Queue`
+  std::deque<Arrival> arrivals_;        ///< bounded: see `Queue`
   std::optional<StereoCamera> camera_;  ///< of the first map
   std::optional<WholeMapProblem> adjustment_;
   bool stopping_ = false;

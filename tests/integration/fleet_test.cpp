@@ -74,7 +74,7 @@ double WorstError_m(const PosePairs& pairs, const Similarity& alignment) {
 }
 
 const std::string kCamera = "&size=376x240";
-const std::string kOtherCamera = "&size=640x440&fov=60&baseline=0.2";
+const std::string kOtherCamera = "&size=480x320&fov=70&baseline=0.2";
 
 std::vector<std::string> Robot(const std::string& url, const std::string& prefix, const std::string& camera,
                                int start, int stop) {
@@ -92,6 +92,7 @@ struct FleetCase {
   const std::string* second_camera;
   bool is_killed;
 };
+void PrintTo(const FleetCase& fleet, std::ostream* stream) { *stream << fleet.name; }
 class Fleet : public testing::TestWithParam<FleetCase> {};
 
 // Each begins elsewhere, and neither knows where the other is before it comes to where that one has been.

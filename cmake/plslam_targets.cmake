@@ -10,11 +10,9 @@ target_compile_options(plslam_flags INTERFACE -Wall -Wextra -Wpedantic -Wshadow 
                        -Wold-style-cast -Wconversion -Wno-sign-conversion $<$<BOOL:${PLSLAM_WARNINGS_AS_ERRORS}>:-Werror> -ffp-contract=off -fno-math-errno
                        -fno-trapping-math)
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
-  # The same results as on amd64: char has a sign, Eigen does not fuse, and it solves large systems in the blocks of a
-  # processor with 48 KiB of first cache. On amd64 it asks the processor for that size.
+  # The same results as on amd64: char has a sign, and Eigen does not fuse.
   target_compile_options(plslam_flags INTERFACE -U__ARM_FEATURE_FMA -fsigned-char)
-  target_compile_definitions(plslam_flags INTERFACE EIGEN_DENSEBASE_PLUGIN="${CMAKE_CURRENT_LIST_DIR}/eigen_without_fma.h"
-                             EIGEN_DEFAULT_L1_CACHE_SIZE=49152)
+  target_compile_definitions(plslam_flags INTERFACE EIGEN_DENSEBASE_PLUGIN="${CMAKE_CURRENT_LIST_DIR}/eigen_without_fma.h")
 endif()
 if(CMAKE_BUILD_TYPE STREQUAL "Debug")
   target_compile_options(plslam_flags INTERFACE -O1)

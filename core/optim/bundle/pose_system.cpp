@@ -3,6 +3,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "core/optim/solver/dense_blocks.h"
+
 namespace plslam {
 
 PoseSystem::PoseSystem(int pose_count, Storage storage)
@@ -46,6 +48,7 @@ void PoseSystem::AddToDiagonal(const Eigen::VectorXd& values) {
 std::optional<Eigen::VectorXd> PoseSystem::Solve() {
   if (g_.size() == 0) return g_;
   if (is_dense_) {
+    UseEqualDenseBlocks();
     const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> root(H_);
     if (root.info() != Eigen::Success) return std::nullopt;
     return -root.solve(g_);

@@ -6,6 +6,8 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SparseCholesky>
 
+#include "core/optim/solver/dense_blocks.h"
+
 namespace plslam {
 namespace {
 
@@ -39,6 +41,7 @@ std::vector<Matrix6d> ReducedInformation::Covariances() const {
 }
 
 std::vector<Matrix6d> ReducedInformation::DenseCovariances() const {
+  UseEqualDenseBlocks();
   const int n = 6 * pose_count_;
   Eigen::MatrixXd full = Eigen::MatrixXd::Zero(n, n);
   for (int i = 0; i < pose_count_; ++i) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/optim/bundle/bundle.h"
+#include "core/optim/bundle/pose_system.h"
 #include "tests/unit/optim/bundle_world.h"
 
 namespace plslam {
@@ -207,6 +208,14 @@ TEST(SchurSolver, ShorterStepsAreTriedAfterOneThatMadeItWorse) {
   EXPECT_DOUBLE_EQ(scripted.dampings[1], 2.0 * scripted.dampings[0]);
   EXPECT_DOUBLE_EQ(scripted.dampings[2], 8.0 * scripted.dampings[0]);
   EXPECT_NEAR(scripted.poses[0].x(0), -1.0, 1e-6);
+}
+
+TEST(SchurSolver, CutsDenseMatricesAlikeOnEveryProcessor) {
+  PoseSystem system(1, PoseSystem::Storage::kDense);
+  system.SetZero();
+  system.AddToDiagonal(Eigen::VectorXd::Ones(6));
+  ASSERT_TRUE(system.Solve());
+  EXPECT_EQ(Eigen::l1CacheSize(), 48 * 1024);
 }
 
 TEST(SchurSolver, FailsWhereTheSystemCannotBeSolved) {

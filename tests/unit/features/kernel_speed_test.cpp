@@ -131,7 +131,8 @@ TEST_F(KernelSpeed, DiscMoments) {
   ExpectFaster(
       0.5, [&] { each([&](int x, int y) { sum += IntensityCentroidAngle(image_, x, y); }); },
       [&] { each([&](int x, int y) { of_twins += test::ScalarDiscMoments(image_, x, y)[0]; }); });
-  EXPECT_NE(sum, static_cast<float>(of_twins)) << "both have been computed";
+  // Used, so that neither is left out.
+  EXPECT_TRUE(IsSkipped() || sum != static_cast<float>(of_twins));
 }
 
 TEST_F(KernelSpeed, BlurForBrief) {

@@ -2,14 +2,19 @@
 #include "tools/export/mcap/export_mcap.h"
 
 #include <algorithm>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <future>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -142,12 +147,51 @@ std::optional<CompressedImage> FileAsRecorded(const std::string& path) {
   return CompressedImage{"png", std::move(bytes)};
 }
 
+/// Left images as they are written, in the order in which they were added. A few are made ahead, each by a thread of its
+/// own.
+class ImagesAhead {
+ public:
+  explicit ImagesAhead(const Dataset& dataset) : dataset_(dataset) {}
+
+  void Add(int index) { indices_.push_back(index); }
+  bool empty() const { return indices_.empty(); }
+
+  CompressedImage Next() {
+    const size_t n_ahead = std::max(2U, std::thread::hardware_concurrency());
+    while (n_begun_ < indices_.size() && begun_.size() < n_ahead) Begin(indices_[n_begun_++]);
+    CompressedImage image = begun_.front().get();
+    begun_.pop_front();
+    return image;
+  }
+
+ private:
+  void Begin(int index) {
+    begun_.push_back(std::async(std::launch::async, [this, index] {
+      if (auto recorded = FileAsRecorded(dataset_.LeftFile(index))) return *std::move(recorded);
+      return CompressedImage{"jpeg", EncodeJpeg(Read(index), kJpegQuality)};
+    }));
+  }
+
+  cv::Mat Read(int index) {
+    const std::lock_guard lock(reading_);
+    return dataset_.Read(index).left;
+  }
+
+  const Dataset& dataset_;
+  std::vector<int> indices_;
+  size_t n_begun_ = 0;
+  std::mutex reading_;  // datasets are read by one at a time
+  std::deque<std::future<CompressedImage>> begun_;
+};
+
 class Exporter {
  public:
   Exporter(const RunSource& source, const std::string& dataset, const std::string& path)
       : source_(source), topics_(path) {
     if (!source.folder.empty()) tables_ = ReadRunTables(source.folder);
-    if (!dataset.empty()) dataset_ = OpenDataset(dataset, "");
+    if (dataset.empty()) return;
+    dataset_ = OpenDataset(dataset, "");
+    images_.emplace(*dataset_);
   }
 
   McapContent Write() {
@@ -236,20 +280,19 @@ class Exporter {
     for (int i = 0; i < dataset_->size(); ++i) {
       const int64_t t = dataset_->t_ns(i);
       if (t < first || t > last || !dataset_->Missing(i).empty()) continue;
-      At(t, [=, this] { WriteImage(i); });
+      images_->Add(i);
+      At(t, [=, this] { WriteImage(t); });
       ++content_.images;
     }
-    if (content_.images > 0) return;
+    if (!images_->empty()) return;
     throw std::runtime_error(
         fmt::format("{}: has no image of the time of the run: is it another one?", dataset_->name()));
   }
 
-  void WriteImage(int i) {
-    const int64_t t = dataset_->t_ns(i);
-    auto image = FileAsRecorded(dataset_->LeftFile(i));
-    if (!image) image = {"jpeg", EncodeJpeg(dataset_->Read(i).left, kJpegQuality)};
+  void WriteImage(int64_t t) {
+    const CompressedImage image = images_->Next();
     topics_.Write("/camera/left/compressed", "sensor_msgs/msg/CompressedImage", t,
-                  RosCompressedImage(t, image->format, image->bytes));
+                  RosCompressedImage(t, image.format, image.bytes));
     topics_.Write("/camera/left/camera_info", "sensor_msgs/msg/CameraInfo", t,
                   RosCameraInfoMessage(t, dataset_->rig().left));
   }
@@ -257,6 +300,7 @@ class Exporter {
   const RunSource& source_;
   RunTables tables_;
   std::unique_ptr<Dataset> dataset_;
+  std::optional<ImagesAhead> images_;
   Topics topics_;
   std::vector<MessageToWrite> messages_;
   McapContent content_;

@@ -150,7 +150,7 @@ void MappingNode::WorkUntilStopped() {
   while (const std::optional<Work> work = NextWork()) Do(*work);
 }
 
-/// Once the camera is known, which stays.
+/// Once a camera is known.
 void MappingNode::BeginMap() {
   if (restored_) return GoOnFromState();
   if (!stored_) {

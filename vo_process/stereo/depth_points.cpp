@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -18,7 +19,7 @@ constexpr int kMinKnown = 5;
 constexpr double kMaxSpreadSigmas = 6.0;
 constexpr double kMaxSpreadShare = 0.02;
 
-/// Known depths of the 3x3 window around a pixel, ascending, in metres.
+/// Known depths of the 3x3 window around a pixel, ascending, in metres; behind them infinity.
 struct Window {
   std::array<double, 9> depths_m{};
   int count = 0;
@@ -26,13 +27,14 @@ struct Window {
 
 Window ReadWindow(const cv::Mat& depth16, int u, int v, double units_per_m) {
   Window w;
+  w.depths_m.fill(std::numeric_limits<double>::infinity());
   for (int y = std::max(v - 1, 0); y <= std::min(v + 1, depth16.rows - 1); ++y) {
     for (int x = std::max(u - 1, 0); x <= std::min(u + 1, depth16.cols - 1); ++x) {
       const uint16_t units = depth16.at<uint16_t>(y, x);
       if (units > 0) w.depths_m[w.count++] = units / units_per_m;
     }
   }
-  std::sort(w.depths_m.begin(), w.depths_m.begin() + w.count);
+  std::sort(w.depths_m.begin(), w.depths_m.end());
   return w;
 }
 

@@ -6,6 +6,7 @@
 #include <microhttpd.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <array>
 #include <cerrno>
@@ -172,22 +173,40 @@ struct HttpServer::Impl {
   }
 };
 
-HttpServer::HttpServer(int port, Handler handler) : impl_(std::make_unique<Impl>()) {
-  impl_->handler = std::move(handler);
+namespace {
+
+/// A socket that listens at the port (0: any that is free) of this machine alone. libmicrohttpd would make one, too, but
+/// from version 1 on it does not say why it could not.
+int ListenAt(int port) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  errno = 0;
+  const int fd = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  const int on = 1;
+  const bool listens = fd >= 0 && setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on)) == 0 &&
+                       bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0 &&
+                       listen(fd, SOMAXCONN) == 0;
+  if (listens) return fd;
+  const std::string reason = std::strerror(errno);
+  if (fd >= 0) close(fd);
+  throw std::runtime_error(fmt::format("port {} of 127.0.0.1 cannot be served: {}", port, reason));
+}
+
+}  // namespace
+
+HttpServer::HttpServer(int port, Handler handler) : impl_(std::make_unique<Impl>()) {
+  impl_->handler = std::move(handler);
+  const int socket = ListenAt(port);
   impl_->daemon = MHD_start_daemon(MHD_USE_AUTO | MHD_USE_INTERNAL_POLLING_THREAD | MHD_USE_THREAD_PER_CONNECTION, 0,
-                                   nullptr, nullptr, &Impl::OnRequest, impl_.get(), MHD_OPTION_SOCK_ADDR, &address,
+                                   nullptr, nullptr, &Impl::OnRequest, impl_.get(), MHD_OPTION_LISTEN_SOCKET, socket,
                                    MHD_OPTION_CONNECTION_LIMIT, kConnections, MHD_OPTION_CONNECTION_TIMEOUT,
                                    kTimeout_s, MHD_OPTION_CONNECTION_MEMORY_LIMIT, kConnectionBytes,
                                    MHD_OPTION_NOTIFY_CONNECTION, &Impl::OnConnection, impl_.get(),
                                    MHD_OPTION_NOTIFY_COMPLETED, &Impl::OnCompleted, impl_.get(), MHD_OPTION_END);
   if (impl_->daemon == nullptr) {
-    throw std::runtime_error(fmt::format("port {} of 127.0.0.1 cannot be served: {}", port,
-                                         errno != 0 ? std::strerror(errno) : "no reason"));
+    close(socket);
+    throw std::runtime_error(fmt::format("port {} of 127.0.0.1 cannot be served: the server does not start", port));
   }
 }
 

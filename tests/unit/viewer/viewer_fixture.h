@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/bus/messages/convert.h"
@@ -92,7 +93,7 @@ class ViewerFixture : public testing::Test {
     tracks.frame_id = frame;
     tracks.points.push_back({50.0F, 60.0F, 5.0F, 3, -1});
     tracks.n_points = 1;
-    bus().Publish(bus::kTracks, tracks);
+    bus().Publish(bus::kTracks, std::move(tracks));
   }
 
   void PublishMappingStatus() {

@@ -238,6 +238,8 @@ void WriteDrawing(const std::string& path, const Drawing& drawing) {
 std::string ToSvg(const Drawing& drawing, const std::string& id_prefix) {
   std::string svg;
   const CairoSurface surface(cairo_svg_surface_create_for_stream(AppendTo, &svg, drawing.size.x(), drawing.size.y()));
+  // As it was without being asked for before cairo 1.18.
+  cairo_svg_surface_set_document_unit(surface.get(), CAIRO_SVG_UNIT_PT);
   Paint(drawing, 1.0, surface.get());
   return WithOwnIds(svg, id_prefix);
 }

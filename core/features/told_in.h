@@ -7,14 +7,14 @@
 namespace plslam {
 
 /// What `from` saw, as the rectified camera `to` at the same place would have seen it: rays, depths and the standard
-/// deviations of both stay what they are, and so do octaves. So a map knows one camera only, whoever comes to it.
+/// deviations of both stay what they are, and so do octaves. A map therefore needs one camera only.
 /// `StereoFeatures::image` becomes the image of `from` where that is not the image of `to`. Between equal cameras every
 /// bit stays.
 StereoFeatures ToldIn(const StereoCamera& to, StereoFeatures features, const StereoCamera& from);
 
-/// Whether numbers stay within what messages and files hold: focal lengths and baselines at most this many times those
-/// of the other.
+/// Largest ratio of the focal lengths of two cameras, and of their baselines.
 inline constexpr double kMostUnlike = 100.0;
+/// Whether they are as alike as that: numbers then stay within what messages and files hold.
 bool CanBeToldIn(const StereoCamera& to, const StereoCamera& from);
 
 }  // namespace plslam

@@ -55,7 +55,7 @@ struct Keyframe {
   std::vector<Withdrawn> withdrawn_points;
   std::vector<Withdrawn> withdrawn_lines;
 
-  /// These features, of which none is known to show a landmark.
+  /// Takes over features of which none is known to show a landmark.
   void SetFeatures(StereoFeatures seen) {
     point_landmark_ids.assign(seen.points.size(), -1);
     line_landmark_ids.assign(seen.lines.size(), -1);

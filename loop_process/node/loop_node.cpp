@@ -9,7 +9,7 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/features/told_in.h"
+#include "core/map/told_keyframe.h"
 #include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
@@ -103,13 +103,6 @@ void LoopNode::CheckUntilStopped() {
   }
 }
 
-/// Whatever camera has seen it, it is told in that of the map.
-Keyframe LoopNode::InMapCamera(Keyframe keyframe) const {
-  keyframe.features = ToldIn(map_camera_, std::move(keyframe.features), keyframe.camera);
-  keyframe.camera = map_camera_;
-  return keyframe;
-}
-
 /// What is known of features is told in the camera of the map: with another one nothing is known.
 LoopService::Output LoopNode::Follow(const MapUpdate& update) {
   if (update.camera && *update.camera != map_camera_) Begin(*update.camera);
@@ -123,17 +116,16 @@ void LoopNode::Begin(const StereoCamera& camera) {
 
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) {
-    if (!CanBeToldIn(map_camera_, keyframe->camera)) return {};
-    return service_->OnKeyframe(InMapCamera(*keyframe));
+    const std::optional<Keyframe> told = ToldIn(map_camera_, *keyframe);
+    return told ? service_->OnKeyframe(*told) : LoopService::Output();
   }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
   if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
     service_->OnSignOfLife(sign->source);
     return service_->OnTick();
   }
-  const Keyframe& frame = std::get<RelocalisationRequest>(arrival).frame;
-  if (!CanBeToldIn(map_camera_, frame.camera)) return {};
-  return service_->OnRequest(InMapCamera(frame));
+  const std::optional<Keyframe> told = ToldIn(map_camera_, std::get<RelocalisationRequest>(arrival).frame);
+  return told ? service_->OnRequest(*told) : LoopService::Output();
 }
 
 /// What runs would undo the loop that is being told, or what has been adjusted already.

@@ -55,7 +55,6 @@ class LoopNode {
   void CheckUntilStopped();
   void AdjustUntilStopped();
   void Begin(const StereoCamera& camera);
-  Keyframe InMapCamera(Keyframe keyframe) const;
   LoopService::Output Follow(const MapUpdate& update);
   LoopService::Output Handle(const Arrival& arrival);
   void DropAdjustment(bool with_progress);

@@ -15,9 +15,9 @@
 
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
-#include "core/features/told_in.h"
 #include "core/geometry/rectification.h"
 #include "core/io/maps/map_camera.h"
+#include "core/map/told_keyframe.h"
 #include "core/process/order.h"
 #include "core/process/process_usage.h"
 #include "core/run/process_names.h"
@@ -269,18 +269,14 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
 }
 
 /// Whatever camera has seen it, the map is told in its own: that of the first keyframe.
-bool MappingNode::InsertOne(Keyframe keyframe, std::string* reason) {
+bool MappingNode::InsertOne(const Keyframe& keyframe, std::string* reason) {
   if (mapper_->map().keyframes().empty()) mapper_->SetCamera(keyframe.camera);
-  if (!CanBeToldIn(mapper_->camera(), keyframe.camera)) {
-    *reason =
-        fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
-                    keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
-                    mapper_->camera().f_px, mapper_->camera().baseline_m);
-    return false;
-  }
-  keyframe.features = ToldIn(mapper_->camera(), std::move(keyframe.features), keyframe.camera);
-  keyframe.camera = mapper_->camera();
-  return mapper_->Insert(keyframe, reason);
+  if (const std::optional<Keyframe> told = ToldIn(mapper_->camera(), keyframe)) return mapper_->Insert(*told, reason);
+  *reason =
+      fmt::format("keyframe {} of session {}: its camera ({} px, {} m) is too unlike that of the map ({} px, {} m)",
+                  keyframe.keyframe_id, keyframe.session, keyframe.camera.f_px, keyframe.camera.baseline_m,
+                  mapper_->camera().f_px, mapper_->camera().baseline_m);
+  return false;
 }
 
 void MappingNode::WarnOfMissing(const WorkQueue::Arrived& arrived) {

@@ -74,7 +74,7 @@ class MappingNode {
   void AwaitHistories();
   void Do(const Work& work);
   void Insert(const std::vector<WorkQueue::Arrived>& batch);
-  bool InsertOne(Keyframe keyframe, std::string* reason);
+  bool InsertOne(const Keyframe& keyframe, std::string* reason);
   void WarnOfMissing(const WorkQueue::Arrived& arrived);
   void Correct(const Work& work);
   LoopClosure OfThisMap(const Work& work) const;

@@ -41,8 +41,8 @@ double Time_us(const Run& run) {
   return ThreadCpu_us() - begin;
 }
 
-/// Whether the build has vector code to be judged: optimised, and not slowed down by a sanitizer or counters.
-bool IsJudged() {
+/// Whether times say anything of this build: optimised, and not slowed down by a sanitizer or counters.
+bool IsTimed() {
 #if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) && !defined(PLSLAM_SANITIZED)
   return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("popcnt") != 0;
 #else
@@ -55,7 +55,7 @@ bool IsJudged() {
 template <class Kernel, class Twin>
 void ExpectFaster(double share, const Kernel& kernel, const Twin& twin) {
   constexpr int kRuns = 60;
-  if (!IsJudged()) GTEST_SKIP() << "no optimised build for x86-64 by GCC, or no processor with AVX2";
+  if (!IsTimed()) GTEST_SKIP() << "no optimised build for x86-64 by GCC, or no processor with AVX2";
   double kernel_us = std::numeric_limits<double>::infinity();
   double twin_us = kernel_us;
   for (int i = 0; i < kRuns; ++i) {

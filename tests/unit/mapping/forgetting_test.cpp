@@ -90,7 +90,7 @@ TEST(KeyframesToForget, TheOldestWhereNoneIsReplaced) {
   EXPECT_THAT(path.Forgotten(1, {0, 4, 5}), ElementsAre(1, 2, 3)) << "more stay than there is room for";
 }
 
-/// A round of keyframes through a world of which a part is another one after each lap.
+/// A world in which some landmarks are replaced after each lap, and a closed path through it.
 class ChangingWorld {
  public:
   static constexpr int kKeyframes = 36;  // a lap

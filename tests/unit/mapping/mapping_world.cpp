@@ -100,6 +100,7 @@ Descriptor DescriptorOf(uint64_t seed) {
 
 Keyframe MakeKeyframe(const Keyframe* previous, const SE3& T_odom_kf, StereoFeatures features) {
   Keyframe keyframe;
+  keyframe.camera = FeatureWorld::Camera();
   keyframe.session = previous == nullptr ? 7 : previous->session;
   keyframe.T_odom_kf = T_odom_kf;
   keyframe.SetFeatures(std::move(features));

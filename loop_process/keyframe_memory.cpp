@@ -32,7 +32,7 @@ constexpr int64_t kLowest = std::numeric_limits<int64_t>::min();
 
 }  // namespace
 
-PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
+PlaceDescription DescribePlace(const PlaceRecogniser& places, const FeaturesView& features,
                                FeatureNodes& point_nodes) {
   PlaceDescription description = DescribeLayout(features);
   description.points = places.point_vocabulary().Transform(DescriptorsOf(features.points), point_nodes);
@@ -60,7 +60,7 @@ void KeyframeMemory::DropUntaken(int64_t session) {
   }
 }
 
-void KeyframeMemory::Enter(int64_t id, const Name& name, StereoFeatures features) {
+void KeyframeMemory::Enter(int64_t id, const Name& name, KeptFeatures features) {
   taken_.insert(name.first);
   places_.Add(id, DescribePlace(places_, features, point_nodes_[id]));
   features_[id] = std::move(features);

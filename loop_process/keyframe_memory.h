@@ -18,7 +18,7 @@ namespace plslam::loop {
 std::vector<KeyframeName> NamesIn(const Map& map, const LoopClosure& closure);
 
 /// What a place looks like, and the nodes of its points in the vocabulary.
-PlaceDescription DescribePlace(const PlaceRecogniser& places, const StereoFeatures& features,
+PlaceDescription DescribePlace(const PlaceRecogniser& places, const FeaturesView& features,
                                FeatureNodes& point_nodes);
 
 /// Features of the keyframes and the index of places, by the ids of the map. Features and map come from two senders,
@@ -45,6 +45,9 @@ class KeyframeMemory {
   /// is a map all wait.
   void Follow(const Map& map);
 
+  /// Features of keyframes that are not among the newest leave the memory (`plslam::LeaveOldInFiles`).
+  bool LeaveOldInFiles() { return plslam::LeaveOldInFiles(features_); }
+
   /// Those of the map, as of the last `Follow`, that came with features.
   const KeyframeFeatures& features() const { return features_; }
   /// Nodes of their points in the vocabulary, by the same ids.
@@ -55,13 +58,13 @@ class KeyframeMemory {
   /// Session, and number there.
   using Name = std::pair<int64_t, int64_t>;
 
-  void Enter(int64_t id, const Name& name, StereoFeatures features);
+  void Enter(int64_t id, const Name& name, KeptFeatures features);
   void Leave(int64_t id, const Name& name);
   void DropUntaken(int64_t session);
 
   PlaceRecogniser places_;
   std::set<Name> known_;  // of all whose features are here, waiting or not
-  std::map<Name, StereoFeatures> waiting_;
+  std::map<Name, KeptFeatures> waiting_;
   std::set<int64_t> taken_;  // sessions of which a map has ever had a keyframe
   bool has_map_ = false;
   KeyframeFeatures features_;

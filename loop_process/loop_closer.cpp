@@ -65,7 +65,7 @@ WholeMapProblem LoopCloser::WholeMap(const Map& map, const LoopClosure& loop) co
   return problem;
 }
 
-Relocalisation LoopCloser::Relocalise(const Map& map, const StereoFeatures& features) const {
+Relocalisation LoopCloser::Relocalise(const Map& map, const FeaturesView& features) const {
   return FindCamera(map, memory_, features, camera_, options_);
 }
 

@@ -34,6 +34,8 @@ class LoopCloser {
   /// `Check` does it by itself; for a map that was loaded, or before `Relocalise` on a map without loops to check.
   void Follow(const Map& map) { memory_.Follow(map); }
 
+  bool LeaveOldInFiles() { return memory_.LeaveOldInFiles(); }
+
   /// What to say of a keyframe, given the map right after it was inserted and adjusted: kNone, or kLoop with the
   /// edge, the landmarks that are the same and where the keyframes lie when it is closed; then `more` says whether an
   /// adjustment of the whole map should follow. The caller fills in the map's source and version and the times. A
@@ -45,7 +47,7 @@ class LoopCloser {
   WholeMapProblem WholeMap(const Map& map, const LoopClosure& loop) const;
 
   /// Where a frame is of which nothing is known. The caller fills in whose request it is.
-  Relocalisation Relocalise(const Map& map, const StereoFeatures& features) const;
+  Relocalisation Relocalise(const Map& map, const FeaturesView& features) const;
 
   const LoopOptions& options() const { return options_; }
   /// What the last `Check` looked at, for reports and experiments.

@@ -66,6 +66,8 @@ class LoopService {
   /// A process lives; named as in `Keyframe::source`.
   void OnSignOfLife(int64_t source);
 
+  bool LeaveOldInFiles() { return closer_.LeaveOldInFiles(); }
+
   const MapReplica& replica() const { return replica_; }
 
  private:

@@ -34,7 +34,7 @@ struct Shown {
 };
 
 template <class Type>
-Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, const StereoFeatures& features) {
+Shown<typename Type::Feature> ThatShow(const Map& map, int64_t keyframe_id, const FeaturesView& features) {
   Shown<typename Type::Feature> shown;
   const std::vector<int64_t>& ids = Type::Of(map, keyframe_id);
   const auto& of_type = Type::Features(features);
@@ -79,7 +79,7 @@ size_t CellOf(double px, int first_px, int size_px) {
 
 template <class Type>
 void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
-            const std::vector<typename Type::Feature>& features, const std::vector<int64_t>& association,
+            std::span<const typename Type::Feature> features, const std::vector<int64_t>& association,
             std::array<bool, kGrid * kGrid>& cells, std::vector<double>& depths) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
@@ -90,7 +90,7 @@ void Spread(const Map& map, const SE3& T_c_w, const StereoCamera& camera,
   }
 }
 
-void Weigh(const Map& map, int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
+void Weigh(const Map& map, int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
            FoundPlace& place) {
   const SE3 T_c_w = place.pose.T_w_kf.Inverse();
   place.inliers = place.association.Weight();
@@ -131,7 +131,7 @@ std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const
 }
 
 std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,
-                                    const StereoFeatures& features, const StereoCamera& camera,
+                                    const FeaturesView& features, const StereoCamera& camera,
                                     const LocalisationOptions& options) {
   FoundPlace found;
   found.pose.T_w_kf = T_w_c;

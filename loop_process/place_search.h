@@ -39,7 +39,7 @@ Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
 
 /// Features of an image and the nodes of its points in the vocabulary.
 struct DescribedImage {
-  const StereoFeatures& features;
+  const FeaturesView& features;
   const FeatureNodes& point_nodes;
 };
 
@@ -53,7 +53,7 @@ std::optional<KeyframePose> GuessPose(const Map& map, int64_t keyframe_id, const
 
 /// Finds a camera near `T_w_c` in a place: landmarks searched by projection, robust estimator, twice.
 std::optional<FoundPlace> FindPlace(const Map& map, const Place& place, const SE3& T_w_c,
-                                    const StereoFeatures& features, const StereoCamera& camera,
+                                    const FeaturesView& features, const StereoCamera& camera,
                                     const LocalisationOptions& options);
 
 }  // namespace plslam::loop

@@ -43,7 +43,7 @@ Relocalisation ToRelocalisation(const Answer& answer) {
 
 }  // namespace
 
-Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
+Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const FeaturesView& features,
                           const StereoCamera& camera, const LoopOptions& options) {
   std::optional<Answer> best;
   std::vector<Answer> all;

@@ -13,7 +13,7 @@ namespace plslam::loop {
 /// Where a camera is of which nothing is known: the most similar places, each verified like a loop's old side. Not
 /// found where two places far from each other both fit; places in parts of the map that nothing connects do not count
 /// as far.
-Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const StereoFeatures& features,
+Relocalisation FindCamera(const Map& map, const KeyframeMemory& memory, const FeaturesView& features,
                           const StereoCamera& camera, const LoopOptions& options);
 
 }  // namespace plslam::loop

@@ -386,7 +386,7 @@ int Contradicting(const Association& a, const Association& b) {
 }
 
 template <class Type>
-void DropFarOf(const Map& map, const std::vector<typename Type::Feature>& features, const SE3& T_kf_w,
+void DropFarOf(const Map& map, std::span<const typename Type::Feature> features, const SE3& T_kf_w,
                const StereoCamera& camera, std::vector<int64_t>& association) {
   for (size_t i = 0; i < association.size(); ++i) {
     if (association[i] < 0) continue;
@@ -396,7 +396,7 @@ void DropFarOf(const Map& map, const std::vector<typename Type::Feature>& featur
 }
 
 // Associations that no pose confirms hold only where the landmark should appear near the feature.
-void DropFar(const Map& map, const StereoFeatures& features, const SE3& T_w_kf, const StereoCamera& camera,
+void DropFar(const Map& map, const FeaturesView& features, const SE3& T_w_kf, const StereoCamera& camera,
              Association& association) {
   const SE3 T_kf_w = T_w_kf.Inverse();
   DropFarOf<PointType>(map, features.points, T_kf_w, camera, association.points);

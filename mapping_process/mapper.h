@@ -89,6 +89,9 @@ class Mapper {
   /// The same, without a copy of the map: it is lent to `use`, which may throw, and taken back.
   void LendState(const std::function<void(MapperState&)>& use);
 
+  /// Features of keyframes that are not among the newest leave the memory (`plslam::LeaveOldInFiles`).
+  bool LeaveOldInFiles() { return plslam::LeaveOldInFiles(features_); }
+
   const StereoCamera& camera() const { return camera_; }
   /// For a map without keyframes.
   void SetCamera(const StereoCamera& camera) {
@@ -96,6 +99,7 @@ class Mapper {
     map_.SetCamera(camera);
   }
   const Map& map() const { return map_; }
+  const KeyframeFeatures& features() const { return features_; }
   int64_t version() const { return version_; }
   const AdjustmentFigures& figures() const { return figures_; }
 

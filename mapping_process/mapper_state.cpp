@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/mapper_state.h"
 
-#include "core/io/files/archive.h"
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+#include "core/errors/error_text.h"
+#include "core/io/files/mapped_file.h"
 #include "core/io/files/sealed_file.h"
-
-namespace plslam::mapping {
-namespace {
-
-constexpr FileKind kStateFile{{'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 4, "state of a mapping_process"};
-
-}  // namespace
-
-}  // namespace plslam::mapping
+#include "core/io/maps/map_records.h"
 
 namespace plslam::archive {
 
@@ -21,43 +27,235 @@ void Fields(Archive& a, T& f) {
     f.reprojection_before_px, f.reprojection_after_px);
 }
 
-/// All but the map, whose bytes are those of a map file.
+/// All but what the map has many of.
 template <class Archive, Is<mapping::MapperState> T>
 void Fields(Archive& a, T& state) {
-  a(state.recent_landmarks, state.tracker, state.figures, state.committed, state.structural_version,
-    state.localise_only, state.began_version);
+  a(state.stored, state.stored.sessions, state.recent_landmarks, state.tracker, state.figures, state.committed,
+    state.structural_version, state.localise_only, state.began_version);
 }
 
 }  // namespace plslam::archive
 
 namespace plslam::mapping {
+namespace {
+
+using Bytes = std::span<const uint8_t>;
+
+constexpr FileKind kStateRecord{
+    {'P', 'L', 'S', 'L', 'M', 'P', 'S', 'T'}, 5, "state of a mapping_process", Checksum::kPoly1305};
+
+enum class RecordKind : uint8_t { kFeatures, kMap, kChanges };
+
+/// Takes a record with its seal.
+using Sink = std::function<void(std::string_view)>;
+
+uint64_t WriteRecord(archive::Writer&& write, const Sink& sink) {
+  const Bytes content = write.Written();
+  const Seal seal = MakeSeal(kStateRecord, content);
+  sink({reinterpret_cast<const char*>(&seal), sizeof(seal)});
+  sink({reinterpret_cast<const char*>(content.data()), content.size()});
+  return sizeof(seal) + content.size();
+}
+
+/// Of keyframes behind `newest`, so many in a record that none becomes large.
+uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const Sink& sink) {
+  constexpr uint64_t kMost = 16;
+  uint64_t length = 0;
+  auto next = features.upper_bound(newest);
+  while (next != features.end()) {
+    const auto begin = next;
+    const auto n = std::min<uint64_t>(kMost, static_cast<uint64_t>(std::distance(begin, features.end())));
+    archive::Writer write;
+    write(RecordKind::kFeatures, n);
+    std::map<int64_t, TakenImage> images;
+    for (uint64_t i = 0; i < n; ++i, ++next) {
+      write(next->first, static_cast<const FeaturesView&>(next->second));
+      if (next->second.image) images[next->first] = *next->second.image;
+    }
+    write(images);
+    length += WriteRecord(std::move(write), sink);
+  }
+  return length;
+}
+
+/// About what the features take in the file.
+uint64_t LengthOf(const KeyframeFeatures& features) {
+  uint64_t length = 0;
+  for (const auto& [id, of] : features) length += of.points.size_bytes() + of.lines.size_bytes();
+  return length;
+}
+
+uint64_t WriteMap(const MapperState& state, const Sink& sink) {
+  const Map& map = state.stored.map;
+  archive::Writer write;
+  write(RecordKind::kMap, state);
+  map_file::WriteValues(write, map.keyframes());
+  map_file::WriteValues(write, map.points());
+  map_file::WriteValues(write, map.lines());
+  write(map.loops());
+  return WriteRecord(std::move(write), sink);
+}
+
+/// Each once; those that there still are, and those that are gone.
+template <class Value>
+void Sort(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int64_t>& gone) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  const auto first_gone =
+      std::stable_partition(ids.begin(), ids.end(), [&values](int64_t id) { return values.contains(id); });
+  gone.assign(first_gone, ids.end());
+  ids.erase(first_gone, ids.end());
+}
+
+template <class Value>
+std::vector<int64_t> IdsOf(const std::vector<Value>& values) {
+  std::vector<int64_t> ids;
+  for (const Value& value : values) ids.push_back(value.id);
+  return ids;
+}
+
+void AppendTo(std::vector<int64_t>& ids, const std::vector<int64_t>& more) {
+  ids.insert(ids.end(), more.begin(), more.end());
+}
+
+void ReadFeatures(archive::Reader& read, MapperState& state) {
+  map_file::ReadFeatures(read, state.stored.features);
+  map_file::ReadImages(read, state.stored.features);
+}
+
+void ReadMap(archive::Reader& read, MapperState& state) {
+  state.stored.map.Clear();
+  map_file::ReadKeyframes(read, state.stored);
+  map_file::ReadLandmarks<MapPoint>(read, state.stored);
+  map_file::ReadLandmarks<MapLine>(read, state.stored);
+  map_file::ReadLoops(read, state.stored.map);
+}
+
+/// In the order of `MapReplica::Apply`.
+void ReadChanges(archive::Reader& read, MapperState& state) {
+  std::vector<int64_t> keyframes, points, lines;
+  read(points, lines, keyframes);
+  for (const int64_t id : points) state.stored.map.RemovePoint(id);
+  for (const int64_t id : lines) state.stored.map.RemoveLine(id);
+  for (const int64_t id : keyframes) state.stored.map.RemoveKeyframe(id);
+  map_file::ReadKeyframes(read, state.stored);
+  map_file::ReadLandmarks<MapPoint>(read, state.stored);
+  map_file::ReadLandmarks<MapLine>(read, state.stored);
+  map_file::ReadLoops(read, state.stored.map);
+}
+
+/// Whether it is a state, and not only features for the next one.
+bool ReadRecord(Bytes content, MapperState& state) {
+  archive::Reader read(content);
+  RecordKind kind{};
+  read(kind);
+  if (kind == RecordKind::kFeatures) {
+    ReadFeatures(read, state);
+  } else {
+    state.stored.sessions.clear();
+    read(state);
+    kind == RecordKind::kMap ? ReadMap(read, state) : ReadChanges(read, state);
+  }
+  if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
+  return kind != RecordKind::kFeatures;
+}
+
+void CloseFile(std::FILE* file) { std::fclose(file); }
+
+}  // namespace
 
 std::vector<uint8_t> EncodeState(const MapperState& state) {
-  // As `archive::FromBytes` reads a list of bytes and the rest; a large map is not copied for that.
-  archive::Writer write;
-  write(uint64_t{0});
-  AppendMap(state.stored, write);
-  const uint64_t length = write.size() - sizeof(length);
-  write.Overwrite(0, &length, sizeof(length));
-  write(state);
-  return std::move(write).Take();
+  std::vector<uint8_t> bytes;
+  const Sink sink = [&](std::string_view record) { bytes.insert(bytes.end(), record.begin(), record.end()); };
+  WriteFeatures(state.stored.features, -1, sink);
+  WriteMap(state, sink);
+  return bytes;
 }
 
 MapperState DecodeState(std::span<const uint8_t> bytes) {
   MapperState state;
-  std::vector<uint8_t> map;
-  archive::FromBytes(bytes, map, state);
-  state.stored = DecodeMap(map);
+  bool has_state = false;
+  Bytes rest = bytes;
+  while (const std::optional<Bytes> content = TakeSealed(kStateRecord, rest)) {
+    has_state |= ReadRecord(*content, state);
+  }
+  if (!has_state) {
+    ReadSeal(kStateRecord, bytes, bytes.size());
+    throw std::runtime_error("is damaged: a checksum is wrong");
+  }
+  StoredMap& stored = state.stored;
+  std::erase_if(stored.features, [&](const auto& entry) { return stored.map.FindKeyframe(entry.first) == nullptr; });
+  const MapTotals totals = stored.map.Totals();
+  map_file::CheckWhole(stored, totals.point_observations, totals.line_observations);
+  stored.map.ForgetChanges();
   return state;
 }
 
-void WriteStateFile(const std::string& path, const MapperState& state) {
-  WriteSealedFile(path, kStateFile, EncodeState(state));
+MapperState ReadStateFile(const std::string& path) {
+  return NamingFile(path, [&] { return DecodeState(MappedFile::Open(path)->bytes()); });
 }
 
-MapperState ReadStateFile(const std::string& path) {
-  const std::vector<uint8_t> bytes = ReadSealedFile(path, kStateFile);
-  return NamingFile(path, [&] { return DecodeState(bytes); });
+void StateFile::Note(const MapUpdate& update) {
+  has_moved_ |= !update.moved_keyframes.empty();
+  AppendTo(keyframes_, IdsOf(update.keyframes));
+  AppendTo(points_, IdsOf(update.points));
+  AppendTo(lines_, IdsOf(update.lines));
+  AppendTo(keyframes_, update.removed_keyframes);
+  AppendTo(points_, update.removed_points);
+  AppendTo(lines_, update.removed_lines);
+}
+
+void StateFile::Write(const MapperState& state) {
+  std::error_code error;
+  const bool is_there = is_whole_ && std::filesystem::file_size(path_, error) == length_ && !error;
+  // Where it fails half way, nothing can follow.
+  is_whole_ = false;
+  if (is_there && length_ <= 2 * (LengthOf(state.stored.features) + map_length_)) {
+    Append(state);
+  } else {
+    WriteWhole(state);
+  }
+  is_whole_ = true;
+  has_moved_ = false;
+  for (auto* ids : {&keyframes_, &points_, &lines_}) ids->clear();
+  n_loops_ = state.stored.map.loops().size();
+  if (!state.stored.features.empty()) newest_features_ = state.stored.features.rbegin()->first;
+}
+
+void StateFile::WriteWhole(const MapperState& state) {
+  AtomicFile file(path_);
+  const Sink sink = [&](std::string_view record) { file.Append(record); };
+  length_ = WriteFeatures(state.stored.features, -1, sink);
+  length_ += map_length_ = WriteMap(state, sink);
+  file.PutInPlace();
+}
+
+void StateFile::Append(const MapperState& state) {
+  const std::unique_ptr<std::FILE, void (*)(std::FILE*)> file(std::fopen(path_.c_str(), "ab"), &CloseFile);
+  const auto fail = [&] { throw std::runtime_error(path_ + ": cannot be written: " + ReasonOf(errno)); };
+  if (file == nullptr) fail();
+  const Sink sink = [&](std::string_view record) {
+    if (std::fwrite(record.data(), 1, record.size(), file.get()) != record.size()) fail();
+    length_ += record.size();
+  };
+  WriteFeatures(state.stored.features, newest_features_, sink);
+  if (has_moved_) {
+    map_length_ = WriteMap(state, sink);
+  } else {
+    const Map& map = state.stored.map;
+    std::vector<int64_t> keyframes, points, lines;
+    Sort(map.keyframes(), keyframes_, keyframes);
+    Sort(map.points(), points_, points);
+    Sort(map.lines(), lines_, lines);
+    archive::Writer write;
+    write(RecordKind::kChanges, state, points, lines, keyframes);
+    map_file::WriteValues(write, map.keyframes(), keyframes_);
+    map_file::WriteValues(write, map.points(), points_);
+    map_file::WriteValues(write, map.lines(), lines_);
+    write(std::vector<LoopEdge>(map.loops().begin() + static_cast<std::ptrdiff_t>(n_loops_), map.loops().end()));
+    WriteRecord(std::move(write), sink);
+  }
+  if (std::fflush(file.get()) != 0) fail();
 }
 
 }  // namespace plslam::mapping

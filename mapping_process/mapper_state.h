@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/io/maps/map_file.h"
@@ -28,14 +29,47 @@ struct MapperState {
   int64_t began_version = 0;  ///< `MapUpdate::began_version`
 };
 
-/// The same state gives the same bytes. Throws std::runtime_error where its map breaks what `DecodeMap` demands.
+/// The same state gives the same bytes.
 std::vector<uint8_t> EncodeState(const MapperState& state);
-/// Throws std::runtime_error, in a sentence, for bytes that are none. What is said of landmarks that the map does not
-/// have counts for nothing.
+/// The last state that the bytes, of a `StateFile`, have in full: what was being written in a crash, or comes behind
+/// damage, counts for nothing, as does what is said of landmarks that the map does not have. Throws
+/// std::runtime_error, in a sentence, where there is none.
 MapperState DecodeState(std::span<const uint8_t> bytes);
-
-/// A sealed file (core/io/files/sealed_file.h), for programs of this version only. Errors name the file.
-void WriteStateFile(const std::string& path, const MapperState& state);
+/// Errors name the file.
 MapperState ReadStateFile(const std::string& path);
+
+/// A file with the newest state of a mapper, for programs of this version only: sealed records
+/// (core/io/files/sealed_file.h), one behind the other. Features of a keyframe are written once. What then follows is
+/// the map, or what has changed in it since the record before. When half of the file is out of date it is written anew
+/// and takes the place of the old one. So a map that grows costs bytes in proportion to its size, and a loop, which
+/// moves all of it, those of the map without features.
+class StateFile {
+ public:
+  explicit StateFile(std::string path) : path_(std::move(path)) {}
+
+  /// Of the mapper's next state, since the one before.
+  void Note(const MapUpdate& update);
+  /// The mapper is another one from now on.
+  void BeginAnew() { is_whole_ = false; }
+
+  /// Throws std::runtime_error, which names the file, where it cannot be written; the next one is then written whole.
+  void Write(const MapperState& state);
+
+ private:
+  void WriteWhole(const MapperState& state);
+  void Append(const MapperState& state);
+
+  std::string path_;
+  /// What was written last is in the file, and what has changed since is noted.
+  bool is_whole_ = false;
+  /// A correction has moved so much that the map is written again.
+  bool has_moved_ = false;
+  /// Ids, as often as they have changed; those that are gone by now, too.
+  std::vector<int64_t> keyframes_, points_, lines_;
+  size_t n_loops_ = 0;            ///< in the file
+  int64_t newest_features_ = -1;  ///< in the file
+  uint64_t length_ = 0;           ///< of the file
+  uint64_t map_length_ = 0;       ///< of the map without features, when it was last written
+};
 
 }  // namespace plslam::mapping

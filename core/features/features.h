@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -85,8 +86,22 @@ struct StereoFeatures {
   std::optional<TakenImage> image;
 };
 
+/// The same where somebody else keeps them.
+struct FeaturesView {
+  std::span<const StereoPoint> points;
+  std::span<const StereoLine> lines;
+  std::optional<TakenImage> image;
+
+  FeaturesView() = default;
+  FeaturesView(const StereoFeatures& of) : points(of.points), lines(of.lines), image(of.image) {}
+};
+
+inline StereoFeatures OwnFeatures(const FeaturesView& view) {
+  return {{view.points.begin(), view.points.end()}, {view.lines.begin(), view.lines.end()}, view.image};
+}
+
 /// The camera that features are told in, with the image that they are from.
-inline StereoCamera CameraOf(const StereoFeatures& features, const StereoCamera& camera) {
+inline StereoCamera CameraOf(const FeaturesView& features, const StereoCamera& camera) {
   return features.image ? camera.With(*features.image) : camera;
 }
 

@@ -76,7 +76,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
           Unassociated<LineType>(keyframes, association.lines, map)};
 }
 
-void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,
+void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const FeaturesView& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association) {
   const double radius_px = options.search_radius_px;
   const StereoCamera looked = CameraOf(features, camera);

@@ -37,7 +37,7 @@ LocalMap LocalMapOf(const Association& association, int64_t previous_id, const M
 
 /// Searches the landmarks among the features that show none yet, by projecting them with the pose, and adds what is
 /// found.
-void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const StereoFeatures& features,
+void SearchByProjection(const Map& map, const LocalMap& local, const SE3& T_w_kf, const FeaturesView& features,
                         const StereoCamera& camera, const LocalisationOptions& options, Association& association);
 
 }  // namespace plslam

@@ -18,7 +18,7 @@ struct Observed {
   std::vector<size_t> line_features;
 };
 
-void ObservePoints(const Map& map, const std::vector<StereoPoint>& features, const SE3& T_ref_w,
+void ObservePoints(const Map& map, std::span<const StereoPoint> features, const SE3& T_ref_w,
                    const std::vector<int64_t>& association, Observed& observed) {
   const Eigen::Matrix3d R = T_ref_w.R();
   for (size_t i = 0; i < association.size(); ++i) {
@@ -29,7 +29,7 @@ void ObservePoints(const Map& map, const std::vector<StereoPoint>& features, con
   }
 }
 
-void ObserveLines(const Map& map, const std::vector<StereoLine>& features, const SE3& T_ref_w,
+void ObserveLines(const Map& map, std::span<const StereoLine> features, const SE3& T_ref_w,
                   const std::vector<int64_t>& association, Observed& observed) {
   const Eigen::Matrix3d R = T_ref_w.R();
   for (size_t i = 0; i < association.size(); ++i) {
@@ -42,7 +42,7 @@ void ObserveLines(const Map& map, const std::vector<StereoLine>& features, const
   }
 }
 
-Observed Observe(const Map& map, const StereoFeatures& features, const SE3& T_ref_w, const Association& association) {
+Observed Observe(const Map& map, const FeaturesView& features, const SE3& T_ref_w, const Association& association) {
   Observed observed;
   ObservePoints(map, features.points, T_ref_w, association.points, observed);
   ObserveLines(map, features.lines, T_ref_w, association.lines, observed);
@@ -92,7 +92,7 @@ LineCorrespondence ObservationOf(const Segment3& segment_ref, const Eigen::Matri
           seen.sigma_disparity_q_px};
 }
 
-std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+std::optional<KeyframePose> RefinePose(const Map& map, const FeaturesView& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association) {
   const Observed observed = Observe(map, features, T_w_kf.Inverse(), association);
   const auto estimate = EstimateMotion(observed.points, observed.lines, camera, SE3(), std::nullopt, options);
@@ -106,7 +106,7 @@ std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& fea
   return KeyframePose{T_w_kf * estimate->T_cur_ref.Inverse(), estimate->covariance};
 }
 
-std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+std::optional<KeyframePose> FindPose(const Map& map, const FeaturesView& features, const StereoCamera& camera,
                                      const MotionOptions& options, int min_weight, Association& association) {
   const Observed observed = Observe(map, features, SE3(), association);
   const auto T_kf_w = EstimatePoseRansac(observed.points, observed.lines, camera, min_weight, kRecognised_px, kSeed);
@@ -118,7 +118,7 @@ std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& featu
   return pose;
 }
 
-std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
+std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const FeaturesView& features,
                                           const StereoCamera& camera, const LocalisationOptions& options,
                                           int min_weight, Association& association) {
   Association found;

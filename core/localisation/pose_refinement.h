@@ -24,18 +24,18 @@ struct KeyframePose {
 
 /// Pose of a keyframe among the landmarks that its features show (PL-SLAM §IV.C), from `T_w_kf` on. Features that
 /// disagree lose their landmark. nullopt, and nothing done, where the pose is not determined.
-std::optional<KeyframePose> RefinePose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+std::optional<KeyframePose> RefinePose(const Map& map, const FeaturesView& features, const StereoCamera& camera,
                                        const SE3& T_w_kf, const MotionOptions& options, Association& association);
 
 /// The same where nothing is known of the pose: from minimal sets, then refined. nullopt, and nothing done, where
 /// fewer than `min_weight` (points + 2 x lines) agree.
-std::optional<KeyframePose> FindPose(const Map& map, const StereoFeatures& features, const StereoCamera& camera,
+std::optional<KeyframePose> FindPose(const Map& map, const FeaturesView& features, const StereoCamera& camera,
                                      const MotionOptions& options, int min_weight, Association& association);
 
 /// Where a keyframe is of which nothing is known: its features matched by descriptors alone with the landmarks of
 /// `local`, the pose from minimal sets, then refined. nullopt where fewer than `min_weight` (points + 2 x lines)
 /// agree; else the association is what agrees.
-std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const StereoFeatures& features,
+std::optional<KeyframePose> RecognisePose(const Map& map, const LocalMap& local, const FeaturesView& features,
                                           const StereoCamera& camera, const LocalisationOptions& options,
                                           int min_weight, Association& association);
 

@@ -14,7 +14,7 @@ struct LineSubset {
   std::vector<int> places;
 };
 
-LineSubset Eligible(const std::vector<StereoLine>& features, const std::vector<char>& eligible) {
+LineSubset Eligible(std::span<const StereoLine> features, const std::vector<char>& eligible) {
   LineSubset subset;
   for (size_t i = 0; i < features.size(); ++i) {
     if (eligible[i] == 0) continue;
@@ -38,7 +38,7 @@ std::vector<LandmarkFeature> PairUp(const std::vector<int64_t>& owners, const st
 }  // namespace
 
 std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
-                                          const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
+                                          std::span<const StereoPoint> features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
                                           const LocalisationOptions& options) {
   const SE3 T_kf_w = T_w_kf.Inverse();
@@ -63,7 +63,7 @@ std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int6
 }
 
 std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
-                                         const std::vector<StereoLine>& features, const std::vector<char>& eligible,
+                                         std::span<const StereoLine> features, const std::vector<char>& eligible,
                                          double radius_px, const StereoCamera& camera,
                                          const LocalisationOptions& options) {
   const SE3 T_kf_w = T_w_kf.Inverse();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/geometry/stereo_camera.h"
@@ -19,12 +20,12 @@ struct LandmarkFeature {
 /// Searches landmarks among the features for which `eligible` is not zero: each within `radius_px` of where it should
 /// appear in the keyframe at `T_w_kf`, by descriptor, mutual best. `camera` is that of the features (`CameraOf`).
 std::vector<LandmarkFeature> SearchPoints(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
-                                          const std::vector<StereoPoint>& features, const std::vector<char>& eligible,
+                                          std::span<const StereoPoint> features, const std::vector<char>& eligible,
                                           double radius_px, const StereoCamera& camera,
                                           const LocalisationOptions& options);
 /// Sibling of `SearchPoints`.
 std::vector<LandmarkFeature> SearchLines(const Map& map, const std::vector<int64_t>& ids, const SE3& T_w_kf,
-                                         const std::vector<StereoLine>& features, const std::vector<char>& eligible,
+                                         std::span<const StereoLine> features, const std::vector<char>& eligible,
                                          double radius_px, const StereoCamera& camera,
                                          const LocalisationOptions& options);
 

@@ -4,22 +4,24 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <vector>
 
 #include "core/features/features.h"
+#include "core/map/keyframe_features.h"
 #include "core/map/map.h"
 
 namespace plslam {
 
 /// Features of the keyframes in the map, by their ids there.
-using KeyframeFeatures = std::map<int64_t, StereoFeatures>;
+using KeyframeFeatures = KeyframeFeatures;
 
 /// Points as a template argument; sibling of `LineType`. What differs by feature type stands here, so that what does
 /// not is written once.
 struct PointType {
   using Landmark = MapPoint;
   using Feature = StereoPoint;
-  static const std::vector<StereoPoint>& Features(const StereoFeatures& features) { return features.points; }
+  static std::span<const StereoPoint> Features(const FeaturesView& features) { return features.points; }
   static const IdMap<MapPoint>& Landmarks(const Map& map) { return map.points(); }
   static const MapPoint* Find(const Map& map, int64_t id) { return map.FindPoint(id); }
   static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {
@@ -32,7 +34,7 @@ struct PointType {
 struct LineType {
   using Landmark = MapLine;
   using Feature = StereoLine;
-  static const std::vector<StereoLine>& Features(const StereoFeatures& features) { return features.lines; }
+  static std::span<const StereoLine> Features(const FeaturesView& features) { return features.lines; }
   static const IdMap<MapLine>& Landmarks(const Map& map) { return map.lines(); }
   static const MapLine* Find(const Map& map, int64_t id) { return map.FindLine(id); }
   static const std::vector<int64_t>& Of(const Map& map, int64_t keyframe_id) {

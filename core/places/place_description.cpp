@@ -58,7 +58,7 @@ PlaceDescription DescribeLayout(const ImageFeatures& features) {
   return Describe(points, lines);
 }
 
-PlaceDescription DescribeLayout(const StereoFeatures& features) {
+PlaceDescription DescribeLayout(const FeaturesView& features) {
   Pixels points;
   Pixels lines;
   for (const StereoPoint& point : features.points) points.push_back(point.left.px);

@@ -40,6 +40,6 @@ struct PlaceDescription {
 /// Counts and dispersions of an image, without words. Features whose place is not finite do not count for the
 /// dispersion; that of fewer than two is 0.
 PlaceDescription DescribeLayout(const ImageFeatures& features);
-PlaceDescription DescribeLayout(const StereoFeatures& features);
+PlaceDescription DescribeLayout(const FeaturesView& features);
 
 }  // namespace plslam

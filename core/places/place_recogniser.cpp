@@ -59,7 +59,7 @@ PlaceRecogniser::PlaceRecogniser(Vocabulary points, Vocabulary lines, const Plac
   WeightsFor({}, options_);
 }
 
-PlaceDescription PlaceRecogniser::Describe(const StereoFeatures& features) const {
+PlaceDescription PlaceRecogniser::Describe(const FeaturesView& features) const {
   return DescribeWith(features, points_, lines_);
 }
 

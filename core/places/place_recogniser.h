@@ -35,7 +35,7 @@ class PlaceRecogniser {
   const Vocabulary& point_vocabulary() const { return points_; }
   const Vocabulary& line_vocabulary() const { return lines_; }
 
-  PlaceDescription Describe(const StereoFeatures& features) const;
+  PlaceDescription Describe(const FeaturesView& features) const;
   PlaceDescription Describe(const ImageFeatures& features) const;
 
   /// A keyframe that is there already is replaced.

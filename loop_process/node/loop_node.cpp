@@ -10,6 +10,7 @@
 #include "core/bus/messages/convert.h"
 #include "core/bus/run_loop.h"
 #include "core/map/told_keyframe.h"
+#include "core/process/process_usage.h"
 #include "core/run/process_names.h"
 #include "loop_process/loop_service.h"
 #include "plslam/status_t.hpp"
@@ -117,7 +118,10 @@ void LoopNode::Begin(const StereoCamera& camera) {
 LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   if (const auto* keyframe = std::get_if<Keyframe>(&arrival)) {
     const std::optional<Keyframe> told = ToldIn(map_camera_, *keyframe);
-    return told ? service_->OnKeyframe(*told) : LoopService::Output();
+    if (!told) return {};
+    LoopService::Output output = service_->OnKeyframe(*told);
+    if (keyframe->keyframe_id % kFilesEvery == 0) LeaveOldInFiles();
+    return output;
   }
   if (const auto* update = std::get_if<MapUpdate>(&arrival)) return Follow(*update);
   if (const auto* sign = std::get_if<SignOfLife>(&arrival)) {
@@ -126,6 +130,11 @@ LoopService::Output LoopNode::Handle(const Arrival& arrival) {
   }
   const std::optional<Keyframe> told = ToldIn(map_camera_, std::get<RelocalisationRequest>(arrival).frame);
   return told ? service_->OnRequest(*told) : LoopService::Output();
+}
+
+void LoopNode::LeaveOldInFiles() {
+  if (service_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
+  spdlog::warn("{}", CannotLeaveMemory());
 }
 
 /// What runs would undo the loop that is being told, or what has been adjusted already.
@@ -151,6 +160,7 @@ void LoopNode::Send(LoopService::Output output) {
     if (answer.found) process_.SetCounter("relocalisation.found", static_cast<double>(++n_found_));
   }
   if (!output.adjustment) return;
+  LeaveOldInFiles();
   {
     const std::lock_guard lock(mutex_);
     adjustment_ = std::move(output.adjustment);
@@ -200,6 +210,8 @@ void LoopNode::AdjustUntilStopped() {
     }
     progress = {};
     publisher_.Publish(closure);
+    problem.reset();
+    bus::GiveBackFreedMemory();
   }
 }
 

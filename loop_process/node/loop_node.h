@@ -57,6 +57,7 @@ class LoopNode {
   void Begin(const StereoCamera& camera);
   LoopService::Output Follow(const MapUpdate& update);
   LoopService::Output Handle(const Arrival& arrival);
+  void LeaveOldInFiles();
   void DropAdjustment(bool with_progress);
   void Send(LoopService::Output output);
   void Count(const LoopClosure& closure);
@@ -82,6 +83,7 @@ class LoopNode {
   // The checking worker's.
   StereoCamera map_camera_;
   std::optional<LoopService> service_;
+  bool files_failed_ = false;
   int64_t n_loops_ = 0;
   int64_t n_answers_ = 0;
   int64_t n_found_ = 0;

@@ -66,7 +66,7 @@ void Merge(const std::vector<LandmarkFeature>& found, int64_t keyframe_id, doubl
 void MergeInto(int64_t keyframe_id, const LocalMap& landmarks, const MergeWindow& window,
                const KeyframeFeatures& features, const StereoCamera& camera, const LocalisationOptions& options,
                Map& map) {
-  const StereoFeatures& seen = features.at(keyframe_id);
+  const FeaturesView& seen = features.at(keyframe_id);
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const double spread_m = window.sigma_px / camera.f_px;
   const StereoCamera seen_by = CameraOf(seen, camera);

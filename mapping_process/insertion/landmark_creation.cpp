@@ -49,8 +49,8 @@ std::optional<MapLine> MakeLine(const StereoLine& seen, const SE3& T_w_kf, const
 }
 
 template <class Type, class Make>
-std::vector<int64_t> CreateKind(int64_t keyframe_id, const StereoFeatures& features, const Make& make,
-                                int64_t& next_id, Map& map) {
+std::vector<int64_t> CreateKind(int64_t keyframe_id, const FeaturesView& features, const Make& make, int64_t& next_id,
+                                Map& map) {
   std::vector<int64_t> created;
   const auto& list = Type::Features(features);
   for (int32_t i = 0; i < static_cast<int32_t>(list.size()); ++i) {
@@ -68,7 +68,7 @@ std::vector<int64_t> CreateKind(int64_t keyframe_id, const StereoFeatures& featu
 
 }  // namespace
 
-NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
+NewLandmarks CreateLandmarks(int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map) {
   const SE3 T_w_kf = map.FindKeyframe(keyframe_id)->T_w_kf;
   const auto make_point = [&](const StereoPoint& seen) { return MakePoint(seen, T_w_kf, camera, options); };

@@ -29,7 +29,7 @@ struct NewLandmarks {
 
 /// A landmark for each feature of the keyframe that shows none and has a depth sure enough, with its uncertainty.
 /// Segments without length make none.
-NewLandmarks CreateLandmarks(int64_t keyframe_id, const StereoFeatures& features, const StereoCamera& camera,
+NewLandmarks CreateLandmarks(int64_t keyframe_id, const FeaturesView& features, const StereoCamera& camera,
                              const InsertionOptions& options, LandmarkIds& ids, Map& map);
 
 }  // namespace plslam::mapping

@@ -30,7 +30,7 @@ Ends CollectEnds(const MapLine& line, const KeyframeFeatures& features, const St
   for (const Observation& observation : line.observations) {
     const SE3 T_kf_w = map.FindKeyframe(observation.keyframe_id)->T_w_kf.Inverse();
     const Segment3 in_camera{T_kf_w * line.segment_w.p, T_kf_w * line.segment_w.q};
-    const StereoFeatures& of_keyframe = features.at(observation.keyframe_id);
+    const FeaturesView& of_keyframe = features.at(observation.keyframe_id);
     const Segment2& seen = of_keyframe.lines[static_cast<size_t>(observation.feature)].left.segment;
     const StereoCamera looked = CameraOf(of_keyframe, camera);
     const auto s_p = AlongLine(in_camera, seen.p, camera);

@@ -56,7 +56,7 @@ Eigen::Matrix3d EndpointCovariance(const Eigen::Vector2d& px, double depth_m, co
 }
 
 // Lines of a keyframe that show no landmark and have no depth of their own.
-std::vector<char> WithoutDepth(int64_t keyframe_id, const StereoFeatures& features, const Map& map) {
+std::vector<char> WithoutDepth(int64_t keyframe_id, const FeaturesView& features, const Map& map) {
   std::vector<char> eligible;
   for (int32_t i = 0; i < static_cast<int32_t>(features.lines.size()); ++i) {
     const bool open = LandmarkAt<LineType>(map, {keyframe_id, i}) < 0;
@@ -73,7 +73,7 @@ std::vector<int> Places(const std::vector<char>& eligible) {
   return places;
 }
 
-std::vector<Descriptor> Descriptors(const std::vector<int>& places, const std::vector<StereoLine>& lines) {
+std::vector<Descriptor> Descriptors(const std::vector<int>& places, std::span<const StereoLine> lines) {
   std::vector<Descriptor> descriptors;
   descriptors.reserve(places.size());
   for (const int place : places) descriptors.push_back(lines[static_cast<size_t>(place)].left.descriptor);
@@ -132,7 +132,7 @@ void AddObservationsOfOthers(int64_t line_id, const std::vector<int64_t>& keyfra
                              const StereoCamera& camera, const MappingOptions& options, Map& map) {
   for (const int64_t id : keyframes) {
     if (IsSeenBy(*map.FindLine(line_id), id)) continue;
-    const StereoFeatures& seen = features.at(id);
+    const FeaturesView& seen = features.at(id);
     for (const LandmarkFeature& found :
          SearchLines(map, {line_id}, map.FindKeyframe(id)->T_w_kf, seen.lines, WithoutDepth(id, seen, map),
                      kMaxAcross_px, CameraOf(seen, camera), options.localisation)) {

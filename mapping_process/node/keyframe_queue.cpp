@@ -7,9 +7,8 @@
 #include <utility>
 
 namespace plslam::mapping {
-namespace {
 
-Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, const StereoCamera& camera,
+Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, const StereoCamera& camera,
                     const Map& map) {
   Keyframe keyframe;
   keyframe.camera = CameraOf(features, camera);
@@ -23,20 +22,8 @@ Keyframe KeyframeOf(const MapKeyframe& entry, const StereoFeatures& features, co
   keyframe.covariance = entry.relative_covariance;
   keyframe.T_odom_kf = entry.T_odom_kf;
   keyframe.state = 1;
-  keyframe.SetFeatures(features);
+  keyframe.SetFeatures(OwnFeatures(features));
   return keyframe;
-}
-
-}  // namespace
-
-std::vector<Keyframe> KeyframesOf(const StoredMap& stored, const StereoCamera& camera) {
-  std::vector<Keyframe> keyframes;
-  for (const auto& [id, entry] : stored.map.keyframes()) {
-    const auto features = stored.features.find(id);
-    if (features == stored.features.end()) continue;
-    keyframes.push_back(KeyframeOf(entry, features->second, camera, stored.map));
-  }
-  return keyframes;
 }
 
 void KeyframeQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session) {

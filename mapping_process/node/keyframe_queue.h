@@ -7,13 +7,14 @@
 #include <optional>
 #include <vector>
 
-#include "core/io/maps/map_file.h"
 #include "core/map/keyframe.h"
+#include "core/map/map.h"
 
 namespace plslam::mapping {
 
-/// The keyframes of a map, which is told in `camera`, as trackers send them, for listeners that need their features.
-std::vector<Keyframe> KeyframesOf(const StoredMap& stored, const StereoCamera& camera);
+/// A keyframe of a map, which is told in `camera`, as its tracker sent it.
+Keyframe KeyframeOf(const MapKeyframe& entry, const FeaturesView& features, const StereoCamera& camera,
+                    const Map& map);
 
 /// Keyframes that wait to be inserted, each once and in the order of its session, whoever brings them: after a
 /// restart a session may be told by several publishers (the tracker that goes on with it, and one who tells of the

@@ -49,6 +49,7 @@ MappingNode::MappingNode(bus::Process& process, const MappingOptions& options)
       publisher_(process.bus(), [this] { Queue([this] { queue_.AskForWhole(); }); }),
       queue_(options.loops, options.state_file.empty() ? 0 : options.state_every),
       arrived_ms_(bus::NowMs()),
+      state_file_(options.state_file),
       camera_channel_(process.bus(), [this](const RigCalibration& rig) { OnCamera(rig); }),
       keyframes_(process.bus(), [this](const Keyframe& keyframe) { OnKeyframe(keyframe); }) {
   process_.bus().Subscribe<command_t>(bus::kCommand, [this](const command_t& message) { OnCommand(message); });
@@ -157,28 +158,32 @@ void MappingNode::BeginMap() {
     mapper_.emplace(*camera_, options_);
     return;
   }
-  const std::vector<Keyframe> keyframes = KeyframesOf(*stored_, *camera_);
   mapper_.emplace(*camera_, options_, *std::exchange(stored_, std::nullopt));
   mapper_->Commit();
   PublishWhole();
-  PublishStored(keyframes);
+  PublishKeyframes();
   process_.SetState(process_state::kRunning);
   TellOfMap(options_.map_file);
 }
 
 /// The map first: trackers wait for it, and most of the others have the features.
 void MappingNode::GoOnFromState() {
-  const std::vector<Keyframe> keyframes = KeyframesOf(state_->stored, *camera_);
   mapper_.emplace(*camera_, options_, *std::exchange(state_, std::nullopt));
   PublishWhole();
   process_.SetState(process_state::kRunning);
-  PublishStored(keyframes);
+  PublishKeyframes();
   TellOfMap(options_.state_file);
 }
 
-void MappingNode::PublishStored(const std::vector<Keyframe>& keyframes) {
+/// Those of the map, as trackers send them, for listeners that need their features.
+void MappingNode::PublishKeyframes() {
   bus::KeyframePublisher publisher(process_.bus());
-  for (const Keyframe& keyframe : keyframes) publisher.Publish(keyframe);
+  for (const auto& [id, entry] : mapper_->map().keyframes()) {
+    const auto features = mapper_->features().find(id);
+    if (features == mapper_->features().end()) continue;
+    publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
+  }
+  LeaveOldInFiles();
 }
 
 void MappingNode::TellOfMap(const std::string& file) {
@@ -266,6 +271,12 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
+  if (newest->keyframe_id % kFilesEvery == 0) LeaveOldInFiles();
+}
+
+void MappingNode::LeaveOldInFiles() {
+  if (mapper_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
+  spdlog::warn("{}", CannotLeaveMemory());
 }
 
 /// Whatever camera has seen it, the map is told in its own: that of the first keyframe.
@@ -300,6 +311,7 @@ void MappingNode::Correct(const Work& work) {
   }
   if (commits) mapper_->Commit();
   Publish(corrected ? Stages{{"correct", bus::NowMs() - began_ms}} : Stages{});
+  if (corrected) LeaveOldInFiles();
 }
 
 /// What was computed on the map of one that has died: versions are of that map. A map that is built anew in lockstep
@@ -324,6 +336,7 @@ void MappingNode::PublishWhole() {
 
 void MappingNode::Publish(Stages stage_ms) {
   MapUpdate update = mapper_->TakeUpdate();
+  if (!options_.state_file.empty()) state_file_.Note(update);
   update.answer = answer_;
   update.stage_ms = std::move(stage_ms);
   publisher_.Publish(update);
@@ -394,11 +407,11 @@ void MappingNode::Replace(MapperState next, const StereoCamera& camera) {
     queue_.BeginAnew(NewestBySession(next.stored), next.stored.newest_session);
   }
   answer_ = {};
-  const std::vector<Keyframe> keyframes = KeyframesOf(next.stored, camera);
   mapper_.emplace(camera, options_, std::move(next));
+  state_file_.BeginAnew();
   PublishWhole();
   // Listeners hold features of unknown sessions in small number only: they must have the map first.
-  PublishStored(keyframes);
+  PublishKeyframes();
   CountMap();
   if (!options_.state_file.empty()) KeepState();
 }
@@ -432,13 +445,14 @@ void MappingNode::KeepState() {
   try {
     mapper_->LendState([this](MapperState& state) {
       state.stored.rig = CameraBytes(mapper_->camera());
-      WriteStateFile(options_.state_file, state);
+      state_file_.Write(state);
     });
     process_.SetCounter("state.written", static_cast<double>(++n_states_));
   } catch (const std::exception& error) {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
   // The bytes of the whole map, needed now and then only.
+  LeaveOldInFiles();
   bus::GiveBackFreedMemory();
 }
 

@@ -69,7 +69,7 @@ class MappingNode {
   std::optional<Work> NextWork();
   void BeginMap();
   void GoOnFromState();
-  void PublishStored(const std::vector<Keyframe>& keyframes);
+  void PublishKeyframes();
   void TellOfMap(const std::string& file);
   void AwaitHistories();
   void Do(const Work& work);
@@ -83,6 +83,7 @@ class MappingNode {
   void Replace(MapperState next, const StereoCamera& camera);
   void SetLocaliseOnly(const std::string& argument);
   void KeepState();
+  void LeaveOldInFiles();
   void Answer(const LoopClosure& loop, bool accepted);
   void Publish(Stages stage_ms);
   void PublishWhole();
@@ -113,6 +114,7 @@ class MappingNode {
   std::optional<StoredMap> stored_;
   std::optional<MapperState> state_;  ///< of one that has crashed
   bool restored_ = false;             ///< there was one
+  StateFile state_file_;
   std::optional<Mapper> mapper_;
   LoopAnswer answer_;
   int64_t n_ignored_ = 0;
@@ -120,6 +122,7 @@ class MappingNode {
   int64_t n_failed_ = 0;
   int64_t n_states_ = 0;
   bool state_failed_ = false;
+  bool files_failed_ = false;
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;
   bus::KeyframeSubscriber keyframes_;

@@ -67,7 +67,7 @@ class MadeUpMap {
     stored.newest_session = 1;
     stored.version = 1;
     stored.map = std::move(map_);
-    stored.features = std::move(features_);
+    for (auto& [id, features] : features_) stored.features[id] = std::move(features);
     return stored;
   }
 

@@ -4,13 +4,23 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "core/features/features.h"
 #include "core/geometry/se3.h"
 #include "core/geometry/stereo_camera.h"
+#include "core/map/keyframe_features.h"
 
 namespace plslam::test {
+
+/// `change` gets the features of a keyframe and may leave others.
+template <class Change>
+void ChangeFeatures(KeyframeFeatures& features, int64_t keyframe_id, const Change& change) {
+  StereoFeatures changed = OwnFeatures(features.at(keyframe_id));
+  change(changed);
+  features.at(keyframe_id) = std::move(changed);
+}
 
 /// A world of points and segments with descriptors of their own, seen without images: stereo features as a perfect
 /// front end would find them, with Gaussian noise of the stated sigmas.

@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/bus/channels.h"
-#include "core/bus/delivery/history.h"
 #include "core/bus/options.h"
+#include "core/io/files/mapped_file.h"
 #include "core/process/process_arguments.h"
 #include "core/process/process_usage.h"
 #include "plslam_version.h"
@@ -60,7 +60,7 @@ Findings CheckNetwork(const BusAddress& address) {
 
 Findings CheckFiles(const DoctorOptions& options, const Config& config, const bus::BusOptions& bus_options) {
   const bool by_environment = bus_options.history_dir.empty();
-  const std::string history = by_environment ? bus::TemporaryRoot() : bus_options.history_dir;
+  const std::string history = by_environment ? TemporaryRoot() : bus_options.history_dir;
   Findings findings = CheckPrograms();
   Append(CheckFolder(history, "histories",
                      by_environment ? "export TMPDIR=FOLDER   # with space, for every process"

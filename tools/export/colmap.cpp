@@ -29,7 +29,7 @@ size_t CameraWith(const StereoCamera& camera, std::vector<StereoCamera>& cameras
   return cameras.size() - 1;
 }
 
-ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const StereoFeatures& features,
+ColmapImage ImageOf(const MapKeyframe& keyframe, const std::string& name, const FeaturesView& features,
                     std::vector<StereoCamera>& cameras) {
   const size_t camera = features.image ? CameraWith(CameraOf(features, cameras.front()), cameras) : 0;
   ColmapImage image{keyframe.id + 1, camera, keyframe.T_w_kf.Inverse(), name, {}};
@@ -95,7 +95,7 @@ std::map<int64_t, std::string> KeyframeImageNames(const Map& map) {
 ColmapModel ColmapOf(const StoredMap& stored, const StereoCamera& camera) {
   ColmapModel model{{camera}, {}, {}};
   const auto names = KeyframeImageNames(stored.map);
-  const StereoFeatures none;
+  const KeptFeatures none;
   std::map<int64_t, size_t> place_of;
   for (const auto& [id, keyframe] : stored.map.keyframes()) {
     const auto features = stored.features.find(id);

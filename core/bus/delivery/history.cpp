@@ -2,7 +2,6 @@
 #include "core/bus/delivery/history.h"
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 #include <utility>
@@ -10,6 +9,7 @@
 #include <lcm/eventlog.h>
 
 #include "core/bus/transport/wall_clock.h"
+#include "core/io/files/mapped_file.h"
 
 namespace plslam::bus {
 namespace {
@@ -21,11 +21,6 @@ LogHandle OpenLog(const std::string& path, const char* mode) {
 }
 
 }  // namespace
-
-std::string TemporaryRoot() {
-  const char* root = std::getenv("TMPDIR");
-  return root != nullptr && *root != '\0' ? root : "/tmp";
-}
 
 std::string TemporaryFolder(int64_t source) { return TemporaryRoot() + "/plslam-" + std::to_string(source); }
 

@@ -13,8 +13,7 @@
 
 namespace plslam::bus {
 
-/// Where the histories of processes lie that name no folder for them: TMPDIR, or /tmp; and the one of a process.
-std::string TemporaryRoot();
+/// Where the history of a process lies that names no folder for it.
 std::string TemporaryFolder(int64_t source);
 
 /// The sent messages of one ordered channel, by number, for those that ask again. Memory is bounded: beyond

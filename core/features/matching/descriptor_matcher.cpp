@@ -140,11 +140,11 @@ PointGrid::PointGrid(const std::vector<PointFeature>& points) {
   Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i]; }), points.size());
 }
 
-PointGrid::PointGrid(const std::vector<StereoPoint>& points) {
+PointGrid::PointGrid(std::span<const StereoPoint> points) {
   Build(MakeEntries(points.size(), [&points](size_t i) { return &points[i].left; }), points.size());
 }
 
-PointGrid::PointGrid(const std::vector<StereoPoint>& points, const std::vector<char>& eligible) {
+PointGrid::PointGrid(std::span<const StereoPoint> points, const std::vector<char>& eligible) {
   const auto get = [&](size_t i) { return eligible[i] != 0 ? &points[i].left : nullptr; };
   Build(MakeEntries(points.size(), get), points.size());
 }

@@ -43,9 +43,9 @@ class PointGrid {
 
   PointGrid() = default;
   explicit PointGrid(const std::vector<PointFeature>& points);
-  explicit PointGrid(const std::vector<StereoPoint>& points);
+  explicit PointGrid(std::span<const StereoPoint> points);
   /// Of those for which `eligible` is not zero; indices are places among all points.
-  PointGrid(const std::vector<StereoPoint>& points, const std::vector<char>& eligible);
+  PointGrid(std::span<const StereoPoint> points, const std::vector<char>& eligible);
 
   /// Number of points that the grid was made from.
   int size() const { return size_; }

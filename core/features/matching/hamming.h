@@ -23,11 +23,11 @@ const auto& InLeftImage(const Feature& feature) {
 }
 
 /// Descriptors of points or lines, of one image or of stereo features, in their order.
-template <class Feature>
-std::vector<Descriptor> DescriptorsOf(const std::vector<Feature>& features) {
+template <class Features>
+std::vector<Descriptor> DescriptorsOf(const Features& features) {
   std::vector<Descriptor> descriptors;
   descriptors.reserve(features.size());
-  for (const Feature& feature : features) descriptors.push_back(InLeftImage(feature).descriptor);
+  for (const auto& feature : features) descriptors.push_back(InLeftImage(feature).descriptor);
   return descriptors;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <map>
 #include <span>
 #include <stdexcept>
@@ -48,6 +49,12 @@ concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || IsArrayOfNumbers
 class Writer {
  public:
   explicit Writer(size_t expected_bytes = 0) : bytes_(expected_bytes) {}
+  /// Hands on what has been written, a megabyte or so at once; call `Flush` at the end.
+  explicit Writer(std::function<void(std::span<const uint8_t>)> sink) : bytes_(1 << 20), sink_(std::move(sink)) {}
+  void Flush() {
+    sink_(Written());
+    size_ = 0;
+  }
 
   template <class... T>
   void operator()(const T&... values) {
@@ -60,19 +67,19 @@ class Writer {
   }
 
   size_t size() const { return size_; }
-  /// Room for as many bytes more.
-  void Reserve(size_t n) {
-    if (bytes_.size() - size_ < n) bytes_.resize(size_ + n);
-  }
   std::span<const uint8_t> Written() const { return {bytes_.data(), size_}; }
   /// Puts bytes in the place of some that have been written.
   void Overwrite(size_t begin, const void* data, size_t n) { std::memcpy(bytes_.data() + begin, data, n); }
 
  private:
   void Append(const void* data, size_t n) {
-    if (bytes_.size() - size_ < n) bytes_.resize(2 * bytes_.size() + n + 64);
+    if (bytes_.size() - size_ < n) MakeRoom(n);
     if (n > 0) std::memcpy(bytes_.data() + size_, data, n);
     size_ += n;
+  }
+  void MakeRoom(size_t n) {
+    if (sink_) Flush();
+    if (bytes_.size() - size_ < n) bytes_.resize(2 * bytes_.size() + n + 64);
   }
   template <Plain T>
   void Write(const T& value) {
@@ -89,6 +96,10 @@ class Writer {
   }
   template <class T>
   void Write(const std::vector<T>& values) {
+    Write(std::span<const T>(values));
+  }
+  template <class T>
+  void Write(std::span<const T> values) {
     Write(static_cast<uint64_t>(values.size()));
     if constexpr (std::is_arithmetic_v<T>) {
       Append(values.data(), values.size() * sizeof(T));
@@ -118,6 +129,7 @@ class Writer {
   // More than is used: a vector that grows value by value is three times slower.
   std::vector<uint8_t> bytes_;
   size_t size_ = 0;
+  std::function<void(std::span<const uint8_t>)> sink_;
 };
 
 /// Throws std::runtime_error where the bytes end too early. Needs memory in proportion to them, whatever they say.

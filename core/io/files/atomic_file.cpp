@@ -7,34 +7,55 @@
 #include <filesystem>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
 
 namespace plslam {
-namespace {
 
-[[noreturn]] void Fail(const std::string& path, const char* what, const std::string& besides = "") {
-  const int reason = errno;
-  std::remove((path + ".part").c_str());
-  throw std::runtime_error(path + ": cannot be " + what + ": " + std::strerror(reason) + besides);
+AtomicFile::AtomicFile(std::string path) : path_(std::move(path)), part_path_(path_ + ".part") {
+  file_ = std::fopen(part_path_.c_str(), "wb");
+  if (file_ == nullptr) Fail("created");
 }
 
-}  // namespace
+AtomicFile::~AtomicFile() {
+  if (file_ == nullptr) return;
+  std::fclose(file_);
+  std::remove(part_path_.c_str());
+}
+
+void AtomicFile::Fail(const char* what, const std::string& besides) {
+  const int reason = errno;
+  if (file_ != nullptr) std::fclose(file_);
+  file_ = nullptr;
+  std::remove(part_path_.c_str());
+  throw std::runtime_error(path_ + ": cannot be " + what + ": " + std::strerror(reason) + besides);
+}
+
+void AtomicFile::Append(std::string_view bytes) {
+  size_ += bytes.size();
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file_) != bytes.size())
+    Fail("written", " (it has " + std::to_string(size_) + " bytes)");
+}
+
+void AtomicFile::OverwriteBeginning(std::string_view bytes) {
+  const bool done = std::fseek(file_, 0, SEEK_SET) == 0 &&
+                    std::fwrite(bytes.data(), 1, bytes.size(), file_) == bytes.size() &&
+                    std::fseek(file_, 0, SEEK_END) == 0;
+  if (!done) Fail("written", " (it has " + std::to_string(size_) + " bytes)");
+}
+
+void AtomicFile::PutInPlace() {
+  // A full disk may show only when the last buffer goes out.
+  if (std::fclose(std::exchange(file_, nullptr)) != 0)
+    Fail("written", " (it has " + std::to_string(size_) + " bytes)");
+  if (std::rename(part_path_.c_str(), path_.c_str()) != 0) Fail("put in place");
+}
 
 void WriteFileAtomically(const std::string& path, std::string_view content) { WriteFileAtomically(path, {content}); }
 
 void WriteFileAtomically(const std::string& path, std::initializer_list<std::string_view> parts) {
-  const std::string part_path = path + ".part";
-  std::FILE* file = std::fopen(part_path.c_str(), "wb");
-  if (file == nullptr) Fail(path, "created");
-  bool written = true;
-  size_t bytes = 0;
-  for (const std::string_view part : parts) {
-    bytes += part.size();
-    written = written && std::fwrite(part.data(), 1, part.size(), file) == part.size();
-  }
-  // A full disk may show only when the last buffer goes out.
-  const bool closed = std::fclose(file) == 0;
-  if (!written || !closed) Fail(path, "written", " (it has " + std::to_string(bytes) + " bytes)");
-  if (std::rename(part_path.c_str(), path.c_str()) != 0) Fail(path, "put in place");
+  AtomicFile file(path);
+  for (const std::string_view part : parts) file.Append(part);
+  file.PutInPlace();
 }
 
 void MakeFolder(const std::string& folder) {

@@ -1,14 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <cstdio>
 #include <initializer_list>
 #include <string>
 #include <string_view>
 
 namespace plslam {
 
-/// Replaces the file by `content`: writes to `PATH.part` in the same folder, then renames, so that a reader sees the
-/// old file or the new one, whole. Throws std::runtime_error, naming the file and the reason of the system.
+/// A file that is written beside PATH (`PATH.part`) and takes its place when it is whole, so that a reader sees the
+/// old file or the new one. Throws std::runtime_error, naming the file and the reason of the system.
+class AtomicFile {
+ public:
+  explicit AtomicFile(std::string path);
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+  /// What has not taken its place is gone.
+  ~AtomicFile();
+
+  void Append(std::string_view bytes);
+  /// In the place of the first bytes.
+  void OverwriteBeginning(std::string_view bytes);
+  void PutInPlace();
+
+ private:
+  [[noreturn]] void Fail(const char* what, const std::string& besides = "");
+
+  std::string path_;
+  std::string part_path_;
+  std::FILE* file_;
+  uint64_t size_ = 0;
+};
+
+/// Replaces the file by `content`, as `AtomicFile` does.
 void WriteFileAtomically(const std::string& path, std::string_view content);
 /// One part behind the other.
 void WriteFileAtomically(const std::string& path, std::initializer_list<std::string_view> parts);

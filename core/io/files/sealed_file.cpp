@@ -2,7 +2,6 @@
 #include "core/io/files/sealed_file.h"
 
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -12,7 +11,6 @@
 #include <system_error>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/atomic_file.h"
 
 namespace plslam {
 namespace {
@@ -22,33 +20,10 @@ constexpr size_t kSummed = 24;
 using Sum = decltype(Seal::checksum);
 using Bytes = std::span<const uint8_t>;
 
-Sum Blake2b(Bytes fields, Bytes content) {
-  crypto_generichash_state state;
-  Sum sum;
-  crypto_generichash_init(&state, nullptr, 0, sum.size());
-  crypto_generichash_update(&state, fields.data(), fields.size());
-  crypto_generichash_update(&state, content.data(), content.size());
-  crypto_generichash_final(&state, sum.data(), sum.size());
-  return sum;
-}
-
-Sum Poly1305(Bytes fields, Bytes content) {
-  static constexpr std::array<uint8_t, crypto_onetimeauth_KEYBYTES> kKey = {'n', 'o', ' ', 's', 'e',
-                                                                            'c', 'r', 'e', 't'};
-  crypto_onetimeauth_state state;
-  Sum sum{};
-  static_assert(crypto_onetimeauth_BYTES <= sizeof(Sum));
-  crypto_onetimeauth_init(&state, kKey.data());
-  crypto_onetimeauth_update(&state, fields.data(), fields.size());
-  crypto_onetimeauth_update(&state, content.data(), content.size());
-  crypto_onetimeauth_final(&state, sum.data());
-  return sum;
-}
-
 Sum SumOf(const FileKind& kind, const Seal& seal, Bytes content) {
-  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
-  const Bytes fields(reinterpret_cast<const uint8_t*>(&seal), kSummed);
-  return kind.checksum == Checksum::kBlake2b ? Blake2b(fields, content) : Poly1305(fields, content);
+  SealSum sum(kind, seal);
+  sum.Add(content);
+  return sum.Take();
 }
 
 std::string_view Text(const void* bytes, size_t n) { return {static_cast<const char*>(bytes), n}; }
@@ -60,6 +35,37 @@ void ReadExactly(std::ifstream& file, uint8_t* bytes, size_t n) {
 }
 
 }  // namespace
+
+SealSum::SealSum(const FileKind& kind, const Seal& seal) {
+  if (sodium_init() < 0) throw std::runtime_error("libsodium cannot be initialised");
+  if (kind.checksum == Checksum::kBlake2b) {
+    crypto_generichash_init(&state_.emplace<crypto_generichash_state>(), nullptr, 0, sizeof(Sum));
+  } else {
+    static constexpr std::array<uint8_t, crypto_onetimeauth_KEYBYTES> kKey = {'n', 'o', ' ', 's', 'e',
+                                                                              'c', 'r', 'e', 't'};
+    crypto_onetimeauth_init(&state_.emplace<crypto_onetimeauth_state>(), kKey.data());
+  }
+  Add(Bytes(reinterpret_cast<const uint8_t*>(&seal), kSummed));
+}
+
+void SealSum::Add(Bytes content) {
+  if (auto* blake = std::get_if<crypto_generichash_state>(&state_)) {
+    crypto_generichash_update(blake, content.data(), content.size());
+  } else {
+    crypto_onetimeauth_update(&std::get<crypto_onetimeauth_state>(state_), content.data(), content.size());
+  }
+}
+
+Sum SealSum::Take() {
+  Sum sum{};
+  if (auto* blake = std::get_if<crypto_generichash_state>(&state_)) {
+    crypto_generichash_final(blake, sum.data(), sum.size());
+  } else {
+    static_assert(crypto_onetimeauth_BYTES <= sizeof(Sum));
+    crypto_onetimeauth_final(&std::get<crypto_onetimeauth_state>(state_), sum.data());
+  }
+  return sum;
+}
 
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content) {
   Seal seal{kind.magic, kind.format, content.size(), {}};
@@ -105,6 +111,34 @@ SealedFileReader::SealedFileReader(const std::string& path, const FileKind& kind
 }
 
 void SealedFileReader::Read(uint8_t* content) { ReadExactly(file_, content, seal_.length); }
+
+std::optional<Bytes> TakeSealed(const FileKind& kind, Bytes& bytes) {
+  Seal seal;
+  if (bytes.size() < sizeof(Seal)) return std::nullopt;
+  std::memcpy(&seal, bytes.data(), sizeof(Seal));
+  if (seal.magic != kind.magic || seal.format != kind.format || seal.length > bytes.size() - sizeof(Seal))
+    return std::nullopt;
+  const Bytes content = bytes.subspan(sizeof(Seal), seal.length);
+  if (SumOf(kind, seal, content) != seal.checksum) return std::nullopt;
+  bytes = bytes.subspan(sizeof(Seal) + seal.length);
+  return content;
+}
+
+SealedFileWriter::SealedFileWriter(const std::string& path, const FileKind& kind, uint64_t length)
+    : file_(path), seal_{kind.magic, kind.format, length, {}}, sum_(kind, seal_) {
+  file_.Append(Text(&seal_, sizeof(seal_)));
+}
+
+void SealedFileWriter::Append(Bytes content) {
+  sum_.Add(content);
+  file_.Append(Text(content.data(), content.size()));
+}
+
+void SealedFileWriter::PutInPlace() {
+  seal_.checksum = sum_.Take();
+  file_.OverwriteBeginning(Text(&seal_, sizeof(seal_)));
+  file_.PutInPlace();
+}
 
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content) {
   const Seal seal = MakeSeal(kind, content);

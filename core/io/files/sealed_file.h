@@ -4,11 +4,17 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
+
+#include <sodium.h>
+
+#include "core/io/files/atomic_file.h"
 
 namespace plslam {
 
@@ -34,6 +40,17 @@ struct Seal {
   std::array<uint8_t, 32> checksum{};
 };
 static_assert(sizeof(Seal) == 56);
+
+/// The checksum of a seal whose content comes piece by piece.
+class SealSum {
+ public:
+  SealSum(const FileKind& kind, const Seal& seal);
+  void Add(std::span<const uint8_t> content);
+  decltype(Seal::checksum) Take();
+
+ private:
+  std::variant<crypto_generichash_state, crypto_onetimeauth_state> state_;
+};
 
 /// Of a content that belongs behind it.
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
@@ -69,6 +86,24 @@ auto NamingFile(const std::string& path, Function f) {
     throw std::runtime_error(path + ": " + error.what());
   }
 }
+
+/// The content that begins with a seal of that kind, taken from the front of `bytes`, in which anything may follow;
+/// nullopt where there is none, or it is cut off or damaged.
+std::optional<std::span<const uint8_t>> TakeSealed(const FileKind& kind, std::span<const uint8_t>& bytes);
+
+/// Such a file whose content comes piece by piece, `length` bytes of it, and which then takes the place of `path`.
+/// Throws std::runtime_error that names the file.
+class SealedFileWriter {
+ public:
+  SealedFileWriter(const std::string& path, const FileKind& kind, uint64_t length);
+  void Append(std::span<const uint8_t> content);
+  void PutInPlace();
+
+ private:
+  AtomicFile file_;
+  Seal seal_;
+  SealSum sum_;
+};
 
 /// Beside the file and renamed. Throws std::runtime_error that names the file.
 void WriteSealedFile(const std::string& path, const FileKind& kind, std::span<const uint8_t> content);

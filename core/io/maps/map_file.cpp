@@ -4,16 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <future>
 #include <memory>
 #include <stdexcept>
 
 #include "core/errors/error_text.h"
-#include "core/io/files/atomic_file.h"
 #include "core/io/files/sealed_file.h"
-#include "core/io/maps/map_file_check.h"
-#include "core/io/maps/map_file_fields.h"
+#include "core/io/maps/map_records.h"
 
 namespace plslam {
 namespace {
@@ -26,80 +25,27 @@ constexpr FileKind kMapFile{
     {'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, 2, "map file", Checksum::kBlake2b, kWithoutImages};
 constexpr FileKind kMapFileWithoutImages{{'P', 'L', 'S', 'L', 'A', 'M', 'A', 'P'}, kWithoutImages, "map file"};
 
-/// Reads landmarks of one kind into the map; returns how many observations they have.
-template <class Landmark>
-int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
-  int64_t last_id = -1;
-  int64_t n_observations = 0;
-  for (uint64_t n = read.ReadCount(archive::MinBytes<Landmark>()); n > 0; --n) {
-    Landmark landmark;
-    read(landmark);
-    map_file::Check(landmark, stored.features);
-    if (landmark.id <= last_id) throw std::runtime_error("landmarks do not ascend");
-    last_id = landmark.id;
-    n_observations += static_cast<int64_t>(landmark.observations.size());
-    stored.map.Put(landmark);
-  }
-  return n_observations;
-}
+using Images = std::map<int64_t, TakenImage>;
 
-void ReadKeyframes(archive::Reader& read, StoredMap& stored) {
-  int64_t last_id = -1;
-  for (uint64_t n = read.ReadCount(archive::MinBytes<MapKeyframe>()); n > 0; --n) {
-    MapKeyframe keyframe;
-    read(keyframe);
-    map_file::Check(keyframe);
-    if (keyframe.id <= last_id) throw std::runtime_error("keyframes do not ascend");
-    last_id = keyframe.id;
-    stored.map.Put(keyframe);
-  }
-}
-
-/// Values by number, ascending.
-template <class Value>
-void ReadMap(archive::Reader& read, std::map<int64_t, Value>& values) {
-  for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
-    int64_t id = 0;
-    read(id);
-    if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
-    read(values.try_emplace(values.end(), id)->second);
-  }
-}
-
-std::map<int64_t, TakenImage> ImagesOf(const StoredMap& stored) {
-  std::map<int64_t, TakenImage> images;
+Images ImagesOf(const StoredMap& stored) {
+  Images images;
   for (const auto& [id, features] : stored.features) {
     if (features.image) images[id] = *features.image;
   }
   return images;
 }
 
-void ReadImages(archive::Reader& read, StoredMap& stored) {
-  std::map<int64_t, TakenImage> images;
-  ReadMap(read, images);
-  for (const auto& [id, image] : images) {
-    map_file::Check(id, image, stored.features);
-    stored.features.at(id).image = image;
-  }
-}
-
 StoredMap ReadContent(uint64_t format, Bytes content) {
   StoredMap stored;
   archive::Reader read(content);
   read(stored);
-  ReadMap(read, stored.sessions);
-  ReadKeyframes(read, stored);
-  ReadMap(read, stored.features);
-  for (const auto& [id, features] : stored.features) map_file::Check(id, features);
-  const int64_t point_observations = ReadLandmarks<MapPoint>(read, stored);
-  const int64_t line_observations = ReadLandmarks<MapLine>(read, stored);
-  std::vector<LoopEdge> loops;
-  read(loops);
-  for (const LoopEdge& loop : loops) {
-    map_file::Check(loop);
-    stored.map.Add(loop);
-  }
-  if (format != kWithoutImages) ReadImages(read, stored);
+  map_file::ReadByNumber(read, stored.sessions);
+  map_file::ReadKeyframes(read, stored);
+  map_file::ReadFeatures(read, stored.features);
+  const int64_t point_observations = map_file::ReadLandmarks<MapPoint>(read, stored);
+  const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, stored);
+  map_file::ReadLoops(read, stored.map);
+  if (format != kWithoutImages) map_file::ReadImages(read, stored.features);
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
   map_file::CheckWhole(stored, point_observations, line_observations);
   stored.map.TakeChanges();
@@ -120,12 +66,6 @@ StoredMap ReadAndCheck(const Seal& seal, Bytes content) {
   return stored;
 }
 
-template <class Value>
-void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
-  write(static_cast<uint64_t>(values.size()));
-  for (const auto& [id, value] : values) write(value);
-}
-
 void CheckAll(const StoredMap& stored) {
   for (const auto& [id, keyframe] : stored.map.keyframes()) map_file::Check(keyframe);
   for (const auto& [id, features] : stored.features) {
@@ -139,45 +79,49 @@ void CheckAll(const StoredMap& stored) {
   map_file::CheckWhole(stored, totals.point_observations, totals.line_observations);
 }
 
-/// A little more than it will be.
-size_t RoughLength(const StoredMap& stored) {
+void WriteContent(const StoredMap& stored, const Images& images, archive::Writer& write) {
+  write(stored, stored.sessions);
+  map_file::WriteValues(write, stored.map.keyframes());
+  write(static_cast<uint64_t>(stored.features.size()));
+  for (const auto& [id, features] : stored.features) write(id, static_cast<const FeaturesView&>(features));
+  map_file::WriteValues(write, stored.map.points());
+  map_file::WriteValues(write, stored.map.lines());
+  write(stored.map.loops());
+  if (!images.empty()) write(images);
+}
+
+/// Of what `WriteContent` writes.
+size_t LengthOf(const StoredMap& stored, const Images& images) {
   using archive::MinBytes;
+  constexpr size_t kNumber = sizeof(int64_t);
+  archive::Writer head;
+  head(stored, stored.sessions);
   const MapTotals totals = stored.map.Totals();
-  size_t n = stored.rig.size() + stored.map.loops().size() * MinBytes<LoopEdge>() +
-             static_cast<size_t>(totals.keyframes) * (MinBytes<MapKeyframe>() + 64) +
+  size_t n = head.size() + 5 * kNumber + stored.map.loops().size() * MinBytes<LoopEdge>() +
+             static_cast<size_t>(totals.keyframes) * MinBytes<MapKeyframe>() +
              static_cast<size_t>(totals.points) * MinBytes<MapPoint>() +
              static_cast<size_t>(totals.lines) * MinBytes<MapLine>() +
              static_cast<size_t>(totals.point_observations + totals.line_observations) * MinBytes<Observation>();
   for (const auto& [id, features] : stored.features) {
-    n += features.points.size() * MinBytes<StereoPoint>() + features.lines.size() * MinBytes<StereoLine>();
+    n += kNumber + MinBytes<StereoFeatures>() + features.points.size() * MinBytes<StereoPoint>() +
+         features.lines.size() * MinBytes<StereoLine>();
   }
-  return n + 4096;
+  return images.empty() ? n : n + kNumber + images.size() * (kNumber + MinBytes<TakenImage>());
 }
+
+const FileKind& KindOf(const Images& images) { return images.empty() ? kMapFileWithoutImages : kMapFile; }
 
 }  // namespace
 
-void AppendMap(const StoredMap& stored, archive::Writer& write) {
-  CheckAll(stored);
-  write.Reserve(RoughLength(stored));
-  const size_t begin = write.size();
-  // The seal's place; what it says is known at the end.
-  write(std::vector<uint8_t>(sizeof(Seal) - sizeof(uint64_t)), stored);
-  write(stored.sessions);
-  WriteValues(write, stored.map.keyframes());
-  write(stored.features);
-  WriteValues(write, stored.map.points());
-  WriteValues(write, stored.map.lines());
-  write(stored.map.loops());
-  const std::map<int64_t, TakenImage> images = ImagesOf(stored);
-  if (!images.empty()) write(images);
-  const Seal seal =
-      MakeSeal(images.empty() ? kMapFileWithoutImages : kMapFile, write.Written().subspan(begin + sizeof(Seal)));
-  write.Overwrite(begin, &seal, sizeof(Seal));
-}
-
 std::vector<uint8_t> EncodeMap(const StoredMap& stored) {
-  archive::Writer write;
-  AppendMap(stored, write);
+  CheckAll(stored);
+  const Images images = ImagesOf(stored);
+  archive::Writer write(sizeof(Seal) + LengthOf(stored, images));
+  // The seal's place; what it says is known at the end.
+  write(std::array<uint8_t, sizeof(Seal)>());
+  WriteContent(stored, images, write);
+  const Seal seal = MakeSeal(KindOf(images), write.Written().subspan(sizeof(Seal)));
+  write.Overwrite(0, &seal, sizeof(Seal));
   return std::move(write).Take();
 }
 
@@ -188,8 +132,13 @@ StoredMap DecodeMap(std::span<const uint8_t> bytes) {
 
 void WriteMapFile(const std::string& path, const StoredMap& stored) {
   if (stored.map.keyframes().empty()) throw std::runtime_error(path + ": is not written: the map has no keyframe");
-  const std::vector<uint8_t> bytes = NamingFile(path, [&] { return EncodeMap(stored); });
-  WriteFileAtomically(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  NamingFile(path, [&] { CheckAll(stored); });
+  const Images images = ImagesOf(stored);
+  SealedFileWriter file(path, KindOf(images), LengthOf(stored, images));
+  archive::Writer write([&](Bytes content) { file.Append(content); });
+  WriteContent(stored, images, write);
+  write.Flush();
+  file.PutInPlace();
 }
 
 StoredMap ReadMapFile(const std::string& path) {

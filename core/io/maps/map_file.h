@@ -7,14 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "core/features/features.h"
+#include "core/map/keyframe_features.h"
 #include "core/map/map.h"
 
 namespace plslam {
-
-namespace archive {
-class Writer;
-}
 
 /// The newest keyframe of a session that is in the map: its number there and as the session counts.
 struct StoredSession {
@@ -30,7 +26,7 @@ struct StoredMap {
   std::vector<uint8_t> rig;
   Map map;
   /// Of the keyframes that the map has, by their number in it. Every observation is among them.
-  std::map<int64_t, StereoFeatures> features;
+  KeyframeFeatures features;
   /// Greater than any that was ever given.
   int64_t next_keyframe_id = 0;
   int64_t next_point_id = 0;
@@ -47,8 +43,6 @@ struct StoredMap {
 ///
 /// Throws std::runtime_error where the map breaks what decoding demands.
 std::vector<uint8_t> EncodeMap(const StoredMap& stored);
-/// The same bytes, behind what has been written.
-void AppendMap(const StoredMap& stored, archive::Writer& write);
 
 /// The map has no changes to take. Throws std::runtime_error, in one sentence, for bytes that are no map file, of a
 /// newer format, cut off, damaged, or whose values cannot be (not finite, rotations that are not unit, numbers that

@@ -46,7 +46,7 @@ bool IsFeature(const StereoLine& l) {
 
 template <class Feature>
 void CheckObservations(const char* kind, int64_t id, const std::vector<Observation>& observations,
-                       const std::map<int64_t, StereoFeatures>& features, std::vector<Feature> StereoFeatures::*of) {
+                       const KeyframeFeatures& features, std::span<const Feature> FeaturesView::*of) {
   int64_t last = -1;
   for (const Observation& observation : observations) {
     Demand(observation.keyframe_id > last, "{} {} has observations that do not ascend by keyframe ({} after {})",
@@ -78,14 +78,14 @@ void Check(const MapKeyframe& k) {
          "keyframe {} has a covariance that cannot be", k.id);
 }
 
-void Check(int64_t keyframe_id, const StereoFeatures& features) {
+void Check(int64_t keyframe_id, const FeaturesView& features) {
   const auto is_feature = [](const auto& feature) { return IsFeature(feature); };
   Demand(std::all_of(features.points.begin(), features.points.end(), is_feature) &&
              std::all_of(features.lines.begin(), features.lines.end(), is_feature),
          "keyframe {} has a feature whose values cannot be", keyframe_id);
 }
 
-void Check(int64_t keyframe_id, const TakenImage& image, const std::map<int64_t, StereoFeatures>& features) {
+void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures& features) {
   Demand(features.contains(keyframe_id), "an image is of keyframe {}, which has no features", keyframe_id);
   const auto is_place = [](int px) { return std::abs(px) <= kMaxPixel; };
   const auto is_size = [](int px) { return px >= 1 && px <= kMaxPixel; };
@@ -96,18 +96,18 @@ void Check(int64_t keyframe_id, const TakenImage& image, const std::map<int64_t,
          keyframe_id, image.width_px, image.height_px, image.left_px, image.top_px, image.f_px);
 }
 
-void Check(const MapPoint& p, const std::map<int64_t, StereoFeatures>& features) {
+void Check(const MapPoint& p, const KeyframeFeatures& features) {
   const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
                   p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;
   Demand(ok, "point {} has values that cannot be", p.id);
-  CheckObservations("point", p.id, p.observations, features, &StereoFeatures::points);
+  CheckObservations("point", p.id, p.observations, features, &FeaturesView::points);
 }
 
-void Check(const MapLine& l, const std::map<int64_t, StereoFeatures>& features) {
+void Check(const MapLine& l, const KeyframeFeatures& features) {
   const bool ok = l.id >= 0 && l.segment_w.p.allFinite() && l.segment_w.q.allFinite() &&
                   IsCovariance<3>(l.covariance_p) && IsCovariance<3>(l.covariance_q);
   Demand(ok, "line {} has values that cannot be", l.id);
-  CheckObservations("line", l.id, l.observations, features, &StereoFeatures::lines);
+  CheckObservations("line", l.id, l.observations, features, &FeaturesView::lines);
 }
 
 void Check(const LoopEdge& loop) {

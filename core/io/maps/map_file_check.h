@@ -10,12 +10,12 @@ namespace plslam::map_file {
 // What values of a map file must be. Each throws std::runtime_error that names the culprit.
 
 void Check(const MapKeyframe& keyframe);
-void Check(int64_t keyframe_id, const StereoFeatures& features);
+void Check(int64_t keyframe_id, const FeaturesView& features);
 /// An image of pixels that can be, of a keyframe with features.
-void Check(int64_t keyframe_id, const TakenImage& image, const std::map<int64_t, StereoFeatures>& features);
+void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures& features);
 /// Observations ascend and are of features that there are.
-void Check(const MapPoint& point, const std::map<int64_t, StereoFeatures>& features);
-void Check(const MapLine& line, const std::map<int64_t, StereoFeatures>& features);
+void Check(const MapPoint& point, const KeyframeFeatures& features);
+void Check(const MapLine& line, const KeyframeFeatures& features);
 void Check(const LoopEdge& loop);
 /// Next numbers are greater than all that are in use, sessions and features name keyframes of the map, and each
 /// feature belongs to one landmark (there are as many observations in the map as `observations` were put).

@@ -37,10 +37,9 @@ void Fields(Archive& a, T& image) {
 }
 
 /// Without the image: few have one of their own.
-template <class Archive, Is<StereoFeatures> T>
-void Fields(Archive& a, T& features) {
-  a(features.points, features.lines);
-}
+template <class Archive, class T>
+requires Is<T, StereoFeatures> || Is<T, FeaturesView>
+void Fields(Archive& a, T& features) { a(features.points, features.lines); }
 
 template <class Archive, Is<Observation> T>
 void Fields(Archive& a, T& observation) {

@@ -38,7 +38,7 @@ struct HandmadeMap {
     seen.left.descriptor = descriptor;
     seen.disparity_px = uvd.z();
     seen.sigma_px = seen.sigma_disparity_px = 0.5;
-    features[keyframe_id].points.push_back(seen);
+    ChangeFeatures(features, keyframe_id, [&](StereoFeatures& of) { of.points.push_back(seen); });
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].points.size()) - 1};
   }
   Observation SeeLine(int64_t keyframe_id, const Segment3& segment_w, const Descriptor& descriptor) {
@@ -51,7 +51,7 @@ struct HandmadeMap {
     seen.disparity_p_px = p.z();
     seen.disparity_q_px = q.z();
     seen.sigma_px = seen.sigma_disparity_p_px = seen.sigma_disparity_q_px = 0.5;
-    features[keyframe_id].lines.push_back(seen);
+    ChangeFeatures(features, keyframe_id, [&](StereoFeatures& of) { of.lines.push_back(seen); });
     return {keyframe_id, static_cast<int32_t>(features[keyframe_id].lines.size()) - 1};
   }
 

@@ -71,8 +71,9 @@ TEST_F(ProjectionSearch, FeaturesThatAreNotEligibleAreLeft) {
 }
 
 TEST_F(ProjectionSearch, AnotherDescriptorIsNoMatch) {
-  m_.features[1].points[1].left.descriptor = DescriptorOf(77);
-  m_.features[1].lines[1].left.descriptor = DescriptorOf(77);
+  test::ChangeFeatures(m_.features, 1, [](StereoFeatures& of) {
+    of.points[1].left.descriptor = of.lines[1].left.descriptor = DescriptorOf(77);
+  });
   EXPECT_TRUE(Points(T_w_1_).empty());
   EXPECT_TRUE(Lines(T_w_1_).empty());
 }
@@ -81,7 +82,7 @@ TEST_F(ProjectionSearch, AnotherDescriptorIsNoMatch) {
 TEST_F(ProjectionSearch, WhatIsBehindOrOutsideIsNotLookedFor) {
   const SE3 behind(Eigen::Quaterniond::Identity(), 2.0 * kPoint);
   const Eigen::Vector2d mirrored = FeatureWorld::Camera().Project(behind.Inverse() * kPoint);
-  m_.features[1].points[1].left.px = mirrored;
+  test::ChangeFeatures(m_.features, 1, [&](StereoFeatures& of) { of.points[1].left.px = mirrored; });
   EXPECT_TRUE(Points(behind).empty());
   EXPECT_TRUE(Lines(behind).empty());
   const SE3 aside(Eigen::Quaterniond::Identity(), Eigen::Vector3d(20.0, 0.0, 0.0));
@@ -103,7 +104,7 @@ TEST_F(ProjectionSearch, OctaveFollowsTheDistance) {
   point.octave = 3;
   m_.map.Put(point);
   EXPECT_TRUE(Points(T_w_1_).empty()) << "seen in octave 0 from nearly as far";
-  m_.features[1].points[1].left.octave = 3;
+  test::ChangeFeatures(m_.features, 1, [](StereoFeatures& of) { of.points[1].left.octave = 3; });
   EXPECT_EQ(Points(T_w_1_).size(), 1U);
 }
 

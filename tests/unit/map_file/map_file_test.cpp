@@ -14,6 +14,7 @@
 #include <functional>
 #include <limits>
 
+#include "tests/support/feature_world.h"
 #include "tests/unit/map_file/stored_maps.h"
 
 namespace plslam {
@@ -198,7 +199,9 @@ TEST(MapFile, MapsThatCouldNotBeLoadedAreNotSaved) {
   bad.features[bad.next_keyframe_id];
   EXPECT_THAT(EncodeError(bad), HasSubstr("which the map does not have"));
   bad = good;
-  bad.features.at(some_keyframe).points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
+  test::ChangeFeatures(bad.features, some_keyframe, [](StereoFeatures& of) {
+    of.points[0].left.px.x() = std::numeric_limits<double>::quiet_NaN();
+  });
   EXPECT_THAT(EncodeError(bad), HasSubstr("has a feature whose values cannot be"));
   bad = good;
   bad.features.at(some_keyframe).image = TakenImage{0, 0, 0, 480, 400.0};

@@ -95,7 +95,8 @@ TEST_F(LineExtent, EndsAtTheBorderExtendWhereTwoGoFurther) {
 
 TEST_F(LineExtent, ViewsAlongTheLineOrWithoutLengthDoNotCount) {
   Put(Part(-0.5, 0.5), {Part(-0.5, 0.5), Part(-0.5, 0.5), Part(-0.2, 0.2)});
-  m_.features[2].lines[0].left.segment.q = m_.features[2].lines[0].left.segment.p;
+  test::ChangeFeatures(m_.features, 2,
+                       [](StereoFeatures& of) { of.lines[0].left.segment.q = of.lines[0].left.segment.p; });
   const auto [from, to] = Ends();
   EXPECT_NEAR(from, -0.5, kClose);
   EXPECT_NEAR(to, 0.5, kClose);
@@ -108,7 +109,7 @@ TEST_F(LineExtent, LineThroughACameraCentre) {
     m_.AddKeyframe({Eigen::Quaterniond::Identity(), Eigen::Vector3d(x, 0.0, 0.0)});
     observations.push_back(m_.SeeLine(static_cast<int64_t>(observations.size()), through, look_));
   }
-  m_.features[0].lines[0].left.segment.q.y() += 30.0;
+  test::ChangeFeatures(m_.features, 0, [](StereoFeatures& of) { of.lines[0].left.segment.q.y() += 30.0; });
   m_.PutLine(0, through, look_, observations);
   ExtendAndTrim({0}, m_.features, FeatureWorld::Camera(), m_.map);
   EXPECT_EQ(test::WrongWith(m_.map), "");

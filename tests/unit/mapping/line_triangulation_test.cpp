@@ -155,8 +155,9 @@ class TriangulateLines : public testing::Test {
   // As a front end must: no depth along the baseline.
   void See(int64_t keyframe_id, const Segment3& segment_w) {
     m_.SeeLine(keyframe_id, segment_w, look_);
-    m_.features[keyframe_id].lines.back().disparity_p_px = -1.0;
-    m_.features[keyframe_id].lines.back().disparity_q_px = -1.0;
+    test::ChangeFeatures(m_.features, keyframe_id, [](StereoFeatures& of) {
+      of.lines.back().disparity_p_px = of.lines.back().disparity_q_px = -1.0;
+    });
   }
   std::vector<int64_t> Triangulate() {
     return plslam::mapping::TriangulateLines(2, m_.features, FeatureWorld::Camera(), MappingOptions(), ids_, m_.map);

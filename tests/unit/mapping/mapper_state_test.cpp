@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mapping_process/mapper_state.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -31,7 +32,7 @@ struct Word {
   LoopClosure closure;
 };
 
-Bytes Say(const Word& word, Mapper& mapper) {
+MapUpdate Tell(const Word& word, Mapper& mapper) {
   std::string reason;
   if (word.keyframe) {
     EXPECT_TRUE(test::MapOne(*word.keyframe, mapper, &reason)) << reason;
@@ -39,8 +40,10 @@ Bytes Say(const Word& word, Mapper& mapper) {
     EXPECT_TRUE(mapper.Correct(word.closure, &reason)) << reason;
     mapper.Commit();
   }
-  return test::Encoded(mapper.TakeUpdate());
+  return mapper.TakeUpdate();
 }
+
+Bytes Say(const Word& word, Mapper& mapper) { return test::Encoded(Tell(word, mapper)); }
 
 Mapper Restored(const Mapper& mapper) {
   return {FeatureWorld::Camera(), MappingOptions(), DecodeState(EncodeState(mapper.State()))};
@@ -156,10 +159,10 @@ TEST(MapperState, SameBytesAgain) {
   EXPECT_EQ(EncodeState(DecodeState(bytes)), bytes);
 }
 
-class StateFile : public testing::Test {
+class StateFileTest : public testing::Test {
  protected:
-  StateFile() { WriteStateFile(path_, TheStream().mapper.State()); }
-  ~StateFile() override { std::filesystem::remove(path_); }
+  StateFileTest() { StateFile(path_).Write(TheStream().mapper.State()); }
+  ~StateFileTest() override { std::filesystem::remove(path_); }
   std::string WhyNot() const {
     try {
       ReadStateFile(path_);
@@ -192,9 +195,11 @@ TEST(MapperState, IsLentWithoutACopyAndTakenBackWhateverHappens) {
   EXPECT_EQ(EncodeState(mapper.State()), whole);
 }
 
-TEST_F(StateFile, HoldsAll) { EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State())); }
+TEST_F(StateFileTest, HoldsAll) {
+  EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(TheStream().mapper.State()));
+}
 
-TEST_F(StateFile, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {
+TEST_F(StateFileTest, OneThatCannotBeIsRefusedInASentenceThatNamesIt) {
   const Bytes whole = Read();
   Bytes damaged = whole;
   damaged[damaged.size() / 2] ^= 1;
@@ -214,9 +219,69 @@ TEST(MapperState, BytesThatAreCutOffAnywhereAreRefused) {
   for (size_t n = 0; n < whole.size(); n += 1 + whole.size() / 500) {
     EXPECT_THROW(DecodeState(std::span(whole).first(n)), std::runtime_error) << n << " of " << whole.size();
   }
-  Bytes longer = whole;
-  longer.push_back(0);
-  EXPECT_THROW(DecodeState(longer), std::runtime_error);
+}
+
+/// A file to which every state of a stream was written, and these states.
+struct Grown {
+  explicit Grown(const std::string& path) {
+    StateFile file(path);
+    Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+    for (const Word& word : TheStream().words) {
+      file.Note(Tell(word, mapper));
+      if (++n_words % 5 != 0) continue;
+      file.Write(mapper.State());
+      states.push_back(EncodeState(mapper.State()));
+      lengths.push_back(std::filesystem::file_size(path));
+    }
+  }
+  int n_words = 0;
+  std::vector<Bytes> states;
+  std::vector<uint64_t> lengths;  ///< of the file, behind each
+};
+
+TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndTakesNoMoreThanTwiceItsSize) {
+  const Grown grown(path_);
+  EXPECT_EQ(EncodeState(ReadStateFile(path_)), grown.states.back());
+  int n_appended = 0;
+  for (size_t i = 1; i < grown.lengths.size(); ++i) {
+    EXPECT_LT(grown.lengths[i], 3 * grown.states[i].size()) << i;
+    n_appended += grown.lengths[i] > grown.lengths[i - 1] ? 1 : 0;
+  }
+  EXPECT_GT(n_appended, static_cast<int>(grown.lengths.size()) / 2);
+}
+
+TEST_F(StateFileTest, ThatWasCutOffOrDamagedAnywhereHasAStateBefore) {
+  const Grown grown(path_);
+  const Bytes whole = Read();
+  size_t n_older = 0;
+  for (size_t n = 1; n < whole.size(); n += 1 + whole.size() / 50) {
+    Bytes damaged = whole;
+    damaged[n] ^= 1;
+    for (const Bytes& bytes : {Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(n)), damaged}) {
+      Write(bytes);
+      try {
+        const Bytes state = EncodeState(ReadStateFile(path_));
+        const auto found = std::find(grown.states.begin(), grown.states.end(), state);
+        ASSERT_NE(found, grown.states.end()) << "a state that never was, of " << n << " bytes";
+        n_older += found + 1 < grown.states.end() ? 1 : 0;
+      } catch (const std::runtime_error& error) {
+        EXPECT_EQ(std::string(error.what()).find(path_ + ": "), 0U) << error.what();
+      }
+    }
+  }
+  EXPECT_GT(n_older, 3U);
+}
+
+TEST_F(StateFileTest, ThatSomebodyChangedIsWrittenWhole) {
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  StateFile file(path_);
+  for (size_t i = 0; i < 3; ++i) {
+    file.Note(Tell(TheStream().words[2 * i], mapper));
+    file.Write(mapper.State());
+    EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(mapper.State())) << i;
+    if (i == 0) Write({1, 2, 3});
+    if (i == 1) std::filesystem::remove(path_);
+  }
 }
 
 }  // namespace

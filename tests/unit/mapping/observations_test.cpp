@@ -166,8 +166,10 @@ TEST(ObservationsOfPoints, OctaveAngleAndDepthAreThoseOfTheDescriptor) {
   const Descriptor d = DescriptorOf(1);
   m.PutPoint(0, kSeenPoint, d, {m.SeePoint(0, kSeenPoint, d)});
   const Observation nearer = m.SeePoint(1, kSeenPoint, d);
-  m.features[1].points[0].left.octave = 2;
-  m.features[1].points[0].left.angle_rad = 0.5F;
+  test::ChangeFeatures(m.features, 1, [](StereoFeatures& of) {
+    of.points[0].left.octave = 2;
+    of.points[0].left.angle_rad = 0.5F;
+  });
   ASSERT_TRUE(AddObservation<PointType>(0, nearer, m.features, m.map));
   const MapPoint& point = *m.map.FindPoint(0);
   EXPECT_EQ(point.octave, 2) << "the newer of two equals";

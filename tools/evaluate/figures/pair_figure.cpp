@@ -43,15 +43,15 @@ struct Frame {
   Ink ColourAt(const Eigen::Vector2d& px) const {
     return Rainbow((px.x() - columns.min) / std::max(columns.max - columns.min, 1.0));
   }
-  const StereoPoint& Point(int i) const { return shown.features->points.at(static_cast<size_t>(i)); }
-  const Segment2& Segment(int i) const { return shown.features->lines.at(static_cast<size_t>(i)).left.segment; }
+  const StereoPoint& Point(int i) const { return shown.features->points[static_cast<size_t>(i)]; }
+  const Segment2& Segment(int i) const { return shown.features->lines[static_cast<size_t>(i)].left.segment; }
 };
 
 /// From the first to the last column with a shared point of the first image.
-Range ColumnsOf(const StereoFeatures& features, const SameFeatures& same) {
+Range ColumnsOf(const FeaturesView& features, const SameFeatures& same) {
   Range columns{1e9, -1e9};
   for (const auto& [a, b] : same.points) {
-    const double u = features.points.at(static_cast<size_t>(a)).left.px.x();
+    const double u = features.points[static_cast<size_t>(a)].left.px.x();
     columns = {std::min(columns.min, u), std::max(columns.max, u)};
   }
   return columns;

@@ -20,7 +20,7 @@ std::optional<std::pair<int64_t, int64_t>> PairWorthShowing(const Map& map);
 struct PairedImage {
   std::string name;
   cv::Mat image;
-  const StereoFeatures* features = nullptr;
+  const FeaturesView* features = nullptr;
 };
 
 /// Features of two keyframes that show the same landmarks.

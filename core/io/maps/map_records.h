@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/io/files/archive.h"
+#include "core/io/maps/map_file_check.h"
+#include "core/io/maps/map_file_fields.h"
+
+// Parts of maps as map files and states of a mapper have them: each behind its number, ascending by id, and checked
+// when it is read. Throw std::runtime_error, in a sentence without its subject.
+namespace plslam::map_file {
+
+template <class Value>
+void WriteValues(archive::Writer& write, const IdMap<Value>& values) {
+  write(static_cast<uint64_t>(values.size()));
+  for (const auto& [id, value] : values) write(value);
+}
+
+/// Those named, which there must be.
+template <class Value>
+void WriteValues(archive::Writer& write, const IdMap<Value>& values, const std::vector<int64_t>& ids) {
+  write(static_cast<uint64_t>(ids.size()));
+  for (const int64_t id : ids) write(values.at(id));
+}
+
+/// Values by number, ascending.
+template <class Value>
+void ReadByNumber(archive::Reader& read, std::map<int64_t, Value>& values) {
+  for (uint64_t n = read.ReadCount(sizeof(int64_t) + archive::MinBytes<Value>()); n > 0; --n) {
+    int64_t id = 0;
+    read(id);
+    if (!values.empty() && id <= values.rbegin()->first) throw std::runtime_error("numbers do not ascend");
+    read(values.try_emplace(values.end(), id)->second);
+  }
+}
+
+/// Calls take(value) for each.
+template <class Value, class Take>
+void ReadValues(archive::Reader& read, const Take& take) {
+  int64_t last_id = -1;
+  for (uint64_t n = read.ReadCount(archive::MinBytes<Value>()); n > 0; --n) {
+    Value value;
+    read(value);
+    if (value.id <= last_id) throw std::runtime_error("keyframes or landmarks do not ascend");
+    last_id = value.id;
+    take(value);
+  }
+}
+
+inline void ReadKeyframes(archive::Reader& read, StoredMap& stored) {
+  ReadValues<MapKeyframe>(read, [&](const MapKeyframe& keyframe) {
+    Check(keyframe);
+    stored.map.Put(keyframe);
+  });
+}
+
+/// Returns how many observations they have, which must be of features that are there.
+template <class Landmark>
+int64_t ReadLandmarks(archive::Reader& read, StoredMap& stored) {
+  int64_t n_observations = 0;
+  ReadValues<Landmark>(read, [&](const Landmark& landmark) {
+    Check(landmark, stored.features);
+    n_observations += static_cast<int64_t>(landmark.observations.size());
+    stored.map.Put(landmark);
+  });
+  return n_observations;
+}
+
+inline void ReadFeatures(archive::Reader& read, KeyframeFeatures& features) {
+  std::map<int64_t, StereoFeatures> values;
+  ReadByNumber(read, values);
+  for (auto& [id, of_keyframe] : values) {
+    Check(id, of_keyframe);
+    features.insert_or_assign(id, KeptFeatures(std::move(of_keyframe)));
+  }
+}
+
+inline void ReadImages(archive::Reader& read, KeyframeFeatures& features) {
+  std::map<int64_t, TakenImage> images;
+  ReadByNumber(read, images);
+  for (const auto& [id, image] : images) {
+    Check(id, image, features);
+    features.at(id).image = image;
+  }
+}
+
+inline void ReadLoops(archive::Reader& read, Map& map) {
+  std::vector<LoopEdge> loops;
+  read(loops);
+  for (const LoopEdge& loop : loops) {
+    Check(loop);
+    map.Add(loop);
+  }
+}
+
+}  // namespace plslam::map_file

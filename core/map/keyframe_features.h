@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "core/features/features.h"
+#include "core/io/files/mapped_file.h"
+
+namespace plslam {
+
+/// Features that do not change any more: in memory, or in a file that is mapped into it. Copies share both.
+class KeptFeatures : public FeaturesView {
+ public:
+  KeptFeatures() = default;
+  KeptFeatures(StereoFeatures features);
+  explicit KeptFeatures(const FeaturesView& features) : KeptFeatures(OwnFeatures(features)) {}
+
+  /// To a temporary file: they cost memory only as long as somebody looks at them. False, and nothing done, where it
+  /// cannot be written.
+  bool MoveToFile();
+  bool IsInFile() const { return file_ != nullptr; }
+  /// Gives back the memory that looking at a file has cost.
+  void LeaveMemory() const { file_->LeaveMemory(); }
+
+ private:
+  std::shared_ptr<const StereoFeatures> memory_;
+  std::shared_ptr<const MappedFile> file_;
+};
+
+/// Features of the keyframes in the map, by their ids there.
+using KeyframeFeatures = std::map<int64_t, KeptFeatures>;
+
+/// Leaves the newest in memory, which is where trackers are, and moves the others to files; those that are there give
+/// back the memory that looking at them has cost since the last call. False where a file could not be written: its
+/// features stay in memory.
+bool LeaveOldInFiles(KeyframeFeatures& features);
+/// What to tell of the first time.
+std::string CannotLeaveMemory();
+/// Takes time in proportion to the map, so it is done at every so many keyframes.
+inline constexpr int kFilesEvery = 16;
+
+}  // namespace plslam

@@ -71,6 +71,7 @@ uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const S
     for (uint64_t i = 0; i < n; ++i, ++next) {
       write(next->first, static_cast<const FeaturesView&>(next->second));
       if (next->second.image) images[next->first] = *next->second.image;
+      next->second.LeaveMemory();
     }
     write(images);
     length += WriteRecord(std::move(write), sink);

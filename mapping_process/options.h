@@ -109,8 +109,8 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
         "kept up to date, and read when the process is started again after a crash; empty: none");
   visit(
       "state_every", o.state_every, Bounds{1, 1000000},
-      "keyframes after which it is written, in a large map an eighth of its keyframes; also before each new session, "
-      "and before another tracker goes on with one");
+      "keyframes after which what has changed is written; also before each new session, and before another tracker "
+      "goes on with one");
 }
 
 }  // namespace plslam::mapping

@@ -37,12 +37,8 @@ bool LeaveOldInFiles(KeyframeFeatures& features) {
   size_t n_older = features.size() - std::min(features.size(), kNewestInMemory);
   bool all_written = true;
   for (auto entry = features.begin(); n_older > 0; ++entry, --n_older) {
-    KeptFeatures& of_keyframe = entry->second;
-    if (of_keyframe.IsInFile()) {
-      of_keyframe.LeaveMemory();
-    } else {
-      all_written = of_keyframe.MoveToFile() && all_written;
-    }
+    entry->second.LeaveMemory();
+    all_written = entry->second.MoveToFile() && all_written;
   }
   return all_written;
 }

@@ -23,7 +23,9 @@ class KeptFeatures : public FeaturesView {
   bool MoveToFile();
   bool IsInFile() const { return file_ != nullptr; }
   /// Gives back the memory that looking at a file has cost.
-  void LeaveMemory() const { file_->LeaveMemory(); }
+  void LeaveMemory() const {
+    if (IsInFile()) file_->LeaveMemory();
+  }
 
  private:
   std::shared_ptr<const StereoFeatures> memory_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -12,12 +13,52 @@
 
 namespace plslam {
 
-/// Where a keyframe sees a landmark: index into the keyframe's points or lines.
+/// Where a keyframe sees a landmark: index into the keyframe's points or lines. A map has most of these, so both numbers
+/// share 64 bits.
 struct Observation {
-  int64_t keyframe_id = -1;
-  int32_t feature = -1;
+  static constexpr int kIdBits = 40;
+  static constexpr int64_t kMaxId = (int64_t{1} << (kIdBits - 1)) - 1;
+  static constexpr int32_t kMaxFeature = (1 << (63 - kIdBits)) - 1;
+
+  int64_t keyframe_id : kIdBits = -1;
+  int32_t feature : 64 - kIdBits = -1;
+
+  Observation() = default;
+  /// Neither may be beyond its maximum.
+  Observation(int64_t of_keyframe, int32_t of_feature) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wconversion"
+    keyframe_id = of_keyframe;
+    feature = of_feature;
+#pragma GCC diagnostic pop
+  }
 
   bool operator==(const Observation&) const = default;
+};
+static_assert(sizeof(Observation) == sizeof(int64_t));
+
+/// A covariance in single precision, as messages carry it: the upper triangle. Values beyond its range stay finite.
+class LandmarkCovariance {
+ public:
+  LandmarkCovariance() = default;
+  template <class Derived>
+  LandmarkCovariance(const Eigen::MatrixBase<Derived>& covariance) {
+    Set(covariance);
+  }
+  operator Eigen::Matrix3d() const { return matrix(); }
+  Eigen::Matrix3d matrix() const {
+    const auto& [xx, xy, xz, yy, yz, zz] = upper_;
+    Eigen::Matrix3d full;
+    full << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+    return full;
+  }
+
+  bool operator==(const LandmarkCovariance&) const = default;
+
+ private:
+  void Set(const Eigen::Matrix3d& covariance);
+
+  std::array<float, 6> upper_{};
 };
 
 /// The keyframe that a landmark goes with when a correction moves keyframes: the middle one of those that see it,
@@ -32,7 +73,7 @@ struct MapPoint {
   int64_t id = -1;
   /// Position in w, and its covariance given the poses of the keyframes that see it.
   Eigen::Vector3d p_w = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  LandmarkCovariance covariance;
   /// The observation whose descriptor is nearest to all others (PL-SLAM §V.A), with the octave in which it was found, as
   /// the camera of the map would have done from `depth_m`.
   Descriptor descriptor{};
@@ -51,8 +92,8 @@ struct MapLine {
   /// keyframes that see it. The endpoints are as far apart as the views have shown; only what lies across is
   /// measured.
   Segment3 segment_w;
-  Eigen::Matrix3d covariance_p = Eigen::Matrix3d::Zero();
-  Eigen::Matrix3d covariance_q = Eigen::Matrix3d::Zero();
+  LandmarkCovariance covariance_p;
+  LandmarkCovariance covariance_q;
   Descriptor descriptor{};
   std::vector<Observation> observations;
 };

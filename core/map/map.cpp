@@ -58,26 +58,6 @@ bool IsSame(const SE3& a, const SE3& b) {
   return a.translation() == b.translation() && (p == q || p == -q);
 }
 
-/// As messages carry it: the upper triangle in single precision. Values beyond its range stay finite.
-Eigen::Matrix3d InSinglePrecision(const Eigen::Matrix3d& covariance) {
-  constexpr double kMax = std::numeric_limits<float>::max();
-  Eigen::Matrix3d rounded;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = row; column < 3; ++column) {
-      const double value = covariance(row, column);
-      const double kept = std::isfinite(value) ? std::clamp(value, -kMax, kMax) : value;
-      rounded(row, column) = rounded(column, row) = static_cast<double>(static_cast<float>(kept));
-    }
-  }
-  return rounded;
-}
-
-void RoundCovariances(MapPoint& point) { point.covariance = InSinglePrecision(point.covariance); }
-void RoundCovariances(MapLine& line) {
-  line.covariance_p = InSinglePrecision(line.covariance_p);
-  line.covariance_q = InSinglePrecision(line.covariance_q);
-}
-
 /// Of what was touched, what is among `values` has changed, and the rest is gone.
 template <class Value>
 void Tell(std::vector<int64_t> touched, const IdMap<Value>& values, std::vector<int64_t>& changed,
@@ -162,7 +142,6 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   Landmark& stored = kind.landmarks[landmark.id];
   if (stored.observations == landmark.observations) {
     stored = landmark;
-    RoundCovariances(stored);
     return;
   }
   for (const Observation& observation : landmark.observations) {
@@ -178,7 +157,6 @@ void Map::PutLandmark(const Landmark& landmark, Kind<Landmark> kind) {
   }
   const std::vector<Observation> old = std::exchange(stored.observations, {});
   stored = landmark;
-  RoundCovariances(stored);
   FollowObservations(old, stored, kind);
 }
 
@@ -262,7 +240,6 @@ void Map::SetPosition(int64_t point_id, const Eigen::Vector3d& p_w, const Eigen:
   MapPoint& point = points_.at(point_id);
   point.p_w = p_w;
   point.covariance = covariance;
-  RoundCovariances(point);
   touched_.points.push_back(point_id);
 }
 
@@ -272,7 +249,6 @@ void Map::SetSegment(int64_t line_id, const Segment3& segment_w, const Eigen::Ma
   line.segment_w = segment_w;
   line.covariance_p = covariance_p;
   line.covariance_q = covariance_q;
-  RoundCovariances(line);
   touched_.lines.push_back(line_id);
 }
 
@@ -285,7 +261,6 @@ void Map::MoveLandmarks(const Moves& moves, Kind<Landmark> kind) {
     if (move == moves.T_new_old.end()) continue;
     Landmark& landmark = kind.landmarks.at(id);
     MoveRigidly(move->second, landmark);
-    RoundCovariances(landmark);
     if (moves.retold.contains(anchor) || Has(changed_before, id)) kind.touched.push_back(id);
   }
 }

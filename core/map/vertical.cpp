@@ -32,7 +32,7 @@ double Angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::a
 
 /// Variance of the direction of a line about each axis across it.
 double Variance(const MapLine& line, const Eigen::Vector3d& d, double length_m) {
-  const Eigen::Matrix3d sum = line.covariance_p + line.covariance_q;
+  const Eigen::Matrix3d sum = line.covariance_p.matrix() + line.covariance_q.matrix();
   return std::max(0.0, 0.5 * (sum.trace() - d.dot(sum * d))) / (length_m * length_m);
 }
 

@@ -17,7 +17,7 @@ bool Within(const Eigen::Vector3d& difference, const Eigen::Matrix3d& covariance
 
 // `slack` is a variance on top.
 bool SamePlace(const MapPoint& a, const MapPoint& b, double slack) {
-  return Within(a.p_w - b.p_w, a.covariance + b.covariance + slack * Eigen::Matrix3d::Identity());
+  return Within(a.p_w - b.p_w, a.covariance.matrix() + b.covariance.matrix() + slack * Eigen::Matrix3d::Identity());
 }
 
 // Across the line only: segments of one edge are cut differently.
@@ -26,8 +26,8 @@ bool SamePlace(const MapLine& a, const MapLine& b, double slack) {
   const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - along * along.transpose();
   const double length2 = (b.segment_w.q - b.segment_w.p).squaredNorm();
   const Eigen::Matrix3d free = length2 * along * along.transpose() + slack * Eigen::Matrix3d::Identity();
-  return Within(across * (b.segment_w.p - a.segment_w.p), a.covariance_p + b.covariance_p + free) &&
-         Within(across * (b.segment_w.q - a.segment_w.p), a.covariance_p + b.covariance_q + free);
+  return Within(across * (b.segment_w.p - a.segment_w.p), a.covariance_p.matrix() + b.covariance_p.matrix() + free) &&
+         Within(across * (b.segment_w.q - a.segment_w.p), a.covariance_p.matrix() + b.covariance_q.matrix() + free);
 }
 
 Eigen::Vector3d Middle(const MapPoint& point) { return point.p_w; }

@@ -66,7 +66,7 @@ std::vector<double> Negated(std::vector<double> values) {
 }
 
 Eigen::Matrix3d CovarianceAt(const MapLine& line, double s) {
-  return (1.0 - s) * (1.0 - s) * line.covariance_p + s * s * line.covariance_q;
+  return (1.0 - s) * (1.0 - s) * line.covariance_p.matrix() + s * s * line.covariance_q.matrix();
 }
 
 }  // namespace

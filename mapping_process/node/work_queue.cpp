@@ -10,8 +10,6 @@ namespace plslam::mapping {
 namespace {
 
 constexpr double kMsPerS = 1000.0;
-/// Of the keyframes of the map, new ones after which the state is kept again.
-constexpr int64_t kStateShare = 8;
 
 size_t PartsOf(const LoopClosure& closure) {
   return 1 + closure.edges.size() + closure.points.size() + closure.lines.size() + closure.poses.size() +
@@ -22,7 +20,6 @@ size_t PartsOf(const LoopClosure& closure) {
 
 void WorkQueue::Restore(const std::map<int64_t, int64_t>& newest_by_session, int64_t newest_session) {
   restored_ = inserted_ = newest_by_session;
-  for (const auto& [session, newest_keyframe] : newest_by_session) n_inserted_ += newest_keyframe + 1;
   keyframes_.Restore(newest_by_session);
   const auto newest = inserted_.find(newest_session);
   if (newest != inserted_.end()) newest_ = {newest_session, newest->second, false, true, {}};
@@ -106,7 +103,7 @@ bool WorkQueue::IsStateDue(double now_s) const {
   if (state_every_ == 0 || !newest_.committed) return false;
   if (saved_since_state_) return true;
   if (inserted_since_state_ == 0) return false;
-  if (inserted_since_state_ >= std::max<int64_t>(state_every_, n_inserted_ / kStateShare)) return true;
+  if (inserted_since_state_ >= state_every_) return true;
   const Keyframe* next = keyframes_.Next(kMsPerS * now_s);
   if (next == nullptr) return false;
   const auto publisher = publishers_.find(next->session);
@@ -115,7 +112,6 @@ bool WorkQueue::IsStateDue(double now_s) const {
 
 void WorkQueue::Inserted(const Keyframe& keyframe, int count, double now_s) {
   inserted_since_state_ += count;
-  n_inserted_ += count;
   inserted_[keyframe.session] = keyframe.keyframe_id;
   publishers_[keyframe.session] = keyframe.source;
   newest_ = {keyframe.session, keyframe.keyframe_id, keyframe.lockstep, false, {}};

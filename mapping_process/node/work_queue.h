@@ -57,9 +57,8 @@ class WorkQueue {
     bus::Order order;
   };
 
-  /// `state_every`: keyframes after which the state is worth keeping; in a large map an eighth of its keyframes, so
-  /// that all that is ever written grows with the map and not with its square. It is, too, after the map was saved,
-  /// before a new session and before another publisher goes on with one. 0: never.
+  /// `state_every`: keyframes after which the state is worth keeping. It is, too, after the map was saved, before a
+  /// new session and before another publisher goes on with one. 0: never.
   explicit WorkQueue(const LoopUseOptions& options, int state_every = 0)
       : options_(options), wait_(options.wait_s), state_every_(state_every) {}
 
@@ -137,7 +136,6 @@ class WorkQueue {
   std::set<Answer> answers_;
   int state_every_;
   int inserted_since_state_ = 0;
-  int64_t n_inserted_ = 0;
   bool saved_since_state_ = false;
 };
 

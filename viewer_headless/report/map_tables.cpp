@@ -86,11 +86,11 @@ void AppendPositions(const MapLine& line, std::vector<float>& values) {
   Append(line.segment_w.q, values);
 }
 
-double Sigma_m(const MapPoint& point) { return std::sqrt(point.covariance.trace()); }
+double Sigma_m(const MapPoint& point) { return std::sqrt(point.covariance.matrix().trace()); }
 /// Along the line nothing is measured.
 double Sigma_m(const MapLine& line) {
   const Eigen::Vector3d d = (line.segment_w.q - line.segment_w.p).normalized();
-  const Eigen::Matrix3d mean = 0.5 * (line.covariance_p + line.covariance_q);
+  const Eigen::Matrix3d mean = 0.5 * (line.covariance_p.matrix() + line.covariance_q.matrix());
   return std::sqrt(mean.trace() - d.dot(mean * d));
 }
 

@@ -80,7 +80,8 @@ std::optional<std::vector<Observation>> FromMessages(const std::vector<observati
   observations.reserve(messages.size());
   int64_t last = -1;
   for (const observation_t& message : messages) {
-    const bool ok = message.keyframe_id > last && message.feature >= 0 && message.feature < kMaxFeature;
+    const bool ok = message.keyframe_id > last && message.keyframe_id <= Observation::kMaxId &&
+                    message.feature >= 0 && message.feature < kMaxFeature;
     if (!ok) return std::nullopt;
     last = message.keyframe_id;
     observations.push_back({message.keyframe_id, message.feature});

@@ -71,6 +71,7 @@ void CheckAll(const StoredMap& stored) {
   for (const auto& [id, features] : stored.features) {
     map_file::Check(id, features);
     if (features.image) map_file::Check(id, *features.image, stored.features);
+    features.LeaveMemory();
   }
   for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
   for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
@@ -83,7 +84,10 @@ void WriteContent(const StoredMap& stored, const Images& images, archive::Writer
   write(stored, stored.sessions);
   map_file::WriteValues(write, stored.map.keyframes());
   write(static_cast<uint64_t>(stored.features.size()));
-  for (const auto& [id, features] : stored.features) write(id, static_cast<const FeaturesView&>(features));
+  for (const auto& [id, features] : stored.features) {
+    write(id, static_cast<const FeaturesView&>(features));
+    features.LeaveMemory();
+  }
   map_file::WriteValues(write, stored.map.points());
   map_file::WriteValues(write, stored.map.lines());
   write(stored.map.loops());

@@ -97,15 +97,16 @@ void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures&
 }
 
 void Check(const MapPoint& p, const KeyframeFeatures& features) {
-  const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance) && std::isfinite(p.angle_rad) &&
-                  p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) && p.depth_m > 0.0;
+  const bool ok = p.id >= 0 && p.p_w.allFinite() && IsCovariance<3>(p.covariance.matrix()) &&
+                  std::isfinite(p.angle_rad) && p.octave >= 0 && p.octave <= kMaxOctave && std::isfinite(p.depth_m) &&
+                  p.depth_m > 0.0;
   Demand(ok, "point {} has values that cannot be", p.id);
   CheckObservations("point", p.id, p.observations, features, &FeaturesView::points);
 }
 
 void Check(const MapLine& l, const KeyframeFeatures& features) {
   const bool ok = l.id >= 0 && l.segment_w.p.allFinite() && l.segment_w.q.allFinite() &&
-                  IsCovariance<3>(l.covariance_p) && IsCovariance<3>(l.covariance_q);
+                  IsCovariance<3>(l.covariance_p.matrix()) && IsCovariance<3>(l.covariance_q.matrix());
   Demand(ok, "line {} has values that cannot be", l.id);
   CheckObservations("line", l.id, l.observations, features, &FeaturesView::lines);
 }

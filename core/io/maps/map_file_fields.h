@@ -43,7 +43,18 @@ void Fields(Archive& a, T& features) { a(features.points, features.lines); }
 
 template <class Archive, Is<Observation> T>
 void Fields(Archive& a, T& observation) {
-  a(observation.keyframe_id, observation.feature);
+  int64_t keyframe_id = observation.keyframe_id;
+  int32_t feature = observation.feature;
+  a(keyframe_id, feature);
+  if constexpr (!std::is_const_v<T>) observation = {keyframe_id, feature};
+}
+
+/// Whole and in double precision, as the first files had it.
+template <class Archive, Is<LandmarkCovariance> T>
+void Fields(Archive& a, T& covariance) {
+  Eigen::Matrix3d full = covariance;
+  a(full);
+  if constexpr (!std::is_const_v<T>) covariance = full;
 }
 
 template <class Archive, Is<MapPoint> T>

@@ -58,12 +58,11 @@ class LandmarkElimination final : public EliminatedLandmarks {
   using Parameters = typename Cost::Landmark::Parameters;
   using Information = typename ObservationGroup<Cost>::Information;
 
+  using CouplingMatrix = Eigen::Matrix<double, 6, kSize>;
   /// How a landmark hangs together with a pose that sees it.
   struct Coupling {
     int pose;
-    Eigen::Matrix<double, 6, kSize> H;
-    /// H times the inverse root of the landmark's damped information.
-    Eigen::Matrix<double, 6, kSize> half;
+    CouplingMatrix H;
   };
 
   struct Block {
@@ -81,6 +80,13 @@ class LandmarkElimination final : public EliminatedLandmarks {
 
   void LineariseObservations(const AdjustedObservation<Cost>* begin, const AdjustedObservation<Cost>* end,
                              Block& block, PoseSystem& poses);
+  /// Times the inverse root of the landmark's damped information. Kept for all, these would be half of the memory of an
+  /// adjustment.
+  static CouplingMatrix HalfOf(const Coupling& coupling, const Block& block) {
+    CouplingMatrix half;
+    half.noalias() = coupling.H * block.inverse_root.transpose();
+    return half;
+  }
   size_t EndOf(size_t block) const {
     return block + 1 < blocks_.size() ? blocks_[block + 1].first : couplings_.size();
   }
@@ -144,7 +150,7 @@ void LandmarkElimination<Cost>::LineariseObservations(const AdjustedObservation<
     by_pose.topRows(rows) *= root;
     for (int row = rows; row < kRows; ++row) by_pose.row(row).setZero();
     poses.Gradient(pose).noalias() += by_pose.transpose() * r;
-    Eigen::Matrix<double, 6, kSize> coupling;
+    CouplingMatrix coupling;
     if constexpr (Cost::kShiftsAgainstCamera) {
       const Eigen::Matrix<double, kRows, 3> by_turn = by_pose.template rightCols<3>();
       coupling.template topRows<3>() = -H;
@@ -165,6 +171,7 @@ void LandmarkElimination<Cost>::LineariseObservations(const AdjustedObservation<
 
 template <class Cost>
 bool LandmarkElimination<Cost>::Eliminate(const Damping& damping, PoseSystem& poses) {
+  std::vector<CouplingMatrix> halves;
   for (size_t i = 0; i < blocks_.size(); ++i) {
     Block& block = blocks_[i];
     block.damping = damping.Of(block.H.diagonal());
@@ -175,21 +182,23 @@ bool LandmarkElimination<Cost>::Eliminate(const Damping& damping, PoseSystem& po
     block.inverse_root = root.matrixL().solve(Information::Identity());
     block.half_g.noalias() = block.inverse_root * block.g;
     const size_t end = EndOf(i);
+    halves.resize(end - block.first);
     for (size_t k = block.first; k < end; ++k) {
-      Coupling& coupling = couplings_[k];
-      const int pose = coupling.pose;
-      coupling.half.noalias() = coupling.H * block.inverse_root.transpose();
-      poses.Gradient(pose).noalias() -= coupling.half * block.half_g;
-      poses.Diagonal(pose).noalias() -= coupling.half * coupling.half.transpose();
+      const int pose = couplings_[k].pose;
+      CouplingMatrix& half = halves[k - block.first];
+      half = HalfOf(couplings_[k], block);
+      poses.Gradient(pose).noalias() -= half * block.half_g;
+      poses.Diagonal(pose).noalias() -= half * half.transpose();
       for (size_t j = block.first; j < k; ++j) {
-        const Coupling& other = couplings_[j];
-        if (other.pose < pose) {
-          poses.Below(other.pose, pose).noalias() -= coupling.half * other.half.transpose();
-        } else if (other.pose > pose) {
-          poses.Below(pose, other.pose).noalias() -= other.half * coupling.half.transpose();
+        const int other_pose = couplings_[j].pose;
+        const CouplingMatrix& other = halves[j - block.first];
+        if (other_pose < pose) {
+          poses.Below(other_pose, pose).noalias() -= half * other.transpose();
+        } else if (other_pose > pose) {
+          poses.Below(pose, other_pose).noalias() -= other * half.transpose();
         } else {
           // A pose that sees the landmark twice.
-          const Matrix6d both = coupling.half * other.half.transpose();
+          const Matrix6d both = half * other.transpose();
           poses.Diagonal(pose) -= both + both.transpose();
         }
       }
@@ -206,7 +215,8 @@ double LandmarkElimination<Cost>::Step(const Eigen::VectorXd& of_poses) {
     Parameters half = block.half_g;
     const size_t end = EndOf(i);
     for (size_t k = block.first; k < end; ++k) {
-      half.noalias() += couplings_[k].half.transpose() * of_poses.template segment<6>(6 * couplings_[k].pose);
+      half.noalias() +=
+          HalfOf(couplings_[k], block).transpose() * of_poses.template segment<6>(6 * couplings_[k].pose);
     }
     const Parameters step = -(block.inverse_root.transpose() * half);
     gain += step.dot(block.damping.cwiseProduct(step) - block.g);

@@ -12,6 +12,8 @@ namespace {
 // radians, since the standard deviations of a standing camera are tiny.
 constexpr double kContradicted2 = 900.0;
 constexpr double kContradicted = 0.1;
+// An adjustment of more keyframes leaves the features of each behind it (`KeptFeatures::LeaveMemory`).
+constexpr size_t kMostInMemory = 256;
 
 bool IsContradicted(const SE3& error, const Matrix6d& covariance) {
   const Vector6d e = error.Log();
@@ -35,10 +37,27 @@ void AddMotions(const Map& map, double relative_sigma, MapBundle& bundle) {
 template <class Type, class BundleObservation>
 void AddObservations(const std::vector<int64_t>& ids, const Map& map, const KeyframeFeatures& features,
                      const MapBundle& bundle, std::vector<BundleObservation>& observations) {
+  struct Seen {
+    size_t place;
+    int landmark;
+    int32_t feature;
+  };
+  // Keyframe by keyframe: where features lie in files, those of one are in memory at a time.
+  std::vector<std::vector<Seen>> seen(bundle.keyframes.size());
+  size_t count = 0;
   ForEachObservation<Type>(bundle, ids, map, features, [&](int pose, int landmark, const Observation& observation) {
-    const auto& of_keyframe = Type::Features(features.at(observation.keyframe_id));
-    observations.push_back(ObservationOf(pose, landmark, of_keyframe[static_cast<size_t>(observation.feature)]));
+    seen[static_cast<size_t>(pose)].push_back({count++, landmark, observation.feature});
   });
+  observations.resize(count);
+  for (size_t pose = 0; pose < seen.size(); ++pose) {
+    if (seen[pose].empty()) continue;
+    const KeptFeatures& of_keyframe = features.at(bundle.keyframes[pose]);
+    for (const auto& [place, landmark, feature] : seen[pose]) {
+      observations[place] = ObservationOf(static_cast<int>(pose), landmark,
+                                          Type::Features(of_keyframe)[static_cast<size_t>(feature)]);
+    }
+    if (seen.size() > kMostInMemory) of_keyframe.LeaveMemory();
+  }
 }
 
 }  // namespace

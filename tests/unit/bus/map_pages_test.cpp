@@ -74,8 +74,8 @@ TEST_P(MapPages, AreSmallEnoughAndGiveTheSameUpdate) {
     EXPECT_EQ(back->points[i].p_w, update.points[i].p_w);
     EXPECT_EQ(back->points[i].descriptor, update.points[i].descriptor);
     EXPECT_EQ(back->points[i].observations, update.points[i].observations);
-    EXPECT_LE((back->points[i].covariance - update.points[i].covariance).cwiseAbs().maxCoeff(),
-              1e-7 * update.points[i].covariance.cwiseAbs().maxCoeff());
+    EXPECT_LE((back->points[i].covariance.matrix() - update.points[i].covariance.matrix()).cwiseAbs().maxCoeff(),
+              1e-7 * update.points[i].covariance.matrix().cwiseAbs().maxCoeff());
   }
   EXPECT_EQ(EncodedMap(*back), EncodedMap(update)) << "twice through the wire is once through the wire";
 }
@@ -127,7 +127,7 @@ TEST(MapPages, WhatNoReaderWouldTakeIsNotSent) {
       [](MapUpdate& u) { u.adjustment.rms_after = kNan; },
       [](MapUpdate& u) { u.stage_ms[0].second = kNan; },
       [](MapUpdate& u) { u.points[1].p_w.x() = kNan; },
-      [](MapUpdate& u) { u.points[1].covariance(1, 1) = -1.0; },
+      [](MapUpdate& u) { u.points[1].covariance = Eigen::Vector3d(1.0, -1.0, 1.0).asDiagonal().toDenseMatrix(); },
       [](MapUpdate& u) { u.points[1].id = u.points[0].id; },
       [](MapUpdate& u) { u.points[1].depth_m = 0.0; },
       [](MapUpdate& u) { u.lines[1].segment_w.q.z() = kNan; },

@@ -244,7 +244,7 @@ constexpr int64_t kFirstLandmark = 1000000;
 int64_t Shifted(int64_t id, int64_t by) { return id < 0 ? -1 : id + by; }
 
 std::vector<Observation> ShiftedObservations(std::vector<Observation> observations, int64_t by) {
-  for (Observation& observation : observations) observation.keyframe_id += by;
+  for (Observation& observation : observations) observation = {observation.keyframe_id + by, observation.feature};
   return observations;
 }
 

@@ -83,11 +83,12 @@ TEST_F(MovedLandmarks, GoRigidlyAndTheirCovariancesTurn) {
   Move({{2, T_ * At(0.2)}});
   const Eigen::Matrix3d turned = T_.R() * covariance * T_.R().transpose();
   EXPECT_LT((m_.map.FindPoint(0)->p_w - T_ * p_).norm(), 1e-12);
-  EXPECT_LT((m_.map.FindPoint(0)->covariance - turned).norm(), kSinglePrecision * turned.norm());
+  EXPECT_LT((m_.map.FindPoint(0)->covariance.matrix() - turned).norm(), kSinglePrecision * turned.norm());
   EXPECT_LT((m_.map.FindLine(0)->segment_w.p - T_ * segment_.p).norm(), 1e-12);
   EXPECT_LT((m_.map.FindLine(0)->segment_w.q - T_ * segment_.q).norm(), 1e-12);
-  EXPECT_LT((m_.map.FindLine(0)->covariance_p - turned).norm(), kSinglePrecision * turned.norm());
-  EXPECT_LT((m_.map.FindLine(0)->covariance_q - 2.0 * turned).norm(), 2.0 * kSinglePrecision * turned.norm());
+  EXPECT_LT((m_.map.FindLine(0)->covariance_p.matrix() - turned).norm(), kSinglePrecision * turned.norm());
+  EXPECT_LT((m_.map.FindLine(0)->covariance_q.matrix() - 2.0 * turned).norm(),
+            2.0 * kSinglePrecision * turned.norm());
   EXPECT_EQ(m_.map.FindPoint(0)->observations.size(), 1U);
 }
 

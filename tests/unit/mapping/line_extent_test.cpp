@@ -76,7 +76,8 @@ TEST_F(LineExtent, OneViewThatSeesItWholeAgainstOneDoesNotHold) {
 TEST_F(LineExtent, CovariancesGrowWithTheLength) {
   Put(Part(-0.5, 0.5), {Part(-0.9, 0.5), Part(-0.9, 0.5)});
   Ends();
-  EXPECT_GT(m_.map.FindLine(0)->covariance_p.trace(), 1.5 * m_.map.FindLine(0)->covariance_q.trace());
+  EXPECT_GT(m_.map.FindLine(0)->covariance_p.matrix().trace(),
+            1.5 * m_.map.FindLine(0)->covariance_q.matrix().trace());
 }
 
 // The image ends at x = 3.19 m for a depth of 4 m; the edge goes on.

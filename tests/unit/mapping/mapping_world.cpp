@@ -213,9 +213,9 @@ std::string WrongWith(const Map& map) {
 }
 
 int ExactlyKnown(const Map& map) {
-  const auto point = [](const auto& item) { return !(item.second.covariance.trace() > 0.0); };
+  const auto point = [](const auto& item) { return !(item.second.covariance.matrix().trace() > 0.0); };
   const auto line = [](const auto& item) {
-    return !(item.second.covariance_p.trace() > 0.0 && item.second.covariance_q.trace() > 0.0);
+    return !(item.second.covariance_p.matrix().trace() > 0.0 && item.second.covariance_q.matrix().trace() > 0.0);
   };
   return static_cast<int>(std::count_if(map.points().begin(), map.points().end(), point) +
                           std::count_if(map.lines().begin(), map.lines().end(), line));

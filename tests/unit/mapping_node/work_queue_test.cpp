@@ -393,22 +393,6 @@ TEST(WorkQueueState, IsKeptBeforeAnotherPublisherGoesOnWithASession) {
   insert(of(2, 2));
 }
 
-TEST(WorkQueueState, OfALargeMapIsKeptWhenItHasGrownByAnEighth) {
-  WorkQueue queue({.enabled = false, .wait_s = 5.0}, 2);
-  queue.Restore({{kSession, 79}}, kSession);
-  int64_t n = 0;
-  for (bool kept = false; !kept; ++n) {
-    ASSERT_LT(n, 20);
-    const Keyframe keyframe = KeyframeOf(80 + n, true);
-    queue.Add(keyframe, 0.0);
-    ASSERT_EQ(queue.Take(0.0)->kind, Kind::kInsert);
-    queue.Inserted(keyframe, 1, 0.0);
-    ASSERT_EQ(queue.Take(0.0)->kind, Kind::kCommit);
-    if (const auto work = queue.Take(0.0)) kept = work->kind == Kind::kKeepState;
-  }
-  EXPECT_EQ(n, 11) << "of 91 keyframes";
-}
-
 TEST(WorkQueueState, EachKeyframeOfABatchCounts) {
   WorkQueue queue({.enabled = false, .wait_s = 5.0}, 2);
   queue.Add(KeyframeOf(0, false), 0.0);

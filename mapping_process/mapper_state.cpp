@@ -111,6 +111,7 @@ void Sort(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int
 template <class Value>
 std::vector<int64_t> IdsOf(const std::vector<Value>& values) {
   std::vector<int64_t> ids;
+  ids.reserve(values.size());
   for (const Value& value : values) ids.push_back(value.id);
   return ids;
 }

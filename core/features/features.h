@@ -93,6 +93,7 @@ struct FeaturesView {
   std::optional<TakenImage> image;
 
   FeaturesView() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): whoever keeps features can show them.
   FeaturesView(const StereoFeatures& of) : points(of.points), lines(of.lines), image(of.image) {}
 };
 

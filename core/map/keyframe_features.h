@@ -15,6 +15,7 @@ namespace plslam {
 class KeptFeatures : public FeaturesView {
  public:
   KeptFeatures() = default;
+  // NOLINTNEXTLINE(google-explicit-constructor): they are the same features.
   KeptFeatures(StereoFeatures features);
   explicit KeptFeatures(const FeaturesView& features) : KeptFeatures(OwnFeatures(features)) {}
 

@@ -41,11 +41,13 @@ static_assert(sizeof(Observation) == sizeof(int64_t));
 class LandmarkCovariance {
  public:
   LandmarkCovariance() = default;
+  // NOLINTBEGIN(google-explicit-constructor): it is a matrix in all but its precision.
   template <class Derived>
   LandmarkCovariance(const Eigen::MatrixBase<Derived>& covariance) {
     Set(covariance);
   }
   operator Eigen::Matrix3d() const { return matrix(); }
+  // NOLINTEND(google-explicit-constructor)
   Eigen::Matrix3d matrix() const {
     const auto& [xx, xy, xz, yy, yz, zz] = upper_;
     Eigen::Matrix3d full;

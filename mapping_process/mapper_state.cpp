@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <iterator>
@@ -62,9 +61,10 @@ uint64_t WriteFeatures(const KeyframeFeatures& features, int64_t newest, const S
   constexpr uint64_t kMost = 16;
   uint64_t length = 0;
   auto next = features.upper_bound(newest);
-  while (next != features.end()) {
-    const auto begin = next;
-    const auto n = std::min<uint64_t>(kMost, static_cast<uint64_t>(std::distance(begin, features.end())));
+  auto n_left = static_cast<uint64_t>(std::distance(next, features.end()));
+  while (n_left > 0) {
+    const uint64_t n = std::min(kMost, n_left);
+    n_left -= n;
     archive::Writer write;
     write(RecordKind::kFeatures, n);
     std::map<int64_t, TakenImage> images;
@@ -128,8 +128,9 @@ void ReadFeatures(archive::Reader& read, MapperState& state) {
 void ReadMap(archive::Reader& read, MapperState& state) {
   state.stored.map.Clear();
   map_file::ReadKeyframes(read, state.stored);
-  map_file::ReadLandmarks<MapPoint>(read, state.stored);
-  map_file::ReadLandmarks<MapLine>(read, state.stored);
+  const int64_t point_observations = map_file::ReadLandmarks<MapPoint>(read, state.stored);
+  const int64_t line_observations = map_file::ReadLandmarks<MapLine>(read, state.stored);
+  map_file::CheckObservationsOnce(state.stored.map, point_observations, line_observations);
   map_file::ReadLoops(read, state.stored.map);
 }
 
@@ -154,7 +155,6 @@ bool ReadRecord(Bytes content, MapperState& state) {
   if (kind == RecordKind::kFeatures) {
     ReadFeatures(read, state);
   } else {
-    state.stored.sessions.clear();
     read(state);
     kind == RecordKind::kMap ? ReadMap(read, state) : ReadChanges(read, state);
   }
@@ -182,13 +182,12 @@ MapperState DecodeState(std::span<const uint8_t> bytes) {
     has_state |= ReadRecord(*content, state);
   }
   if (!has_state) {
-    ReadSeal(kStateRecord, bytes, bytes.size());
-    throw std::runtime_error("is damaged: a checksum is wrong");
+    CheckKind(kStateRecord, bytes);
+    throw std::runtime_error("is damaged or was cut off before its first state");
   }
   StoredMap& stored = state.stored;
   std::erase_if(stored.features, [&](const auto& entry) { return stored.map.FindKeyframe(entry.first) == nullptr; });
-  const MapTotals totals = stored.map.Totals();
-  map_file::CheckWhole(stored, totals.point_observations, totals.line_observations);
+  map_file::CheckWhole(stored);
   stored.map.ForgetChanges();
   return state;
 }
@@ -198,6 +197,7 @@ MapperState ReadStateFile(const std::string& path) {
 }
 
 void StateFile::Note(const MapUpdate& update) {
+  if (!is_whole_) return;
   has_moved_ |= !update.moved_keyframes.empty();
   AppendTo(keyframes_, IdsOf(update.keyframes));
   AppendTo(points_, IdsOf(update.points));
@@ -207,19 +207,33 @@ void StateFile::Note(const MapUpdate& update) {
   AppendTo(lines_, update.removed_lines);
 }
 
+void StateFile::ForgetNotes() {
+  has_moved_ = false;
+  for (auto* ids : {&keyframes_, &points_, &lines_}) ids->clear();
+}
+
+void StateFile::BeginAnew() {
+  is_whole_ = false;
+  ForgetNotes();
+}
+
 void StateFile::Write(const MapperState& state) {
   std::error_code error;
   const bool is_there = is_whole_ && std::filesystem::file_size(path_, error) == length_ && !error;
   // Where it fails half way, nothing can follow.
   is_whole_ = false;
-  if (is_there && length_ <= 2 * (LengthOf(state.stored.features) + map_length_)) {
-    Append(state);
-  } else {
-    WriteWhole(state);
+  try {
+    if (is_there && length_ <= 2 * (LengthOf(state.stored.features) + map_length_)) {
+      Append(state);
+    } else {
+      WriteWhole(state);
+    }
+  } catch (...) {
+    ForgetNotes();
+    throw;
   }
   is_whole_ = true;
-  has_moved_ = false;
-  for (auto* ids : {&keyframes_, &points_, &lines_}) ids->clear();
+  ForgetNotes();
   n_loops_ = state.stored.map.loops().size();
   if (!state.stored.features.empty()) newest_features_ = state.stored.features.rbegin()->first;
 }

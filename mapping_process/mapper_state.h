@@ -50,12 +50,13 @@ class StateFile {
   /// Of the mapper's next state, since the one before.
   void Note(const MapUpdate& update);
   /// The mapper is another one from now on.
-  void BeginAnew() { is_whole_ = false; }
+  void BeginAnew();
 
   /// Throws std::runtime_error, which names the file, where it cannot be written; the next one is then written whole.
   void Write(const MapperState& state);
 
  private:
+  void ForgetNotes();
   void WriteWhole(const MapperState& state);
   void Append(const MapperState& state);
 

@@ -107,10 +107,9 @@ void VisitFields(Visitor& visit, MappingOptions& o) {
         "keyframes of the map beyond which the oldest go, those first that newer ones replace; 0: all stay");
   visit("state_file", o.state_file,
         "kept up to date, and read when the process is started again after a crash; empty: none");
-  visit(
-      "state_every", o.state_every, Bounds{1, 1000000},
-      "keyframes after which what has changed is written; also before each new session, and before another tracker "
-      "goes on with one");
+  visit("state_every", o.state_every, Bounds{1, 1000000},
+        "keyframes after which what has changed is written; also before each new session, and before another tracker "
+        "goes on with one");
 }
 
 }  // namespace plslam::mapping

@@ -13,9 +13,6 @@
 
 namespace plslam {
 
-/// Features of the keyframes in the map, by their ids there.
-using KeyframeFeatures = KeyframeFeatures;
-
 /// Points as a template argument; sibling of `LineType`. What differs by feature type stands here, so that what does
 /// not is written once.
 struct PointType {

@@ -2,9 +2,7 @@
 #include "core/map/map.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>

@@ -164,6 +164,7 @@ void MappingNode::BeginMap() {
   PublishKeyframes();
   process_.SetState(process_state::kRunning);
   TellOfMap(options_.map_file);
+  LeaveOldInFiles();
 }
 
 /// The map first: trackers wait for it, and most of the others have the features.
@@ -173,6 +174,7 @@ void MappingNode::GoOnFromState() {
   process_.SetState(process_state::kRunning);
   PublishKeyframes();
   TellOfMap(options_.state_file);
+  LeaveOldInFiles();
 }
 
 /// Those of the map, as trackers send them, for listeners that need their features.
@@ -183,7 +185,6 @@ void MappingNode::PublishKeyframes() {
     if (features == mapper_->features().end()) continue;
     publisher.Publish(KeyframeOf(entry, features->second, mapper_->camera(), mapper_->map()));
   }
-  LeaveOldInFiles();
 }
 
 void MappingNode::TellOfMap(const std::string& file) {
@@ -271,10 +272,11 @@ void MappingNode::Insert(const std::vector<WorkQueue::Arrived>& batch) {
            {"adjust", adjusted_ms - inserted_ms},
            {"cull", done_ms - adjusted_ms},
            {"update", done_ms - batch.front().received_ms}});
-  if (newest->keyframe_id % kFilesEvery == 0) LeaveOldInFiles();
+  if ((n_since_files_ += count) >= kFilesEvery) LeaveOldInFiles();
 }
 
 void MappingNode::LeaveOldInFiles() {
+  n_since_files_ = 0;
   if (mapper_->LeaveOldInFiles() || std::exchange(files_failed_, true)) return;
   spdlog::warn("{}", CannotLeaveMemory());
 }
@@ -374,6 +376,7 @@ void MappingNode::Obey(const bus::Order& order) {
       TellOfMap(order.argument);
     }
     bus::Answer(process_, order);
+    LeaveOldInFiles();
   } catch (const std::exception& error) {
     spdlog::error("the order '{}' could not be carried out: {}", order.verb, error.what());
     bus::Answer(process_, order, error.what());
@@ -451,7 +454,6 @@ void MappingNode::KeepState() {
   } catch (const std::exception& error) {
     if (!std::exchange(state_failed_, true)) spdlog::warn("what a restart would need is not kept: {}", error.what());
   }
-  // The bytes of the whole map, needed now and then only.
   LeaveOldInFiles();
   bus::GiveBackFreedMemory();
 }

@@ -122,6 +122,7 @@ class MappingNode {
   int64_t n_failed_ = 0;
   int64_t n_states_ = 0;
   bool state_failed_ = false;
+  int n_since_files_ = 0;  ///< keyframes, since old ones were left in files
   bool files_failed_ = false;
   std::thread worker_;
   bus::CameraSubscriber camera_channel_;

@@ -190,8 +190,13 @@ void ProcessReplay::RenameLog() {
     const std::string name(channel.name);
     // Who asks for the map before its second version is told the first once more: only the first time has its place.
     const bool is_new = expected_.try_emplace({name, message.key}, &message).second;
-    if (is_new || channel.name != bus::kMapUpdate.name) order_[name].push_back(message.key);
+    if (is_new || !IsFirstVersion(channel, message.bytes)) order_[name].push_back(message.key);
   }
+}
+
+/// Of the map, which is told once more to who asks before there is a second one.
+bool ProcessReplay::IsFirstVersion(const Channel& channel, ByteView message) {
+  return channel.name == bus::kMapUpdate.name && MessageOf<map_update_t>(message).version == 1;
 }
 
 /// Which message of its channel it is, in words; empty for one that is not compared.
@@ -332,7 +337,7 @@ void ProcessReplay::Compare(const Said& said) {
   const bool is_new = said_keys_.emplace(name, key).second;
   if (comparesMaps()) return map_.Add(MessageOf<map_update_t>(said.bytes));
   const std::vector<std::string>& order = order_[name];
-  const bool has_place = is_new || said.channel->name != bus::kMapUpdate.name;
+  const bool has_place = is_new || !IsFirstVersion(*said.channel, said.bytes);
   const size_t n = has_place ? n_said_[name]++ : 0;
   const auto expected = expected_.find({name, key});
   if (expected == expected_.end()) {

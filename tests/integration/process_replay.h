@@ -115,6 +115,7 @@ class ProcessReplay {
   void LookAtSaid();
   void Compare(const Said& said);
   void CompareMaps();
+  static bool IsFirstVersion(const bus::Channel& channel, bus::ByteView message);
   std::string KeyOf(const bus::Channel& channel, bus::ByteView message) const;
   /// The map of a mapping_process that is started again has other versions.
   bool comparesMaps() const { return faults_.killed_behind && process_.name == "mapping"; }

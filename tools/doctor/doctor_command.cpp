@@ -59,13 +59,13 @@ Findings CheckNetwork(const BusAddress& address) {
 }
 
 Findings CheckFiles(const DoctorOptions& options, const Config& config, const bus::BusOptions& bus_options) {
-  const bool by_environment = bus_options.history_dir.empty();
-  const std::string history = by_environment ? TemporaryRoot() : bus_options.history_dir;
   Findings findings = CheckPrograms();
-  Append(CheckFolder(history, "histories",
-                     by_environment ? "export TMPDIR=FOLDER   # with space, for every process"
-                                    : "--set bus.history_dir=FOLDER   # with space"),
+  Append(CheckFolder(TemporaryRoot(), bus_options.history_dir.empty() ? "histories and features" : "features",
+                     "export TMPDIR=FOLDER   # with space, for every process"),
          &findings);
+  if (!bus_options.history_dir.empty())
+    Append(CheckFolder(bus_options.history_dir, "histories", "--set bus.history_dir=FOLDER   # with space"),
+           &findings);
   Append(CheckFolder(options.out, "outputs", "plslam run DATASET --out FOLDER   # with space"), &findings);
   VocabularyNames names;
   config.Read("loop.vocabularies", names);

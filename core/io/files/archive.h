@@ -49,7 +49,8 @@ concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T> || IsArrayOfNumbers
 class Writer {
  public:
   explicit Writer(size_t expected_bytes = 0) : bytes_(expected_bytes) {}
-  /// Hands on what has been written, a megabyte or so at once; call `Flush` at the end.
+  /// Hands on what has been written, a megabyte or so at once; call `Flush` at the end. What follows here speaks of
+  /// what has not been handed on.
   explicit Writer(std::function<void(std::span<const uint8_t>)> sink) : bytes_(1 << 20), sink_(std::move(sink)) {}
   void Flush() {
     sink_(Written());

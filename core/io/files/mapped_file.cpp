@@ -59,7 +59,7 @@ std::shared_ptr<const MappedFile> MappedFile::Map(int file, size_t size) {
 }
 
 std::shared_ptr<const MappedFile> MappedFile::Open(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat status {};
   const bool is_file = file >= 0 && ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
   auto mapped = is_file ? Map(file, static_cast<size_t>(status.st_size)) : nullptr;
@@ -76,16 +76,16 @@ std::shared_ptr<const MappedFile> MappedFile::Temporary(const std::vector<std::s
   const int file = OpenNameless();
   if (file < 0) return nullptr;
   auto mapped = Write(file, parts) ? Map(file, size) : nullptr;
-  ::close(file);
-  return mapped;
+  // A full disk of another machine may show only now.
+  return ::close(file) == 0 ? mapped : nullptr;
 }
 
 MappedFile::~MappedFile() {
   if (size_ > 0) ::munmap(const_cast<std::byte*>(data_), size_);
 }
 
-void MappedFile::LeaveMemory() const {
-  if (size_ > 0) ::madvise(const_cast<std::byte*>(data_), size_, MADV_DONTNEED);
+void MappedFile::LeaveMemory(size_t begin, size_t size) const {
+  if (size > 0) ::madvise(const_cast<std::byte*>(data_) + begin, size, MADV_DONTNEED);
 }
 
 }  // namespace plslam

@@ -29,8 +29,10 @@ class MappedFile {
   /// At an address for values of any type.
   const std::byte* data() const { return data_; }
   std::span<const uint8_t> bytes() const { return {reinterpret_cast<const uint8_t*>(data_), size_}; }
-  /// Gives back the memory that reading has cost; what is read again comes from the file.
-  void LeaveMemory() const;
+  /// Gives back the memory that reading `size` bytes from `begin` on has cost; what is read again comes from the file.
+  /// `begin` is a multiple of `kPage`.
+  void LeaveMemory(size_t begin, size_t size) const;
+  static constexpr size_t kPage = 4096;
 
  private:
   static std::shared_ptr<const MappedFile> Map(int file, size_t size);

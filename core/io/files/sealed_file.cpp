@@ -73,7 +73,7 @@ Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content) {
   return seal;
 }
 
-Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length) {
+Seal CheckKind(const FileKind& kind, std::span<const uint8_t> bytes) {
   Seal seal;
   if (bytes.size() < sizeof(Seal)) throw std::runtime_error(fmt::format("is no {} (too short)", kind.name));
   std::memcpy(&seal, bytes.data(), sizeof(Seal));
@@ -84,6 +84,11 @@ Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t fil
                                          one ? fmt::format("format {}", kind.format)
                                              : fmt::format("formats {} to {}", kind.oldest_format, kind.format)));
   }
+  return seal;
+}
+
+Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length) {
+  const Seal seal = CheckKind(kind, bytes);
   if (seal.length != file_length - sizeof(Seal)) {
     throw std::runtime_error(fmt::format("has {} bytes of content, and should have {}: it was cut off or damaged",
                                          file_length - sizeof(Seal), seal.length));
@@ -130,11 +135,14 @@ SealedFileWriter::SealedFileWriter(const std::string& path, const FileKind& kind
 }
 
 void SealedFileWriter::Append(Bytes content) {
+  length_ += content.size();
   sum_.Add(content);
   file_.Append(Text(content.data(), content.size()));
 }
 
 void SealedFileWriter::PutInPlace() {
+  if (length_ != seal_.length)
+    throw std::logic_error(fmt::format("{} bytes of content instead of {}", length_, seal_.length));
   seal_.checksum = sum_.Take();
   file_.OverwriteBeginning(Text(&seal_, sizeof(seal_)));
   file_.PutInPlace();

@@ -55,6 +55,10 @@ class SealSum {
 /// Of a content that belongs behind it.
 Seal MakeSeal(const FileKind& kind, std::span<const uint8_t> content);
 
+/// The seal that bytes begin with. Throws std::runtime_error, in a sentence without its subject, where it is none of
+/// that kind and of a format that is known.
+Seal CheckKind(const FileKind& kind, std::span<const uint8_t> bytes);
+
 /// The seal at the beginning of a file of `file_length` bytes. Throws std::runtime_error, in a sentence without its
 /// subject, where it is no such file, of another format, or not of that length.
 Seal ReadSeal(const FileKind& kind, std::span<const uint8_t> bytes, uint64_t file_length);
@@ -92,7 +96,7 @@ auto NamingFile(const std::string& path, Function f) {
 std::optional<std::span<const uint8_t>> TakeSealed(const FileKind& kind, std::span<const uint8_t>& bytes);
 
 /// Such a file whose content comes piece by piece, `length` bytes of it, and which then takes the place of `path`.
-/// Throws std::runtime_error that names the file.
+/// Throws std::runtime_error that names the file, and std::logic_error where another number of bytes came.
 class SealedFileWriter {
  public:
   SealedFileWriter(const std::string& path, const FileKind& kind, uint64_t length);
@@ -101,6 +105,7 @@ class SealedFileWriter {
 
  private:
   AtomicFile file_;
+  uint64_t length_ = 0;
   Seal seal_;
   SealSum sum_;
 };

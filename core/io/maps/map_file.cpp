@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <future>
 #include <memory>
 #include <stdexcept>
@@ -47,7 +46,8 @@ StoredMap ReadContent(uint64_t format, Bytes content) {
   map_file::ReadLoops(read, stored.map);
   if (format != kWithoutImages) map_file::ReadImages(read, stored.features);
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
-  map_file::CheckWhole(stored, point_observations, line_observations);
+  map_file::CheckObservationsOnce(stored.map, point_observations, line_observations);
+  map_file::CheckWhole(stored);
   stored.map.TakeChanges();
   return stored;
 }
@@ -76,8 +76,7 @@ void CheckAll(const StoredMap& stored) {
   for (const auto& [id, point] : stored.map.points()) map_file::Check(point, stored.features);
   for (const auto& [id, line] : stored.map.lines()) map_file::Check(line, stored.features);
   for (const LoopEdge& loop : stored.map.loops()) map_file::Check(loop);
-  const MapTotals totals = stored.map.Totals();
-  map_file::CheckWhole(stored, totals.point_observations, totals.line_observations);
+  map_file::CheckWhole(stored);
 }
 
 void WriteContent(const StoredMap& stored, const Images& images, archive::Writer& write) {

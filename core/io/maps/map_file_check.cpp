@@ -117,8 +117,17 @@ void Check(const LoopEdge& loop) {
   Demand(ok, "the loop from keyframe {} to {} has values that cannot be", loop.old_keyframe_id, loop.keyframe_id);
 }
 
-void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t line_observations) {
+void CheckObservationsOnce(const Map& map, int64_t point_observations, int64_t line_observations) {
+  const MapTotals totals = map.Totals();
+  Demand(totals.point_observations == point_observations && totals.line_observations == line_observations,
+         "a feature belongs to several landmarks");
+}
+
+void CheckWhole(const StoredMap& stored) {
   const Map& map = stored.map;
+  Demand(stored.next_keyframe_id <= Observation::kMaxId,
+         "the next keyframe would be {}, and no map can have more than {}", stored.next_keyframe_id,
+         Observation::kMaxId);
   Demand(stored.next_keyframe_id > LastId(map.keyframes()), "the next keyframe would be {}, and there is a {}",
          stored.next_keyframe_id, LastId(map.keyframes()));
   Demand(stored.next_point_id > LastId(map.points()), "the next point would be {}, and there is a {}",
@@ -126,9 +135,6 @@ void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t lin
   Demand(stored.next_line_id > LastId(map.lines()), "the next line would be {}, and there is a {}",
          stored.next_line_id, LastId(map.lines()));
   Demand(stored.version >= 0, "the map's version is {}", stored.version);
-  const MapTotals totals = map.Totals();
-  Demand(totals.point_observations == point_observations && totals.line_observations == line_observations,
-         "a feature belongs to several landmarks");
   for (const auto& [id, features] : stored.features) {
     Demand(map.FindKeyframe(id) != nullptr, "features are of keyframe {}, which the map does not have", id);
   }

@@ -17,8 +17,9 @@ void Check(int64_t keyframe_id, const TakenImage& image, const KeyframeFeatures&
 void Check(const MapPoint& point, const KeyframeFeatures& features);
 void Check(const MapLine& line, const KeyframeFeatures& features);
 void Check(const LoopEdge& loop);
-/// Next numbers are greater than all that are in use, sessions and features name keyframes of the map, and each
-/// feature belongs to one landmark (there are as many observations in the map as `observations` were put).
-void CheckWhole(const StoredMap& stored, int64_t point_observations, int64_t line_observations);
+/// Each feature belongs to one landmark: there are as many observations in the map as were put.
+void CheckObservationsOnce(const Map& map, int64_t point_observations, int64_t line_observations);
+/// Next numbers are greater than all that are in use, and sessions and features name keyframes of the map.
+void CheckWhole(const StoredMap& stored);
 
 }  // namespace plslam::map_file

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdlib>
+#include <stdexcept>
+#include <type_traits>
+
 #include "core/features/features.h"
 #include "core/io/files/archive.h"
 #include "core/io/maps/map_file.h"
@@ -46,7 +50,11 @@ void Fields(Archive& a, T& observation) {
   int64_t keyframe_id = observation.keyframe_id;
   int32_t feature = observation.feature;
   a(keyframe_id, feature);
-  if constexpr (!std::is_const_v<T>) observation = {keyframe_id, feature};
+  if constexpr (!std::is_const_v<T>) {
+    if (std::abs(keyframe_id) > Observation::kMaxId || std::abs(int64_t{feature}) > Observation::kMaxFeature)
+      throw std::runtime_error("an observation names a keyframe or a feature that cannot be");
+    observation = {keyframe_id, feature};
+  }
 }
 
 /// Whole and in double precision, as the first files had it.

@@ -53,8 +53,8 @@ void AddObservations(const std::vector<int64_t>& ids, const Map& map, const Keyf
     if (seen[pose].empty()) continue;
     const KeptFeatures& of_keyframe = features.at(bundle.keyframes[pose]);
     for (const auto& [place, landmark, feature] : seen[pose]) {
-      observations[place] = ObservationOf(static_cast<int>(pose), landmark,
-                                          Type::Features(of_keyframe)[static_cast<size_t>(feature)]);
+      observations[place] =
+          ObservationOf(static_cast<int>(pose), landmark, Type::Features(of_keyframe)[static_cast<size_t>(feature)]);
     }
     if (seen.size() > kMostInMemory) of_keyframe.LeaveMemory();
   }

@@ -45,7 +45,7 @@ TEST_F(MappedFileTest, TemporaryOneHasThePartsAndNoName) {
   ASSERT_NE(file, nullptr);
   EXPECT_EQ(TextOf(*file), first + large);
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
-  file->LeaveMemory();
+  file->LeaveMemory(0, file->bytes().size());
   EXPECT_EQ(TextOf(*file), first + large) << "it is read again";
 }
 
@@ -53,7 +53,7 @@ TEST_F(MappedFileTest, TemporaryOneOfNothingIsEmpty) {
   const auto file = MappedFile::Temporary({});
   ASSERT_NE(file, nullptr);
   EXPECT_TRUE(file->bytes().empty());
-  file->LeaveMemory();
+  file->LeaveMemory(0, file->bytes().size());
 }
 
 TEST_F(MappedFileTest, WithoutAFolderThereIsNoTemporaryOne) {

@@ -239,7 +239,7 @@ struct Grown {
   std::vector<uint64_t> lengths;  ///< of the file, behind each
 };
 
-TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndTakesNoMoreThanTwiceItsSize) {
+TEST_F(StateFileTest, ThatGrowsHasTheLastStateAndIsWrittenAnewBeforeItIsThreeTimesAsLarge) {
   const Grown grown(path_);
   EXPECT_EQ(EncodeState(ReadStateFile(path_)), grown.states.back());
   int n_appended = 0;
@@ -270,6 +270,54 @@ TEST_F(StateFileTest, ThatWasCutOffOrDamagedAnywhereHasAStateBefore) {
     }
   }
   EXPECT_GT(n_older, 3U);
+}
+
+TEST_F(StateFileTest, FollowsForgettingOtherCamerasAndWhatTheMapperIsTold) {
+  MappingOptions options;
+  options.max_keyframes = 12;
+  Mapper mapper(FeatureWorld::Camera(), options);
+  StateFile file(path_);
+  for (size_t i = 0; i < 40; ++i) {
+    Word word = TheStream().words[2 * i];
+    if (i % 3 == 0) word.keyframe->features.image = TakenImage{0, 0, 700 + static_cast<int>(i), 480, 300.0};
+    file.Note(Tell(word, mapper));
+    mapper.SetLocaliseOnly(i % 4 == 3);
+    file.Note(mapper.TakeUpdate());
+    mapper.SetLocaliseOnly(false);
+    if (i % 4 != 3) continue;
+    mapper.SetLocaliseOnly(i % 8 == 3);
+    file.Write(mapper.State());
+    ASSERT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(mapper.State())) << i;
+    mapper.SetLocaliseOnly(false);
+  }
+  EXPECT_EQ(mapper.map().keyframes().size(), 12U);
+}
+
+TEST_F(StateFileTest, OfAnotherMapperIsWrittenWhole) {
+  StateFile file(path_);
+  Mapper first(FeatureWorld::Camera(), MappingOptions());
+  file.Note(Tell(TheStream().words[0], first));
+  file.Write(first.State());
+  MapperState state;
+  first.Precede(state);
+  Mapper second(FeatureWorld::Camera(), MappingOptions(), std::move(state));
+  file.BeginAnew();
+  file.Write(second.State());
+  EXPECT_EQ(EncodeState(ReadStateFile(path_)), EncodeState(second.State()));
+}
+
+TEST_F(StateFileTest, ThatCouldNotBeWrittenIsWrittenWholeWhereItCan) {
+  const std::string folder = path_ + " folder";
+  StateFile file(folder + "/state");
+  Mapper mapper(FeatureWorld::Camera(), MappingOptions());
+  for (size_t i = 0; i < 3; ++i) {
+    file.Note(Tell(TheStream().words[2 * i], mapper));
+    EXPECT_THROW(file.Write(mapper.State()), std::runtime_error);
+  }
+  std::filesystem::create_directory(folder);
+  file.Write(mapper.State());
+  EXPECT_EQ(EncodeState(ReadStateFile(folder + "/state")), EncodeState(mapper.State()));
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(StateFileTest, ThatSomebodyChangedIsWrittenWhole) {

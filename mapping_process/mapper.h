@@ -25,7 +25,7 @@
 namespace plslam::mapping {
 
 /// Owner of the map (PL-SLAM §V): takes keyframes in, adjusts the map around the newest, and tells what changed. No
-/// clock, no thread, no messages: the same calls give the same map.
+/// clock, no messages, and no thread but within a call: the same calls give the same map.
 ///
 /// For each keyframe: `Insert`, then `Adjust` and `Cull` once for one or several insertions, then `TakeUpdate`.
 class Mapper {

@@ -2,7 +2,11 @@
 #include "mapping_process/corrections/correction.h"
 
 #include <algorithm>
+#include <future>
+#include <optional>
+#include <thread>
 #include <utility>
+#include <vector>
 
 #include "mapping_process/insertion/observations.h"
 
@@ -19,6 +23,7 @@ using Poses = std::map<int64_t, SE3>;
 
 // A keyframe before and after a correction.
 struct Moved {
+  const KeptFeatures* features = nullptr;
   SE3 T_new_old;  // of w
   SE3 T_kf_old_w;
   SE3 T_kf_w;
@@ -35,15 +40,16 @@ int64_t CarrierOf(const MapKeyframe& keyframe, const Poses& named, const Poses& 
   return -1;
 }
 
-Moves MovesOf(const Poses& poses, const Map& map) {
+Moves MovesOf(const Poses& poses, const KeyframeFeatures& features, const Map& map) {
   Moves moves;
   for (const auto& [id, keyframe] : map.keyframes()) {
     const auto pose = poses.find(id);
+    const KeptFeatures* of_keyframe = &features.at(id);
     const SE3 T_kf_w = keyframe.T_w_kf.Inverse();
     if (pose == poses.end()) {
-      moves[id] = {SE3(), T_kf_w, T_kf_w, false};
+      moves[id] = {of_keyframe, SE3(), T_kf_w, T_kf_w, false};
     } else {
-      moves[id] = {pose->second * T_kf_w, T_kf_w, pose->second.Inverse(), true};
+      moves[id] = {of_keyframe, pose->second * T_kf_w, T_kf_w, pose->second.Inverse(), true};
     }
   }
   return moves;
@@ -69,6 +75,19 @@ void Place(int64_t id, const MapLine& place, Map& map) {
   map.SetSegment(id, place.segment_w, place.covariance_p, place.covariance_q);
 }
 
+// Calls visit(i) for each i below n, in any order, on several threads at once.
+template <class Visit>
+void ForEachOnAllProcessors(size_t n, const Visit& visit) {
+  const size_t n_threads = std::clamp(std::thread::hardware_concurrency(), 1U, 8U);
+  const auto visit_part = [&](size_t part) {
+    for (size_t i = part * n / n_threads; i < (part + 1) * n / n_threads; ++i) visit(i);
+  };
+  std::vector<std::future<void>> others;
+  for (size_t part = 1; part < n_threads; ++part) others.push_back(std::async(std::launch::async, visit_part, part));
+  visit_part(0);
+  for (std::future<void>& other : others) other.get();
+}
+
 // How the keyframes that see a landmark move.
 std::vector<const Moved*> MovesOfObservations(const std::vector<Observation>& observations, const Moves& moves) {
   std::vector<const Moved*> of_observations;
@@ -83,34 +102,50 @@ class Corrected {
  public:
   Corrected(const Moves& moves, const KeyframeFeatures& features, const StereoCamera& camera, Map& map)
       : moves_(moves), features_(features), camera_(camera), map_(map) {
+    std::vector<const Landmark*> landmarks;
+    landmarks.reserve(Type::Landmarks(map).size());
+    const auto moved = [&moves](const Observation& observation) { return moves.at(observation.keyframe_id).moves; };
     for (const auto& [id, landmark] : Type::Landmarks(map)) {
       // What only one keyframe sees goes with it, and nothing changes.
       if (landmark.observations.size() < 2) continue;
-      const auto of_observations = MovesOfObservations(landmark.observations, moves);
-      const auto moved = [](const Moved* move) { return move->moves; };
-      if (std::none_of(of_observations.begin(), of_observations.end(), moved)) continue;
-      before_.push_back(
-          {id, PlaceOf(landmark), ErrorAt(landmark, landmark.observations, of_observations, &Moved::T_kf_old_w)});
+      if (std::any_of(landmark.observations.begin(), landmark.observations.end(), moved))
+        landmarks.push_back(&landmark);
     }
+    before_.resize(landmarks.size());
+    ForEachOnAllProcessors(landmarks.size(), [&](size_t i) {
+      const Landmark& landmark = *landmarks[i];
+      before_[i] = {landmark.id, PlaceOf(landmark),
+                    ErrorAt(landmark, landmark.observations, MovesOfObservations(landmark.observations, moves),
+                            &Moved::T_kf_old_w)};
+    });
   }
 
   // After the map has been moved: what is seen worse than before goes where it is seen best. Returns which.
   std::vector<int64_t> PlaceWhatIsSeenWorse() {
-    std::vector<int64_t> worse;
-    std::vector<std::pair<int64_t, int64_t>> impossible;
-    for (const auto& [id, place, error] : before_) {
+    std::vector<std::optional<Landmark>> better(before_.size());
+    std::vector<std::vector<int64_t>> impossible(before_.size());
+    ForEachOnAllProcessors(before_.size(), [&](size_t i) {
+      const auto& [id, place, error] = before_[i];
       const Landmark& landmark = *Type::Find(map_, id);
       const auto of_observations = MovesOfObservations(landmark.observations, moves_);
-      if (ErrorAt(landmark, landmark.observations, of_observations, &Moved::T_kf_w) > error + kUnnoticed) {
-        worse.push_back(id);
-        Place(id, BestPlace(landmark, place, of_observations), map_);
+      if (ErrorAt(landmark, landmark.observations, of_observations, &Moved::T_kf_w) > error + kUnnoticed)
+        better[i] = BestPlace(landmark, place, of_observations);
+      const Landmark& now = better[i] ? *better[i] : landmark;
+      for (size_t k = 0; k < of_observations.size(); ++k) {
+        if (IsBehind(now, of_observations[k]->T_kf_w, camera_))
+          impossible[i].push_back(landmark.observations[k].keyframe_id);
       }
-      for (size_t i = 0; i < of_observations.size(); ++i) {
-        if (IsBehind(landmark, of_observations[i]->T_kf_w, camera_))
-          impossible.emplace_back(id, landmark.observations[i].keyframe_id);
-      }
+    });
+    std::vector<int64_t> worse;
+    for (size_t i = 0; i < before_.size(); ++i) {
+      if (!better[i]) continue;
+      worse.push_back(before_[i].id);
+      Place(before_[i].id, *better[i], map_);
     }
-    for (const auto& [id, keyframe_id] : impossible) DropObservation<Type>(id, keyframe_id, features_, map_);
+    for (size_t i = 0; i < before_.size(); ++i) {
+      for (const int64_t keyframe_id : impossible[i])
+        DropObservation<Type>(before_[i].id, keyframe_id, features_, map_);
+    }
     std::erase_if(worse, [this](int64_t id) { return Type::Find(map_, id) == nullptr; });
     return worse;
   }
@@ -127,8 +162,7 @@ class Corrected {
                  const std::vector<const Moved*>& moves, SE3 Moved::*T_kf_w) const {
     double sum = 0.0;
     for (size_t i = 0; i < observations.size(); ++i) {
-      const auto& seen =
-          Type::Features(features_.at(observations[i].keyframe_id))[static_cast<size_t>(observations[i].feature)];
+      const auto& seen = Type::Features(*moves[i]->features)[static_cast<size_t>(observations[i].feature)];
       sum += ObservationError(place, seen, moves[i]->*T_kf_w, camera_);
     }
     return sum;
@@ -178,7 +212,7 @@ std::map<int64_t, SE3> PosesAfter(const std::vector<CorrectedPose>& corrected, c
 
 LandmarksNamed MoveKeyframes(const std::map<int64_t, SE3>& poses, const KeyframeFeatures& features,
                              const StereoCamera& camera, Map& map) {
-  const Moves moves = MovesOf(poses, map);
+  const Moves moves = MovesOf(poses, features, map);
   Corrected<PointType> points(moves, features, camera, map);
   Corrected<LineType> lines(moves, features, camera, map);
   map.Move(poses);

@@ -56,13 +56,16 @@ template <class Type, class Visit>
 void ForEachObservation(const MapBundle& bundle, const std::vector<int64_t>& ids, const Map& map,
                         const KeyframeFeatures& features, const Visit& visit) {
   IdMap<int> poses;
-  for (size_t i = 0; i < bundle.keyframes.size(); ++i) poses[bundle.keyframes[i]] = static_cast<int>(i);
+  std::vector<size_t> n_features;
+  for (size_t i = 0; i < bundle.keyframes.size(); ++i) {
+    poses[bundle.keyframes[i]] = static_cast<int>(i);
+    n_features.push_back(Type::Features(features.at(bundle.keyframes[i])).size());
+  }
   for (size_t k = 0; k < ids.size(); ++k) {
     for (const Observation& observation : Type::Find(map, ids[k])->observations) {
       const int* pose = poses.Find(observation.keyframe_id);
       if (pose == nullptr) continue;
-      const auto& of_keyframe = Type::Features(features.at(observation.keyframe_id));
-      if (static_cast<size_t>(observation.feature) < of_keyframe.size())
+      if (static_cast<size_t>(observation.feature) < n_features[static_cast<size_t>(*pose)])
         visit(*pose, static_cast<int>(k), observation);
     }
   }

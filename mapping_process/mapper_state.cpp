@@ -152,11 +152,13 @@ bool ReadRecord(Bytes content, MapperState& state) {
   archive::Reader read(content);
   RecordKind kind{};
   read(kind);
+  if (kind != RecordKind::kFeatures) read(state);
   if (kind == RecordKind::kFeatures) {
     ReadFeatures(read, state);
+  } else if (kind == RecordKind::kMap) {
+    ReadMap(read, state);
   } else {
-    read(state);
-    kind == RecordKind::kMap ? ReadMap(read, state) : ReadChanges(read, state);
+    ReadChanges(read, state);
   }
   if (!read.AtEnd()) throw std::runtime_error("the content has more than it promises");
   return kind != RecordKind::kFeatures;

@@ -99,7 +99,7 @@ uint64_t WriteMap(const MapperState& state, const Sink& sink) {
 
 /// Each once; those that there still are, and those that are gone.
 template <class Value>
-void Sort(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int64_t>& gone) {
+void SplitByPresence(const IdMap<Value>& values, std::vector<int64_t>& ids, std::vector<int64_t>& gone) {
   std::sort(ids.begin(), ids.end());
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
   const auto first_gone =
@@ -262,9 +262,9 @@ void StateFile::Append(const MapperState& state) {
   } else {
     const Map& map = state.stored.map;
     std::vector<int64_t> keyframes, points, lines;
-    Sort(map.keyframes(), keyframes_, keyframes);
-    Sort(map.points(), points_, points);
-    Sort(map.lines(), lines_, lines);
+    SplitByPresence(map.keyframes(), keyframes_, keyframes);
+    SplitByPresence(map.points(), points_, points);
+    SplitByPresence(map.lines(), lines_, lines);
     archive::Writer write;
     write(RecordKind::kChanges, state, points, lines, keyframes);
     map_file::WriteValues(write, map.keyframes(), keyframes_);

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -58,7 +62,16 @@ class LandmarkCovariance {
   bool operator==(const LandmarkCovariance&) const = default;
 
  private:
-  void Set(const Eigen::Matrix3d& covariance);
+  void Set(const Eigen::Matrix3d& covariance) {
+    constexpr double kMax = std::numeric_limits<float>::max();
+    size_t i = 0;
+    for (int row = 0; row < 3; ++row) {
+      for (int column = row; column < 3; ++column) {
+        const double value = covariance(row, column);
+        upper_[i++] = static_cast<float>(std::isfinite(value) ? std::clamp(value, -kMax, kMax) : value);
+      }
+    }
+  }
 
   std::array<float, 6> upper_{};
 };

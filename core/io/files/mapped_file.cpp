@@ -85,7 +85,10 @@ MappedFile::~MappedFile() {
 }
 
 void MappedFile::LeaveMemory(size_t begin, size_t size) const {
-  if (size > 0) ::madvise(const_cast<std::byte*>(data_) + begin, size, MADV_DONTNEED);
+  // Pages may be larger than `kPage`; what lies at the edge of one stays.
+  const auto page = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
+  const size_t first = (begin + page - 1) / page * page;
+  if (first < begin + size) ::madvise(const_cast<std::byte*>(data_) + first, begin + size - first, MADV_DONTNEED);
 }
 
 }  // namespace plslam

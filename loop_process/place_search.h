@@ -39,7 +39,7 @@ Place PlaceAround(const Map& map, int64_t keyframe_id, int max_keyframes);
 
 /// Features of an image and the nodes of its points in the vocabulary.
 struct DescribedImage {
-  const FeaturesView& features;
+  FeaturesView features;
   const FeatureNodes& point_nodes;
 };
 

@@ -93,7 +93,7 @@ struct FeaturesView {
   std::optional<TakenImage> image;
 
   FeaturesView() = default;
-  // NOLINTNEXTLINE(google-explicit-constructor): whoever keeps features can show them.
+  // NOLINTNEXTLINE(google-explicit-constructor): a view can be had of all features.
   FeaturesView(const StereoFeatures& of) : points(of.points), lines(of.lines), image(of.image) {}
 };
 

@@ -40,7 +40,7 @@ using KeyframeFeatures = std::map<int64_t, KeptFeatures>;
 
 /// Leaves the newest in memory, which is where trackers are, and moves the others to files; those that are there give
 /// back the memory that looking at them has cost since the last call. Takes time in proportion to the map, so it is
-/// done at every `kFilesEvery` keyframes, of which each file then has as many. False where a file could not be
+/// done after every `kFilesEvery` keyframes; a file has the features of as many. False where a file could not be
 /// written: its features, and those behind them, stay in memory.
 bool LeaveOldInFiles(KeyframeFeatures& features);
 inline constexpr int kFilesEvery = 16;

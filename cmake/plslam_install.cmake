@@ -6,17 +6,20 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 get_property(programs GLOBAL PROPERTY PLSLAM_INSTALLED_PROGRAMS)
 get_property(libraries GLOBAL PROPERTY PLSLAM_CORE_LIBRARIES)
 
-# --- licence, in the words and the place that Debian has for it: one file for each package
+# --- licence and changes, in the words and the place that Debian has for them: files for each package
 file(READ ${CMAKE_SOURCE_DIR}/LICENSE LICENSE_TEXT)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/LICENSE)
 string(STRIP "${LICENSE_TEXT}" LICENSE_TEXT)
 string(REGEX REPLACE "\n" "\n " LICENSE_TEXT " ${LICENSE_TEXT}")
 string(REGEX REPLACE "\n \n" "\n .\n" LICENSE_TEXT "${LICENSE_TEXT}")
 configure_file(${CMAKE_SOURCE_DIR}/cmake/copyright.in ${CMAKE_BINARY_DIR}/copyright @ONLY)
-install(FILES ${CMAKE_BINARY_DIR}/copyright DESTINATION share/doc/plslam COMPONENT runtime)
-install(FILES ${CMAKE_BINARY_DIR}/copyright ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/libplslam-dev
-        COMPONENT dev)
-install(FILES ${CMAKE_BINARY_DIR}/copyright DESTINATION share/doc/python3-plslam COMPONENT python)
+string(TIMESTAMP PACKAGE_DAY "%a, %d %b %Y 00:00:00 +0000" UTC)
+configure_file(${CMAKE_SOURCE_DIR}/cmake/changelog.in ${CMAKE_BINARY_DIR}/changelog @ONLY)
+execute_process(COMMAND gzip -9nf ${CMAKE_BINARY_DIR}/changelog COMMAND_ERROR_IS_FATAL ANY)
+set(documents ${CMAKE_BINARY_DIR}/copyright ${CMAKE_BINARY_DIR}/changelog.gz)
+install(FILES ${documents} DESTINATION share/doc/plslam COMPONENT runtime)
+install(FILES ${documents} ${CMAKE_SOURCE_DIR}/NOTICE DESTINATION share/doc/libplslam-dev COMPONENT dev)
+install(FILES ${documents} DESTINATION share/doc/python3-plslam COMPONENT python)
 
 # --- component runtime: programs, their data, manual, completion, units, documents
 install(TARGETS ${programs} RUNTIME DESTINATION bin COMPONENT runtime)

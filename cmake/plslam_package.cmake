@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Debian packages by `cpack` (in the build folder): plslam, the programs and what they need, with dependencies found by
-# dpkg-shlibdeps; libplslam-dev, the CMake package of core; and python3-plslam.
+# The target plslam_packages makes Debian packages in build/PRESET/packages: plslam, the programs and what they need, with
+# dependencies found by dpkg-shlibdeps; libplslam-dev, the CMake package of core; and python3-plslam.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME plslam)
 set(CPACK_PACKAGE_VENDOR "plslam")
-set(CPACK_PACKAGE_CONTACT "plslam <plslam@localhost>")
+# Nobody reads this address: who passes packages on names an own one, -D CPACK_PACKAGE_CONTACT="NAME <ADDRESS>".
+set(CPACK_PACKAGE_CONTACT "the plslam authors <plslam@example.org>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "stereo visual SLAM with points and lines, as LCM processes")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -13,7 +14,7 @@ set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXE
 set(CPACK_COMPONENTS_ALL runtime dev python)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_COMPRESSION_TYPE zstd)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME plslam)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
@@ -23,7 +24,8 @@ set(CPACK_DEBIAN_RUNTIME_PACKAGE_RECOMMENDS
     "liblcm-bin, fonts-dejavu-core, gstreamer1.0-plugins-base, gstreamer1.0-plugins-good")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS "liblcm-java, gstreamer1.0-libav, libaravis-0.8-0")
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
-    "Tracking, mapping, loop closing, a player of datasets, live cameras and a viewer without display, as processes that talk over LCM.")
+    "Tracking, mapping, loop closing, a player of datasets, live cameras and a
+viewer without display, as processes that talk over LCM.")
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libplslam-dev)
 set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS
@@ -35,3 +37,8 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.9), python3-numpy")
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Maps, runs, logs and live messages of plslam in Python, as arrays of numpy.")
 include(CPack)
+
+add_custom_target(plslam_packages
+  COMMAND ${CMAKE_CPACK_COMMAND} --config ${CMAKE_BINARY_DIR}/CPackConfig.cmake -B ${CMAKE_BINARY_DIR}/packages
+  COMMENT "Making Debian packages in ${CMAKE_BINARY_DIR}/packages" VERBATIM)
+add_dependencies(plslam_packages plslam_programs plslam_python plslam_lcmtypes ${libraries})

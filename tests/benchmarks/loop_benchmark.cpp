@@ -72,7 +72,7 @@ struct MadeUpMap {
       MapPoint point;
       point.id = next_point++;
       point.p_w =
-          OnCircle(i, n) * Eigen::Vector3d(3.5 * across(generator), 2.0 * across(generator), 6.0 + across(generator));
+          OnCircle(i, n) * Eigen::Vector3d{3.5 * across(generator), 2.0 * across(generator), 6.0 + across(generator)};
       point.covariance = 1e-4 * Eigen::Matrix3d::Identity();
       point.descriptor = DescriptorOf(generator());
       for (int j = i; j < std::min(seen_in_map, i + kSeenBy); ++j) {

@@ -123,7 +123,7 @@ class MadeUpMap {
   }
 
   Eigen::Vector3d Observed(const Eigen::Vector3d& p_c) {
-    return kCamera.ProjectStereo(p_c) + kNoise_px * Eigen::Vector3d(Gauss(), Gauss(), Gauss());
+    return kCamera.ProjectStereo(p_c) + kNoise_px * Eigen::Vector3d{Gauss(), Gauss(), Gauss()};
   }
 
   void AddLandmarks(int i) {

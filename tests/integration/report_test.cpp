@@ -201,7 +201,7 @@ class BigRun {
 
   Eigen::Vector3d Near(int64_t keyframe_id) {
     std::normal_distribution<double> normal;
-    return Pose(5 * keyframe_id, 0.0) * Eigen::Vector3d(8.0 * normal(random_), 2.0 * normal(random_), 8.0);
+    return Pose(5 * keyframe_id, 0.0) * Eigen::Vector3d{8.0 * normal(random_), 2.0 * normal(random_), 8.0};
   }
 
   std::vector<Observation> Observations(int64_t keyframe_id, int64_t id) {

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # clean_root.sh PACKAGE.deb FOLDER: makes a minimal Debian 12 in FOLDER, has apt install the package there with what it asks for,
-# and runs a short world inside. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
+# and runs the world of scripts/demo inside, as an ordinary user. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
 set -eu
 package=$1
 root=$2
@@ -14,18 +14,22 @@ chroot "$root" apt-get update -qq
 DEBIAN_FRONTEND=noninteractive chroot "$root" apt-get install -y -qq --no-install-recommends /tmp/plslam.deb
 
 # Nothing of the host's environment: what the programs need they must have from the package.
+chroot "$root" useradd --create-home visitor
 cat >"$root/tmp/try" <<'END'
 set -eu
-cd /tmp
+cd
+test "$(id -u)" != 0
+test -z "$(command -v c++ cc gcc cmake)"
 plslam --version
-plslam run 'synthetic:room?size=320x200&frames=30' --out out --save-map room.plmap --quiet
+plslam run synthetic:room --out out --save-map room.plmap --quiet
 test -s out/trajectory.tum
 test -s out/map.ply
+test -s out/report.html
 plslam export room.plmap --out exported --quiet
 test -s exported/map.ply
 END
 # A namespace of its own for mounts: whatever happens, nothing stays mounted in FOLDER.
 unshare --mount --propagation private sh -c '
   mount -t proc proc "$0/proc"
-  exec chroot "$0" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/root sh /tmp/try' "$root"
+  exec chroot --userspec=visitor:visitor "$0" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/home/visitor sh /tmp/try' "$root"
 echo "clean root: installed and run"

@@ -5,7 +5,6 @@
 
 #include "tests/package/installed_tree.h"
 #include "tests/support/data_folder.h"
-#include "tests/support/long_tests.h"
 
 namespace plslam::test {
 namespace {
@@ -16,7 +15,6 @@ using CleanRoot = InstalledTree;
 /// Everything that the programs need comes with the package, or because it asks for it: nothing of a developer's
 /// machine is there.
 TEST_F(CleanRoot, HasAllThatIsNeededOnceAptHasInstalledThePackage) {
-  PLSLAM_REQUIRE_LONG_TESTS();
   if (geteuid() != 0) GTEST_SKIP() << "a root of its own can be made by root only";
   for (const char* program : {"mmdebstrap", "unshare", "chroot", "dpkg-shlibdeps", "strip"}) {
     if (!Has(program)) GTEST_SKIP() << "no " << program << " here";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // plslam_manual FOLDER VERSION PROGRAM...: runs each program with --help, and each of its commands, and writes
-// FOLDER/man/man1/NAME.1 and its completion for bash, zsh and fish where Debian's shells look for it.
+// FOLDER/man/man1/NAME.1.gz and its completion for bash, zsh and fish where Debian's shells look for it.
 
 #include <cstdio>
 #include <exception>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include "tools/manual/completion.h"
 #include "tools/manual/help_page.h"
@@ -46,6 +47,15 @@ void Write(const fs::path& path, const std::string& text) {
   if (!(file << text).flush()) throw std::runtime_error(path.string() + " cannot be written");
 }
 
+/// As Debian wants manual pages.
+void WriteCompressed(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  gzFile file = gzopen(path.c_str(), "wb9");
+  const auto size = static_cast<int>(text.size());
+  const bool is_written = file != nullptr && gzwrite(file, text.data(), static_cast<unsigned>(size)) == size;
+  if (gzclose(file) != Z_OK || !is_written) throw std::runtime_error(path.string() + " cannot be written");
+}
+
 void WriteAll(const fs::path& folder, const std::string& version, const std::vector<fs::path>& programs) {
   std::vector<std::string> names;
   names.reserve(programs.size());
@@ -53,7 +63,7 @@ void WriteAll(const fs::path& folder, const std::string& version, const std::vec
   for (const fs::path& program : programs) {
     const std::vector<HelpPage> pages = PagesOf(program);
     const std::string name = program.filename();
-    Write(folder / "man" / "man1" / (name + ".1"), ManualPage(pages, version, names));
+    WriteCompressed(folder / "man" / "man1" / (name + ".1.gz"), ManualPage(pages, version, names));
     Write(folder / "bash-completion" / "completions" / name, BashCompletion(pages));
     Write(folder / "zsh" / "vendor-completions" / ("_" + name), ZshCompletion(pages));
     Write(folder / "fish" / "vendor_completions.d" / (name + ".fish"), FishCompletion(pages));

@@ -153,10 +153,10 @@ bool Join(int fd, const UdpGroup& group) {
   name.sin_port = htons(group.port);
   ip_mreq membership{};
   const int wanted = static_cast<int>(std::min<int64_t>(group.buffer_bytes, INT32_MAX));
+  // Other groups that processes of this machine have joined at the same port are not for us. QEMU does without.
+  setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &no, sizeof no);
   return inet_pton(AF_INET, group.address.c_str(), &membership.imr_multiaddr) == 1 &&
          setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes) == 0 &&
-         // Other groups that processes of this machine have joined at the same port are not for us.
-         setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &no, sizeof no) == 0 &&
          (wanted <= 0 || setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof wanted) == 0) &&
          bind(fd, reinterpret_cast<const sockaddr*>(&name), sizeof name) == 0 &&
          setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) == 0;

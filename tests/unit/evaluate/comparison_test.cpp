@@ -183,7 +183,7 @@ Trajectory LongPath(int seed) {
   Trajectory path;
   for (int i = 0; i < 18'000; ++i) {
     const double s = 1e-3 * i;
-    const Eigen::Vector3d p(100.0 * std::sin(s), noise(random), 60.0 * std::sin(1.7 * s) + noise(random));
+    const Eigen::Vector3d p{100.0 * std::sin(s), noise(random), 60.0 * std::sin(1.7 * s) + noise(random)};
     path.push_back({int64_t{i} * 50'000'000, {Eigen::Quaterniond::Identity(), p}});
   }
   return path;

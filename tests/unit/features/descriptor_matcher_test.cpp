@@ -35,7 +35,7 @@ std::vector<PointFeature> SeenAgain(const std::vector<PointFeature>& points, std
   for (size_t i = 0; i < points.size(); ++i) {
     PointFeature& p = again[(i * 7 + 3) % points.size()];
     p = points[i];
-    p.px += Eigen::Vector2d(noise(random), noise(random));
+    p.px += Eigen::Vector2d{noise(random), noise(random)};
     p.descriptor = Flipped(p.descriptor, 12, random);
   }
   return again;

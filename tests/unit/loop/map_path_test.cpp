@@ -14,8 +14,8 @@ namespace {
 
 SE3 RandomStep(std::mt19937_64& generator) {
   std::uniform_real_distribution<double> value(-1.0, 1.0);
-  const Eigen::Vector3d t(value(generator), value(generator), value(generator));
-  return {ExpSO3(0.2 * Eigen::Vector3d(value(generator), value(generator), value(generator))), t};
+  const Eigen::Vector3d t{value(generator), value(generator), value(generator)};
+  return {ExpSO3(0.2 * Eigen::Vector3d{value(generator), value(generator), value(generator)}), t};
 }
 
 MapKeyframe After(const Map& map, int64_t id, const SE3& T_step) {

@@ -29,13 +29,13 @@ class LeaningMap {
   /// Lines along a direction of the level world, each turned by a random angle of this standard deviation.
   void AddLines(int n, const Eigen::Vector3d& direction, double sigma_deg) {
     for (int i = 0; i < n; ++i) {
-      const Eigen::Vector3d turn = sigma_deg * kDeg * Eigen::Vector3d(Normal(), Normal(), Normal());
+      const Eigen::Vector3d turn = sigma_deg * kDeg * Eigen::Vector3d{Normal(), Normal(), Normal()};
       AddLine((2.0 + Uniform()) * (ExpSO3(turn) * direction.normalized()));
     }
   }
 
   void AddLinesAnywhere(int n) {
-    for (int i = 0; i < n; ++i) AddLine(Eigen::Vector3d(Normal(), Normal(), Normal()).normalized());
+    for (int i = 0; i < n; ++i) AddLine(Eigen::Vector3d{Normal(), Normal(), Normal()}.normalized());
   }
 
   Eigen::Vector3d up_w() const { return q_w_level_ * -Eigen::Vector3d::UnitY(); }
@@ -48,7 +48,7 @@ class LeaningMap {
   void AddLine(const Eigen::Vector3d& v_level) {
     MapLine line;
     line.id = next_id_++;
-    line.segment_w.p = Eigen::Vector3d(10.0 * Normal(), Normal(), 10.0 * Normal());
+    line.segment_w.p = Eigen::Vector3d{10.0 * Normal(), Normal(), 10.0 * Normal()};
     // Upwards and downwards, as the brighter side has it.
     line.segment_w.q = line.segment_w.p + (line.id % 2 == 0 ? 1.0 : -1.0) * (q_w_level_ * v_level);
     map_.Put(line);

@@ -77,7 +77,7 @@ MotionWorld MotionWorldMaker::Make(int n_points, int n_lines, const MotionNoise&
   for (int i = 0; i < n_points; ++i) world.points.push_back(Observe(world, PointInView(world.camera), noise));
   for (int i = 0; i < n_lines; ++i) {
     const Eigen::Vector3d p = PointInView(world.camera);
-    const Eigen::Vector3d q = p + Uniform(0.5, 1.5) * Eigen::Vector3d(Gauss(), Gauss(), 0.5 * Gauss()).normalized();
+    const Eigen::Vector3d q = p + Uniform(0.5, 1.5) * Eigen::Vector3d{Gauss(), Gauss(), 0.5 * Gauss()}.normalized();
     world.lines.push_back(Observe(world, Segment3{p, q}, noise));
   }
   return world;

@@ -133,7 +133,7 @@ TEST_P(AdjustBundleDegenerate, PointsAtInfinity) {
   test::BundleWorldMaker maker(test::BundleWorldSpec{}, 9);
   for (int i = 0; i < 20; ++i) {
     const double z = std::pow(10.0, 2.0 + 0.4 * i);
-    world.problem.points[i].p_w = Eigen::Vector3d(maker.Uniform(-0.5, 0.5), maker.Uniform(-0.4, 0.4), 1.0) * z;
+    world.problem.points[i].p_w = Eigen::Vector3d{maker.Uniform(-0.5, 0.5), maker.Uniform(-0.4, 0.4), 1.0} * z;
     for (int k = 0; k < 5; ++k) {
       PointObservation& observation = world.problem.point_observations[5 * i + k];
       const Eigen::Vector3d p_c = world.true_T_w_c[observation.pose].Inverse() * world.problem.points[i].p_w;

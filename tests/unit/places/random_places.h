@@ -43,7 +43,9 @@ inline Vocabulary SmallVocabulary(FeatureType type) {
 
 /// Points and lines anywhere in an image, with descriptors like those of `SmallVocabulary`.
 inline ImageFeatures RandomFeatures(int points, int lines, std::mt19937_64& random) {
-  const auto pixel = [&] { return Eigen::Vector2d(random() % 640, random() % 480); };
+  const auto pixel = [&] {
+    return Eigen::Vector2d{static_cast<double>(random() % 640), static_cast<double>(random() % 480)};
+  };
   ImageFeatures features;
   features.points.resize(points);
   features.lines.resize(lines);

@@ -208,6 +208,44 @@ pose_t PoseNumber(int i) {
   return pose;
 }
 
+/// Any value of the content may be wrong in a file whose checksum is right.
+TEST_F(Python, AMapThatIsWrongWithARightChecksumRaises) {
+  StoredMap stored = OfTwoCameras(10, 60);
+  stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
+  const std::vector<uint8_t> bytes = EncodeMap(stored);
+  std::ofstream(folder().Path("map.plmap"), std::ios::binary)
+      .write(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  const json said = Answer(R"(
+import hashlib, random
+data = open("map.plmap", "rb").read()
+rng = random.Random(1)
+sentences, taken = set(), 0
+def load(content):
+    global taken
+    head = data[:24]
+    digest = hashlib.blake2b(head + content, digest_size=32).digest()
+    open("bad.plmap", "wb").write(head + digest + content)
+    try:
+        plslam.load_map("bad.plmap")
+        taken += 1
+    except plslam.FileError as error:
+        sentences.add(str(error))
+content = data[56:]
+for _ in range(400):
+    at = rng.randrange(len(content) // 8) * 8
+    load(content[:at] + rng.randbytes(8) + content[at + 8:])
+# The images of keyframes stand last: one of a keyframe that has no features.
+load(content[:-32] + bytes([77]) * 8 + content[-24:])
+print(json.dumps({"sentences": sorted(sentences), "taken": taken}))
+)");
+  ASSERT_TRUE(said.is_object());
+  EXPECT_GT(said["taken"].get<int>(), 0) << "positions may be any numbers";
+  for (const json& sentence : said["sentences"]) {
+    EXPECT_THAT(sentence.get<std::string>(), testing::StartsWith("bad.plmap: "));
+  }
+  EXPECT_THAT(said["sentences"].dump(), HasSubstr("has no features"));
+}
+
 TEST_F(Python, ALogIsReadToThePlaceWhereItIsDamaged) {
   {
     bus::BusOptions options;
@@ -235,12 +273,15 @@ def frames(path, **more):
     return [out, end]
 data = open("log", "rb").read()
 open("cut", "wb").write(data[:-10])
+open("nothing", "wb").close()
+open("text", "w").write("hello\n")
+open("head", "wb").write(data[:6])
 open("broken", "wb").write(data[:2000].replace(b"\xed\xa1\xda\x01", b"\xed\xa1\xda\x02") + data[2000:])
 middle = data.find(b"\xed\xa1\xda\x01", len(data) // 2)
 open("middle", "wb").write(data[:middle] + b"xx" + data[middle:])
 print(json.dumps({"whole": frames("log", prefix="front/"), "other": frames("log", prefix="rear/"), "none": frames("log"),
                   "status": frames("log", prefix="front/", channels=["STATUS"]), "cut": frames("cut", prefix="front/"),
-                  "broken": frames("broken"), "middle": frames("middle", prefix="front/")}))
+                  "broken": frames("broken"), "small": [frames(name)[1] for name in ("nothing", "text", "head")], "middle": frames("middle", prefix="front/")}))
 )");
   ASSERT_TRUE(read.is_object());
   ASSERT_EQ(read["whole"][0].size(), 21U) << read["whole"];
@@ -253,6 +294,8 @@ print(json.dumps({"whole": frames("log", prefix="front/"), "other": frames("log"
   EXPECT_EQ(read["status"][0], json::array({json({"vo", "running"})}));
   EXPECT_EQ(read["cut"][0].size(), 20U);
   EXPECT_THAT(read["cut"][1].get<std::string>(), HasSubstr("cut: is cut off within the event at byte "));
+  EXPECT_EQ(read["small"], json({"nothing: is empty", "text: is no LCM log: no event begins at byte 0",
+                                 "head: is cut off at byte 0"}));
   EXPECT_EQ(read["broken"][1], "broken: is no LCM log: no event begins at byte 0");
   EXPECT_GT(read["middle"][0].size(), 5U);
   EXPECT_THAT(read["middle"][1].get<std::string>(), HasSubstr("middle: is damaged: no event begins at byte "));
@@ -350,7 +393,7 @@ out = {"t_ns": r.trajectory.t_ns.tolist(), "T": r.trajectory.matrices().reshape(
        "ct": r.covariance[0].tolist(), "C": r.covariance[1].reshape(-1, 36).tolist(), "frames": r.summary["frames"],
        "state": r.frames["state"].tolist(), "t_s": r.frames["t_s"].tolist(), "map": r.map is None, "live": r.live is None}
 def why(name, text):
-    open(name, "w").write(text)
+    open(name, "w", encoding="latin-1").write(text)
     try:
         plslam.load_run(".")
     except plslam.FileError as error:
@@ -358,7 +401,10 @@ def why(name, text):
     return "taken"
 out["errors"] = [why("trajectory.tum", "1 2 3 4 0 0 0 1\n2 2 x 4 0 0 0 1\n"), why("trajectory.tum", "# nothing\n\n1 2 3\n"),
                  why("trajectory.tum", "1 2 nan 4 0 0 0 1\n"),
-                 why("trajectory.tum", "")[:0] + why("summary.json", "{"), why("summary.json", "{}")[:0] + why("poses.csv", "a,b\n1\n")]
+                 why("trajectory.tum", "1e30 2 3 4 0 0 0 1\n"), why("trajectory.tum", "1e999999 2 3 4 0 0 0 1\n"),
+                 why("trajectory.tum", "")[:0] + why("summary.json", "{"), why("summary.json", "[]"),
+                 why("summary.json", "{}")[:0] + why("poses.csv", "a,b\n1\n"), why("poses.csv", "a,\xff\n1,2\n"),
+                 why("poses.csv", "a\n" + 30 * "9" + "\n")]
 import os
 os.mkdir("empty")
 try:
@@ -383,9 +429,107 @@ print(json.dumps(out))
               HasSubstr("trajectory.tum:2: could not convert string to float: 'x'"));
   EXPECT_THAT(run["errors"][1].get<std::string>(), HasSubstr("trajectory.tum:3: 3 numbers instead of 8"));
   EXPECT_THAT(run["errors"][2].get<std::string>(), HasSubstr("trajectory.tum:1: a number that is not finite"));
-  EXPECT_THAT(run["errors"][3].get<std::string>(), HasSubstr("summary.json: "));
-  EXPECT_THAT(run["errors"][4].get<std::string>(), HasSubstr("poses.csv:2: 1 columns instead of 2"));
+  EXPECT_THAT(run["errors"][3].get<std::string>(), HasSubstr("trajectory.tum:1: a time of 1e30 s"));
+  EXPECT_THAT(run["errors"][4].get<std::string>(), HasSubstr("trajectory.tum:1: a time of 1e999999 s"));
+  EXPECT_THAT(run["errors"][5].get<std::string>(), HasSubstr("summary.json: "));
+  EXPECT_THAT(run["errors"][6].get<std::string>(), HasSubstr("summary.json: is no object"));
+  EXPECT_THAT(run["errors"][7].get<std::string>(), HasSubstr("poses.csv:2: 1 columns instead of 2"));
+  EXPECT_THAT(run["errors"][8].get<std::string>(), HasSubstr("poses.csv: 'utf-8' codec"));
+  EXPECT_EQ(run["errors"][9], "taken") << "a number that is too large for an integer is one all the same";
   EXPECT_THAT(run["empty"].get<std::string>(), HasSubstr("has no file of a run"));
+}
+
+TEST_F(Python, HasTypesThatMypyBelieves) {
+  if (Shell(folder(), "mypy --version").exit_code != 0) GTEST_SKIP() << "no mypy here";
+  // The generated types of messages have none.
+  const ShellResult result =
+      Shell(folder(),
+            fmt::format("cd '{0}/plslam' && mypy --cache-dir=/dev/null --python-executable /usr/bin/python3 "
+                        "--disallow-untyped-defs --follow-imports=silent __init__.py errors.py log.py map_file.py "
+                        "run.py wire.py",
+                        PLSLAM_PYTHON_FOLDER));
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.error;
+}
+
+/// What docs/python.md shows, on files as it names them.
+TEST_F(Python, TheExampleOfTheDocumentRuns) {
+  StoredMap stored = RandomStoredMap(9, 300);
+  stored.rig = CameraBytes({420.5, 375.25, 239.75, 0.11, 752, 480});
+  std::filesystem::create_directories(folder().Path("at/out/room"));
+  WriteMapFile(folder().Path("at/room.plmap"), stored);
+  Trajectory trajectory;
+  for (int i = 0; i < 5; ++i) trajectory.push_back({1'700'000'000'000'000'000 + i * 100'000'000LL, SE3()});
+  WriteTrajectory(folder().Path("at/out/room/trajectory.tum"), TrajectoryFormat::kTum, trajectory);
+  WriteTrajectory(folder().Path("at/out/room/trajectory_live.tum"), TrajectoryFormat::kTum, trajectory);
+  {
+    bus::BusOptions options;
+    options.url = "file://" + folder().Path("at/run.lcm") + "?mode=w";
+    bus::Bus bus(options, "vo");
+    status_t status{};
+    status.process = "vo";
+    status.state = "running";
+    bus.Publish(bus::kStatus, status);
+  }
+  std::ifstream document(SourceFolder() / "docs/python.md");
+  const std::string text{std::istreambuf_iterator<char>(document), {}};
+  const std::string fence = "```python\n";
+  const size_t begin = text.find(fence) + fence.size();
+  ASSERT_GT(begin, fence.size());
+  const ShellResult result = Run("import os\nos.chdir('at')\n" + text.substr(begin, text.find("```", begin) - begin));
+  EXPECT_EQ(result.exit_code, 0) << result.error;
+  EXPECT_THAT(result.out, testing::AllOf(HasSubstr("f_px=420.5"), HasSubstr("observations of a point, at most: "),
+                                         HasSubstr("vo running")));
+}
+
+/// With a drawing library that only notes what it is to draw.
+TEST_F(Python, TheLiveExampleDrawsThePathOfARun) {
+  std::random_device random;
+  bus::BusOptions options;
+  options.url =
+      fmt::format("udpm://239.255.{}.{}:{}?ttl=0", random() % 256, random() % 256, 20000 + random() % 20000);
+  bus::Bus bus(options, "vo");
+  std::atomic<bool> done = false;
+  std::thread publisher([&] {
+    for (int i = 0; !done; ++i) {
+      bus.Publish(bus::kPose, PoseNumber(i));
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  });
+  const json drawn =
+      Answer(fmt::format(R"(
+import runpy, types
+drawn = []
+class Enough(Exception):
+    pass
+class Line:
+    def set_data(self, x, z):
+        drawn.append([list(x), list(z)])
+        if len(drawn) == 3:
+            raise Enough
+axes = types.SimpleNamespace(set_aspect=lambda how: None, relim=lambda: None, autoscale_view=lambda: None)
+nothing = lambda *more: None
+pyplot = types.ModuleType("matplotlib.pyplot")
+vars(pyplot).update(plot=lambda x, z: (Line(),), gca=lambda: axes, xlabel=nothing, ylabel=nothing, ion=nothing, show=nothing,
+                    pause=nothing)
+package = types.ModuleType("matplotlib")
+package.pyplot = pyplot
+sys.modules.update({{"matplotlib": package, "matplotlib.pyplot": pyplot}})
+sys.argv = ["live_plot.py", "{}"]
+try:
+    runpy.run_path("{}")
+except Enough:
+    pass
+print(json.dumps(drawn))
+)",
+                         options.url, (SourceFolder() / "tools/python/examples/live_plot.py").string()));
+  done = true;
+  publisher.join();
+  ASSERT_EQ(drawn.size(), 3U);
+  ASSERT_EQ(drawn[2][1].size(), 30U);
+  EXPECT_EQ(drawn[2][0], json(std::vector<double>(30, 0.0)));
+  for (int i = 1; i < 30; ++i) {
+    EXPECT_GE(drawn[2][1][i].get<double>(), drawn[2][1][i - 1].get<double>() + 0.25);
+  }
 }
 
 TEST_F(Python, TheExampleMakesArrays) {

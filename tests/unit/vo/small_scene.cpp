@@ -12,10 +12,10 @@ Scene MakeScene() {
   Scene scene;
   std::mt19937 random(1);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
-  for (int i = 0; i < 40; ++i) scene.points.emplace_back(any(random), any(random), 4.0 + any(random));
+  for (int i = 0; i < 40; ++i) scene.points.push_back({any(random), any(random), 4.0 + any(random)});
   for (int i = 0; i < 20; ++i) {
-    const Eigen::Vector3d p(any(random), -0.8 + 0.2 * any(random), 4.0 + any(random));
-    scene.lines.push_back({p, p + Eigen::Vector3d(any(random), 1.5, 0.5 * any(random))});
+    const Eigen::Vector3d p{any(random), -0.8 + 0.2 * any(random), 4.0 + any(random)};
+    scene.lines.push_back({p, p + Eigen::Vector3d{any(random), 1.5, 0.5 * any(random)}});
   }
   return scene;
 }
@@ -44,7 +44,7 @@ vo::TrackedFrame See(const Scene& scene, const SE3& T_odom_c, const View& view) 
   std::uniform_real_distribution<double> share(0.0, 0.2);
   const SE3 T_c_odom = T_odom_c.Inverse();
   const auto measure = [&](const Eigen::Vector3d& p_odom) -> Eigen::Vector3d {
-    const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
+    const Eigen::Vector3d noise{normal(random), normal(random), normal(random)};
     return kCamera.ProjectStereo(T_c_odom * p_odom) + view.noise_px * noise;
   };
   StereoFeatures features;

@@ -3,7 +3,7 @@
 
 import os
 import struct
-from typing import Collection, Iterator, Optional
+from typing import BinaryIO, Collection, Iterator, Optional
 
 from .errors import FileError
 from .wire import Message, decode, without_prefix
@@ -17,21 +17,25 @@ def read_log(path: str, prefix: str = "", channels: Optional[Collection[str]] = 
     """Messages of a log, in its order. Those of other programs are passed over.
 
     Raises FileError, which names the file and the byte, where it is no log, damaged or cut off; what stands before
-    that place has been given by then.
+    that place has been given by then. Raises OSError where it cannot be opened.
     """
-    size = os.path.getsize(path)
     file = open(path, "rb")  # Here and not in the generator: a file that is not there is told at once.
+    size = os.path.getsize(path)
     return _read(file, size, path, prefix, channels)
 
 
-def _read(file, size, path, prefix, channels) -> Iterator[Message]:
+def _read(
+    file: BinaryIO, size: int, path: str, prefix: str, channels: Optional[Collection[str]]
+) -> Iterator[Message]:
     with file:
+        if size == 0:
+            raise FileError(f"{path}: is empty")
         offset = 0
         while offset < size:
             head = file.read(_EVENT.size)
-            if len(head) < _EVENT.size:
+            if len(head) < _EVENT.size and (offset > 0 or _SYNC.to_bytes(4, "big").startswith(head[:4])):
                 raise FileError(f"{path}: is cut off at byte {offset}")
-            sync, _, time_us, name_bytes, data_bytes = _EVENT.unpack(head)
+            sync, _, time_us, name_bytes, data_bytes = _EVENT.unpack(head.ljust(_EVENT.size, b"\0"))
             if sync != _SYNC or not 0 < name_bytes <= _MAX_CHANNEL:
                 what = "is damaged" if offset > 0 else "is no LCM log"
                 raise FileError(f"{path}: {what}: no event begins at byte {offset}")

@@ -47,7 +47,10 @@ _LOOP = np.dtype(
 
 
 # Images of keyframes that another camera has seen than the one the map is told in.
-_IMAGE = np.dtype([("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4"), ("f_px", "<f8")])
+_IMAGE = np.dtype(
+    [("keyframe_id", "<i8"), ("left_px", "<i4"), ("top_px", "<i4"), ("width_px", "<i4"), ("height_px", "<i4")]
+    + [("f_px", "<f8")]
+)
 
 
 @dataclass
@@ -218,7 +221,7 @@ def _read_camera(content: _Content) -> Camera:
 def _read_keyframes(content: _Content) -> Keyframes:
     rows = content.list(_KEYFRAME)
     poses = ("T_w_kf", "T_odom_kf", "T_prevkf_kf")
-    return Keyframes(**{name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names})
+    return Keyframes(**{name: _matrices(rows[name]) if name in poses else rows[name] for name in _KEYFRAME.names or ()})
 
 
 def _read_map(file_format: int, content: _Content) -> Map:
@@ -237,9 +240,9 @@ def _read_map(file_format: int, content: _Content) -> Map:
     lines = Lines(s["id"], s["p_w"], s["q_w"], s["covariance_p"], s["covariance_q"], s["descriptor"], of_lines)
     loops = content.list(_LOOP)
     if file_format > 1:
-        for image in content.list(_IMAGE):
-            if int(image["keyframe_id"]) not in features:
-                raise FileError(f"an image is of keyframe {area['keyframe_id']}, which has no features")
-            features[int(image["keyframe_id"])].image = tuple(image[name].item() for name in _IMAGE.names[1:])
+        for keyframe_id, left, top, width, height, f in content.list(_IMAGE).tolist():
+            if keyframe_id not in features:
+                raise FileError(f"an image is of keyframe {keyframe_id}, which has no features")
+            features[keyframe_id].image = (left, top, width, height, f)
     content.end()
     return Map(version, camera, keyframes, points, lines, features, loops)

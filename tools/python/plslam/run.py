@@ -6,13 +6,15 @@ import decimal
 import json
 import pathlib
 from dataclasses import dataclass
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
 
 from .errors import FileError
 from .map_file import Map, load_map
 from .wire import matrices
+
+_MAX_TIME_S = 2**63 // 1_000_000_000
 
 
 @dataclass
@@ -48,12 +50,12 @@ class Run:
 
 def load_run(folder: str) -> Run:
     """Reads the folder of a run. Raises FileError, which names file and line, for files that are damaged, and where the
-    folder has no file of a run."""
+    folder has no file of a run; OSError for files that cannot be opened."""
     path = pathlib.Path(folder)
     if not path.is_dir():
         raise FileError(f"{folder}: is no folder")
 
-    def read(name: str, reader):
+    def read(name: str, reader: Callable[[str], Any]) -> Any:
         file = path / name
         return reader(str(file)) if file.exists() else None
 
@@ -76,7 +78,10 @@ def load_run(folder: str) -> Run:
 
 def _nanoseconds(text: str) -> int:
     # A double has not enough digits for nanoseconds since 1970.
-    return int((decimal.Decimal(text) * 1_000_000_000).to_integral_value())
+    time_s = decimal.Decimal(text)
+    if not abs(time_s) < _MAX_TIME_S:
+        raise ValueError(f"a time of {text} s, and at most {_MAX_TIME_S} s have a number of nanoseconds")
+    return int((time_s * 1_000_000_000).to_integral_value())
 
 
 def _rows(path: str, columns: int) -> Tuple[np.ndarray, np.ndarray]:
@@ -114,15 +119,21 @@ def read_covariances(path: str) -> Tuple[np.ndarray, np.ndarray]:
 def _read_json(path: str) -> Dict[str, Any]:
     try:
         with open(path, encoding="utf-8") as file:
-            return json.load(file)
-    except ValueError as error:
+            values = json.load(file)
+    except (ValueError, RecursionError) as error:
         raise FileError(f"{path}: {error}") from None
+    if not isinstance(values, dict):
+        raise FileError(f"{path}: is no object of JSON")
+    return values
 
 
 def _read_table(path: str) -> Dict[str, np.ndarray]:
     """Columns by name; numbers where all of a column are numbers."""
-    with open(path, encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(file))
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise FileError(f"{path}: {error}") from None
     if not rows:
         raise FileError(f"{path}: is empty")
     for number, row in enumerate(rows, 1):
@@ -133,7 +144,7 @@ def _read_table(path: str) -> Dict[str, np.ndarray]:
         values = np.array(column)
         try:
             table[name] = values.astype(np.int64)
-        except ValueError:
+        except (ValueError, OverflowError):
             try:
                 table[name] = np.array([float(v) if v else np.nan for v in column])
             except ValueError:

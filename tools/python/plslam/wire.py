@@ -135,7 +135,9 @@ def listen(
     return _receive(receiver, prefix, channels, timeout_s)
 
 
-def _receive(receiver, prefix, channels, timeout_s) -> Iterator[Message]:
+def _receive(
+    receiver: socket.socket, prefix: str, channels: Optional[Collection[str]], timeout_s: Optional[float]
+) -> Iterator[Message]:
     repeats = _Repeats()
     with receiver:
         last = time.monotonic()
@@ -146,14 +148,14 @@ def _receive(receiver, prefix, channels, timeout_s) -> Iterator[Message]:
                 datagram = receiver.recv(_MAX_DATAGRAM)
             except socket.timeout:
                 return
-            parsed = parse_datagram(datagram)
-            name = parsed and without_prefix(parsed[0], prefix, channels)
+            channel, content = parse_datagram(datagram) or ("", b"")
+            name = without_prefix(channel, prefix, channels)
             if not name:
                 if timeout_s is not None and time.monotonic() > last + timeout_s:
                     return
                 continue
             try:
-                value = decode(parsed[1])
+                value = decode(content)
             except ValueError:
                 continue  # Anybody can send anything.
             if value is None or repeats.has(name, value.header.source, value.header.seq):

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # clean_root.sh PACKAGE.deb FOLDER: makes a minimal Debian 12 in FOLDER, has apt install the package there with what it asks for,
-# and runs the world of scripts/demo inside, as an ordinary user. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
+# and runs the begin of scripts/demo inside, as an ordinary user. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
 set -eu
 package=$1
 root=$2
@@ -21,7 +21,7 @@ cd
 test "$(id -u)" != 0
 test -z "$(command -v c++ cc gcc cmake)"
 plslam --version
-plslam run synthetic:room --out out --save-map room.plmap --quiet
+plslam run 'synthetic:room?frames=30' --out out --save-map room.plmap --quiet
 test -s out/trajectory.tum
 test -s out/map.ply
 test -s out/report.html

@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: BSD-3-Clause
 # clean_root.sh PACKAGE.deb FOLDER: makes a minimal Debian 12 in FOLDER, has apt install the package there with what it asks for,
-# and runs the begin of scripts/demo inside, as an ordinary user. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or Debian's own); FOLDER is left behind.
+# and runs the first frames of scripts/demo inside, as an ordinary user. Needs root, mmdebstrap and a mirror ($DEBIAN_MIRROR, or
+# Debian's own); FOLDER is left behind.
 set -eu
 package=$1
 root=$2

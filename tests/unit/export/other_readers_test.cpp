@@ -33,6 +33,11 @@ TEST(MapPly, VtkReadsPointsAndEndsOfLines) {
 
 TEST(MapObj, VtkReadsPointsLinesAndTheWay) {
   const ScratchFolder folder;
+  WriteFileAtomically(folder.Path("coloured.obj"), "v 1 2 3 0 0 1\nv 4 5 6 1 0 0\np 1\np 2\n");
+  const cv::Mat coloured = PointsByVtk(folder.Path("coloured.obj"), cv::viz::Mesh::LOAD_OBJ);
+  if (coloured.total() != 2 || Distance(At(coloured, 1), {4.0, 5.0, 6.0}) > 1e-5) {
+    GTEST_SKIP() << "this VTK misreads vertices with colours, as 9.3 does";
+  }
   const StoredMap stored = test::SmallStoredMap();
   WriteFileAtomically(folder.Path("map.obj"), MapObj(stored.map));
   const cv::Mat cloud = PointsByVtk(folder.Path("map.obj"), cv::viz::Mesh::LOAD_OBJ);

@@ -151,24 +151,46 @@ TEST_F(Shell, FishOffersTheSame) {
               testing::AllOf(HasSubstr("map_folder/"), testing::Not(HasSubstr("map.ply"))));
 }
 
-/// zsh completes in its line editor alone: what its `_arguments` and `_describe` are told is looked at instead.
-TEST_F(Shell, ZshIsToldTheSame) {
+/// zsh completes in its line editor alone: one is driven through a terminal, by the Tab key.
+TEST_F(Shell, ZshCompletesTheSame) {
   if (!Has("zsh")) GTEST_SKIP() << "no zsh here";
   SomeProgram program;
   HelpPage go = ParseHelp("some go", program.app.get_subcommand("go")->help("some"));
-  const std::string path = Write("_some", ZshCompletion({ParseHelp("some", program.app.help()), go}));
-  const auto told = [&](const std::string& state, const std::string& words) {
-    return Output("zsh -f -c 'words=(" + words + ")\n_arguments() { print -rl -- \"$@\"; state=" + state +
-                  "; }\n_files() { print -r -- files; }\n_describe() { print -rl -- \"${(P@)4}\"; }\nsource \"" +
-                  path + "\"'");
+  Write("_some", ZshCompletion({ParseHelp("some", program.app.help()), go}));
+  Write("map.ply", "");
+  fs::create_directory(folder_ / "map_folder");
+  // Control-X prints the line as it is then, between brackets that the shell's echo of this text does not have.
+  const std::string script = Write("drive", R"(zmodload zsh/zpty
+zpty shell "zsh -f -i"
+zpty -w shell "PS1=; fpath=(\$PWD \$fpath); autoload -U compinit; compinit -u -D"
+zpty -w shell "show() { print -r -- '<''<'\$BUFFER'>''>'; BUFFER=; }; zle -N show; bindkey '^X' show"
+for words in "$@"; do
+  zpty -n -w shell "$words"$'\t\x18'
+  zpty -r -m shell out '*<<*>>*'
+  print -r -- "${${out##*<<}%%>>*}"
+done
+)");
+  EXPECT_EQ(Output("cd '" + folder_.string() + "' && timeout 60 zsh -f '" + script +
+                   "' 'some --kin' 'some --kind t' 'some g' 'some go --he' 'some go --ki' 'some --folder ma'"),
+            "some --kind \nsome --kind two \nsome go \nsome go --help \nsome go --ki\nsome --folder map_folder/\n");
+}
+
+/// Of a program as it is run: colours where a terminal reads it, and the user has not said NO_COLOR.
+TEST_F(Shell, ColoursAreForTerminalsAlone) {
+  if (!Has("script")) GTEST_SKIP() << "no script here";
+  const std::string program = (test::BinaryFolder() / "mapping_process").string() + " --url memq://";
+  const auto said = [&](const std::string& start, const std::string& process) {
+    return Output("cd '" + folder_.string() + "' && rm -f said && unset NO_COLOR && export TERM=xterm && " + start +
+                  " & until grep -qs ready '" + folder_.string() + "/said'; do sleep 0.05; done; kill " + process +
+                  "; wait; cat '" + folder_.string() + "/said'");
   };
-  const std::string own = told("command", "go");
-  EXPECT_THAT(own, HasSubstr("\n*--kind[which]:value:(one two)\n"));
-  EXPECT_THAT(own, HasSubstr("\n*--folder[where]:value:_files -/\n"));
-  EXPECT_THAT(own, HasSubstr("\n*--quiet[say nothing]\n"));
-  EXPECT_THAT(own, HasSubstr("\ngo:starts - quickly\n"));
-  EXPECT_THAT(told("arguments", "go"), testing::AllOf(HasSubstr("*--help[Print this help message and exit]\n"),
-                                                      HasSubstr("\n*:file:_files\n")));
+  const std::string colour = "\033[32minfo";
+  const std::string on_terminal = "script -qfc 'exec " + program + "' said";
+  EXPECT_THAT(said(on_terminal, "$(pgrep -P $!)"), HasSubstr(colour));
+  EXPECT_THAT(said("NO_COLOR=1 " + on_terminal, "$(pgrep -P $!)"),
+              testing::AllOf(HasSubstr("info"), testing::Not(HasSubstr(colour))));
+  EXPECT_THAT(said("exec " + program + " >said 2>&1", "$!"),
+              testing::AllOf(HasSubstr("info"), testing::Not(HasSubstr("\033["))));
 }
 
 TEST_F(Shell, TroffTakesThePageWithoutWarning) {

@@ -14,12 +14,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLicence = "SPDX-License-Identifier: BSD-3-Clause";
 
-/// How comments of a source begin; empty where the file is no source: a document, an image, a table, a configuration.
+/// How comments of a source begin; empty where the file is no source: a document, an image, a table.
 std::string CommentOf(const fs::path& path, bool is_script) {
   static const std::set<std::string> kSlashes{".h", ".cpp", ".js", ".mjs", ".lcm", ".java"};
   static const std::set<std::string> kHashes{".py", ".cmake", ".sh"};
   if (kSlashes.contains(path.extension())) return "// ";
-  const bool hashes = kHashes.contains(path.extension()) || path.filename() == "CMakeLists.txt" || is_script;
+  const bool is_unit = path.stem().extension() == ".service" || path.stem().extension() == ".target";
+  const bool hashes =
+      kHashes.contains(path.extension()) || path.filename() == "CMakeLists.txt" || is_unit || is_script;
   return hashes ? "# " : "";
 }
 

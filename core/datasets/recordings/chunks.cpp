@@ -104,11 +104,15 @@ bool BeginsWith(const std::string& path, std::string_view magic) {
   return file.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == magic;
 }
 
+void CheckChunkSize(uint64_t n) {
+  if (n <= kMaxChunkBytes) return;
+  throw DatasetError(
+      fmt::format("a chunk of {} bytes, more than {}: `mcap compress` or `rosbag compress` writes smaller ones", n,
+                  kMaxChunkBytes));
+}
+
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n) {
-  if (n > kMaxChunkBytes) {
-    throw DatasetError(
-        fmt::format("a chunk of {} bytes, more than {}: `mcap compress` writes smaller ones", n, kMaxChunkBytes));
-  }
+  CheckChunkSize(n);
   if (compression.empty()) {
     if (n != bytes.size()) FailAsDamaged("the file", "another length");
     return {bytes.begin(), bytes.end()};

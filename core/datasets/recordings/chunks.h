@@ -39,6 +39,8 @@ class RecordingFile {
 bool BeginsWith(const std::string& path, std::string_view magic);
 
 inline constexpr uint64_t kMaxChunkBytes = 128 << 20;
+/// Refuses a chunk, or a message outside of chunks, of more bytes than `kMaxChunkBytes`.
+void CheckChunkSize(uint64_t n);
 
 /// Fields of a record, one after the other without any alignment.
 class RecordFields {

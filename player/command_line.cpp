@@ -14,8 +14,8 @@ void PlayerCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
   cli.add_option("DATASET", dataset_, DatasetHelp());
   cli.add_option("--kind", kind_, DatasetKindHelp() + "; default: found by looking");
-  cli.add_option("--topics", topics_, "image topics of a recording of ROS; default: found by their names")
-      ->type_name("LEFT RIGHT")
+  cli.add_option("--topics", topics_, "LEFT RIGHT: image topics of a recording of ROS; default: found by their names")
+      ->type_name("TOPIC")
       ->expected(2);
   cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)");
   cli.add_option("--start", start_, "first frame (0)");

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/config/fields.h"
-#include "core/datasets/open_dataset.h"
+#include "core/datasets/dataset_kinds.h"
 
 namespace plslam::player {
 

@@ -46,6 +46,7 @@ class ShiftedDataset : public Dataset {
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
   std::vector<std::string> Notes() const override { return dataset_->Notes(); }
+  double scan_s() const override { return dataset_->scan_s(); }
 
  private:
   std::unique_ptr<Dataset> dataset_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/datasets/dataset.h"
+#include "core/datasets/dataset_kinds.h"
 
 namespace plslam {
 
@@ -14,20 +15,6 @@ namespace plslam {
 /// images; frames without a partner, at the beginning or the end, are left out. Throws DatasetError where no pair is
 /// left, or where right images are depths.
 std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int offset);
-
-/// A format of datasets.
-struct DatasetKind {
-  std::string name;  ///< "kitti"
-  std::string sign;  ///< by which it is found: "calib.txt with image_0 or image_2"
-  std::string what;  ///< "KITTI odometry"
-  bool is_folder = true;
-};
-
-/// All there are, in the order in which they are looked for.
-const std::vector<DatasetKind>& DatasetKinds();
-/// What can be played, and the names of the kinds, as help texts have them.
-std::string DatasetHelp();
-std::string DatasetKindHelp();
 
 /// Opens a dataset of one of these kinds: a folder, a file ("run.mcap?left=/cam0/image_raw"), or a built-in world
 /// ("synthetic:room?seed=3"). `kind` is the name of one, or empty to find it by looking. Throws DatasetError.

@@ -196,8 +196,9 @@ void AddRunCommand(CLI::App* app, Command* command) {
   auto* sub = app->add_subcommand("run", "plays a dataset, or live cameras, through all processes");
   sub->add_option("dataset", options->dataset, DatasetHelp() + ", or rig file of live cameras")->required();
   sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
-  sub->add_option("--topics", options->topics, "image topics of a recording of ROS [found by their names]")
-      ->type_name("LEFT RIGHT")
+  sub->add_option("--topics", options->topics,
+                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+      ->type_name("TOPIC")
       ->expected(2);
   sub->add_option("--record", options->record, "LCM event log of all traffic to write, in the place of an old one")
       ->type_name("FILE");

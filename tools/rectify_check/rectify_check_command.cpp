@@ -165,8 +165,9 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       app->add_subcommand("rectify-check", "measures how well a stereo calibration makes rows agree, and draws it");
   sub->add_option("dataset", options->dataset, DatasetHelp())->required();
   sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
-  sub->add_option("--topics", options->topics, "image topics of a recording of ROS [found by their names]")
-      ->type_name("LEFT RIGHT")
+  sub->add_option("--topics", options->topics,
+                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+      ->type_name("TOPIC")
       ->expected(2);
   sub->add_option("--mask-left", options->mask_left, "image as player.mask_left: black (0) is left out, and shaded")
       ->type_name("FILE");

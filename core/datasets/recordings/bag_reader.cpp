@@ -17,6 +17,7 @@ constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr uint64_t kMaxIndexBytes = 128 << 20;
 /// Those of chunks have about 60 bytes, those of the bag itself fill 4096.
 constexpr uint64_t kMaxHeadBytes = 8192;
+constexpr uint64_t kUsualHeadBytes = 128;
 
 /// Kinds of records, as the format numbers them ("op").
 enum class BagRecord : uint8_t {
@@ -162,7 +163,6 @@ void BagReader::SortChannels() {
 
 BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
   if (offset >= file_.size()) throw DatasetError("a chunk would lie behind the end of the file: it is damaged");
-  constexpr uint64_t kUsualHeadBytes = 128;
   const Bytes begin = file_.ReadAt(offset, std::min(kUsualHeadBytes, file_.size() - offset), "a chunk");
   RecordFields bytes(begin);
   const auto head_bytes = bytes.Get<uint32_t>();
@@ -180,6 +180,12 @@ BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
 }
 
 void BagReader::ReadChunkHeads(uint64_t index_at) {
+  // In front of each chunk stands the index of the one before.
+  constexpr uint64_t kUsualIndexBytes = 1024;
+  for (const Chunk& chunk : chunks_) {
+    const uint64_t before = std::min(chunk.offset, kUsualIndexBytes);
+    file_.WillRead(chunk.offset - before, before + kUsualHeadBytes);
+  }
   for (size_t i = 0; i < chunks_.size(); ++i) {
     Chunk chunk = ReadChunkHead(chunks_[i].offset);
     chunk.connections = std::move(chunks_[i].connections);

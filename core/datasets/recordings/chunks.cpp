@@ -98,6 +98,10 @@ std::vector<uint8_t> RecordingFile::ReadAt(uint64_t offset, uint64_t n, const ch
   return bytes;
 }
 
+void RecordingFile::WillRead(uint64_t offset, uint64_t n) const {
+  posix_fadvise(fd_, static_cast<off_t>(offset), static_cast<off_t>(n), POSIX_FADV_WILLNEED);
+}
+
 bool BeginsWith(const std::string& path, std::string_view magic) {
   std::string begin(magic.size(), '\0');
   std::ifstream file(path, std::ios::binary);

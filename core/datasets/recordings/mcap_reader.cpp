@@ -20,6 +20,7 @@ using Fields = RecordFields;
 constexpr uint64_t kRecordHeadBytes = 9;  // kind and length
 constexpr uint64_t kFooterBytes = kRecordHeadBytes + 8 + 8 + 4;
 constexpr uint64_t kMaxSummaryBytes = 128 << 20;
+constexpr uint64_t kUsualIndexBytes = 1024;
 
 Fields ContentOf(std::span<const uint8_t> record, McapRecord kind, const char* what) {
   Fields fields(record);
@@ -203,6 +204,8 @@ std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) cons
 
 std::vector<RecordedMessage> McapReader::IndexedMessages(const std::string& topic) const {
   std::vector<RecordedMessage> messages;
+  // They stand behind each chunk, close together.
+  for (const Chunk& chunk : chunks_) file_.WillRead(chunk.offset + chunk.length, kUsualIndexBytes);
   for (uint32_t i = 0; i < chunks_.size(); ++i) {
     for (const RecordedChannel& channel : channels_) {
       const auto at = chunks_[i].indices.find(channel.id);

@@ -23,6 +23,7 @@ class McapReader : public Recording {
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
   std::vector<std::string> Notes() const override { return scanned_.Notes(); }
+  double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
 
  private:

@@ -61,6 +61,8 @@ class Recording {
 
   /// What is wrong with the file, in sentences for the user.
   virtual std::vector<std::string> Notes() const = 0;
+  /// How long it took to read all of the file in place of its index; 0: its index is used.
+  virtual double scan_s() const = 0;
 
   /// The content of a message, a copy.
   virtual std::vector<uint8_t> Read(const RecordedMessage& message) const = 0;

@@ -115,6 +115,7 @@ class RecordingDataset : public Dataset {
   int size() const override { return static_cast<int>(pairs_.size()); }
   int64_t t_ns(int index) const override { return Pair(index).first.t_ns; }
   std::vector<std::string> Notes() const override { return notes_; }
+  double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
 
   StereoImages Read(int index) const override {

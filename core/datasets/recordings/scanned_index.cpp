@@ -49,12 +49,12 @@ void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records&
   const auto begin = std::chrono::steady_clock::now();
   messages_left_ = file.size();
   const Findings found = ReadRecords(file, from, records);
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+  taken_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   is_made_ = true;
   note_ = fmt::format(
       "{}: all of its {} were read to find the messages, which took {:.1f} s each time it is opened; "
       "{} writes an index",
-      why, Megabytes(file.size()), taken.count(), repair);
+      why, Megabytes(file.size()), taken_s_, repair);
   if (found.whole_bytes < file.size()) {
     const uint64_t rest = file.size() - found.whole_bytes;
     note_ += fmt::format("; its last {} bytes are not played, since they are of a record that ", rest);

@@ -33,6 +33,8 @@ class ScannedIndex {
   void Add(uint32_t channel, const RecordedMessage& message);
 
   bool is_made() const { return is_made_; }
+  /// 0 where nothing was scanned.
+  double taken_s() const { return taken_s_; }
   /// In order of time.
   std::vector<RecordedMessage> Messages(const std::string& topic, const std::vector<RecordedChannel>& channels) const;
   /// One sentence; none where nothing was scanned.
@@ -40,6 +42,7 @@ class ScannedIndex {
 
  private:
   bool is_made_ = false;
+  double taken_s_ = 0.0;
   uint64_t messages_left_ = 0;
   std::map<uint32_t, std::vector<RecordedMessage>> messages_;
   std::string note_;

@@ -5,16 +5,18 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/datasets/open_dataset.h"
 #include "core/stream/pacing.h"
 
 namespace plslam::player {
 
 void PlayerCommandLine::AddTo(void* app) {
   auto& cli = *static_cast<CLI::App*>(app);
-  cli.add_option("DATASET", dataset_,
-                 "folder, LCM log, MCAP file, bag of ROS 1, or built-in world (synthetic:room?seed=3)");
-  cli.add_option("--kind", kind_,
-                 "kitti, euroc, tum, vslamlab, images, log, mcap, bag or synthetic; default: found by looking");
+  cli.add_option("DATASET", dataset_, DatasetHelp());
+  cli.add_option("--kind", kind_, DatasetKindHelp() + "; default: found by looking");
+  cli.add_option("--topics", topics_, "LEFT RIGHT: image topics of a recording of ROS; default: found by their names")
+      ->type_name("TOPIC")
+      ->expected(2);
   cli.add_option("--pace", pace_, "lockstep (default), realtime, or realtimexN (realtimex2: twice as fast)");
   cli.add_option("--start", start_, "first frame (0)");
   cli.add_option("--stop", stop_, "frame before which to end (-1: the end)");
@@ -40,6 +42,7 @@ PlayerOptions PlayerCommandLine::Options(const Config& config) const {
   with_overrides.Read("player", options);
   if (dataset_) options.dataset = *dataset_;
   if (kind_) options.kind = *kind_;
+  options.dataset = WithTopics(options.dataset, options.kind, topics_);
   if (pace_) options.pace = *pace_;
   options.bounce |= bounce_;
   options.skip_bad |= skip_bad_;

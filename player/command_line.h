@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/config/config.h"
 #include "player/options.h"
@@ -20,6 +21,7 @@ class PlayerCommandLine {
  private:
   std::optional<std::string> dataset_;
   std::optional<std::string> kind_;
+  std::vector<std::string> topics_;
   std::optional<std::string> pace_;
   std::optional<int64_t> start_;
   std::optional<int64_t> stop_;

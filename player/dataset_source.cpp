@@ -43,7 +43,11 @@ RigCalibration WithMasks(RigCalibration rig, const PlayerOptions& options) {
 PlayOrder Order(const Dataset& dataset, const PlayerOptions& options) {
   std::vector<int64_t> times_ns(static_cast<size_t>(dataset.size()));
   for (int i = 0; i < dataset.size(); ++i) times_ns[static_cast<size_t>(i)] = dataset.t_ns(i);
-  return {times_ns, options, dataset.rig().rate_hz};
+  try {
+    return {times_ns, options, dataset.rig().rate_hz};
+  } catch (const std::runtime_error& error) {
+    throw DatasetError(fmt::format("{}: {}", dataset.name(), error.what()));
+  }
 }
 
 /// A hole in the dataset is told before the first frame, not when the run has come to it.

@@ -22,6 +22,7 @@ class DatasetSource : public stream::FrameSource {
 
   std::string name() const override { return dataset_->name(); }
   const RigCalibration& rig() const override { return rig_; }
+  double scan_s() const { return dataset_->scan_s(); }
   int64_t size() const override { return order_.size(); }
   int64_t period_ns() const override { return order_.period_ns(); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }

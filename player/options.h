@@ -3,8 +3,11 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/config/fields.h"
+#include "core/datasets/dataset_kinds.h"
 
 namespace plslam::player {
 
@@ -31,11 +34,16 @@ struct PlayerOptions {
   bool paused = false;
 };
 
+inline OneOf KindOrNone() {
+  std::vector<std::string> names{""};
+  for (const DatasetKind& kind : DatasetKinds()) names.push_back(kind.name);
+  return OneOf(std::move(names));
+}
+
 template <class Visitor>
 void VisitFields(Visitor& visit, PlayerOptions& o) {
-  visit("dataset", o.dataset, "folder, LCM log, MCAP file, bag of ROS 1, or built-in world (synthetic:room)");
-  visit("kind", o.kind, OneOf{"", "kitti", "euroc", "tum", "vslamlab", "images", "log", "mcap", "bag", "synthetic"},
-        "format of the dataset; empty: found by looking");
+  visit("dataset", o.dataset, DatasetHelp().c_str());
+  visit("kind", o.kind, KindOrNone(), "format of the dataset; empty: found by looking");
   visit("pace", o.pace, "lockstep (each frame waits for the pose of the one before), realtime, or realtimexN");
   visit("start", o.start, Bounds{0, 1e9}, "first frame");
   visit("stop", o.stop, Bounds{-1, 1e9}, "frame before which to end; -1: the end");

@@ -80,8 +80,10 @@ void Bus::Impl::Reject(Rejection why, std::string_view wire_name, int64_t now) {
     const std::lock_guard lock(rejections_mutex_);
     if (!rejections_.Count(why, wire_name, now)) return;
   }
-  spdlog::warn("a message on {} was rejected: it is {}; more of the kind are only counted", wire_name,
-               Rejections::Text(why));
+  const bool is_of_version = why == Rejection::kOtherVersion;
+  spdlog::warn(
+      "a message on {} was rejected: it is {}{}; more of the kind are only counted", wire_name, Rejections::Text(why),
+      is_of_version ? " of plslam (run one version everywhere, and `plslam replay` logs of another one)" : "");
 }
 
 std::optional<Rejection> Bus::Impl::WhyNot(std::string_view wire_name, const MessageLayout& layout, ByteView bytes,

@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace plslam {
@@ -12,6 +13,7 @@ namespace plslam {
 struct OneOf {
   std::vector<std::string> values;
   OneOf(std::initializer_list<const char*> list) : values(list.begin(), list.end()) {}
+  explicit OneOf(std::vector<std::string> list) : values(std::move(list)) {}
 };
 
 /// Closed interval of the values an option may take.

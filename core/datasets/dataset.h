@@ -39,6 +39,9 @@ class Dataset {
   virtual bool HasRecordedTruth() const { return false; }
   /// What was passed over while opening, in sentences for the user ("3 images of cam0 have no partner in cam1").
   virtual std::vector<std::string> Notes() const { return {}; }
+  /// How long it took to read all of a recording that has no usable index, or is cut off, which a note tells about; 0:
+  /// it is none, or is whole.
+  virtual double scan_s() const { return 0.0; }
 };
 
 }  // namespace plslam

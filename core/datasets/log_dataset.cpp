@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <set>
@@ -187,6 +188,12 @@ std::string LogDataset::WhyNoFrames() const {
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<size_t>(file.gcount()));
   if (start.empty()) return "is empty (0 bytes), and no LCM log";
+  constexpr std::string_view kVideos = ".mp4 .mkv .avi .mov .webm .m4v .ts .mjpeg .h264 ";
+  const std::string extension = std::filesystem::path(path_).extension().string();
+  if (!extension.empty() && kVideos.find(extension + " ") != std::string_view::npos) {
+    return "is a video: the process camera plays two of them that a rig file names (source: files: [left.mp4, "
+           "right.mp4]; docs/datasets.md, 'A live camera'), by `plslam run rig.yaml --pace lockstep`";
+  }
   const char* hint = start == "PLSLAMAP" ? ": it is a map, which is given as --map to a run over a dataset" : "";
   return fmt::format("is no LCM log: it begins with '{}'{}", Shown(start), hint);
 }

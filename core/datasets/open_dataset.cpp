@@ -46,6 +46,7 @@ class ShiftedDataset : public Dataset {
   std::optional<SE3> GroundTruth(int index) const override { return dataset_->GroundTruth(first_ + index); }
   bool HasRecordedTruth() const override { return dataset_->HasRecordedTruth(); }
   std::vector<std::string> Notes() const override { return dataset_->Notes(); }
+  double scan_s() const override { return dataset_->scan_s(); }
 
  private:
   std::unique_ptr<Dataset> dataset_;
@@ -81,59 +82,98 @@ std::unique_ptr<Dataset> OpenSynthetic(const std::string& location) {
   return OpenSyntheticDataset(LooksLikeSynthetic(location) ? location.substr(kSyntheticPrefix.size()) : location);
 }
 
-/// A format of datasets.
-struct Kind {
-  std::string_view name;
-  std::string_view sign;  ///< by which it is found
+/// How a kind is found and opened.
+struct Opener {
+  DatasetKind kind;
   bool (*looks_like)(const std::string& location);
   std::unique_ptr<Dataset> (*open)(const std::string& location);
 };
 
 // In this order: a folder with the lists of a format is taken for that format even if it has a camera.yaml too.
-constexpr auto kKinds = std::to_array<Kind>({
-    {"synthetic", "synthetic:NAME", LooksLikeSynthetic, OpenSynthetic},
-    {"mcap", "FILE.mcap", LooksLikeMcap, OpenMcapDataset},
-    {"bag", "FILE.bag", LooksLikeBag, OpenBagDataset},
-    {"log", "a file", LooksLikeLog, bus::OpenLogDataset},
-    {"vslamlab", "rgb.csv with calibration.yaml", LooksLikeVslamLab, OpenVslamLabDataset},
-    {"kitti", "calib.txt with image_0 or image_2", LooksLikeKitti, OpenKittiDataset},
-    {"euroc", "mav0/cam0/data.csv", LooksLikeEuroc, OpenEurocDataset},
-    {"tum", "rgb.txt with depth.txt, or associations.txt", LooksLikeTum, OpenTumDataset},
-    {"images", "camera.yaml or the calibration of another program", LooksLikeImages, OpenImagesDataset},
-});
+const std::vector<Opener>& Openers() {
+  static const std::vector<Opener> kOpeners{
+      {{"synthetic", "synthetic:NAME",
+        "built-in world (synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall)", false},
+       LooksLikeSynthetic,
+       OpenSynthetic},
+      {{"mcap", "FILE.mcap", "MCAP file", false}, LooksLikeMcap, OpenMcapDataset},
+      {{"bag", "FILE.bag", "bag of ROS 1", false}, LooksLikeBag, OpenBagDataset},
+      {{"log", "a file", "LCM log", false}, LooksLikeLog, bus::OpenLogDataset},
+      {{"vslamlab", "rgb.csv with calibration.yaml", "VSLAM-LAB"}, LooksLikeVslamLab, OpenVslamLabDataset},
+      {{"kitti", "calib.txt with image_0 or image_2", "KITTI odometry"}, LooksLikeKitti, OpenKittiDataset},
+      {{"euroc", "mav0/cam0/data.csv", "EuRoC"}, LooksLikeEuroc, OpenEurocDataset},
+      {{"tum", "rgb.txt with depth.txt, or associations.txt", "TUM RGB-D"}, LooksLikeTum, OpenTumDataset},
+      {{"images", "camera.yaml or the calibration of another program", "left/right images"},
+       LooksLikeImages,
+       OpenImagesDataset}};
+  return kOpeners;
+}
 
-std::string Join(std::string (*describe)(const Kind&)) {
+template <class Describe>
+std::string Join(const std::vector<DatasetKind>& kinds, Describe describe) {
   std::string text;
-  for (const Kind& kind : kKinds) text += (text.empty() ? "" : ", ") + describe(kind);
+  for (const DatasetKind& kind : kinds) text += (text.empty() ? "" : ", ") + describe(kind);
   return text;
 }
 
-const Kind& KindByName(const std::string& name) {
-  for (const Kind& kind : kKinds) {
-    if (kind.name == name) return kind;
+const Opener& OpenerByName(const std::string& name) {
+  for (const Opener& opener : Openers()) {
+    if (opener.kind.name == name) return opener;
   }
-  throw DatasetError(fmt::format("no kind of dataset '{}' ({})", name,
-                                 Join([](const Kind& kind) { return std::string(kind.name); })));
+  throw DatasetError(fmt::format("no kind of dataset '{}' ({})", name, DatasetKindHelp()));
 }
 
-const Kind& KindByLooking(const std::string& location) {
-  for (const Kind& kind : kKinds) {
-    if (kind.looks_like(location)) return kind;
+const Opener& OpenerByLooking(const std::string& location) {
+  for (const Opener& opener : Openers()) {
+    if (opener.looks_like(location)) return opener;
   }
   if (!std::filesystem::exists(location)) throw DatasetError(location + ": there is no such dataset");
-  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({})", location,
-                                 Join([](const Kind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); })));
+  const auto describe = [](const DatasetKind& kind) { return fmt::format("{}: {}", kind.name, kind.sign); };
+  throw DatasetError(fmt::format("{}: is no dataset of a known kind ({})", location, Join(DatasetKinds(), describe)));
+}
+
+const Opener& OpenerOf(const std::string& location, const std::string& kind) {
+  return kind.empty() ? OpenerByLooking(location) : OpenerByName(kind);
 }
 
 }  // namespace
 
+const std::vector<DatasetKind>& DatasetKinds() {
+  static const std::vector<DatasetKind> kKinds = [] {
+    std::vector<DatasetKind> kinds;
+    for (const Opener& opener : Openers()) kinds.push_back(opener.kind);
+    return kinds;
+  }();
+  return kKinds;
+}
+
+std::string DatasetHelp() {
+  std::vector<DatasetKind> folders, others;
+  for (const DatasetKind& kind : DatasetKinds()) (kind.is_folder ? folders : others).push_back(kind);
+  const auto what = [](const DatasetKind& kind) { return kind.what; };
+  return fmt::format("folder ({}), {}", Join(folders, what), Join(others, what));
+}
+
+std::string DatasetKindHelp() {
+  return Join(DatasetKinds(), [](const DatasetKind& kind) { return kind.name; });
+}
+
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind) {
   try {
-    const Kind& chosen = kind.empty() ? KindByLooking(location) : KindByName(kind);
-    return chosen.open(location);
+    return OpenerOf(location, kind).open(location);
   } catch (const std::filesystem::filesystem_error& error) {
     throw DatasetError(SentenceOf(error));
   }
+}
+
+std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics) {
+  if (topics.empty()) return location;
+  const auto open = OpenerOf(location, kind).open;
+  if (open != OpenMcapDataset && open != OpenBagDataset) {
+    throw DatasetError(location + ": --topics is for recordings of ROS (FILE.mcap, FILE.bag), and this is none");
+  }
+  const bool has_options = location.find('?') != std::string::npos && !std::filesystem::exists(location);
+  return fmt::format("{}{}left={}&right={}", location, has_options ? '&' : '?', topics.at(0), topics.at(1));
 }
 
 }  // namespace plslam

@@ -3,8 +3,10 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/datasets/dataset.h"
+#include "core/datasets/dataset_kinds.h"
 
 namespace plslam {
 
@@ -14,10 +16,12 @@ namespace plslam {
 /// left, or where right images are depths.
 std::unique_ptr<Dataset> ShiftRightImages(std::unique_ptr<Dataset> dataset, int offset);
 
-/// Opens a folder (KITTI odometry, EuRoC ASL, TUM RGB-D, VSLAM-LAB, left/right images with a camera file), an LCM log, a
-/// recording of ROS ("run.mcap?left=/cam0/image_raw", "run.bag"), or a built-in world ("synthetic:room?seed=3"). `kind` names
-/// the format ("kitti", "euroc", "tum", "vslamlab", "images", "log", "mcap", "bag", "synthetic"), or is empty to find it by looking.
-/// Throws DatasetError.
+/// Opens a dataset of one of these kinds: a folder, a file ("run.mcap?left=/cam0/image_raw"), or a built-in world
+/// ("synthetic:room?seed=3"). `kind` is the name of one, or empty to find it by looking. Throws DatasetError.
 std::unique_ptr<Dataset> OpenDataset(const std::string& location, const std::string& kind);
+
+/// The location of a recording of which these two image topics are played: empty, or a left and a right one. Throws
+/// DatasetError where there are topics, and the dataset is no recording of ROS.
+std::string WithTopics(const std::string& location, const std::string& kind, const std::vector<std::string>& topics);
 
 }  // namespace plslam

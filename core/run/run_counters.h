@@ -42,10 +42,11 @@ inline constexpr const char* kDroppedRight = "frames.dropped_right";
 inline constexpr const char* kOverexposed = "frames.overexposed";
 inline constexpr const char* kUnderexposed = "frames.underexposed";
 inline constexpr const char* kOutages = "cameras.outages";
-inline constexpr std::array<const char*, 20> kRunCounters{
+inline constexpr const char* kRecordingScan = "recording.scan_s";
+inline constexpr std::array<const char*, 21> kRunCounters{
     kPointsSeen,      kPointsMatched, kFramesDark,   kCornerRows,  kDisparityError, kTruthFrames,    kTruthMissing,
     kPicturesMissing, kRightLate,     kLeftLate,     kLateFrames,  kUnequalReadout, kFramesCaptured, kSkew,
-    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed,   kOutages};
+    kFramesMissing,   kDroppedLeft,   kDroppedRight, kOverexposed, kUnderexposed,   kOutages,        kRecordingScan};
 
 /// The newest of these counters by process, also of those that have ended since; others are passed over.
 class RunCounters {

@@ -239,6 +239,17 @@ const Row kRows[] = {
      [](const RunFindings& f) {
        return Numbers{{"nees", f.nees_pose}, {"poses", Count(f.nees_poses)}};
      }},
+    {"recording_without_index", [](const RunFindings& f) { return f.recording_scan_s > 0.0; },
+     [](const RunFindings& f) {
+       return fmt::format(
+           "the recording has no usable index, or is cut off: all of it was read first, which took {:.1f} s, and "
+           "what is "
+           "not whole is not played; logs/player.log says more, and how to write an index",
+           f.recording_scan_s);
+     },
+     [](const RunFindings& f) {
+       return Numbers{{"scan_s", f.recording_scan_s}};
+     }},
     {"recording_in_parts", [](const RunFindings& f) { return f.recordings.size() > 1; },
      [](const RunFindings& f) {
        std::string others;
@@ -331,6 +342,7 @@ void RunFindings::Take(const RunCounters& counters) {
   frames_overexposed = counters.Sum(kOverexposed);
   frames_underexposed = counters.Sum(kUnderexposed);
   outages = counters.Sum(kOutages);
+  recording_scan_s = counters.Largest(kRecordingScan);
 }
 
 nlohmann::ordered_json ToJson(const RunWarning& warning) {

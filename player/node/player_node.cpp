@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "core/run/run_counters.h"
 #include "player/dataset_source.h"
 
 namespace plslam::player {
@@ -14,6 +15,7 @@ stream::SenderOptions SenderOptionsOf(const PlayerOptions& options) {
 
 std::unique_ptr<stream::FrameSource> Open(bus::Process& process, const PlayerOptions& options) {
   auto source = std::make_unique<DatasetSource>(options);
+  if (source->scan_s() > 0.0) process.SetCounter(kRecordingScan, source->scan_s());
   PlayerOptions shown = options;
   process.SetConfiguration(ToYaml("player", shown));
   return source;

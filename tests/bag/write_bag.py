@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""write_bag.py FOLDER FILE.bag COMPRESSION: writes a folder of images (camera.yaml of a rectified pair, times.txt,
-groundtruth.txt) as a bag with ROS 1's own library: raw images, camera_info, and the true poses as PoseStamped."""
+"""write_bag.py FOLDER FILE.bag COMPRESSION [png] [odometry] [unsorted] [killed]: writes a folder of images (camera.yaml of
+a rectified pair, times.txt, groundtruth.txt) as a bag with ROS 1's own library: raw images, camera_info, and the true
+poses as PoseStamped; or CompressedImage, Odometry, frames from the last to the first, and a bag that is not closed."""
+import os
 import pathlib
 import re
 import struct
@@ -10,16 +12,21 @@ import zlib
 
 import genpy
 import geometry_msgs.msg
+import nav_msgs.msg
 import rosbag
 import sensor_msgs.msg
 
 
-def read_png(path):
-    """Width, height and grey pixels of a PNG of 8 bits and one channel."""
-    png = path.read_bytes()
+def size_of(png):
+    """Width and height of a PNG of 8 bits and one channel."""
     width, height, depth, colour = struct.unpack(">IIBB", png[16:26])
     if (depth, colour) != (8, 0):
-        raise SystemExit(f"{path}: not 8 bits of grey")
+        raise SystemExit("an image has not 8 bits of grey")
+    return width, height
+
+
+def pixels_of(png):
+    width, height = size_of(png)
     packed, at = b"", 8
     while at < len(png):
         (n,) = struct.unpack(">I", png[at : at + 4])
@@ -42,7 +49,7 @@ def read_png(path):
             row[x] = (row[x] + predicted) & 255
         pixels += row
         above = row
-    return width, height, bytes(pixels)
+    return bytes(pixels)
 
 
 def time_of(text):
@@ -51,7 +58,7 @@ def time_of(text):
 
 
 def main():
-    folder, compression = pathlib.Path(sys.argv[1]), sys.argv[3]
+    folder, compression, options = pathlib.Path(sys.argv[1]), sys.argv[3], sys.argv[4:]
     yaml = (folder / "camera.yaml").read_text()
 
     def numbers(key):
@@ -59,27 +66,41 @@ def main():
 
     (fx, fy), (cx, cy), (b,) = numbers("focal_length_px"), numbers("principal_point_px"), numbers("baseline_m")
     with rosbag.Bag(sys.argv[2], "w", compression=compression, chunk_threshold=300_000) as bag:
-        for i, text in enumerate((folder / "times.txt").read_text().split()):
+        times = list(enumerate((folder / "times.txt").read_text().split()))
+        for i, text in reversed(times) if "unsorted" in options else times:
             time = time_of(text)
             for side in ("right", "left"):
-                width, height, pixels = read_png(sorted((folder / side).iterdir())[i])
+                png = sorted((folder / side).iterdir())[i].read_bytes()
+                width, height = size_of(png)
                 info = sensor_msgs.msg.CameraInfo(width=width, height=height, distortion_model="plumb_bob", D=[0.0] * 5)
                 info.K = [fx, 0, cx, 0, fy, cy, 0, 0, 1]
                 info.R = [1, 0, 0, 0, 1, 0, 0, 0, 1]
                 info.P = [fx, 0, cx, -fx * b if side == "right" else 0, 0, fy, cy, 0, 0, 0, 1, 0]
-                image = sensor_msgs.msg.Image(width=width, height=height, encoding="mono8", step=width, data=pixels)
-                for name, message in (("camera_info", info), ("image_raw", image)):
+                if "png" in options:
+                    topic = "image_raw/compressed"
+                    image = sensor_msgs.msg.CompressedImage(format="mono8; png compressed ", data=png)
+                else:
+                    topic = "image_raw"
+                    image = sensor_msgs.msg.Image(width=width, height=height, encoding="mono8", step=width)
+                    image.data = pixels_of(png)
+                for name, message in (("camera_info", info), (topic, image)):
                     message.header.stamp, message.header.frame_id = time, "camera"
                     bag.write(f"/stereo/{side}/{name}", message, time)
         for row in (folder / "groundtruth.txt").read_text().splitlines():
             if row.startswith("#"):
                 continue
             text, *pose = row.split()
-            message = geometry_msgs.msg.PoseStamped()
+            odometry = "odometry" in options
+            message = nav_msgs.msg.Odometry() if odometry else geometry_msgs.msg.PoseStamped()
             message.header.stamp = time_of(text)
-            p, q = message.pose.position, message.pose.orientation
+            true_pose = message.pose.pose if odometry else message.pose
+            p, q = true_pose.position, true_pose.orientation
             p.x, p.y, p.z, q.x, q.y, q.z, q.w = map(float, pose)
-            bag.write("/ground_truth", message, message.header.stamp)
+            bag.write("/gt/odom" if odometry else "/ground_truth", message, message.header.stamp)
+        if "killed" in options:
+            bag.flush()
+            sys.stdout.flush()
+            os._exit(0)
 
 
 if __name__ == "__main__":

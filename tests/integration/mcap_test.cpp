@@ -5,14 +5,20 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "core/bus/logs/log_reader.h"
+#include "core/bus/logs/log_writer.h"
 #include "core/datasets/open_dataset.h"
 #include "core/io/trajectories/pose_covariance.h"
 #include "core/io/trajectories/trajectory.h"
+#include "tests/integration/image_folder_of.h"
 #include "tests/integration/whole_run.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/python.h"
 #include "tests/support/shell.h"
+#include "tests/unit/export/small_map.h"
 
 namespace plslam::test {
 namespace {
@@ -27,7 +33,8 @@ class McapOfARun : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     run_ = std::make_unique<WholeRun>();
-    exit_code_ = run_->Run({"run", kWorld, "--save-map", (run_->out() / "map.plmap").string()});
+    exit_code_ =
+        run_->Run({"run", kWorld, "--save-map", (run_->out() / "map.plmap").string(), "--record", run_->log()});
   }
   static void TearDownTestSuite() { run_.reset(); }
 
@@ -41,16 +48,32 @@ class McapOfARun : public testing::Test {
                                       folder_.Path("to"), arguments));
   }
 
-  /// What the format's own libraries read in it, and `failures`.
-  json Check() const {
+  static std::string log() { return run_->log(); }
+
+  /// What the format's own libraries read in it, and `failures`: that it is not what the folder of a run has. Images
+  /// are written into the folder of the test.
+  json Check(const std::string& run = out().string()) const {
     const std::string script = (SourceFolder() / "tests/mcap/check_mcap.mjs").string();
-    const ShellResult checked = Shell(folder_, fmt::format("node '{}' '{}' {} '{}'", script, PLSLAM_MCAP_MODULES,
-                                                           folder_.Path("to/run.mcap"), out().string()));
+    std::filesystem::create_directories(folder_.Path("images"));
+    const ShellResult checked = Shell(folder_, fmt::format("node '{}' '{}' {} '{}' {}", script, PLSLAM_MCAP_MODULES,
+                                                           folder_.Path("to/run.mcap"), run, folder_.Path("images")));
     EXPECT_EQ(checked.exit_code, 0) << checked.error;
     return json::parse(checked.out, nullptr, false);
   }
 
   static bool CanCheck() { return HasProgram("node") && std::filesystem::exists(PLSLAM_MCAP_MODULES); }
+
+  /// The left images of the world, as JPEG gives them.
+  void ExpectTheImagesOfTheWorld() const {
+    const auto world = OpenDataset(kWorld, "");
+    for (int i = 0; i < world->size(); ++i) {
+      const cv::Mat written =
+          cv::imread(folder_.Path(fmt::format("images/{}.jpeg", world->t_ns(i))), cv::IMREAD_UNCHANGED);
+      const cv::Mat left = world->Read(i).left;
+      ASSERT_EQ(written.size(), left.size()) << i;
+      EXPECT_LT(cv::norm(written, left, cv::NORM_L1) / static_cast<double>(left.total()), 4.0) << i;
+    }
+  }
 
   const ScratchFolder& folder() const { return folder_; }
 
@@ -96,7 +119,8 @@ TEST_F(McapOfARun, IsReadByTheFormatsOwnLibraries) {
   EXPECT_EQ(read["camera"]["k"], json({rig.fx_px, 0, rig.cx_px, 0, rig.fy_px, rig.cy_px, 0, 0, 1}));
   EXPECT_EQ(read["camera"]["model"], "plumb_bob");
   EXPECT_EQ(read["camera"]["size"], json({376, 240}));
-  EXPECT_EQ(read["jpeg"], json({"jpeg", 0xff, 0xd8, 0xff}));
+  EXPECT_EQ(read["formats"], json({"jpeg"}));
+  ExpectTheImagesOfTheWorld();
   EXPECT_EQ(read["state"]["message"], "tracking");
   EXPECT_EQ(read["state"]["values"][0], json({{"key", "frame_id"}, {"value", "39"}}));
   // The room's first camera looks along the floor: up, -y of w, is z of the world.
@@ -143,6 +167,83 @@ TEST_F(McapOfARun, AMapAloneHasNoFrames) {
   EXPECT_EQ(read["failures"], json::array());
   EXPECT_EQ(read["topics"].size(), 5U) << read["topics"];
   EXPECT_GT(read["points"], 50);
+}
+
+TEST_F(McapOfARun, OfItsLog) {
+  if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
+  const ShellResult exported = Export("'" + log() + "'");
+  ASSERT_EQ(exported.exit_code, 0) << exported.error;
+  EXPECT_THAT(exported.out, HasSubstr("run.mcap: 40 frames, 40 images, the map"));
+  const json read = Check();
+  ASSERT_TRUE(read.is_object());
+  EXPECT_EQ(read["failures"], json::array());
+  EXPECT_EQ(read["topics"].size(), 13U) << read["topics"];
+  EXPECT_GT(read["points"], 50);
+  ExpectTheImagesOfTheWorld();
+  for (const char* file : {"trajectory.tum", "trajectory_live.tum", "groundtruth.tum", "covariance.txt", "map.ply"}) {
+    EXPECT_EQ(ReadText(folder().Path(std::string("to/run/") + file)), ReadText(out() / file)) << file;
+  }
+  const ShellResult colmap =
+      Shell(folder(), fmt::format("'{}' export --format colmap '{}'", (BinaryFolder() / "plslam").string(), log()));
+  EXPECT_EQ(colmap.exit_code, 1);
+  EXPECT_THAT(colmap.error, HasSubstr("run.lcm: colmap needs a saved map"));
+}
+
+TEST_F(McapOfARun, ALogOfFramesAloneIsToBeReplayed) {
+  const std::string frames = folder().Path("frames.lcm");
+  bus::LogReader reader(log());
+  {
+    bus::LogWriter writer(frames);
+    while (const auto event = reader.Next()) {
+      if (event->channel != "STEREO_FRAME" && event->channel != "CAMERA") continue;
+      writer.Write(event->channel, reader.Data(event->data_offset, event->data_bytes).value(), event->timestamp_us);
+    }
+  }
+  const ShellResult exported = Export(frames);
+  EXPECT_EQ(exported.exit_code, 1);
+  EXPECT_THAT(exported.error,
+              HasSubstr("frames.lcm: is an LCM log without the poses of a run (channel POSE): `plslam "
+                        "replay "));
+}
+
+TEST_F(McapOfARun, LoopsJoinTheirKeyframes) {
+  if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
+  StoredMap stored = SmallStoredMap();
+  stored.map.Add(LoopEdge{0, 2, SE3()});
+  stored.map.TakeChanges();
+  WriteMapFile(folder().Path("a.plmap"), stored);
+  const ShellResult exported = Export(folder().Path("a.plmap"));
+  ASSERT_EQ(exported.exit_code, 0) << exported.error;
+  const json read = Check(folder().Path("none"));
+  ASSERT_TRUE(read.is_object());
+  EXPECT_EQ(read["failures"], json::array());
+  ASSERT_EQ(read["loops"].size(), 2U);
+  for (const int end : {0, 1}) {
+    const Eigen::Vector3d p(read["loops"][end]["x"], read["loops"][end]["y"], read["loops"][end]["z"]);
+    EXPECT_EQ(p, stored.map.FindKeyframe(2 * end)->T_w_kf.translation());
+  }
+}
+
+TEST_F(McapOfARun, ImageFilesGoOnAsTheyAre) {
+  if (!CanCheck()) GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
+  const auto world = OpenDataset(kWorld, "");
+  std::vector<ChosenFrame> frames(3);
+  for (int i = 0; i < 3; ++i) frames[static_cast<size_t>(i)].index = i;
+  WriteImageFolder(*world, frames, folder().Path("png"));
+  const auto images = OpenDataset(folder().Path("png"), "");
+  Trajectory trajectory;
+  for (int i = 0; i < 3; ++i) trajectory.push_back({images->t_ns(i), SE3()});
+  std::filesystem::create_directories(folder().Path("run"));
+  WriteTrajectory(folder().Path("run/trajectory.tum"), TrajectoryFormat::kTum, trajectory);
+  const ShellResult exported = Export(fmt::format("{} --dataset {}", folder().Path("run"), folder().Path("png")));
+  ASSERT_EQ(exported.exit_code, 0) << exported.error;
+  const json read = Check(folder().Path("run"));
+  ASSERT_TRUE(read.is_object());
+  EXPECT_EQ(read["failures"], json::array());
+  EXPECT_EQ(read["formats"], json({"png"}));
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(ReadText(folder().Path(fmt::format("images/{}.png", images->t_ns(i)))), ReadText(images->LeftFile(i)));
+  }
 }
 
 TEST_F(McapOfARun, PythonLoadsTheSameFolder) {

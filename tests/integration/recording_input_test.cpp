@@ -43,15 +43,18 @@ class RecordingInput : public testing::Test {
     }
   }
 
-  void ExpectTheTrajectoryOfTheFolder(const std::string& file) {
+  /// `n` frames are played with these options of `plslam run`.
+  void ExpectTheTrajectoryOfTheFolder(const std::vector<std::string>& options, const std::string& file, int n) {
     std::string trajectories[2], truths[2];
     for (int k = 0; k < 2; ++k) {
       WholeRun run;
-      ASSERT_EQ(run.Run({"run", folder_.Path(k == 0 ? "images" : file), "--start", "2"}), 0) << run.Logs();
+      std::vector<std::string> arguments{"run", folder_.Path(k == 0 ? "images" : file)};
+      arguments.insert(arguments.end(), options.begin(), options.end());
+      ASSERT_EQ(run.Run(arguments), 0) << run.Logs();
       trajectories[k] = run.Read("trajectory.tum");
       truths[k] = run.Read("groundtruth.tum");
     }
-    EXPECT_EQ(std::count(trajectories[0].begin(), trajectories[0].end(), '\n'), 18);
+    EXPECT_EQ(std::count(trajectories[0].begin(), trajectories[0].end(), '\n'), n);
     EXPECT_EQ(trajectories[0], trajectories[1]);
     EXPECT_EQ(truths[0], truths[1]);
   }
@@ -60,35 +63,124 @@ class RecordingInput : public testing::Test {
   ScratchFolder folder_;
 };
 
-TEST_F(RecordingInput, McapOfTheFormatsOwnWriter) {
-  if (!HasProgram("node") || !std::filesystem::exists(PLSLAM_MCAP_MODULES)) {
-    GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
+class McapInput : public RecordingInput {
+ protected:
+  void SetUp() override {
+    if (!HasProgram("node") || !std::filesystem::exists(PLSLAM_MCAP_MODULES)) {
+      GTEST_SKIP() << "no node, or its packages could not be fetched at the build";
+    }
+    WriteImages();
   }
-  WriteImages();
-  const std::string script = (SourceFolder() / "tests/mcap/write_mcap.mjs").string();
-  const ShellResult written = Shell(folder(), fmt::format("node '{}' '{}' {} {}", script, PLSLAM_MCAP_MODULES,
-                                                          folder().Path("images"), folder().Path("a.mcap")));
-  ASSERT_EQ(written.exit_code, 0) << written.error;
+
+  /// As write_mcap.mjs takes its options.
+  void Write(const std::string& options) {
+    const std::string script = (SourceFolder() / "tests/mcap/write_mcap.mjs").string();
+    const ShellResult written =
+        Shell(folder(), fmt::format("node '{}' '{}' {} {} '{}'", script, PLSLAM_MCAP_MODULES, folder().Path("images"),
+                                    folder().Path("a.mcap"), options));
+    ASSERT_EQ(written.exit_code, 0) << written.error;
+  }
+};
+
+TEST_F(McapInput, OfTheFormatsOwnWriter) {
+  Write("{}");
   ExpectTheContentOfTheFolder("a.mcap");
-  ExpectTheTrajectoryOfTheFolder("a.mcap");
+  EXPECT_TRUE(OpenDataset(folder().Path("a.mcap"), "")->Notes().empty());
+  ExpectTheTrajectoryOfTheFolder({"--start", "2"}, "a.mcap", 18);
 }
 
-TEST_F(RecordingInput, BagOfRosOwnWriter) {
-  // Debian's modules are those of Debian's Python.
-  const std::string python = "/usr/bin/python3";
-  const ShellResult found = Shell(folder(), python + " -c 'import rosbag, sensor_msgs, geometry_msgs, roslz4'");
-  if (found.exit_code != 0) GTEST_SKIP() << "python3-rosbag, -sensor-msgs, -geometry-msgs or -roslz4 is missing";
-  WriteImages();
-  const std::string script = (SourceFolder() / "tests/bag/write_bag.py").string();
-  for (const std::string compression : {"none", "bz2", "lz4"}) {
-    SCOPED_TRACE(compression);
-    const ShellResult written =
-        Shell(folder(), fmt::format("{} '{}' {} {} {}", python, script, folder().Path("images"),
-                                    folder().Path("a.bag"), compression));
-    ASSERT_EQ(written.exit_code, 0) << written.error;
-    ExpectTheContentOfTheFolder("a.bag");
+TEST_F(McapInput, OtherMessagesAndCompressions) {
+  std::vector<std::string> all{R"({"odometry": true, "png": true})", R"({"encoding": "ros1"})",
+                               R"({"encoding": "ros1", "odometry": true, "png": true, "unsorted": true})",
+                               R"({"unsorted": true})"};
+  for (const char* compression : {"zstd", "lz4"}) {
+    if (HasProgram(compression)) all.push_back(fmt::format(R"({{"compression": "{}"}})", compression));
   }
-  ExpectTheTrajectoryOfTheFolder("a.bag");
+  for (const std::string& options : all) {
+    SCOPED_TRACE(options);
+    Write(options);
+    ExpectTheContentOfTheFolder("a.mcap");
+    EXPECT_TRUE(OpenDataset(folder().Path("a.mcap"), "")->Notes().empty());
+  }
+}
+
+// What a writer may leave out of the index, and a recorder that was killed has not written.
+TEST_F(McapInput, WithoutIndex) {
+  for (
+      const std::string options :
+      {R"({"writer": {"useChunks": false}})", R"({"writer": {"useChunkIndex": false}})",
+       R"({"writer": {"useMessageIndex": false}})", R"({"writer": {"repeatChannels": false}})",
+       R"({"writer": {"repeatSchemas": false}})", R"({"cut": 0.999999})",
+       R"({"writer": {"useChunks": false, "useStatistics": false, "repeatChannels": false, "repeatSchemas": false}})"}) {
+    SCOPED_TRACE(options);
+    Write(options);
+    ExpectTheContentOfTheFolder("a.mcap");
+    const auto notes = OpenDataset(folder().Path("a.mcap"), "")->Notes();
+    ASSERT_EQ(notes.size(), 1U);
+    EXPECT_THAT(notes.front(), testing::AllOf(testing::HasSubstr("were read to find the messages, which took"),
+                                              testing::HasSubstr("`mcap recover`")));
+  }
+}
+
+TEST_F(McapInput, StopsAndTurnsAsTheFolderDoes) {
+  Write(R"({"writer": {"useMessageIndex": false}, "unsorted": true})");
+  ExpectTheTrajectoryOfTheFolder({"--stop", "8", "--bounce"}, "a.mcap", 15);
+}
+
+TEST_F(McapInput, CutOffFilesPlayWithAWarning) {
+  Write(R"({"cut": 0.5})");
+  WholeRun run;
+  ASSERT_EQ(
+      run.Run({"run", folder().Path("a.mcap"), "--topics", "/stereo/left/image_raw", "/stereo/right/image_raw"}), 0)
+      << run.Logs();
+  const std::string trajectory = run.Read("trajectory.tum");
+  const auto n = std::count(trajectory.begin(), trajectory.end(), '\n');
+  EXPECT_GE(n, 8);
+  EXPECT_LE(n, 11);
+  EXPECT_THAT(run.Summary()["warnings"].dump(), testing::HasSubstr("recording_without_index"));
+  EXPECT_THAT(run.Read("logs/player.log"), testing::HasSubstr("are of a record that is cut off"));
+}
+
+class BagInput : public RecordingInput {
+ protected:
+  // Debian's modules are those of Debian's Python.
+  static constexpr const char* kPython = "/usr/bin/python3";
+
+  void SetUp() override {
+    const ShellResult found =
+        Shell(folder(), fmt::format("{} -c 'import rosbag, sensor_msgs, geometry_msgs, nav_msgs, roslz4'", kPython));
+    if (found.exit_code != 0) {
+      GTEST_SKIP() << "python3-rosbag, -sensor-msgs, -geometry-msgs, -nav-msgs or -roslz4 is missing";
+    }
+    WriteImages();
+  }
+
+  /// As write_bag.py takes its options.
+  void Write(const std::string& options) {
+    const std::string script = (SourceFolder() / "tests/bag/write_bag.py").string();
+    const ShellResult written = Shell(
+        folder(),
+        fmt::format("{} '{}' {} {} {}", kPython, script, folder().Path("images"), folder().Path("a.bag"), options));
+    ASSERT_EQ(written.exit_code, 0) << written.error;
+  }
+};
+
+TEST_F(BagInput, OfRosOwnWriter) {
+  for (const char* options : {"none", "bz2 png odometry", "lz4 png unsorted"}) {
+    SCOPED_TRACE(options);
+    Write(options);
+    ExpectTheContentOfTheFolder("a.bag");
+    EXPECT_TRUE(OpenDataset(folder().Path("a.bag"), "")->Notes().empty());
+  }
+  ExpectTheTrajectoryOfTheFolder({"--start", "2", "--stop", "10", "--bounce"}, "a.bag", 15);
+}
+
+TEST_F(BagInput, OfARecorderThatWasKilled) {
+  Write("none killed");
+  ExpectTheContentOfTheFolder("a.bag");
+  const auto notes = OpenDataset(folder().Path("a.bag"), "")->Notes();
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_THAT(notes.front(), testing::HasSubstr("has no index, since it was not closed"));
 }
 
 }  // namespace

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node check_mcap.mjs NODE_MODULES FILE.mcap FOLDER: reads the file with the format's own libraries, decodes every message by its schema, and
-// compares it with trajectory.tum and map.ply of FOLDER where they are there. Prints what it found as JSON, with `failures`.
-import { closeSync, existsSync, openSync, readFileSync, readSync, statSync } from "node:fs";
+// node check_mcap.mjs NODE_MODULES FILE.mcap FOLDER [IMAGES]: reads the file with the format's own libraries, decodes every message by its schema,
+// and compares it with the files of a run in FOLDER where they are there (trajectories, keyframes.tum, map.ply, poses.csv). Prints what it found as
+// JSON, with `failures`. Images are written to the folder IMAGES, named by their times.
+import { closeSync, existsSync, openSync, readFileSync, readSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join, resolve } from "node:path";
 import * as zlib from "node:zlib";
 
-const [modules, file, folder] = process.argv.slice(2);
+const [modules, file, folder, images] = process.argv.slice(2);
 const require = createRequire(join(resolve(modules), "x.js"));
 const { McapIndexedReader, McapStreamReader } = require("@mcap/core");
 const { parse } = require("@foxglove/rosmsg");
@@ -67,28 +68,53 @@ async function decoded() {
   return { topics, dataSectionCrc: reader.dataSectionCrc, chunks: reader.chunkIndexes };
 }
 
-function comparePoses(topics) {
-  const rows = readFileSync(join(folder, "trajectory.tum"), "utf8").split("\n").filter((row) => row && !row.startsWith("#"));
-  const poses = {
-    "/tf": topics["/tf"].map(({ t_ns, value }) => {
-      const { header, transform } = value.transforms[0];
-      return [t_ns, time_ns(header.stamp), transform.translation, transform.rotation];
-    }),
-    "/odom": topics["/odom"].map(({ t_ns, value }) => [t_ns, time_ns(value.header.stamp), value.pose.pose.position, value.pose.pose.orientation]),
-    "/path": topics["/path"][0].value.poses.map((p) => [time_ns(p.header.stamp), time_ns(p.header.stamp), p.pose.position, p.pose.orientation]),
-  };
-  for (const [topic, list] of Object.entries(poses)) {
-    if (list.length !== rows.length) fail(`${topic}: ${list.length} poses instead of ${rows.length}`);
-    list.forEach(([logged, stamp, p, q], i) => {
-      const [t, ...numbers] = rows[i].split(" ");
-      const [seconds, decimals] = t.split(".");
-      const t_ns = BigInt(seconds) * 1_000_000_000n + BigInt(decimals.padEnd(9, "0"));
-      if (t_ns !== stamp || t_ns !== logged) fail(`${topic}[${i}]: time ${stamp} instead of ${t_ns}`);
-      const read = [p.x, p.y, p.z, q.x, q.y, q.z, q.w];
-      // The file has nine decimals of a position; half of the last one is no difference.
-      read.forEach((x, k) => Math.abs(x - Number(numbers[k])) > 1e-9 && fail(`${topic}[${i}]: ${x} instead of ${numbers[k]}`));
-    });
+const hasFile = (name) => existsSync(join(folder, name));
+const rowsOf = (name) => readFileSync(join(folder, name), "utf8").split("\n").filter((row) => row && !row.startsWith("#"));
+const toNs = (text) => {
+  const [seconds, decimals = ""] = text.split(".");
+  return BigInt(seconds) * 1_000_000_000n + BigInt(decimals.padEnd(9, "0"));
+};
+
+/** [times, position, orientation] of a topic against the rows of a file in TUM's format. */
+function comparePoses(topic, list, file) {
+  const rows = rowsOf(file);
+  if (list.length !== rows.length) fail(`${topic}: ${list.length} poses instead of ${rows.length}`);
+  list.slice(0, rows.length).forEach(([times, p, q], i) => {
+    const [t, ...numbers] = rows[i].split(" ");
+    for (const time of times) if (toNs(t) !== time) fail(`${topic}[${i}]: time ${time} instead of ${t}`);
+    const read = [p.x, p.y, p.z, q.x, q.y, q.z, q.w];
+    // The file has nine decimals of a position; half of the last one is no difference.
+    read.forEach((x, k) => Math.abs(x - Number(numbers[k])) > 1e-9 && fail(`${topic}[${i}]: ${x} instead of ${numbers[k]}`));
+  });
+}
+
+function compareFrames(topics) {
+  const transforms = topics["/tf"].map(({ t_ns, value }) => {
+    const { header, transform } = value.transforms[0];
+    return [[t_ns, time_ns(header.stamp)], transform.translation, transform.rotation];
+  });
+  comparePoses("/tf", transforms, "trajectory.tum");
+  const odometry = topics["/odom"].map(({ t_ns, value }) => [[t_ns, time_ns(value.header.stamp)], value.pose.pose.position, value.pose.pose.orientation]);
+  comparePoses("/odom", odometry, "trajectory.tum");
+  for (const [topic, name] of [["/path", "trajectory.tum"], ["/path_live", "trajectory_live.tum"], ["/path_truth", "groundtruth.tum"]]) {
+    if (hasFile(name) !== topic in topics) fail(`${topic} is there, or ${name}, but not both`);
+    if (!(topic in topics)) continue;
+    const path = topics[topic][0].value.poses.map((p) => [[time_ns(p.header.stamp)], p.pose.position, p.pose.orientation]);
+    comparePoses(topic, path, name);
   }
+}
+
+/** Every column of every row, but for the time, which is that of the message, and the state, which is its text. */
+function compareDiagnostics(list) {
+  const [names, ...rows] = rowsOf("poses.csv").map((row) => row.split(","));
+  if (list.length !== rows.length) fail(`/diagnostics: ${list.length} instead of ${rows.length}`);
+  list.slice(0, rows.length).forEach(({ t_ns, value }, i) => {
+    const [status] = value.status;
+    const read = { t_s: rows[i][names.indexOf("t_s")], state: status.message, ...Object.fromEntries(status.values.map(({ key, value: text }) => [key, text])) };
+    if (toNs(read.t_s) !== t_ns || time_ns(value.header.stamp) !== t_ns) fail(`/diagnostics[${i}]: time ${t_ns}`);
+    names.forEach((name, k) => read[name] !== rows[i][k] && fail(`/diagnostics[${i}]: ${name} is ${read[name]} instead of ${rows[i][k]}`));
+    if (status.level !== (status.message === "lost" ? 2 : status.message === "tracking" ? 0 : 1)) fail(`/diagnostics[${i}]: level ${status.level}`);
+  });
 }
 
 /** Vertices and edges of map.ply, as their bytes. */
@@ -154,17 +180,23 @@ const crc = zlib.crc32?.(data); // from Node 20.15 on
 if (crc !== undefined && crc !== end.dataSectionCrc) fail(`checksum of the data is ${crc}, not ${end.dataSectionCrc}`);
 if (dataSectionCrc === undefined || footer.summaryCrc === 0) fail("there is no checksum of the data or of the summary");
 flippedByteIsSeen(chunks);
-if (existsSync(join(folder, "trajectory.tum")) && topics["/odom"]) comparePoses(topics);
-const map = existsSync(join(folder, "map.ply")) && topics["/map/points"] ? compareMap(topics) : {};
+if (hasFile("trajectory.tum") && topics["/odom"]) compareFrames(topics);
+if (hasFile("poses.csv") && topics["/diagnostics"]) compareDiagnostics(topics["/diagnostics"]);
+if (hasFile("keyframes.tum") && topics["/keyframes"]) {
+  comparePoses("/keyframes", topics["/keyframes"][0].value.poses.map((pose) => [[], pose.position, pose.orientation]), "keyframes.tum");
+}
+const map = hasFile("map.ply") && topics["/map/points"] ? compareMap(topics) : {};
+const pictures = topics["/camera/left/compressed"] ?? [];
+if (images) for (const { t_ns, value } of pictures) writeFileSync(join(images, `${t_ns}.${value.format}`), value.data);
 const camera = topics["/camera/left/camera_info"]?.[0].value;
-const jpeg = topics["/camera/left/compressed"]?.[0].value;
 const odometry = topics["/odom"]?.at(-1).value;
 console.log(JSON.stringify({
   topics: Object.fromEntries(Object.entries(topics).map(([topic, list]) => [topic, { type: list[0].type, n: list.length }])),
   chunks: chunks.length,
   ...map,
   camera: camera && { k: [...camera.k], d: [...camera.d], model: camera.distortion_model, size: [camera.width, camera.height] },
-  jpeg: jpeg && [jpeg.format, ...jpeg.data.slice(0, 3)],
+  formats: [...new Set(pictures.map(({ value }) => value.format))],
+  loops: topics["/loops"]?.[0].value.points,
   covariance: odometry && [...odometry.pose.covariance],
   orientation: odometry && odometry.pose.pose.orientation,
   speed: odometry && odometry.twist.twist.linear,

@@ -41,7 +41,8 @@ std::string Footer() {
          "Examples:\n"
          "  plslam export out/house.plmap\n"
          "  plslam export out/room --format ply obj --out room_for_meshlab\n"
-         "  plslam export out/mh01.plmap --dataset /data/euroc/MH_01 --format colmap";
+         "  plslam export out/mh01.plmap --dataset /data/euroc/MH_01 --format colmap\n"
+         "  plslam export out/walk.lcm --format mcap";
 }
 
 void Print(const std::vector<ExportedFile>& files, const ExportArguments& arguments) {
@@ -65,8 +66,10 @@ int Export(const ExportArguments& arguments) {
 
 void AddExportCommand(CLI::App* app, std::function<int()>* command) {
   auto arguments = std::make_shared<ExportArguments>();
-  auto* sub = app->add_subcommand("export", "writes a saved map or a run as files that other programs open");
-  sub->add_option("source", arguments->request.source, "map file (.plmap), or folder of a run with one in it")
+  auto* sub =
+      app->add_subcommand("export", "writes a saved map, a run or a recorded log as files that other programs open");
+  sub->add_option("source", arguments->request.source,
+                  "map file (.plmap), folder of a run with one in it, or LCM log of a run (plslam run --record)")
       ->required();
   sub->add_option("--out", arguments->request.out, "folder to write to [export in the run's, or MAP_export]")
       ->type_name("DIR");

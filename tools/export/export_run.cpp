@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/bus/logs/log_reader.h"
 #include "core/io/files/atomic_file.h"
 #include "core/io/images/png_codec.h"
 #include "core/io/maps/map_camera.h"
@@ -18,6 +19,7 @@
 #include "tools/export/mcap/export_mcap.h"
 #include "tools/export/run_source.h"
 #include "tools/pose_graph/export.h"
+#include "viewer_headless/node/logged_run.h"
 
 namespace plslam::exports {
 namespace {
@@ -30,6 +32,7 @@ struct OngoingExport {
   std::string dataset;
   std::vector<ExportedFile> files;
   std::optional<ColmapModel> model;
+  bool has_features = true;  ///< of the keyframes, where there is a map
 
   const Map& map() const { return source.map->map; }
   std::string Path(const std::string& name) const { return out + "/" + name; }
@@ -136,8 +139,8 @@ const std::vector<Writer>& Writers() {
   static const std::vector<Writer> kWriters{
       {{"ply", "points and lines, binary (CloudCompare, MeshLab)", true}, ExportPly},
       {{"obj", "points, lines and the way of the keyframes, text (Blender, MeshLab)", true}, ExportObj},
-      {{"colmap", "COLMAP's model, binary, and the images where there is a dataset", true}, ExportColmap},
-      {{"colmap-text", "the same model as text", true}, ExportColmapText},
+      {{"colmap", "COLMAP's model, binary, and the images where there is a dataset", true, true}, ExportColmap},
+      {{"colmap-text", "the same model as text", true, true}, ExportColmapText},
       {{"g2o", "pose graph", true}, ExportG2o},
       {{"tum", "poses: t tx ty tz qx qy qz qw", false},
        [](OngoingExport& e) { ExportPoses(TrajectoryFormat::kTum, e); }},
@@ -162,6 +165,20 @@ void CheckNames(const std::vector<std::string>& names) {
   }
 }
 
+/// The run of a log as a folder like that of any run, and its map.
+void ReadLog(const std::string& log, OngoingExport& e) {
+  const viewer::LoggedRun run = viewer::WriteLoggedRun(log, e.Path("run"));
+  e.source = ReadRunSource(e.Path("run"));
+  e.Told("run", "trajectories and tables of the log" + (run.lack.empty() ? "" : fmt::format(" ({})", run.lack)));
+  if (run.has_frames && e.dataset.empty()) e.dataset = log;
+  if (run.map.keyframes().empty() || !run.map.camera()) return;
+  e.has_features = false;
+  e.source.map_path = log;
+  e.source.map.emplace();
+  e.source.map->map = run.map;
+  e.source.map->rig = CameraBytes(*run.map.camera());
+}
+
 }  // namespace
 
 const std::vector<ExportFormat>& ExportFormats() {
@@ -175,20 +192,26 @@ const std::vector<ExportFormat>& ExportFormats() {
 
 std::vector<ExportedFile> ExportRun(const ExportRequest& request) {
   CheckNames(request.formats);
-  OngoingExport e{ReadRunSource(request.source), nullptr, request.out, request.dataset, {}, std::nullopt};
-  if (!request.dataset.empty() && e.source.map) {
+  OngoingExport e{{}, nullptr, request.out, request.dataset, {}, std::nullopt};
+  if (bus::LooksLikeLcmLog(request.source)) {
+    ReadLog(request.source, e);
+  } else {
+    e.source = ReadRunSource(request.source);
+  }
+  if (!e.dataset.empty() && e.source.map) {
     const StereoCamera camera = MapCamera(*e.source.map, e.source.map_path);
-    e.images = std::make_unique<KeyframeImages>(request.dataset, camera);
+    e.images = std::make_unique<KeyframeImages>(e.dataset, camera);
   }
   MakeFolder(request.out);
   for (const auto& [format, write] : Writers()) {
     const bool named = IsNamed(request.formats, format.name);
     if (!request.formats.empty() && !named) continue;
-    if (!format.needs_map || e.source.map) {
+    const bool has_map = e.source.map && (e.has_features || !format.needs_features);
+    if (has_map || !format.needs_map) {
       write(e);
     } else if (named) {
-      throw std::runtime_error(fmt::format("{}: {} needs a map: plslam run --save-map FILE.plmap writes one",
-                                           request.source, format.name));
+      throw std::runtime_error(fmt::format("{}: {} needs a {}map: plslam run --save-map FILE.plmap writes one",
+                                           request.source, format.name, format.needs_features ? "saved " : ""));
     }
   }
   return e.files;

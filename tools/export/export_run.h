@@ -11,19 +11,23 @@ struct ExportFormat {
   std::string name;
   std::string what;
   bool needs_map = true;
+  /// Of the keyframes, which only a saved map has.
+  bool needs_features = false;
 };
 
 /// All there are, in the order in which they are written.
 const std::vector<ExportFormat>& ExportFormats();
 
 struct ExportRequest {
-  /// Map file or folder of a run (run_source.h).
+  /// Map file or folder of a run (run_source.h), or LCM log of a run, of which the files of viewer_headless are then
+  /// written to the folder `run` in `out`.
   std::string source;
   /// Folder to write to; it is made.
   std::string out;
   /// Names of formats; empty: all that the source has the content for.
   std::vector<std::string> formats;
-  /// Where the images come from; empty: none are written, and poses are those of the rectified camera.
+  /// Where the images come from; empty: the log, where the source is one with frames; else none are written, and poses
+  /// are those of the rectified camera.
   std::string dataset;
 };
 

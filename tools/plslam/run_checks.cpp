@@ -117,9 +117,9 @@ void CheckMapToGoOnFrom(const RunOptions& options) {
 void CheckCameras(const RunOptions& options) {
   if (!options.from_cameras) return;
   const std::pair<const char*, bool> of_datasets[] = {
-      {"--kind", !options.kind.empty()}, {"--start", options.start >= 0}, {"--stop", options.stop >= 0},
-      {"--stride", options.stride >= 0}, {"--loop", options.loop >= 0},   {"--bounce", options.bounce},
-      {"--skip-bad", options.skip_bad}};
+      {"--kind", !options.kind.empty()}, {"--topics", !options.topics.empty()}, {"--start", options.start >= 0},
+      {"--stop", options.stop >= 0},     {"--stride", options.stride >= 0},     {"--loop", options.loop >= 0},
+      {"--bounce", options.bounce},      {"--skip-bad", options.skip_bad}};
   for (const auto& [option, is_given] : of_datasets) {
     if (!is_given) continue;
     throw std::runtime_error(

@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "core/datasets/camera_file.h"
+#include "core/datasets/open_dataset.h"
 #include "core/errors/error_text.h"
 #include "core/io/files/atomic_file.h"
 #include "core/process/process_signals.h"
@@ -114,9 +115,10 @@ int Report(const RunOptions& options, const RunSession& session, OutputFolder* f
 
 int Run(RunOptions options) {
   options.from_cameras = NamesSource(options.dataset);
-  if (options.out.empty()) options.out = DefaultOut(options.dataset);
   CheckCameras(options);
   ReadConfiguration(&options);
+  options.dataset = WithTopics(options.dataset, options.kind, options.topics);
+  if (options.out.empty()) options.out = DefaultOut(options.dataset);
   CheckMapToGoOnFrom(options);
   OutputFolder folder(options.out);
   CheckFilesToWrite(options);
@@ -192,12 +194,12 @@ void AddOptions(CLI::App* sub, RunOptions* o) {
 void AddRunCommand(CLI::App* app, Command* command) {
   auto options = std::make_shared<RunOptions>();
   auto* sub = app->add_subcommand("run", "plays a dataset, or live cameras, through all processes");
-  sub->add_option("dataset", options->dataset,
-                  "folder (KITTI odometry, EuRoC, TUM RGB-D, left/right images), LCM log, built-in world "
-                  "(synthetic:room, synthetic:corridor, synthetic:street, synthetic:whitewall), or rig file of live "
-                  "cameras")
-      ->required();
-  sub->add_option("--kind", options->kind, "format: kitti, euroc, tum, images, log, synthetic [found by looking]");
+  sub->add_option("dataset", options->dataset, DatasetHelp() + ", or rig file of live cameras")->required();
+  sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
+  sub->add_option("--topics", options->topics,
+                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+      ->type_name("TOPIC")
+      ->expected(2);
   sub->add_option("--record", options->record, "LCM event log of all traffic to write, in the place of an old one")
       ->type_name("FILE");
   AddOptions(sub, options.get());
@@ -205,6 +207,7 @@ void AddRunCommand(CLI::App* app, Command* command) {
       "Examples:\n"
       "  plslam run synthetic:room --out out/room\n"
       "  plslam run /data/kitti/03 --features points --set vo.keyframes.max_frames=20\n"
+      "  plslam run walk.mcap --topics /front/left/image_raw /front/right/image_raw\n"
       "  plslam run rig.yaml --record out/walk.lcm\n"
       "  plslam run /data/euroc/MH_01 --config config/plslam.yaml --record out/mh01.lcm\n"
       "Exit code 0 when the stream was handled to its end, or ended by SIGINT, SIGTERM or SIGHUP (and the map "

@@ -14,6 +14,7 @@ struct RunOptions {
   /// `dataset` is a rig file: frames come from live cameras, or what stands for them.
   bool from_cameras = false;
   std::string kind;
+  std::vector<std::string> topics;  ///< left and right, of a recording; empty: found by their names
   std::filesystem::path out;
   std::string pace;
   std::string features;

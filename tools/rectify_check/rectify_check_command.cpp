@@ -27,6 +27,7 @@ namespace {
 struct CheckOptions {
   std::string dataset;
   std::string kind;
+  std::vector<std::string> topics;
   std::string mask_left;
   std::string mask_right;
   std::string out = "rectify_check.png";
@@ -124,7 +125,7 @@ int Check(const CheckOptions& o) {
                     "recording (`plslam run {} --record run.lcm`, `plslam rectify-check run.lcm`)",
                     o.dataset, o.dataset, o.dataset));
   }
-  const auto dataset = OpenDataset(o.dataset, o.kind);
+  const auto dataset = OpenDataset(WithTopics(o.dataset, o.kind, o.topics), o.kind);
   if (dataset->rig().kind == RigCalibration::Kind::kRgbd) {
     throw std::runtime_error(o.dataset + ": a depth camera has no second image whose rows could be checked");
   }
@@ -162,8 +163,12 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
   auto options = std::make_shared<CheckOptions>();
   auto* sub =
       app->add_subcommand("rectify-check", "measures how well a stereo calibration makes rows agree, and draws it");
-  sub->add_option("dataset", options->dataset, "folder, LCM log, or built-in world")->required();
-  sub->add_option("--kind", options->kind, "format: kitti, euroc, images, log, synthetic [found by looking]");
+  sub->add_option("dataset", options->dataset, DatasetHelp())->required();
+  sub->add_option("--kind", options->kind, fmt::format("format: {} [found by looking]", DatasetKindHelp()));
+  sub->add_option("--topics", options->topics,
+                  "LEFT RIGHT: image topics of a recording of ROS [found by their names]")
+      ->type_name("TOPIC")
+      ->expected(2);
   sub->add_option("--mask-left", options->mask_left, "image as player.mask_left: black (0) is left out, and shaded")
       ->type_name("FILE");
   sub->add_option("--mask-right", options->mask_right, "the same of the right camera")->type_name("FILE");
@@ -181,6 +186,7 @@ void AddRectifyCheckCommand(CLI::App* app, std::function<int()>* command) {
       "Examples:\n"
       "  plslam rectify-check my_camera --out my_camera.png\n"
       "  plslam rectify-check /data/euroc/MH_01 --frame 300 --json\n"
+      "  plslam rectify-check walk.bag --topics /left/image_raw /right/image_raw\n"
       "Exit code 0 where rows agree to a pixel, 1 where they do not, or too little is seen to tell.");
   sub->callback([=] { *command = [options] { return Check(*options); }; });
 }

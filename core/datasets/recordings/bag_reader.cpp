@@ -17,6 +17,7 @@ constexpr std::string_view kMagic = "#ROSBAG V2.0\n";
 constexpr uint64_t kMaxIndexBytes = 128 << 20;
 /// Those of chunks have about 60 bytes, those of the bag itself fill 4096.
 constexpr uint64_t kMaxHeadBytes = 8192;
+constexpr uint64_t kUsualHeadBytes = 128;
 
 /// Kinds of records, as the format numbers them ("op").
 enum class BagRecord : uint8_t {
@@ -84,18 +85,36 @@ int64_t GetTime_ns(RecordFields& fields) {
 }  // namespace
 
 BagReader::BagReader(const std::string& path) : file_(path) {
-  const uint64_t index_at = ReadHead();
-  ReadIndex(index_at);
-  ReadChunkHeads(index_at);
+  const Head head = ReadHead();
+  if (head.index_at == 0) {
+    Scan(head.end, "has no index, since it was not closed");
+  } else if (head.index_at >= file_.size()) {
+    Scan(head.end,
+         fmt::format("its index would begin at byte {} of {}, since it is cut off", head.index_at, file_.size()));
+  } else {
+    try {
+      ReadIndex(head.index_at);
+      ReadChunkHeads(head.index_at);
+    } catch (const DatasetError& error) {
+      Scan(head.end, fmt::format("its index cannot be used ({})", error.what()));
+    }
+  }
 }
 
-uint64_t BagReader::ReadHead() const {
+BagReader::Head BagReader::ReadHead() const {
   const Bytes begin = file_.ReadAt(0, std::min<uint64_t>(file_.size(), kMaxHeadBytes), "the head");
   const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
+  if (text.empty()) throw DatasetError("is empty (0 bytes), and no bag of ROS 1: record it again");
   if (!text.starts_with(kMagic)) {
-    if (!text.starts_with(kAnyMagic)) throw DatasetError("is no bag of ROS 1");
-    throw DatasetError(fmt::format("begins with '{}', not with '#ROSBAG V2.0': `rosbag fix` makes a bag of 2.0 of it",
-                                   Shown(std::string(text.substr(0, std::min<size_t>(text.find('\n'), 20))))));
+    const std::string shown = Shown(std::string(text.substr(0, std::min<size_t>(text.find('\n'), 20))));
+    if (!text.starts_with(kAnyMagic)) {
+      throw DatasetError(
+          fmt::format("is no bag of ROS 1, since it begins with '{}': name one that `rosbag record` "
+                      "wrote, or the kind that it is of (--kind)",
+                      shown));
+    }
+    throw DatasetError(
+        fmt::format("begins with '{}', not with '#ROSBAG V2.0': `rosbag fix` makes a bag of 2.0 of it", shown));
   }
   RecordFields bytes{std::span(begin).subspan(kMagic.size())};
   const NamedFields head(bytes.Take(bytes.Get<uint32_t>()));
@@ -103,15 +122,8 @@ uint64_t BagReader::ReadHead() const {
   if (head.Has("encryptor") && !head.Text("encryptor").empty()) {
     throw DatasetError("is encrypted: `rosbag decrypt` makes a bag of it that can be read");
   }
-  const auto index_at = head.Get<uint64_t>("index_pos");
-  if (index_at == 0) throw DatasetError("has no index, since it was not closed: `rosbag reindex` writes one");
-  if (index_at >= file_.size()) {
-    throw DatasetError(
-        fmt::format("its index would begin at byte {} of {}, since it is cut off: `rosbag reindex` "
-                    "makes it whole",
-                    index_at, file_.size()));
-  }
-  return index_at;
+  bytes.Take(bytes.Get<uint32_t>());  // what fills the head
+  return {begin.size() - bytes.rest().size(), head.Get<uint64_t>("index_pos")};
 }
 
 void BagReader::ReadIndex(uint64_t at) {
@@ -121,9 +133,7 @@ void BagReader::ReadIndex(uint64_t at) {
   for (RecordFields records(index); !records.empty();) {
     Record record = TakeRecord(records);
     if (record.head.op() == BagRecord::kConnection) {
-      const auto id = record.head.Get<uint32_t>("conn");
-      const NamedFields connection(record.data.rest());
-      channels_.push_back({id, record.head.Text("topic"), RosTypeName(connection.Text("type")), "ros1"});
+      AddConnection(record.head.Text("topic"), record.head.Get<uint32_t>("conn"), record.data.rest());
     } else if (record.head.op() == BagRecord::kChunkInfo) {
       Chunk chunk;
       chunk.offset = record.head.Get<uint64_t>("chunk_pos");
@@ -134,42 +144,107 @@ void BagReader::ReadIndex(uint64_t at) {
       chunks_.push_back(std::move(chunk));
     }
   }
-  const auto by_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id < b.id; };
-  std::stable_sort(channels_.begin(), channels_.end(), by_id);
-  const auto same_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id == b.id; };
-  channels_.erase(std::unique(channels_.begin(), channels_.end(), same_id), channels_.end());
+  SortChannels();
   const auto by_offset = [](const Chunk& a, const Chunk& b) { return a.offset < b.offset; };
   std::stable_sort(chunks_.begin(), chunks_.end(), by_offset);
 }
 
+void BagReader::AddConnection(const std::string& topic, uint32_t id, std::span<const uint8_t> data) {
+  channels_.push_back({id, topic, RosTypeName(NamedFields(data).Text("type")), "ros1"});
+}
+
+/// By their ids; a connection may be written several times.
+void BagReader::SortChannels() {
+  const auto by_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id < b.id; };
+  std::stable_sort(channels_.begin(), channels_.end(), by_id);
+  const auto same_id = [](const RecordedChannel& a, const RecordedChannel& b) { return a.id == b.id; };
+  channels_.erase(std::unique(channels_.begin(), channels_.end(), same_id), channels_.end());
+}
+
+BagReader::Chunk BagReader::ReadChunkHead(uint64_t offset) const {
+  if (offset >= file_.size()) throw DatasetError("a chunk would lie behind the end of the file: it is damaged");
+  const Bytes begin = file_.ReadAt(offset, std::min(kUsualHeadBytes, file_.size() - offset), "a chunk");
+  RecordFields bytes(begin);
+  const auto head_bytes = bytes.Get<uint32_t>();
+  const NamedFields head(bytes.Take(head_bytes));
+  if (head.op() != BagRecord::kChunk) throw DatasetError("a chunk is not where the index says: the file is damaged");
+  Chunk chunk;
+  chunk.offset = offset;
+  chunk.compression = head.Text("compression");
+  if (chunk.compression == "none") chunk.compression.clear();
+  chunk.size = head.Get<uint32_t>("size");
+  chunk.data_bytes = bytes.Get<uint32_t>();
+  CheckChunkSize(std::max<uint64_t>(chunk.size, chunk.data_bytes));
+  chunk.data_at = offset + head_bytes + 2 * sizeof(uint32_t);
+  return chunk;
+}
+
 void BagReader::ReadChunkHeads(uint64_t index_at) {
+  // In front of each chunk stands the index of the one before.
+  constexpr uint64_t kUsualIndexBytes = 1024;
+  for (const Chunk& chunk : chunks_) {
+    const uint64_t before = std::min(chunk.offset, kUsualIndexBytes);
+    file_.WillRead(chunk.offset - before, before + kUsualHeadBytes);
+  }
   for (size_t i = 0; i < chunks_.size(); ++i) {
-    Chunk& chunk = chunks_[i];
+    Chunk chunk = ReadChunkHead(chunks_[i].offset);
+    chunk.connections = std::move(chunks_[i].connections);
     chunk.indices_end = i + 1 < chunks_.size() ? chunks_[i + 1].offset : index_at;
-    if (chunk.offset >= file_.size())
-      throw DatasetError("a chunk would lie behind the end of the file: it is damaged");
-    constexpr uint64_t kUsualHeadBytes = 128;
-    const uint64_t n = std::min(kUsualHeadBytes, file_.size() - chunk.offset);
-    const Bytes begin = file_.ReadAt(chunk.offset, n, "a chunk");
-    RecordFields bytes(begin);
-    const auto head_bytes = bytes.Get<uint32_t>();
-    const NamedFields head(bytes.Take(head_bytes));
-    if (head.op() != BagRecord::kChunk)
-      throw DatasetError("a chunk is not where the index says: the file is damaged");
-    chunk.compression = head.Text("compression");
-    if (chunk.compression == "none") chunk.compression.clear();
-    chunk.size = head.Get<uint32_t>("size");
-    chunk.data_bytes = bytes.Get<uint32_t>();
-    if (std::max<uint64_t>(chunk.size, chunk.data_bytes) > kMaxChunkBytes) {
-      throw DatasetError(fmt::format("a chunk of {} bytes, more than {}: `rosbag compress` writes smaller ones",
-                                     std::max<uint64_t>(chunk.size, chunk.data_bytes), kMaxChunkBytes));
-    }
-    chunk.data_at = chunk.offset + head_bytes + 2 * sizeof(uint32_t);
     const uint64_t end = chunk.data_at + chunk.data_bytes;
     if (end > chunk.indices_end || chunk.indices_end - end > kMaxIndexBytes) {
       throw DatasetError("a chunk does not end before the next one: the file is damaged");
     }
+    chunks_[i] = std::move(chunk);
   }
+}
+
+void BagReader::Scan(uint64_t from, const std::string& why) {
+  channels_.clear();
+  chunks_.clear();
+  const auto take = [&](uint64_t at, uint64_t end) {
+    const Bytes begin = file_.ReadAt(at, std::min(end - at, kMaxHeadBytes), "a record");
+    RecordFields fields(begin);
+    const BagRecord op = NamedFields(fields.Take(fields.Get<uint32_t>())).op();
+    if (op == BagRecord::kChunk) {
+      const Chunk chunk = ReadChunkHead(at);
+      const Bytes bytes = Decompressed(chunk);
+      chunks_.push_back(chunk);
+      ScanRecords(bytes, static_cast<uint32_t>(chunks_.size() - 1), 0);
+    } else if (op == BagRecord::kMessage || op == BagRecord::kConnection) {
+      // The last chunk of a bag that was not closed has no length yet, so that its records seem to be in none.
+      CheckChunkSize(end - at);
+      ScanRecords(file_.ReadAt(at, end - at, "a record"), RecordedMessage::kNoChunk, at);
+    }
+    return true;
+  };
+  scanned_.Scan(file_, from, {[&](uint64_t at) { return RecordEnd(at); }, take}, why, "`rosbag reindex`");
+  SortChannels();
+}
+
+uint64_t BagReader::RecordEnd(uint64_t at) const {
+  for (int part = 0; part < 2; ++part) {  // head and data
+    const Bytes length = file_.ReadAt(at, sizeof(uint32_t), "a record");
+    at += sizeof(uint32_t) + RecordFields(length).Get<uint32_t>();
+  }
+  return at;
+}
+
+void BagReader::ScanRecords(std::span<const uint8_t> bytes, uint32_t chunk, uint64_t from) {
+  for (RecordFields records(bytes); !records.empty();) {
+    const uint64_t offset = from + bytes.size() - records.rest().size();
+    const Record record = TakeRecord(records);
+    if (record.head.op() == BagRecord::kConnection) {
+      AddConnection(record.head.Text("topic"), record.head.Get<uint32_t>("conn"), record.data.rest());
+    } else if (record.head.op() == BagRecord::kMessage) {
+      const std::string time = record.head.Text("time");
+      RecordFields fields{std::span(reinterpret_cast<const uint8_t*>(time.data()), time.size())};
+      scanned_.Add(record.head.Get<uint32_t>("conn"), {GetTime_ns(fields), chunk, offset});
+    }
+  }
+}
+
+BagReader::Bytes BagReader::Decompressed(const Chunk& chunk) const {
+  return DecompressChunk(chunk.compression, file_.ReadAt(chunk.data_at, chunk.data_bytes, "a chunk"), chunk.size);
 }
 
 void BagReader::AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const {
@@ -186,6 +261,10 @@ void BagReader::AppendMessages(uint32_t chunk, uint32_t connection, std::vector<
 }
 
 std::vector<RecordedMessage> BagReader::Messages(const std::string& topic) const {
+  return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+}
+
+std::vector<RecordedMessage> BagReader::IndexedMessages(const std::string& topic) const {
   std::vector<RecordedMessage> messages;
   for (uint32_t i = 0; i < chunks_.size(); ++i) {
     for (const RecordedChannel& channel : channels_) {
@@ -199,23 +278,26 @@ std::vector<RecordedMessage> BagReader::Messages(const std::string& topic) const
 }
 
 std::vector<uint8_t> BagReader::Read(const RecordedMessage& message) const {
-  const Chunk& chunk = chunks_.at(message.chunk);
+  const auto content = [](std::span<const uint8_t> bytes) {
+    RecordFields records(bytes);
+    const Record record = TakeRecord(records);
+    if (record.head.op() != BagRecord::kMessage) {
+      throw DatasetError("a message is not where the index says: the file is damaged");
+    }
+    return record.data.rest();
+  };
+  if (message.chunk == RecordedMessage::kNoChunk) {
+    const Bytes record = file_.ReadAt(message.offset, RecordEnd(message.offset) - message.offset, "a message");
+    const auto found = content(record);
+    return {found.begin(), found.end()};
+  }
   return recent_.Copy(
-      message.chunk,
-      [&] {
-        return DecompressChunk(chunk.compression, file_.ReadAt(chunk.data_at, chunk.data_bytes, "a chunk"),
-                               chunk.size);
-      },
+      message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
       [&](const Bytes& bytes) {
         if (message.offset > bytes.size()) {
           throw DatasetError("a message would lie behind its chunk: the file is damaged");
         }
-        RecordFields records{std::span(bytes).subspan(message.offset)};
-        const Record record = TakeRecord(records);
-        if (record.head.op() != BagRecord::kMessage) {
-          throw DatasetError("a message is not where the index says: the file is damaged");
-        }
-        return record.data.rest();
+        return content(std::span(bytes).subspan(message.offset));
       });
 }
 

@@ -9,17 +9,20 @@
 
 #include "core/datasets/recordings/chunks.h"
 #include "core/datasets/recordings/recording.h"
+#include "core/datasets/recordings/scanned_index.h"
 
 namespace plslam {
 
-/// A bag of ROS 1, format 2.0. Chunks may be as they are, or compressed by bz2 or lz4. A bag that was not closed has no
-/// index and is refused.
+/// A bag of ROS 1, format 2.0. Chunks may be as they are, or compressed by bz2 or lz4. The messages of a bag that was
+/// not closed, or is cut off, are found by reading the whole file.
 class BagReader : public Recording {
  public:
   explicit BagReader(const std::string& path);
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
+  std::vector<std::string> Notes() const override { return scanned_.Notes(); }
+  double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
 
  private:
@@ -33,15 +36,29 @@ class BagReader : public Recording {
     std::vector<uint32_t> connections;  ///< that have messages in it
   };
 
-  /// Returns where the index begins.
-  uint64_t ReadHead() const;
+  struct Head {
+    uint64_t end = 0;       ///< where the first record behind it begins
+    uint64_t index_at = 0;  ///< where the index begins; 0 where the bag was not closed
+  };
+  Head ReadHead() const;
   void ReadIndex(uint64_t at);
+  void AddConnection(const std::string& topic, uint32_t id, std::span<const uint8_t> data);
+  void SortChannels();
+  /// Without the connections.
+  Chunk ReadChunkHead(uint64_t offset) const;
   void ReadChunkHeads(uint64_t index_at);
+  void Scan(uint64_t from, const std::string& why);
+  uint64_t RecordEnd(uint64_t at) const;
+  /// The records from `from` on, as of that chunk.
+  void ScanRecords(std::span<const uint8_t> bytes, uint32_t chunk, uint64_t from);
+  Bytes Decompressed(const Chunk& chunk) const;
+  std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
   void AppendMessages(uint32_t chunk, uint32_t connection, std::vector<RecordedMessage>& messages) const;
 
   RecordingFile file_;
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
+  ScannedIndex scanned_;
   mutable RecentChunks recent_;
 };
 

@@ -98,17 +98,25 @@ std::vector<uint8_t> RecordingFile::ReadAt(uint64_t offset, uint64_t n, const ch
   return bytes;
 }
 
+void RecordingFile::WillRead(uint64_t offset, uint64_t n) const {
+  posix_fadvise(fd_, static_cast<off_t>(offset), static_cast<off_t>(n), POSIX_FADV_WILLNEED);
+}
+
 bool BeginsWith(const std::string& path, std::string_view magic) {
   std::string begin(magic.size(), '\0');
   std::ifstream file(path, std::ios::binary);
   return file.read(begin.data(), static_cast<std::streamsize>(begin.size())) && begin == magic;
 }
 
+void CheckChunkSize(uint64_t n) {
+  if (n <= kMaxChunkBytes) return;
+  throw DatasetError(
+      fmt::format("a chunk of {} bytes, more than {}: `mcap compress` or `rosbag compress` writes smaller ones", n,
+                  kMaxChunkBytes));
+}
+
 std::vector<uint8_t> DecompressChunk(const std::string& compression, std::span<const uint8_t> bytes, uint64_t n) {
-  if (n > kMaxChunkBytes) {
-    throw DatasetError(
-        fmt::format("a chunk of {} bytes, more than {}: `mcap compress` writes smaller ones", n, kMaxChunkBytes));
-  }
+  CheckChunkSize(n);
   if (compression.empty()) {
     if (n != bytes.size()) FailAsDamaged("the file", "another length");
     return {bytes.begin(), bytes.end()};

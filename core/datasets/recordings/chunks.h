@@ -29,6 +29,8 @@ class RecordingFile {
   uint64_t size() const { return size_; }
   /// Fails where the piece, called `what`, does not lie within the file.
   std::vector<uint8_t> ReadAt(uint64_t offset, uint64_t n, const char* what) const;
+  /// A piece that will be read soon: the system may fetch many of them at once, where one after the other takes long.
+  void WillRead(uint64_t offset, uint64_t n) const;
 
  private:
   int fd_ = -1;
@@ -39,6 +41,8 @@ class RecordingFile {
 bool BeginsWith(const std::string& path, std::string_view magic);
 
 inline constexpr uint64_t kMaxChunkBytes = 128 << 20;
+/// Refuses a chunk, or a message outside of chunks, of more bytes than `kMaxChunkBytes`.
+void CheckChunkSize(uint64_t n);
 
 /// Fields of a record, one after the other without any alignment.
 class RecordFields {

@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cstring>
+#include <set>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "core/datasets/recordings/mcap_format.h"
+#include "core/errors/error_text.h"
 
 namespace plslam {
 namespace {
@@ -17,6 +20,7 @@ using Fields = RecordFields;
 constexpr uint64_t kRecordHeadBytes = 9;  // kind and length
 constexpr uint64_t kFooterBytes = kRecordHeadBytes + 8 + 8 + 4;
 constexpr uint64_t kMaxSummaryBytes = 128 << 20;
+constexpr uint64_t kUsualIndexBytes = 1024;
 
 Fields ContentOf(std::span<const uint8_t> record, McapRecord kind, const char* what) {
   Fields fields(record);
@@ -28,71 +32,180 @@ Fields ContentOf(std::span<const uint8_t> record, McapRecord kind, const char* w
 
 uint32_t Crc(std::span<const uint8_t> bytes) { return McapCrc(0, bytes.data(), bytes.size()); }
 
+/// Channel, number, and the times of logging and of publishing, in front of the content of a message.
+constexpr uint64_t kMessageHeadBytes = sizeof(uint16_t) + sizeof(uint32_t) + 2 * sizeof(uint64_t);
+
+/// Records one after the other, each with its kind and the place where it begins.
+template <class Take>
+void ForEachRecord(std::span<const uint8_t> bytes, Take take) {
+  for (Fields records(bytes); !records.empty();) {
+    const uint64_t at = bytes.size() - records.rest().size();
+    const auto kind = static_cast<McapRecord>(records.Get<uint8_t>());
+    take(kind, Fields(records.Take(records.Get<uint64_t>())), at);
+  }
+}
+
+/// Schemas and channels as the records name them.
+class NamedChannels {
+ public:
+  void Add(McapRecord kind, Fields fields) {
+    const auto id = fields.Get<uint16_t>();
+    if (kind == McapRecord::kSchema) schemas_[id] = fields.Text();
+    if (kind != McapRecord::kChannel) return;
+    const auto schema = fields.Get<uint16_t>();
+    const std::string topic = fields.Text();
+    channels_[id] = {schema, {id, topic, "", fields.Text()}};
+  }
+
+  static bool IsOne(McapRecord kind) { return kind == McapRecord::kSchema || kind == McapRecord::kChannel; }
+
+  /// Schema 0 is that of channels without any.
+  bool HasAllSchemas() const {
+    return std::all_of(channels_.begin(), channels_.end(), [&](const auto& channel) {
+      return channel.second.first == 0 || schemas_.contains(channel.second.first);
+    });
+  }
+
+  /// In order of their ids.
+  std::vector<RecordedChannel> List() const {
+    std::vector<RecordedChannel> list;
+    for (const auto& [id, channel] : channels_) {
+      list.push_back(channel.second);
+      const auto schema = schemas_.find(channel.first);
+      if (schema != schemas_.end()) list.back().type = RosTypeName(schema->second);
+    }
+    return list;
+  }
+
+ private:
+  std::map<uint16_t, std::string> schemas_;
+  std::map<uint16_t, std::pair<uint16_t, RecordedChannel>> channels_;  // with their schemas
+};
+
 }  // namespace
 
-McapReader::McapReader(const std::string& path) : file_(path) { ReadSummary(); }
-
-void McapReader::ReadSummary() {
-  const uint64_t end_bytes = kFooterBytes + kMcapMagic.size();
-  if (file_.size() < kMcapMagic.size() + end_bytes) throw DatasetError("is too short for an MCAP file");
-  const Bytes begin = file_.ReadAt(0, kMcapMagic.size(), "the head");
-  if (std::memcmp(begin.data(), kMcapMagic.data(), kMcapMagic.size()) != 0) throw DatasetError("is no MCAP file");
-  const Bytes end = file_.ReadAt(file_.size() - end_bytes, end_bytes, "the footer");
-  if (std::memcmp(end.data() + kFooterBytes, kMcapMagic.data(), kMcapMagic.size()) != 0) {
-    throw DatasetError("does not end as MCAP files do, since it is cut off: `mcap recover` makes it whole");
+McapReader::McapReader(const std::string& path) : file_(path) {
+  CheckMagic();
+  std::string why;
+  try {
+    why = ReadSummary();
+  } catch (const DatasetError& error) {
+    why = error.what();
   }
+  if (!why.empty()) Scan(why);
+}
+
+void McapReader::CheckMagic() const {
+  const Bytes begin = file_.ReadAt(0, std::min<uint64_t>(file_.size(), kMcapMagic.size()), "the head");
+  const std::string_view text(reinterpret_cast<const char*>(begin.data()), begin.size());
+  if (text.empty()) throw DatasetError("is empty (0 bytes), and no MCAP file: record it again");
+  if (text == kMcapMagic) return;
+  throw DatasetError(
+      fmt::format("is no MCAP file, since it begins with '{}': name one that `ros2 bag record -s mcap` "
+                  "wrote, or the kind that it is of (--kind)",
+                  Shown(text)));
+}
+
+std::string McapReader::ReadSummary() {
+  const uint64_t end_bytes = kFooterBytes + kMcapMagic.size();
+  const char* const unclosed = "has no index, since its recorder did not close it, or it is cut off";
+  if (file_.size() < kMcapMagic.size() + end_bytes) return unclosed;
+  const Bytes end = file_.ReadAt(file_.size() - end_bytes, end_bytes, "the footer");
+  if (std::memcmp(end.data() + kFooterBytes, kMcapMagic.data(), kMcapMagic.size()) != 0) return unclosed;
   Fields footer = ContentOf(end, McapRecord::kFooter, "the footer");
   const auto start = footer.Get<uint64_t>();
   footer.Get<uint64_t>();  // where the offsets of the summary begin
   const auto crc = footer.Get<uint32_t>();
-  if (start == 0) throw DatasetError("has no index (no summary): `mcap recover` writes one");
+  if (start == 0) return "has no index (no summary)";
   const uint64_t footer_at = file_.size() - end_bytes;
   if (start > footer_at || footer_at - start > kMaxSummaryBytes) {
-    throw DatasetError(
-        fmt::format("its summary would begin at byte {} of {}: the file is damaged", start, file_.size()));
+    return fmt::format("its summary would begin at byte {} of {}", start, file_.size());
   }
   // The checksum is of the summary and of the footer before the checksum itself.
   const uint64_t n = footer_at - start;
   const Bytes summary = file_.ReadAt(start, n + kFooterBytes - sizeof(crc), "the summary");
-  if (crc != 0 && crc != Crc(summary))
-    throw DatasetError("the checksum of its summary is wrong: the file is damaged");
-  Parse(std::span(summary).first(n));
+  if (crc != 0 && crc != Crc(summary)) return "the checksum of its summary is wrong";
+  return Parse(std::span(summary).first(n));
 }
 
-void McapReader::Parse(std::span<const uint8_t> summary) {
-  std::map<uint16_t, std::string> schemas;
-  std::map<uint16_t, std::pair<uint16_t, RecordedChannel>> channels;  // with their schemas
-  for (Fields records(summary); !records.empty();) {
-    const auto kind = static_cast<McapRecord>(records.Get<uint8_t>());
-    Fields fields(records.Take(records.Get<uint64_t>()));
-    if (kind == McapRecord::kSchema) {
-      const auto id = fields.Get<uint16_t>();
-      schemas[id] = fields.Text();
-    } else if (kind == McapRecord::kChannel) {
-      const auto id = fields.Get<uint16_t>();
-      const auto schema = fields.Get<uint16_t>();
-      const std::string topic = fields.Text();
-      channels[id] = {schema, {id, topic, "", fields.Text()}};
-    } else if (kind == McapRecord::kChunkIndex) {
-      Chunk chunk;
-      fields.Take(2 * sizeof(uint64_t));  // first and last time
-      chunk.offset = fields.Get<uint64_t>();
-      chunk.length = fields.Get<uint64_t>();
-      for (Fields offsets(fields.Take(fields.Get<uint32_t>())); !offsets.empty();) {
-        const auto channel = offsets.Get<uint16_t>();
-        chunk.indices[channel] = offsets.Get<uint64_t>();
-      }
-      chunks_.push_back(std::move(chunk));
+std::string McapReader::Parse(std::span<const uint8_t> summary) {
+  NamedChannels named;
+  ForEachRecord(summary, [&](McapRecord kind, Fields fields, uint64_t) {
+    if (NamedChannels::IsOne(kind)) named.Add(kind, fields);
+    if (kind != McapRecord::kChunkIndex) return;
+    Chunk chunk;
+    fields.Take(2 * sizeof(uint64_t));  // first and last time
+    chunk.offset = fields.Get<uint64_t>();
+    chunk.length = fields.Get<uint64_t>();
+    for (Fields offsets(fields.Take(fields.Get<uint32_t>())); !offsets.empty();) {
+      const auto channel = offsets.Get<uint16_t>();
+      chunk.indices[channel] = offsets.Get<uint64_t>();
     }
+    chunks_.push_back(std::move(chunk));
+  });
+  channels_ = named.List();
+  return WhatIsMissing(named.HasAllSchemas());
+}
+
+std::string McapReader::WhatIsMissing(bool all_schemas) const {
+  if (chunks_.empty()) return "has no index of chunks";
+  std::set<uint32_t> ids;
+  for (const RecordedChannel& channel : channels_) ids.insert(channel.id);
+  for (const Chunk& chunk : chunks_) {
+    if (chunk.indices.empty()) return "has no index of messages";
+    const bool known = std::all_of(chunk.indices.begin(), chunk.indices.end(),
+                                   [&](const auto& index) { return ids.contains(index.first); });
+    if (!known || !all_schemas) return "has an index that does not name all topics and types";
   }
-  for (auto& [id, channel] : channels) {
-    channel.second.type = RosTypeName(schemas[channel.first]);
-    channels_.push_back(channel.second);
-  }
+  return {};
+}
+
+void McapReader::Scan(const std::string& why) {
+  channels_.clear();
+  chunks_.clear();
+  NamedChannels named;
+  const auto add = [&](Fields message, uint32_t chunk, uint64_t offset) {
+    const auto channel = message.Get<uint16_t>();
+    message.Get<uint32_t>();
+    scanned_.Add(channel, {message.Get<int64_t>(), chunk, offset});
+  };
+  const auto end = [&](uint64_t at) {
+    const Bytes head = file_.ReadAt(at, kRecordHeadBytes, "a record");
+    return at + kRecordHeadBytes + Fields(std::span(head).subspan(1)).Get<uint64_t>();
+  };
+  const auto take = [&](uint64_t at, uint64_t record_end) {
+    const auto kind = static_cast<McapRecord>(file_.ReadAt(at, 1, "a record").front());
+    if (kind == McapRecord::kDataEnd || kind == McapRecord::kFooter) return false;
+    if (NamedChannels::IsOne(kind) && record_end - at <= kMaxChunkBytes) {
+      named.Add(kind, ContentOf(file_.ReadAt(at, record_end - at, "a channel"), kind, "a channel"));
+    } else if (kind == McapRecord::kMessage) {
+      // Its content is read when it is played.
+      const Bytes head = file_.ReadAt(at, kRecordHeadBytes + kMessageHeadBytes, "a message");
+      add(Fields(std::span(head).subspan(kRecordHeadBytes)), RecordedMessage::kNoChunk, at);
+    } else if (kind == McapRecord::kChunk) {
+      const Chunk chunk{at, record_end - at, {}};
+      const Bytes bytes = Decompressed(chunk);
+      const auto number = static_cast<uint32_t>(chunks_.size());
+      chunks_.push_back(chunk);
+      ForEachRecord(bytes, [&](McapRecord inner, Fields fields, uint64_t offset) {
+        if (NamedChannels::IsOne(inner)) named.Add(inner, fields);
+        if (inner == McapRecord::kMessage) add(fields, number, offset);
+      });
+    }
+    return true;
+  };
+  scanned_.Scan(file_, kMcapMagic.size(), {end, take}, why, "`mcap recover`");
+  channels_ = named.List();
 }
 
 std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) const {
+  return scanned_.is_made() ? scanned_.Messages(topic, channels_) : IndexedMessages(topic);
+}
+
+std::vector<RecordedMessage> McapReader::IndexedMessages(const std::string& topic) const {
   std::vector<RecordedMessage> messages;
+  // They stand behind each chunk, close together.
+  for (const Chunk& chunk : chunks_) file_.WillRead(chunk.offset + chunk.length, kUsualIndexBytes);
   for (uint32_t i = 0; i < chunks_.size(); ++i) {
     for (const RecordedChannel& channel : channels_) {
       const auto at = chunks_[i].indices.find(channel.id);
@@ -118,6 +231,7 @@ std::vector<RecordedMessage> McapReader::Messages(const std::string& topic) cons
 }
 
 McapReader::Bytes McapReader::Decompressed(const Chunk& chunk) const {
+  CheckChunkSize(chunk.length);
   const Bytes record = file_.ReadAt(chunk.offset, chunk.length, "a chunk");
   Fields fields = ContentOf(record, McapRecord::kChunk, "a chunk");
   fields.Take(2 * sizeof(uint64_t));  // first and last time
@@ -130,15 +244,25 @@ McapReader::Bytes McapReader::Decompressed(const Chunk& chunk) const {
 }
 
 std::vector<uint8_t> McapReader::Read(const RecordedMessage& message) const {
+  const auto content = [](std::span<const uint8_t> record) {
+    Fields fields = ContentOf(record, McapRecord::kMessage, "a message");
+    fields.Take(kMessageHeadBytes);
+    return fields.rest();
+  };
+  if (message.chunk == RecordedMessage::kNoChunk) {
+    const Bytes head = file_.ReadAt(message.offset, kRecordHeadBytes, "a message");
+    const auto n = Fields(std::span(head).subspan(1)).Get<uint64_t>();
+    CheckChunkSize(n);
+    const Bytes record = file_.ReadAt(message.offset, kRecordHeadBytes + n, "a message");
+    const auto found = content(record);
+    return {found.begin(), found.end()};
+  }
   return recent_.Copy(
       message.chunk, [&] { return Decompressed(chunks_.at(message.chunk)); },
       [&](const Bytes& bytes) {
         if (message.offset > bytes.size())
           throw DatasetError("a message would lie behind its chunk: the file is damaged");
-        Fields fields = ContentOf(std::span(bytes).subspan(message.offset), McapRecord::kMessage, "a message");
-        // Channel, number, and the times of logging and of publishing.
-        fields.Take(sizeof(uint16_t) + sizeof(uint32_t) + 2 * sizeof(uint64_t));
-        return fields.rest();
+        return content(std::span(bytes).subspan(message.offset));
       });
 }
 

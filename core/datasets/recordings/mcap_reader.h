@@ -9,17 +9,21 @@
 
 #include "core/datasets/recordings/chunks.h"
 #include "core/datasets/recordings/recording.h"
+#include "core/datasets/recordings/scanned_index.h"
 
 namespace plslam {
 
-/// An MCAP file (mcap.dev, version 0). Chunks may be as they are, or compressed by lz4 or zstd; their checksums are
-/// compared.
+/// An MCAP file (mcap.dev, version 0). Messages may stand in chunks or alone, and chunks may be as they are, or
+/// compressed by lz4 or zstd; their checksums are compared. What its writer left out of the index, or did not come to
+/// write, is found by reading the whole file.
 class McapReader : public Recording {
  public:
   explicit McapReader(const std::string& path);
 
   const std::vector<RecordedChannel>& channels() const override { return channels_; }
   std::vector<RecordedMessage> Messages(const std::string& topic) const override;
+  std::vector<std::string> Notes() const override { return scanned_.Notes(); }
+  double scan_s() const override { return scanned_.taken_s(); }
   std::vector<uint8_t> Read(const RecordedMessage& message) const override;
 
  private:
@@ -30,13 +34,19 @@ class McapReader : public Recording {
     std::map<uint32_t, uint64_t> indices;
   };
 
-  void ReadSummary();
-  void Parse(std::span<const uint8_t> summary);
+  void CheckMagic() const;
+  /// All three return why the index cannot be used; empty where it can.
+  std::string ReadSummary();
+  std::string Parse(std::span<const uint8_t> summary);
+  std::string WhatIsMissing(bool all_schemas) const;
+  void Scan(const std::string& why);
+  std::vector<RecordedMessage> IndexedMessages(const std::string& topic) const;
   Bytes Decompressed(const Chunk& chunk) const;
 
   RecordingFile file_;
   std::vector<RecordedChannel> channels_;
   std::vector<Chunk> chunks_;
+  ScannedIndex scanned_;
   mutable RecentChunks recent_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -25,9 +26,11 @@ inline std::string RosTypeName(std::string type) {
 
 /// Where a message stands.
 struct RecordedMessage {
+  static constexpr uint32_t kNoChunk = std::numeric_limits<uint32_t>::max();
+
   int64_t t_ns = 0;     ///< when it was logged
   uint32_t chunk = 0;   ///< index of its chunk
-  uint64_t offset = 0;  ///< in the chunk, decompressed
+  uint64_t offset = 0;  ///< in the chunk, decompressed; in the file where it is in no chunk
 };
 
 /// Those of one time stay in their order.
@@ -37,10 +40,12 @@ inline void SortByTime(std::vector<RecordedMessage>& messages) {
 }
 
 /// A file of messages with an index: opening reads what the end of the file says, `Messages` the index of one topic,
-/// and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the file.
+/// and `Read` the chunk of a message. The chunks read last are kept, so memory does not grow with the file. A file
+/// without a usable index (its recorder was killed, or does not write one) is read once from its begin to its end
+/// when it is opened, as far as it is whole (scanned_index.h); `Notes` tells.
 ///
-/// All throw DatasetError, without the name of the file: where it is another file, is cut off, has no index, or is
-/// damaged. May be used by several threads.
+/// All throw DatasetError, without the name of the file: where it is another file, or is damaged. May be used by
+/// several threads.
 class Recording {
  public:
   Recording() = default;
@@ -53,6 +58,11 @@ class Recording {
 
   /// All messages of the channels with this topic, in order of time.
   virtual std::vector<RecordedMessage> Messages(const std::string& topic) const = 0;
+
+  /// What is wrong with the file, in sentences for the user.
+  virtual std::vector<std::string> Notes() const = 0;
+  /// How long it took to read all of the file in place of its index; 0: its index is used.
+  virtual double scan_s() const = 0;
 
   /// The content of a message, a copy.
   virtual std::vector<uint8_t> Read(const RecordedMessage& message) const = 0;

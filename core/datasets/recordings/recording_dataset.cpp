@@ -65,6 +65,16 @@ bool IsPose(const RecordedChannel& channel) {
   return RosEncodingOf(channel.encoding) && (channel.type == kRosOdometry || channel.type == kRosPose);
 }
 
+std::string ListOf(const std::set<std::string>& names) {
+  constexpr size_t kMostShown = 12;
+  std::vector<std::string> shown;
+  for (const std::string& name : names) {
+    if (shown.size() < kMostShown) shown.push_back(Shown(name));
+  }
+  if (names.size() > shown.size()) shown.push_back(fmt::format("and {} more", names.size() - shown.size()));
+  return fmt::format("{}", fmt::join(shown, ", "));
+}
+
 /// Those whose times increase: of several of one time the first.
 std::vector<RecordedMessage> Increasing(std::vector<RecordedMessage> messages) {
   const auto end = std::unique(messages.begin(), messages.end(),
@@ -93,7 +103,7 @@ class RecordingDataset : public Dataset {
  public:
   RecordingDataset(const std::string& location, const Location& parts, std::string_view kind,
                    std::unique_ptr<Recording> reader)
-      : name_(location), options_(parts.options), reader_(std::move(reader)) {
+      : name_(location), options_(parts.options), reader_(std::move(reader)), notes_(reader_->Notes()) {
     ChooseTopics();
     PairImages();
     ReadRig(kind);
@@ -105,6 +115,7 @@ class RecordingDataset : public Dataset {
   int size() const override { return static_cast<int>(pairs_.size()); }
   int64_t t_ns(int index) const override { return Pair(index).first.t_ns; }
   std::vector<std::string> Notes() const override { return notes_; }
+  double scan_s() const override { return reader_->scan_s(); }
   bool HasRecordedTruth() const override { return !truth_.empty(); }
 
   StereoImages Read(int index) const override {
@@ -154,26 +165,29 @@ class RecordingDataset : public Dataset {
     return nullptr;
   }
 
-  std::string ImageTopics() const {
-    std::set<std::string> topics, others;
+  /// What there is in place of two image topics that fit.
+  std::string TopicsThatAreThere() const {
+    std::set<std::string> images, other_images, others;
     for (const RecordedChannel& channel : reader_->channels()) {
-      if (IsImage(channel)) topics.insert(channel.topic);
-      if (!IsImage(channel) && channel.type.find("Image") != std::string::npos) {
-        others.insert(fmt::format("{} ({} in {})", channel.topic, channel.type, channel.encoding));
+      if (IsImage(channel)) {
+        images.insert(channel.topic);
+        continue;
       }
+      const bool is_image = channel.type.find("Image") != std::string::npos;
+      (is_image ? other_images : others)
+          .insert(fmt::format("{} ({} in {})", channel.topic, channel.type, channel.encoding));
     }
-    if (!topics.empty())
-      return fmt::format("its image topics are {}", Shown(fmt::format("{}", fmt::join(topics, ", "))));
-    if (others.empty()) return "it has no image topics";
-    return fmt::format("it has no images of ROS (sensor_msgs/Image or CompressedImage), but {}",
-                       Shown(fmt::format("{}", fmt::join(others, ", "))));
+    if (!images.empty()) return "its image topics are " + ListOf(images);
+    const std::string none = "it has no images of ROS (sensor_msgs/Image or CompressedImage)";
+    if (!other_images.empty()) return none + ", but " + ListOf(other_images);
+    return others.empty() ? "it has no topics at all" : none + "; its topics are " + ListOf(others);
   }
 
   RecordedChannel Given(const std::string& key, bool (*fits)(const RecordedChannel&), const char* what) const {
     const RecordedChannel* const found = Find(options_.at(key), fits);
     if (found != nullptr) return *found;
     throw DatasetError(
-        fmt::format("has no {} on the topic {}={}; {}", what, key, Shown(options_.at(key)), ImageTopics()));
+        fmt::format("has no {} on the topic {}={}; {}", what, key, Shown(options_.at(key)), TopicsThatAreThere()));
   }
 
   void ChooseTopics() {
@@ -197,10 +211,14 @@ class RecordingDataset : public Dataset {
       }
     }
     if (found.empty()) {
+      const auto is_image = [](const RecordedChannel& channel) { return IsImage(channel); };
+      if (std::none_of(reader_->channels().begin(), reader_->channels().end(), is_image)) {
+        throw DatasetError("has nothing to play: " + TopicsThatAreThere());
+      }
       throw DatasetError(fmt::format(
           "no two image topics are called left and right, cam0 and cam1, infra1 and infra2, or image_0 and image_1; "
-          "{}: give FILE?left=TOPIC&right=TOPIC",
-          ImageTopics()));
+          "{}: name two of them, --topics LEFT RIGHT (or FILE?left=LEFT&right=RIGHT)",
+          TopicsThatAreThere()));
     }
     // Without the loss of compression where there is a choice.
     std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
@@ -245,7 +263,17 @@ class RecordingDataset : public Dataset {
       const std::vector<RecordedMessage> messages = reader_->Messages(channel->topic);
       if (!messages.empty()) return ParseCameraInfo(reader_->Read(messages.front()), EncodingOf(*channel));
     }
-    throw DatasetError(fmt::format("has no camera_info for {}: give a camera file", image_topic));
+    throw DatasetError(fmt::format("has no camera_info for {}", image_topic));
+  }
+
+  RigCalibration RecordedRig() const {
+    const bool rectified = left_.topic.find("rect") != std::string::npos;
+    try {
+      return RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
+    } catch (const DatasetError& error) {
+      throw DatasetError(
+          fmt::format("{}: name a camera file (docs/datasets.md), FILE?camera=camera.yaml", error.what()));
+    }
   }
 
   void ReadRig(std::string_view kind) {
@@ -260,8 +288,7 @@ class RecordingDataset : public Dataset {
       }
       rig_ = ReadCameraFile(given->second, size);
     } else {
-      const bool rectified = left_.topic.find("rect") != std::string::npos;
-      rig_ = RigFromRos(CameraInfoOf(left_.topic), CameraInfoOf(right_.topic), rectified);
+      rig_ = RecordedRig();
     }
     rig_.name = kind;
     rig_.rate_hz = 1e9 / static_cast<double>(step_ns_);
@@ -301,17 +328,25 @@ class RecordingDataset : public Dataset {
 template <class Reader>
 std::unique_ptr<Dataset> Open(const std::string& location, std::string_view kind) {
   const Location parts = TakeApart(location);
+  std::vector<std::string> notes;
   try {
-    return std::make_unique<RecordingDataset>(location, parts, kind, std::make_unique<Reader>(parts.file));
+    auto reader = std::make_unique<Reader>(parts.file);
+    notes = reader->Notes();
+    return std::make_unique<RecordingDataset>(location, parts, kind, std::move(reader));
   } catch (const std::runtime_error& error) {
-    throw DatasetError(fmt::format("{}: {}", parts.file, error.what()));
+    const std::string note = notes.empty() ? "" : fmt::format(" ({})", notes.front());
+    throw DatasetError(fmt::format("{}: {}{}", parts.file, error.what(), note));
   }
 }
 
-/// The location, with or without options, is a file for which that is so.
-bool IsFile(const std::string& location, bool (*looks_like)(const std::string& path)) {
+/// The location, with or without options, is a file that begins so, or that has the name of such a file.
+bool IsFile(const std::string& location, bool (*looks_like)(const std::string& path), const char* extension) {
+  const auto fits = [&](const std::string& path) {
+    return looks_like(path) ||
+           (std::filesystem::path(path).extension() == extension && std::filesystem::is_regular_file(path));
+  };
   const size_t mark = location.rfind('?');
-  return looks_like(location) || (mark != std::string::npos && looks_like(location.substr(0, mark)));
+  return fits(location) || (mark != std::string::npos && fits(location.substr(0, mark)));
 }
 
 }  // namespace
@@ -320,8 +355,8 @@ std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location) { return O
 
 std::unique_ptr<Dataset> OpenBagDataset(const std::string& location) { return Open<BagReader>(location, "bag"); }
 
-bool LooksLikeMcap(const std::string& location) { return IsFile(location, LooksLikeMcapFile); }
+bool LooksLikeMcap(const std::string& location) { return IsFile(location, LooksLikeMcapFile, ".mcap"); }
 
-bool LooksLikeBag(const std::string& location) { return IsFile(location, LooksLikeBagFile); }
+bool LooksLikeBag(const std::string& location) { return IsFile(location, LooksLikeBagFile, ".bag"); }
 
 }  // namespace plslam

@@ -15,12 +15,15 @@ namespace plslam {
 /// infra2, image_0 and image_1. The rig is that of their camera_info. Times are those of the index, when messages
 /// were logged. Images are read on demand through the index, so memory does not grow with the file.
 ///
-/// Throws DatasetError naming the file where it is another file, cut off, damaged or without index, where topics or
-/// calibration are missing (then with a list of the image topics), or where a lens has no counterpart here.
+/// A file without index, or cut off, is played as far as it is whole (recording.h); `Notes` tells.
+///
+/// Throws DatasetError naming the file where it is another file or damaged, where topics or calibration are missing
+/// (then with a list of the topics), or where a lens has no counterpart here.
 std::unique_ptr<Dataset> OpenMcapDataset(const std::string& location);
 std::unique_ptr<Dataset> OpenBagDataset(const std::string& location);
 
-/// There is such a file, and it begins as MCAP files do, or as bags of ROS 1 of any version.
+/// There is such a file, and it begins as MCAP files do, or as bags of ROS 1 of any version; or it is called FILE.mcap,
+/// or FILE.bag.
 bool LooksLikeMcap(const std::string& location);
 bool LooksLikeBag(const std::string& location);
 

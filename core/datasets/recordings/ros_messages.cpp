@@ -75,7 +75,7 @@ void SetLens(const RosCameraInfo& info, CameraCalibration& camera) {
   if (!is_radtan && !is_rational) {
     throw DatasetError(fmt::format(
         "distortion_model '{}' with {} coefficients is none of plumb_bob (4 or 5), rational_polynomial (8) "
-        "and equidistant (4): rectify the images, or give a camera file",
+        "and equidistant (4), so that the images would have to be rectified",
         Shown(info.model), d.size()));
   }
   const std::string complaint = SetOpenCvDistortion(d, &camera);
@@ -180,7 +180,7 @@ RigCalibration RigFromRos(const RosCameraInfo& left, const RosCameraInfo& right,
   rig.right = CameraFromRos(right, rectified);
   const double b = (left.P(0, 3) - right.P(0, 3)) / right.P(0, 0);
   if (!std::isfinite(b) || b == 0.0) {
-    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b): give a camera file");
+    throw DatasetError("camera_info has no baseline (P[3] of the right camera is -fx b)");
   }
   if (!rectified && (!IsRotation(left.R) || !IsRotation(right.R)))
     throw DatasetError("R of camera_info is no rotation");

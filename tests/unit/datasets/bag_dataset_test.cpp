@@ -47,21 +47,54 @@ TEST_F(BagDataset, TopicsAreFoundOrGiven) {
   EXPECT_THAT(Error("?left=/a/image&right=/c"), HasSubstr("has no images on the topic right=/c"));
 }
 
-TEST_F(BagDataset, CutOffUnclosedAndForeignFilesAreTold) {
+TEST_F(BagDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
+  for (const char* compression : {"", "lz4", "bz2"}) {
+    MakeBagFile(path(), {.compression = compression});
+    std::string unclosed = test::ReadText(path());
+    const size_t index_at = unclosed.find("index_pos=") + 10;
+    test::WriteText(path(), unclosed.substr(0, unclosed.size() - 9));
+    ExpectFrames(3, compression);
+    EXPECT_THAT(Note(), HasSubstr("its index cannot be used (a record ends before its last field"));
+    unclosed.replace(index_at, 8, 8, '\0');
+    test::WriteText(path(), unclosed);
+    ExpectFrames(3, compression);
+    EXPECT_THAT(Note(), AllOf(HasSubstr("has no index, since it was not closed: all of its 0.0 MB were read"),
+                              HasSubstr("`rosbag reindex` writes an index")));
+  }
   MakeBagFile(path());
   const std::string whole = test::ReadText(path());
   test::WriteText(path(), whole.substr(0, whole.size() / 2));
-  EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": its index would begin at byte"), HasSubstr("`rosbag reindex`")));
-  test::WriteText(path(), whole.substr(0, whole.size() - 9));
-  EXPECT_THAT(Error(), HasSubstr("a record ends before its last field"));
-  std::string unclosed = whole;
-  unclosed.replace(whole.find("index_pos=") + 10, 8, 8, '\0');
-  test::WriteText(path(), unclosed);
-  EXPECT_THAT(Error(), HasSubstr("has no index, since it was not closed: `rosbag reindex` writes one"));
+  ExpectFrames(1, "half");
+  EXPECT_THAT(Note(), AllOf(HasSubstr("its index would begin at byte"), HasSubstr("bytes are missing)")));
+}
+
+// The chunk that was being written when the recorder was killed has a length of 0 in its head.
+TEST_F(BagDataset, LastChunkOfARecorderThatWasKilled) {
+  MakeBagFile(path());
+  std::string killed = test::ReadText(path());
+  const size_t last = killed.rfind("compression=none");
+  const size_t size_at = killed.find("size=", last) + 5;
+  const size_t data_at = killed.find("op=\5", last) + 4;
+  ASSERT_LT(size_at, killed.size());
+  const size_t n = static_cast<uint8_t>(killed[size_at]) + 256U * static_cast<uint8_t>(killed[size_at + 1]);
+  killed.resize(data_at + 4 + n);
+  for (const size_t at : {size_at, data_at, killed.find("index_pos=") + 10}) killed.replace(at, 4, 4, '\0');
+  test::WriteText(path(), killed);
+  ExpectFrames(3, "all");
+  test::WriteText(path(), killed.substr(0, killed.size() - 1));
+  const auto dataset = OpenDataset(path(), "");
+  EXPECT_EQ(dataset->size(), 3) << "the pose behind the images is cut off";
+  EXPECT_TRUE(dataset->GroundTruth(1));
+  EXPECT_FALSE(dataset->GroundTruth(2));
+}
+
+TEST_F(BagDataset, OtherFilesAreTold) {
   test::WriteText(path(), "#ROSBAG V1.2\n and more");
   EXPECT_THAT(Error(), HasSubstr("begins with '#ROSBAG V1.2', not with '#ROSBAG V2.0': `rosbag fix`"));
   test::WriteText(path(), "");
-  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "bag"); }), HasSubstr(path() + ": is no bag of ROS 1"));
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), and no bag of ROS 1"));
+  test::WriteText(path(), "some text");
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is no bag of ROS 1, since it begins with 'some text': name one"));
   test::WriteText(path(), "#ROSBAG V2.0\n");
   EXPECT_THAT(Error(), HasSubstr("a record ends before its last field"));
 }

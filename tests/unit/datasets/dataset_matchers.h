@@ -40,10 +40,15 @@ class RecordingFileTest : public testing::Test {
   }
   /// It has the three frames, and the truth, that it was made with.
   void ExpectItsFrames(const std::string& compression) const {
+    EXPECT_TRUE(OpenDataset(path_, "")->Notes().empty());
+    ExpectFrames(3, compression);
+  }
+  /// The first of them.
+  void ExpectFrames(int n, const std::string& what) const {
+    SCOPED_TRACE(what);
     const auto dataset = OpenDataset(path_, "");
-    ASSERT_EQ(dataset->size(), 3) << compression;
-    EXPECT_TRUE(dataset->Notes().empty());
-    for (int i = 0; i < 3; ++i) {
+    ASSERT_EQ(dataset->size(), n);
+    for (int i = 0; i < n; ++i) {
       EXPECT_EQ(dataset->t_ns(i), 1'000'000'000 + 100'000'000 * i);
       const StereoImages images = dataset->Read(i);
       EXPECT_EQ(images.left.at<uint8_t>(5, 7), TinyPixel(i, 0, 7, 5));
@@ -51,6 +56,11 @@ class RecordingFileTest : public testing::Test {
       ASSERT_TRUE(dataset->GroundTruth(i));
       EXPECT_EQ(dataset->GroundTruth(i)->translation(), Eigen::Vector3d(i, 0, 0));
     }
+  }
+  std::string Note() const {
+    const auto notes = OpenDataset(path_, "")->Notes();
+    EXPECT_EQ(notes.size(), 1U);
+    return notes.empty() ? "" : notes.front();
   }
 
  private:

@@ -63,25 +63,66 @@ TEST_F(McapDataset, ColourBecomesGreyAndOtherEncodingsAreNamed) {
   EXPECT_THAT(Error(), AllOf(HasSubstr("frame 0: /cam0/image_raw: "), HasSubstr("'yuv422', not as mono8")));
 }
 
-TEST_F(McapDataset, CutOffDamagedAndForeignFilesAreTold) {
+TEST_F(McapDataset, TopicsThatAreThereAreListed) {
+  MakeMcapFile(path(), {.image_type = "PointCloud2"});
+  EXPECT_THAT(Error(), AllOf(HasSubstr(path() + ": has nothing to play: it has no images of ROS"),
+                             HasSubstr("its topics are /cam0/camera_info (sensor_msgs/msg/CameraInfo in cdr), ")));
+  MakeMcapFile(path(), {.image_type = "ImageOfSomebody"});
+  EXPECT_THAT(Error(), HasSubstr("but /cam0/image_raw (sensor_msgs/msg/ImageOfSomebody in cdr)"));
+}
+
+TEST_F(McapDataset, MissingCalibrationSaysHowToGiveIt) {
+  MakeMcapFile(path(), {.p_right = 0.0});
+  EXPECT_THAT(Error(), HasSubstr("name a camera file (docs/datasets.md), FILE?camera=camera.yaml"));
+}
+
+TEST_F(McapDataset, CutOffAndUnclosedFilesPlayAsFarAsTheyAreWhole) {
+  for (const char* compression : {"", "lz4", "zstd"}) {
+    MakeMcapFile(path(), {.compression = compression});
+    const std::string whole = test::ReadText(path());
+    test::WriteText(path(), whole.substr(0, whole.size() - 20));
+    ExpectFrames(3, compression);
+    EXPECT_THAT(Note(), AllOf(HasSubstr("has no index, since its recorder did not close it, or it is cut off: all of "
+                                        "its 0.0 MB were read to find the messages, which took 0.0 s"),
+                              HasSubstr("`mcap recover` writes an index")));
+  }
   MakeMcapFile(path());
   const std::string whole = test::ReadText(path());
   test::WriteText(path(), whole.substr(0, whole.size() / 2));
-  EXPECT_THAT(Error(), HasSubstr(path() + ": does not end as MCAP files do"));
+  ExpectFrames(1, "half");
+  EXPECT_THAT(Note(),
+              testing::ContainsRegex("its last [0-9]+ bytes are not played, since they are of a record that is "
+                                     "cut off \\([0-9]+ bytes are missing\\)"));
   test::WriteText(path(), whole.substr(0, 9));
-  EXPECT_THAT(Error(), HasSubstr("too short"));
+  EXPECT_THAT(Error(), AllOf(HasSubstr("it has no topics at all"), HasSubstr("its last 1 bytes are not played")));
+}
+
+TEST_F(McapDataset, DamagedFilesPlayWhatIsWhole) {
+  MakeMcapFile(path());
+  const std::string whole = test::ReadText(path());
   std::string damaged = whole;
-  damaged[200] = static_cast<char>(damaged[200] ^ 1);
-  test::WriteText(path(), damaged);
-  EXPECT_THAT(Error(), HasSubstr("the checksum of a chunk is wrong"));
-  damaged = whole;
   damaged[whole.size() - 60] = static_cast<char>(damaged[whole.size() - 60] ^ 1);
   test::WriteText(path(), damaged);
-  EXPECT_THAT(Error(), HasSubstr("the checksum of its summary is wrong"));
+  ExpectFrames(3, "summary");
+  EXPECT_THAT(Note(), HasSubstr("the checksum of its summary is wrong: all of"));
+  damaged = whole;
+  damaged[whole.size() / 2] = static_cast<char>(damaged[whole.size() / 2] ^ 1);
+  test::WriteText(path(), damaged);
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "")->Read(1); }), HasSubstr("the checksum of a chunk is wrong"));
+  EXPECT_EQ(OpenDataset(path(), "")->Read(2).frame_id, 2);
+  test::WriteText(path(), damaged.substr(0, whole.size() - 20));
+  EXPECT_EQ(OpenDataset(path(), "")->size(), 2);
+  EXPECT_THAT(Note(), HasSubstr("damaged chunks or records passed over: 1 (the first: the checksum of a chunk"));
+}
+
+TEST_F(McapDataset, OtherFilesAreTold) {
   test::WriteText(path(), "#ROSBAG V2.0\n and more");
-  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }), HasSubstr("too short"));
-  test::WriteText(path(), "#ROSBAG V2.0\n" + std::string(100, 'x'));
-  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }), HasSubstr("is no MCAP file"));
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(path(), "mcap"); }),
+              HasSubstr("is no MCAP file, since it begins with '#ROSBAG '"));
+  test::WriteText(path(), "some text");
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is no MCAP file, since it begins with 'some tex'"));
+  test::WriteText(path(), "");
+  EXPECT_THAT(Error(), HasSubstr(path() + ": is empty (0 bytes), and no MCAP file"));
 }
 
 }  // namespace

@@ -20,6 +20,19 @@ uint32_t Crc(const std::string& bytes) {
   return static_cast<uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
+/// Each channel has a schema of its own.
+std::string Channels(const RecordingOptions& o) {
+  std::string records;
+  const std::vector<TinyTopic> topics = TinyTopics(o);
+  for (size_t i = 0; i < topics.size(); ++i) {
+    const std::string type = topics[i].package + "/msg/" + topics[i].type;
+    const auto id = static_cast<uint16_t>(i), schema = static_cast<uint16_t>(i + 1);
+    records += Record(3, RecordBytes().Add(schema).Text(type).Text("ros2msg").Text("").bytes());
+    records += Record(4, RecordBytes().Add(id).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
+  }
+  return records;
+}
+
 }  // namespace
 
 void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) {
@@ -29,7 +42,7 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
   for (int i = 0; i < 3; ++i) {
     const int frame = o.unsorted ? 2 - i : i;
     const int64_t t_ns = 1'000'000'000 + 100'000'000 * int64_t{frame};
-    std::string chunk;
+    std::string chunk = i == 0 ? Channels(o) : "";
     std::map<uint16_t, uint64_t> offsets;
     for (const auto& [channel, cdr] : TinyMessages(t_ns, frame, o, false)) {
       offsets[channel] = chunk.size();
@@ -54,16 +67,7 @@ void MakeMcapFile(const std::filesystem::path& path, const RecordingOptions& o) 
   }
   file += Record(0x0f, RecordBytes().Add(uint32_t{0}).bytes());
   const uint64_t summary_at = file.size();
-  std::string summary;
-  // Each channel has a schema of its own.
-  const std::vector<TinyTopic> topics = TinyTopics(o);
-  for (size_t i = 0; i < topics.size(); ++i) {
-    const std::string type = topics[i].package + "/msg/" + topics[i].type;
-    const auto id = static_cast<uint16_t>(i), schema = static_cast<uint16_t>(i + 1);
-    summary += Record(3, RecordBytes().Add(schema).Text(type).Text("ros2msg").Text("").bytes());
-    summary += Record(4, RecordBytes().Add(id).Add(schema).Text(topics[i].topic).Text("cdr").Text("").bytes());
-  }
-  summary += chunk_indices;
+  const std::string summary = Channels(o) + chunk_indices;
   std::string footer = Record(2, RecordBytes().Add(summary_at).Add(uint64_t{0}).Add(uint32_t{0}).bytes());
   if (o.checksums) {
     footer.resize(footer.size() - 4);

@@ -45,6 +45,35 @@ TEST(OpenDataset, ErrorsNameWhatIsKnown) {
   EXPECT_THAT(ErrorOf([] { OpenDataset("/nowhere/at/all", "euroc"); }), HasSubstr("/nowhere/at/all"));
 }
 
+TEST(OpenDataset, VideosAreSentToTheCameraProcess) {
+  const test::TemporaryFolder folder;
+  const std::string video = (folder.path() / "v.mp4").string();
+  test::WriteText(video, "????ftypisom");
+  EXPECT_THAT(ErrorOf([&] { OpenDataset(video, ""); }), AllOf(HasSubstr(video + ": is a video: the process camera"),
+                                                              HasSubstr("files: [left.mp4, right.mp4]")));
+}
+
+TEST(OpenDataset, TopicsBelongToTheNameOfARecording) {
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "a.mcap").string();
+  test::WriteText(file, "");
+  EXPECT_EQ(WithTopics(file, "", {"/a", "/b"}), file + "?left=/a&right=/b");
+  EXPECT_EQ(WithTopics(file + "?camera=c.yaml", "", {"/a", "/b"}), file + "?camera=c.yaml&left=/a&right=/b");
+  EXPECT_EQ(WithTopics("/nowhere", "", {}), "/nowhere");
+  EXPECT_THAT(ErrorOf([] {
+                WithTopics("synthetic:room", "", {"/a", "/b"});
+              }),
+              HasSubstr("synthetic:room: --topics is for recordings of ROS"));
+  EXPECT_THAT(ErrorOf([] { WithTopics("/nowhere", "", {"/a", "/b"}); }), HasSubstr("there is no such dataset"));
+}
+
+TEST(OpenDataset, HelpNamesEveryKind) {
+  for (const DatasetKind& kind : DatasetKinds()) {
+    EXPECT_THAT(DatasetHelp(), HasSubstr(kind.what));
+    EXPECT_THAT(DatasetKindHelp(), HasSubstr(kind.name));
+  }
+}
+
 }  // namespace
 
 namespace {

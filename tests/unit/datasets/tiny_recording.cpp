@@ -85,8 +85,8 @@ std::map<uint16_t, std::string> TinyMessages(int64_t t_ns, int frame, const Reco
 std::vector<TinyTopic> TinyTopics(const RecordingOptions& o) {
   const std::string left_space = o.left.substr(0, o.left.rfind('/'));
   const std::string right_space = o.right.substr(0, o.right.rfind('/'));
-  return {{o.left, "sensor_msgs", "Image"},
-          {o.right, "sensor_msgs", "Image"},
+  return {{o.left, "sensor_msgs", o.image_type},
+          {o.right, "sensor_msgs", o.image_type},
           {left_space + "/camera_info", "sensor_msgs", "CameraInfo"},
           {right_space + "/camera_info", "sensor_msgs", "CameraInfo"},
           {"/ground_truth", "geometry_msgs", "PoseStamped"}};

@@ -19,6 +19,7 @@ struct RecordingOptions {
   std::string left = "/cam0/image_raw";
   std::string right = "/cam1/image_raw";
   std::string encoding = "mono8";
+  std::string image_type = "Image";
   double p_right = -5.0;  ///< P[3] of the right camera: baseline 0.125 m
 };
 

@@ -20,6 +20,7 @@
 #include "plslam_version.h"
 #include "tests/support/data_folder.h"
 #include "tests/support/text_file.h"
+#include "viewer_headless/node/logged_run.h"
 
 namespace plslam {
 namespace {
@@ -76,6 +77,21 @@ TEST(Golden, MapsAndRecordingsOfReleasesOpenAsTheyWere) {
   ASSERT_FALSE(releases.empty());
   for (const std::filesystem::path& folder : releases)
     EXPECT_EQ(Describe(folder), ReadText(folder / "contents.txt")) << folder;
+}
+
+// What single processes said to each other may be of another version; that is told, and frames and rig are not.
+TEST(Golden, RunsOfRecordingsGoOnOrAreToBeReplayed) {
+  for (const std::filesystem::path& folder : Releases()) {
+    const ScratchFolder to;
+    try {
+      const viewer::LoggedRun run = viewer::WriteLoggedRun((folder / "room.lcm").string(), to.Path("run"));
+      EXPECT_TRUE(run.has_frames);
+      EXPECT_EQ(run.map.keyframes().empty(), run.lack.find("`plslam replay` computes them anew") != std::string::npos)
+          << folder << ": " << run.lack;
+    } catch (const std::runtime_error& error) {
+      EXPECT_NE(std::string(error.what()).find("`plslam replay "), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST(Golden, ThereIsOneOfThisRelease) {

@@ -301,6 +301,25 @@ print(json.dumps({"whole": frames("log", prefix="front/"), "other": frames("log"
   EXPECT_THAT(read["middle"][1].get<std::string>(), HasSubstr("middle: is damaged: no event begins at byte "));
 }
 
+TEST_F(Python, MessagesOfAnotherVersionAreToldOnce) {
+  const std::string golden = (SourceFolder() / "tests/golden/0.2/room.lcm").string();
+  const json read = Answer(fmt::format(R"(
+import collections, warnings
+with warnings.catch_warnings(record=True) as told:
+    warnings.simplefilter("default")
+    counts = collections.Counter(m.channel for m in plslam.read_log("{}"))
+print(json.dumps({{"counts": counts, "told": [str(w.message) for w in told]}}))
+)",
+                                       golden));
+  ASSERT_TRUE(read.is_object());
+  EXPECT_GT(read["counts"]["STEREO_FRAME"], 10);
+  EXPECT_FALSE(read["counts"].contains("MAP_UPDATE"));
+  int n = 0;
+  for (const json& text : read["told"])
+    n += text.get<std::string>().find("MAP_UPDATE is of another version") != std::string::npos;
+  EXPECT_EQ(n, 1) << read["told"];
+}
+
 TEST_F(Python, AListenerHearsEachMessageOnce) {
   std::random_device random;
   bus::BusOptions options;

@@ -81,6 +81,8 @@ TEST(RunWarnings, ConditionsOfEachRow) {
        "off by 19 m (ATE) while the true one extends over 20 m: "},
       {"covariance_not_consistent", [](RunFindings& f) { f.nees_pose = 2'400.0; },
        "errors are about 20 times larger"},
+      {"recording_without_index", [](RunFindings& f) { f.recording_scan_s = 3.21; },
+       "the recording has no usable index, or is cut off: all of it was read first, which took 3.2 s"},
       {"recording_in_parts",
        [](RunFindings& f) {
          f.recordings = {"a.lcm", "a.lcm.2"};

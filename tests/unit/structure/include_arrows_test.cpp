@@ -79,7 +79,7 @@ const std::vector<Arrow> kArrows = {
     {"tools/train_vocabulary/", {"core/", "tools/command_line/"}},
     {"tools/evaluate/figures",
      {"core/", "tools/command_line/", "tools/evaluate/", "tools/export/run_source.h", "tools/export/run_source.h"}},
-    {"tools/export/", {"core/", "tools/pose_graph/export.h"}},
+    {"tools/export/", {"core/", "tools/pose_graph/export.h", "viewer_headless/node/logged_run.h"}},
     {"tools/doctor/", {"core/", "lcmtypes/"}},
     {"tools/manual/", {}},
     {"tools/plslam/",

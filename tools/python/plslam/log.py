@@ -6,7 +6,7 @@ import struct
 from typing import BinaryIO, Collection, Iterator, Optional
 
 from .errors import FileError
-from .wire import Message, decode, without_prefix
+from .wire import Message, decode, warn_of_version, without_prefix
 
 _SYNC = 0xEDA1DA01
 _EVENT = struct.Struct(">IqqII")
@@ -14,7 +14,8 @@ _MAX_CHANNEL = 63
 
 
 def read_log(path: str, prefix: str = "", channels: Optional[Collection[str]] = None) -> Iterator[Message]:
-    """Messages of a log, in its order. Those of other programs are passed over.
+    """Messages of a log, in its order. Those of other programs are passed over; so are those of another version of
+    plslam, with a warning for each channel.
 
     Raises FileError, which names the file and the byte, where it is no log, damaged or cut off; what stands before
     that place has been given by then. Raises OSError where it cannot be opened.
@@ -51,6 +52,8 @@ def _read(
                     value = decode(file.read(data_bytes))
                 except ValueError as error:
                     raise FileError(f"{path}: the event at byte {offset}, channel {channel}, is {error}") from error
-                if value is not None:
+                if value is None:
+                    warn_of_version(path, name)
+                else:
                     yield Message(name, time_us * 1e-6, value)
             offset = end

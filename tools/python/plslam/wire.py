@@ -10,6 +10,7 @@ import socket
 import struct
 import time
 import urllib.parse
+import warnings
 from typing import Any, Collection, Dict, Iterator, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -58,6 +59,16 @@ def decode(data: bytes) -> Optional[Any]:
         return kind.decode(data)
     except (struct.error, ValueError, IndexError, UnicodeDecodeError, MemoryError, OverflowError) as error:
         raise ValueError(f"no {kind.__name__}: {error}") from error
+
+
+def warn_of_version(where: str, name: str) -> None:
+    """For bytes that are of no type of this version: a warning where the channel is one of ours. Python shows it once."""
+    if hasattr(messages, name.lower() + "_t"):
+        warnings.warn(
+            f"{where}: {name} is of another version of plslam and passed over: use the package of the version that made it, "
+            "or compute the run of a log anew (plslam replay)",
+            stacklevel=3,
+        )
 
 
 def without_prefix(channel: str, prefix: str, channels: Optional[Collection[str]]) -> Optional[str]:
@@ -158,7 +169,10 @@ def _receive(
                 value = decode(content)
             except ValueError:
                 continue  # Anybody can send anything.
-            if value is None or repeats.has(name, value.header.source, value.header.seq):
+            if value is None:
+                warn_of_version("the bus", name)
+                continue
+            if repeats.has(name, value.header.source, value.header.seq):
                 continue
             last = time.monotonic()
             yield Message(name, time.time(), value)

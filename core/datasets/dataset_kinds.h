@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace plslam {
+
+/// A format of datasets.
+struct DatasetKind {
+  std::string name;  ///< "kitti"
+  std::string sign;  ///< by which it is found: "calib.txt with image_0 or image_2"
+  std::string what;  ///< "KITTI odometry"
+  bool is_folder = true;
+};
+
+/// All there are, in the order in which they are looked for.
+const std::vector<DatasetKind>& DatasetKinds();
+/// What can be played, and the names of the kinds, as help texts have them.
+std::string DatasetHelp();
+std::string DatasetKindHelp();
+
+}  // namespace plslam

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/datasets/recordings/scanned_index.h"
+
+#include <chrono>
+
+#include <fmt/format.h>
+
+namespace plslam {
+namespace {
+
+/// What was found on the way through a file.
+struct Findings {
+  uint64_t whole_bytes = 0;    ///< up to here records are whole
+  uint64_t missing_bytes = 0;  ///< of the record behind them
+  int n_damaged = 0;
+  std::string first_damage;
+};
+
+Findings ReadRecords(const RecordingFile& file, uint64_t from, const ScannedIndex::Records& records) {
+  Findings found;
+  for (found.whole_bytes = from; found.whole_bytes < file.size();) {
+    const uint64_t at = found.whole_bytes;
+    uint64_t end = 0;
+    try {
+      end = records.end(at);
+    } catch (const DatasetError&) {
+      return found;  // not even its head is whole
+    }
+    if (end > file.size() || end <= at) {
+      found.missing_bytes = end - file.size();
+      return found;
+    }
+    found.whole_bytes = end;
+    try {
+      if (!records.take(at, end)) found.whole_bytes = file.size();
+    } catch (const DatasetError& error) {
+      if (found.n_damaged++ == 0) found.first_damage = error.what();
+    }
+  }
+  return found;
+}
+
+std::string Megabytes(uint64_t bytes) { return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6); }
+
+}  // namespace
+
+void ScannedIndex::Scan(const RecordingFile& file, uint64_t from, const Records& records, const std::string& why,
+                        const char* repair) {
+  const auto begin = std::chrono::steady_clock::now();
+  messages_left_ = file.size();
+  const Findings found = ReadRecords(file, from, records);
+  taken_s_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  is_made_ = true;
+  note_ = fmt::format(
+      "{}: all of its {} were read to find the messages, which took {:.1f} s each time it is opened; "
+      "{} writes an index",
+      why, Megabytes(file.size()), taken_s_, repair);
+  if (found.whole_bytes < file.size()) {
+    const uint64_t rest = file.size() - found.whole_bytes;
+    note_ += fmt::format("; its last {} bytes are not played, since they are of a record that ", rest);
+    const bool is_cut = found.missing_bytes > 0 && found.missing_bytes <= kMaxChunkBytes;
+    note_ += is_cut ? fmt::format("is cut off ({} bytes are missing)", found.missing_bytes) : "is cut off or damaged";
+  }
+  if (found.n_damaged > 0) {
+    note_ += fmt::format("; damaged chunks or records passed over: {} (the first: {})", found.n_damaged,
+                         found.first_damage);
+  }
+}
+
+void ScannedIndex::Add(uint32_t channel, const RecordedMessage& message) {
+  if (messages_left_ == 0) throw DatasetError("there are more messages than the file has bytes: it is damaged");
+  --messages_left_;
+  messages_[channel].push_back(message);
+}
+
+std::vector<RecordedMessage> ScannedIndex::Messages(const std::string& topic,
+                                                    const std::vector<RecordedChannel>& channels) const {
+  std::vector<RecordedMessage> messages;
+  for (const RecordedChannel& channel : channels) {
+    const auto found = messages_.find(channel.id);
+    if (channel.topic != topic || found == messages_.end()) continue;
+    messages.insert(messages.end(), found->second.begin(), found->second.end());
+  }
+  SortByTime(messages);
+  return messages;
+}
+
+std::vector<std::string> ScannedIndex::Notes() const {
+  return is_made_ ? std::vector<std::string>{note_} : std::vector<std::string>{};
+}
+
+}  // namespace plslam

@@ -79,9 +79,13 @@ async function checkPicture(page) {
   await page.switch("segments2d", true);
 }
 
-/** How unlike the images are at points that both have, put where their disparities say, and 6 pixels beside it. */
+/** How unlike the images are at features of a type that both have (of segments at both ends), put where their disparities say, and 6
+ * pixels beside it. */
 const kUnlike = `
   const { shown, shrink } = plslam.picture;
+  const { points, segments, segment_disparities: ends } = shown.features;
+  const places = arguments[0] === "points" ? points
+    : Array.from(ends).flatMap((d, i) => [segments[2 * i], segments[2 * i + 1], d]);
   const grey = async (jpeg) => {
     const image = new Image();
     image.src = "data:image/jpeg;base64," + jpeg;
@@ -94,10 +98,9 @@ const kUnlike = `
   };
   return Promise.all([grey(shown.jpeg), grey(shown.right_jpeg)]).then(([left, right]) => {
     const unlike = (beside) => {
-      const { points } = shown.features;
       let sum = 0, n = 0;
-      for (let i = 0; i < points.length; i += 3) {
-        const [u, v, d] = points.subarray(i, i + 3);
+      for (let i = 0; i < places.length; i += 3) {
+        const [u, v, d] = places.slice(i, i + 3);
         const at = (u - shrink * d) / 32 + beside;
         if (d === 65535 || at < 3 || at > shown.width_px - 4 || v / 32 > shown.height_px - 4 || v / 32 < 3 || u / 32 < 3 || u / 32 > shown.width_px - 4) continue;
         for (let k = -3; k <= 3; ++k, ++n) sum += Math.abs(left(u / 32 + k, v / 32) - right(at + k, v / 32));
@@ -119,8 +122,13 @@ async function checkRightImage(page) {
   const right = await page.look("#frame");
   if (right_picture) writeFileSync(`${right_picture}_right.png`, await browser.screenshot());
   check.that(right.colours > 100 && right.digest !== left.digest, `which is another, and not blank: ${right.colours} colours`);
-  const [there, before, behind] = await browser.run(kUnlike);
-  check.that(there < 0.75 * Math.min(before, behind), `its points are where their disparities say: unlike by ${there}, beside it ${before} and ${behind}`);
+  for (const [type, share] of [["points", 0.75], ["segments", 0.85]]) {
+    const [there, before, behind] = await browser.run(kUnlike, type);
+    check.that(there < share * Math.min(before, behind), `its ${type} are where their disparities say: unlike by ${there}, beside it ${before} and ${behind}`);
+    await page.switch(`${type}2d`, false);
+    check.that((await page.look("#frame")).digest !== right.digest, `and are drawn`);
+    await page.switch(`${type}2d`, true);
+  }
   await browser.key("r", "r");
   await page.settle();
   check.that(`${await browser.run(button)}` === "false,false", "and the key R the left one again");
@@ -129,6 +137,53 @@ async function checkRightImage(page) {
   await browser.key("r", "r");
   check.that(`${await browser.run(button)}` === "true,false", "without a right image there is no button, and the key does nothing");
   await browser.run("plslam.picture.shown = plslam.picture.kept; plslam.picture.load()");
+}
+
+/** How far the disparities of the picture are from those of the points, which vo_process has found. */
+const kOff = `
+  const { shown, shrink, matched: { width, disparities } } = plslam.picture;
+  const { points } = shown.features;
+  const off = [];
+  let all = 0;
+  for (let i = 0; i < points.length; i += 3) {
+    const [u, v, d] = points.subarray(i, i + 3);
+    if (d === 65535) continue;
+    ++all;
+    const x = Math.round((u / 32) * width / shown.width_px), y = Math.round((v / 32) * width / shown.width_px);
+    const matched = disparities[y * width + x];
+    if (matched > 0) off.push(Math.abs(matched - d / 32));
+  }
+  off.sort((a, b) => a - b);
+  const known = disparities.filter((d) => d > 0).length / disparities.length;
+  return [off[off.length >> 1], off.length / all, known];`;
+
+async function checkDisparity(page) {
+  const pressed = "return ['right-image', 'disparity'].map((id) => document.getElementById(id).getAttribute('aria-pressed'))";
+  await page.slide("#time", Math.floor((await browser.run("return plslam.run.rows")) / 2));
+  await page.settle();
+  const left = await page.look("#frame");
+  await browser.key("r", "r");
+  await browser.key("d", "d");
+  await page.settle();
+  check.that(`${await browser.run(pressed)}` === "false,true", "the key D shows the disparity in the place of the right image");
+  const seen = await page.look("#frame");
+  if (right_picture) writeFileSync(`${right_picture}_disparity.png`, await browser.screenshot());
+  check.that(seen.digest !== left.digest && seen.colours > 100, `which is another picture: ${seen.colours} colours`);
+  const [off_px, share, known] = await browser.run(kOff);
+  check.that(off_px < 0.7, `disparities are those of the points, as a rule: ${off_px} pixels off, at ${share} of the points`);
+  check.that(share > 0.5 && known > 0.25, `and there are many: at ${known} of the pixels`);
+  const legend = await page.text("#disparity-legend");
+  check.that(/^far.* m.* c?m$/.test(legend), `a legend in metres: '${legend}'`);
+  const ms = await browser.run("const start = performance.now(); plslam.picture.load(); return plslam.picture.loaded.then(() => performance.now() - start)");
+  check.that(ms < 600, `after ${ms.toFixed(0)} ms`);
+  await browser.key("d", "d");
+  await page.settle();
+  check.that(`${await browser.run(pressed)}` === "false,false" && (await page.look("#frame")).digest === left.digest, "and the left image again");
+}
+
+async function checkProcesses(page) {
+  const states = await browser.run("return [...document.querySelectorAll('#process-table [data-name=state]')].map((td) => td.textContent)");
+  check.that(states.length >= 4 && states.every((state) => state === "ended"), `processes of a run that is over have ended: ${states}`);
 }
 
 async function checkLoops(page) {
@@ -211,6 +266,8 @@ await runChecks(check, browser, async (page) => {
     await checkReplay(page);
     await checkPicture(page);
     await checkRightImage(page);
+    await checkDisparity(page);
+    await checkProcesses(page);
     await checkLoops(page);
     await checkPlots();
     await checkNarrow(page);

@@ -65,6 +65,13 @@ void RunScript(const std::string& script, std::vector<std::string> arguments, co
   RunNode(arguments, log);
 }
 
+/// The scripts check_NAME.mjs find nothing wrong with the report of the run.
+void CheckReport(const WholeRun& run, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    RunScript("check_" + name + ".mjs", {(run.out() / "report.html").string()}, run.folder() / (name + ".log"));
+  }
+}
+
 int FreePort() {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -98,10 +105,15 @@ TEST(Report, IsSeenLiveAndReadFromItsFileAfterwards) {
   ASSERT_NE(run.Wait(), -1) << run.Logs();
   ASSERT_TRUE(std::filesystem::exists(run.out() / "report.html")) << run.Logs();
   EXPECT_LT(std::filesystem::file_size(run.out() / "report.html"), 8'000'000U);
-  RunScript("check_report.mjs", {(run.out() / "report.html").string()}, run.folder() / "report.log");
-  RunScript("check_use.mjs", {(run.out() / "report.html").string()}, run.folder() / "use.log");
-  RunScript("check_address.mjs", {(run.out() / "report.html").string()}, run.folder() / "address.log");
-  RunScript("check_alone.mjs", {(run.out() / "report.html").string()}, run.folder() / "alone.log");
+  CheckReport(run, {"report", "picture"});
+}
+
+TEST(Report, IsUsedWithMouseAndKeys) {
+  if (const std::string why = Missing(); !why.empty()) GTEST_SKIP() << why;
+  WholeRun run;
+  // Once around, with a loop.
+  ASSERT_EQ(run.Run({"run", "synthetic:room?frames=400&size=376x240"}), 0) << run.Logs();
+  CheckReport(run, {"use", "address", "alone"});
 }
 
 TEST(Report, PageThatWatchesIsToldOfTheEnd) {

@@ -113,7 +113,7 @@ TEST(Report, IsUsedWithMouseAndKeys) {
   WholeRun run;
   // Once around, with a loop.
   ASSERT_EQ(run.Run({"run", "synthetic:room?frames=400&size=376x240"}), 0) << run.Logs();
-  CheckReport(run, {"use", "address", "alone"});
+  CheckReport(run, {"use", "address", "link", "alone"});
 }
 
 TEST(Report, PageThatWatchesIsToldOfTheEnd) {

@@ -58,7 +58,8 @@ async function checkPick(page) {
     const moved = [0, 1, 2].map((k) => e[k] * q[0] + e[4 + k] * q[1] + e[8 + k] * q[2] + e[12 + k]);
     return [view.parts.selection.length(), Math.hypot(...moved.map((x, k) => x - p[k]))];`, own.row, other.row);
   check.that(Math.abs(length - wanted) < 1e-4, `and the distance between both: ${length} of ${wanted} m`);
-  check.that((await page.inAddress("pick")) === `points:${id}@1`, `which the address tells: ${await page.inAddress("pick")}`);
+  const { pick } = await page.address();
+  check.that(pick === `points:${id}@1`, `which the address tells: ${pick}`);
 }
 
 /** The page of the comparison and this one lead to each other. */

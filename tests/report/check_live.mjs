@@ -56,13 +56,15 @@ async function checkAddress(page) {
   await page.click("#view-top");
   await page.click("[data-mode=life]");
   const keyframe = await browser.run("return plslam.run.map.keyframes.id[0]");
-  check.that((await page.inAddress("frame")) === "8" && (await page.inAddress("view")) === "top", "the address tells frame and view");
+  const address = await page.address();
+  check.that(address.frame === "8" && address.view === "top", "the address tells frame and view");
   await page.open(`${url}#frame=8&view=top&colour=life&layers=-keyframes&pick=keyframes:${keyframe}`);
   await browser.until("return plslam.run.map && !!plslam.view.parts.selection.picked", "what the address asks for");
   const state = await browser.run("const { view, replay } = plslam; return [replay.row, view.fromAbove, view.colourMode, view.layers.get('keyframes'), view.parts.selection.id]");
   check.that(`${state}` === `8,true,life,false,${keyframe}`, `a live page shows what its address says: ${state}`);
   await page.open(`${url}`);
-  check.that((await page.inAddress("frame")) === null && (await page.inAddress("view")) === "all", "and one that follows the run goes on doing so");
+  const following = await page.address();
+  check.that(following.frame === undefined && following.view === "all", "and one that follows the run goes on doing so");
 }
 
 await runChecks(check, browser, async (page) => {

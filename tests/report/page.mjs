@@ -69,16 +69,18 @@ export class Page {
     return { row, at };
   }
 
-  /** A parameter of the address, once neither it nor the view has changed for a while. */
-  async inAddress(name) {
+  /** What the address says, once neither it nor the view has changed for a while. */
+  async address() {
     let before = null;
-    for (let same = 0; same < 4; ) {
-      await new Promise((resolve) => setTimeout(resolve, 120));
-      const now = await this.browser.run("return [location.hash, ...plslam.view.camera.position.toArray()]");
+    for (let same = 0; same < 3; ) {
+      await new Promise((resolve) => setTimeout(resolve, 150));
+      // A slow machine draws late, and a turn goes on with each picture.
+      const now = await this.browser.run(`return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))
+        .then(() => [location.hash, ...plslam.view.camera.position.toArray()])`);
       same = `${now}` === `${before}` ? same + 1 : 0;
       before = now;
     }
-    return new URLSearchParams(before[0].slice(1)).get(name);
+    return Object.fromEntries(new URLSearchParams(before[0].slice(1)));
   }
 
   click(selector) {

@@ -19,7 +19,7 @@ export class Address {
   read() {
     this.wasRead = true;
     const wanted = new URLSearchParams(window.location.hash.slice(1));
-    if (wanted.size) for (const entry of this.entries) entry.read(wanted);
+    if (window.location.hash.length > 1) for (const entry of this.entries) entry.read(wanted);
   }
 
   /** Soon, since a hand that turns the map or moves the slider does so many times a second. */

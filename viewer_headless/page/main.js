@@ -165,7 +165,10 @@ function makePicking() {
     view.invalidate();
     address.write();
   };
-  canvas.addEventListener("pointerdown", (event) => (down = [event.clientX, event.clientY]));
+  canvas.addEventListener("pointerdown", (event) => {
+    down = [event.clientX, event.clientY];
+    canvas.style.cursor = "";
+  });
   canvas.addEventListener("click", (event) => {
     if (!down || Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
     wanted = null;
